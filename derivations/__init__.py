@@ -1,0 +1,31 @@
+"""The paper's mathematics, proved step by step.
+
+Read the files in the order of `CHAPTERS`; ``python -m derivations`` runs them. Each has a function
+`derivation`, which computes its chapter when asked. It takes printed equations to be used in place of
+the paper's, by their numbers: that is how the tests see that a wrong equation is refuted.
+"""
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import Any
+
+from stickslip_sym import Derivation
+
+__all__ = ["CHAPTERS", "chapter"]
+
+CHAPTERS = {
+    "energy_balance": "d1_energy_balance",
+    "linearised_force": "d2_linearised_force",
+    "least_squares": "d3_least_squares",
+    "slope_average": "d4_slope_average",
+    "exponential_law": "d5_exponential_law",
+    "polynomial_law": "d6_polynomial_law",
+    "units": "d7_units",
+}
+"""Name of a chapter to the module that holds it, in reading order."""
+
+
+def chapter(name: str) -> Callable[[Mapping[str, Any]], Derivation]:
+    """Return the function that computes a chapter; it takes equations that replace the paper's."""
+    function: Callable[[Mapping[str, Any]], Derivation] = import_module(f"derivations.{CHAPTERS[name]}").derivation
+    return function

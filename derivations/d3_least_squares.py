@@ -1,0 +1,85 @@
+"""The best linear coefficient: equations (12) to (16), for an arbitrary function mu.
+
+The linear mu_L is fitted to mu over the velocities -V to V of a harmonic motion, weighted with x'^2
+since the balance (6) weighs the force with the velocity.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+
+from derivations import paper
+from stickslip_sym import Derivation
+from stickslip_sym.proving import ChangeOfVariable
+from stickslip_sym.symbols import N, V, a, b, c, mu, u
+
+
+def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
+    """Derive (13), (14), (15) and (16)."""
+    printed = paper.equations(replaced)
+    S = sp.Function("S")(a, b)
+    d = Derivation("least_squares", "The least-squares fit for any mu: (12) to (16)")
+    deviation = d.equal(
+        "substitute x' = V - u in (12)",
+        "u = |v_r| = V - x' runs from 2V to 0 as x' runs from -V to V, and dx' = -du",
+        printed["(12)"],
+        printed["(13)"],
+        label="(13)",
+        by=ChangeOfVariable(paper.velocity, u, V - u),
+        shown=S,
+    )
+
+    def moment(integrand: Any) -> Any:
+        return sp.Integral(integrand, (u, 0, 2 * V))
+
+    weight = (V - u) ** 2
+    by_a = d.equal(
+        "differentiate under the integral with respect to a",
+        "the integrand is a polynomial in a and b, and the limits do not depend on them",
+        sp.diff(deviation, a),
+        2 * moment(mu(u) * u * weight) + sp.Rational(32, 15) * V**5 * a - sp.Rational(4, 3) * V**4 * b,
+        label="(14) a",
+        shown=sp.Derivative(S, a),
+    )
+    by_b = d.equal(
+        "and with respect to b",
+        "likewise",
+        sp.diff(deviation, b),
+        -2 * moment(mu(u) * weight) - sp.Rational(4, 3) * V**4 * a + sp.Rational(4, 3) * V**3 * b,
+        label="(14) b",
+        shown=sp.Derivative(S, b),
+    )
+    ((best_a, best_b),) = sp.linsolve([by_a, by_b], [a, b])
+    fit_a = d.equal(
+        "solve both equations for a",
+        "they are linear in a and b",
+        best_a,
+        printed["(15) a"],
+        label="(15) a",
+        shown=a,
+    )
+    d.equal("and for b", "likewise", best_b, printed["(15) b"], label="(15) b", shown=b)
+
+    hessian = sp.hessian(sp.expand((mu(u) + a * u - b) ** 2 * weight), (a, b)).applyfunc(
+        lambda entry: sp.integrate(sp.expand(entry), (u, 0, 2 * V))
+    )
+    d.positive(
+        "the solution is a minimum: the first principal minor of the Hessian",
+        "S is a quadratic in a and b whose Hessian does not depend on mu",
+        hessian[0, 0],
+    )
+    d.positive(
+        "and the determinant of the Hessian",
+        "both minors positive: positive definite, and unique",
+        hessian.det(),
+    )
+    d.equal(
+        "put a into (11), c = a N",
+        "the pure-slip condition",
+        fit_a * N,
+        printed["(16)"],
+        label="(16)",
+        shown=c,
+    )
+    return d

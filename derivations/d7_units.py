@@ -1,0 +1,47 @@
+"""Every criterion comes out in kg/s.
+
+Each symbol is replaced by itself times its unit. A formula is dimensionally right exactly if all units
+then come out in front as one factor: for a damping coefficient, kg/s.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+from sympy.physics.units import meter, second
+
+from derivations import paper
+from stickslip_sym import Derivation, derive, laws
+from stickslip_sym.proving import ChangeOfVariable
+from stickslip_sym.symbols import QUANTITIES, c, mu, s, u
+from stickslip_sym.units import parse_unit, with_units
+
+
+def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
+    """Prove the unit of (16), for any law, and of the closed forms (17), (18) and of the equilibrium."""
+    printed = paper.equations(replaced)
+    damping = parse_unit(QUANTITIES["c"].unit)
+    scene = {QUANTITIES[name].symbol: QUANTITIES[name].unit for name in ("V", "N")}
+    d = Derivation("units", "Every criterion is a damping coefficient, in kg/s")
+
+    # A law for a speed in m/s is a function of the pure number v/v_0, whatever the speed v_0 is.
+    v_0 = sp.Symbol("v_0", positive=True)
+    any_law = printed["(16)"].replace(mu, lambda speed: mu(speed / v_0))
+    d.equal(
+        "(16) for any law",
+        "mu is a function of v/v_0; the variable of integration is a speed too",
+        with_units(any_law, scene | {v_0: "m/s"}),
+        any_law * damping,
+        by=ChangeOfVariable(u, s, s * meter / second),
+    )
+    formulas = {
+        "(17)": (printed["(17)"], laws.exponential),
+        "(18)": (printed["(18)"], laws.polynomial),
+        "equilibrium, exponential law": (derive(laws.exponential, "equilibrium").expr, laws.exponential),
+        "equilibrium, polynomial law": (derive(laws.polynomial, "equilibrium").expr, laws.polynomial),
+    }
+    for name, (expr, law) in formulas.items():
+        parameters = {p.symbol: p.unit for p in law.parameters.values() if p.unit}
+        listed = ", ".join(f"{symbol} in {unit}" for symbol, unit in (scene | parameters).items() if unit != "1")
+        d.equal(name, listed, with_units(expr, scene | parameters), expr * damping, label=name, shown=c)
+    return d

@@ -1,0 +1,1 @@
+"""The claims of the paper, checked: ``pytest paper_checks``."""

@@ -1,0 +1,58 @@
+"""Stick-slip vibration of a mass on a moving belt: criteria derived, proved, evaluated and cross-checked.
+
+The friction law mu(v) of a contact decides how much viscous damping c the oscillator
+m x'' + c x' + k x = N mu(V - x') needs so that it does not stick and slip. Names are loaded when
+first used: importing the package is cheap.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stickslip_sym import criteria, laws, quadrature, symbols
+    from stickslip_sym.automaton import Phase, Trajectory, simulate
+    from stickslip_sym.closed_form import ClosedForm, derive
+    from stickslip_sym.derivation import Derivation, Step
+    from stickslip_sym.errors import InputError, NoClosedForm, NotConverged, NoThreshold, StickSlipError
+    from stickslip_sym.friction import FrictionLaw, Parameter
+    from stickslip_sym.oscillator import Oscillator
+    from stickslip_sym.proving import Status, Verdict
+    from stickslip_sym.threshold import Threshold, pure_slip_damping
+    from stickslip_sym.transit import StickSlipCycle, peak_velocity, stick_slip_cycle
+
+__version__ = "0.1.0"
+
+_MODULES = ("criteria", "laws", "quadrature", "symbols")
+_HOME = {
+    "ClosedForm": "closed_form", "derive": "closed_form",
+    "StickSlipCycle": "transit", "peak_velocity": "transit", "stick_slip_cycle": "transit",
+    "Derivation": "derivation", "Step": "derivation",
+    "InputError": "errors", "NoClosedForm": "errors", "NoThreshold": "errors",
+    "NotConverged": "errors", "StickSlipError": "errors",
+    "FrictionLaw": "friction", "Parameter": "friction",
+    "Oscillator": "oscillator",
+    "Status": "proving", "Verdict": "proving",
+    "Phase": "automaton", "Trajectory": "automaton", "simulate": "automaton",
+    "Threshold": "threshold", "pure_slip_damping": "threshold",
+}  # fmt: skip
+
+__all__ = [  # noqa: RUF022  # modules first
+    "criteria", "laws", "quadrature", "symbols",
+    "ClosedForm", "Derivation", "FrictionLaw", "InputError", "NoClosedForm", "NoThreshold", "NotConverged",
+    "Oscillator", "Parameter", "Phase", "Status", "Step", "StickSlipCycle", "StickSlipError", "Threshold",
+    "Trajectory", "Verdict", "derive", "peak_velocity", "pure_slip_damping", "simulate", "stick_slip_cycle",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return import_module(f"stickslip_sym.{name}")
+    if name in _HOME:
+        value = getattr(import_module(f"stickslip_sym.{_HOME[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module 'stickslip_sym' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,26 @@
+"""SymPy expressions to Python functions.
+
+The one place that calls `lambdify`. It generates source text, so only symbols that were checked
+(`friction`) reach it, and even those are replaced by dummy names.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Literal
+
+import sympy as sp
+
+__all__ = ["function_of"]
+
+
+def function_of(
+    arguments: Sequence[Any], expr: Any, backend: Literal["numpy", "math", "mpmath"]
+) -> Callable[..., Any]:
+    """Return `expr` as a function of `arguments`, computed by the given library.
+
+    `expr` may be a list of expressions; common subexpressions are then computed once.
+    """
+    modules = ["scipy", "numpy"] if backend == "numpy" else [backend]
+    compiled: Callable[..., Any] = sp.lambdify(
+        list(arguments), expr, modules=modules, dummify=True, cse=isinstance(expr, list)
+    )
+    return compiled

@@ -1,0 +1,133 @@
+"""`Derivation`: a list of steps, each with its operation, its reason, its result and a computed verdict."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+
+from stickslip_sym import printing
+from stickslip_sym.proving import By, Status, Verdict, prove_equal, prove_positive
+
+__all__ = ["Derivation", "Step"]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of a derivation.
+
+    Attributes
+    ----------
+    operation : str
+        What is done.
+    reason : str
+        Why it may be done.
+    statement : sympy.Rel
+        The equation or inequality that results.
+    verdict : Verdict
+        What computing it showed.
+    label : str
+        The number of the equation in its source, like "(16)", or empty.
+    """
+
+    operation: str
+    reason: str
+    statement: Any
+    verdict: Verdict
+    label: str = ""
+
+
+@dataclass
+class Derivation:
+    """A chain of proved steps from what is given to a result.
+
+    Attributes
+    ----------
+    name : str
+    title : str
+        One line that says what is derived from what.
+    steps : list of Step
+    """
+
+    name: str
+    title: str
+    steps: list[Step] = field(default_factory=list)
+
+    def equal(
+        self,
+        operation: str,
+        reason: str,
+        lhs: Any,
+        rhs: Any,
+        *,
+        label: str = "",
+        by: By | None = None,
+        shown: Any | None = None,
+    ) -> Any:
+        """Add the step lhs = rhs, prove or refute it, and return `rhs`.
+
+        `shown` is what the equation is printed as, when the left side has a name.
+        """
+        statement = sp.Eq(lhs if shown is None else shown, rhs, evaluate=False)
+        self.steps.append(Step(operation, reason, statement, prove_equal(lhs, rhs, by), label))
+        return rhs
+
+    def positive(self, operation: str, reason: str, expr: Any, *, label: str = "") -> None:
+        """Add the step expr > 0, and prove or refute it."""
+        statement = sp.Gt(expr, 0, evaluate=False)
+        self.steps.append(Step(operation, reason, statement, prove_positive(expr), label))
+
+    @property
+    def status(self) -> Status:
+        """The weakest verdict among the steps."""
+        found = {step.verdict.status for step in self.steps}
+        for status in (Status.REFUTED, Status.CHECKED):
+            if status in found:
+                return status
+        return Status.PROVED
+
+    def __getitem__(self, label: str) -> Step:
+        """Return the step with an equation number, e.g. ``derivation["(16)"]``."""
+        for step in self.steps:
+            if step.label == label:
+                return step
+        labels = ", ".join(step.label for step in self.steps if step.label)
+        raise KeyError(f"no step is labelled {label!r}; there are: {labels}")
+
+    def text(self) -> str:
+        """Return the steps as plain text, one equation a line."""
+        lines = [f"{self.title}  [{self.status.value}]"]
+        for number, step in enumerate(self.steps, 1):
+            label = f"  {step.label}" if step.label else ""
+            lines += [
+                "",
+                f"{number}. {step.operation}{label}",
+                f"   because {step.reason}",
+                f"   {printing.text(step.statement)}",
+                f"   {step.verdict}",
+            ]
+        return "\n".join(lines)
+
+    def latex(self) -> str:
+        """Return the steps as LaTeX paragraphs with displayed equations."""
+        parts = [f"\\paragraph{{{_escape(self.title)}}}"]
+        for step in self.steps:
+            tag = f" \\tag*{{{step.label}}}" if step.label else ""
+            parts.append(
+                f"{_escape(step.operation)}: {_escape(step.reason)}.\n"
+                f"\\begin{{equation*}}\n  {printing.latex(step.statement)}{tag}\n\\end{{equation*}}\n"
+                f"% {step.verdict.status.value}"
+            )
+        return "\n\n".join(parts) + "\n"
+
+    def _repr_latex_(self) -> str:
+        rows = " \\\\\n".join(printing.latex(step.statement).replace("=", "&=", 1) for step in self.steps)
+        return f"$$\\begin{{aligned}}\n{rows}\n\\end{{aligned}}$$"
+
+    def __repr__(self) -> str:
+        return f"Derivation: {self.name}, {len(self.steps)} steps, {self.status.value}"
+
+
+def _escape(text: str) -> str:
+    for character in "\\&%$#_{}":
+        text = text.replace(character, "\\" + character) if character != "\\" else text
+    return text.replace("^", "\\^{}").replace("~", "\\~{}")

@@ -1,0 +1,23 @@
+"""The exceptions of the package: each message says what was got, what was required and what to try."""
+
+__all__ = ["InputError", "NoClosedForm", "NoThreshold", "NotConverged", "StickSlipError"]
+
+
+class StickSlipError(Exception):
+    """Base of every error that this package raises on purpose."""
+
+
+class InputError(StickSlipError, ValueError):
+    """A law, a number, a name or a file that cannot be used as given."""
+
+
+class NoClosedForm(StickSlipError):
+    """The criterion of this law has no closed form that could be found and verified."""
+
+
+class NoThreshold(StickSlipError):
+    """No damping c >= 0 separates stick-slip from slip in this scene."""
+
+
+class NotConverged(StickSlipError):
+    """A bound on the work was reached before the accuracy that was asked for."""

@@ -1,0 +1,71 @@
+"""Every symbol of the oscillator once: its meaning, its SI unit, its assumptions.
+
+The parameters of friction laws are not here; each law brings its own (`friction.Parameter`).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+__all__ = [
+    "QUANTITIES",
+    "RESERVED",
+    "N",
+    "Quantity",
+    "V",
+    "a",
+    "b",
+    "c",
+    "k",
+    "m",
+    "mu",
+    "s",
+    "t",
+    "u",
+    "v",
+    "x",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A physical quantity: its symbol, what it means, and its SI unit as text."""
+
+    symbol: Any
+    meaning: str
+    unit: str
+
+
+V = sp.Symbol("V", positive=True)
+N = sp.Symbol("N", positive=True)
+m = sp.Symbol("m", positive=True)
+k = sp.Symbol("k", positive=True)
+c = sp.Symbol("c", real=True)
+v = sp.Symbol("v", nonnegative=True)
+x = sp.Symbol("x", real=True)
+t = sp.Symbol("t", real=True)
+
+# Used inside derivations only, so laws may use these names for their own parameters.
+u = sp.Symbol("u", real=True)
+s = sp.Symbol("s", real=True)
+a = sp.Symbol("a", real=True)
+b = sp.Symbol("b", real=True)
+mu = sp.Function("mu", real=True)
+
+QUANTITIES = {
+    quantity.symbol.name: quantity
+    for quantity in (
+        Quantity(V, "belt speed", "m/s"),
+        Quantity(N, "normal force", "N"),
+        Quantity(m, "mass", "kg"),
+        Quantity(k, "spring stiffness", "N/m"),
+        Quantity(c, "viscous damping coefficient", "kg/s"),
+        Quantity(v, "slip speed |x' - V|", "m/s"),
+        Quantity(x, "displacement of the mass", "m"),
+        Quantity(t, "time", "s"),
+    )
+}
+
+RESERVED = frozenset(QUANTITIES)
+"""Names that a parameter of a friction law may not have."""

@@ -1,0 +1,50 @@
+"""SI units as text, and proofs that a formula has the unit it should.
+
+A formula is dimensionally right exactly if scaling the units scales its value: replace every symbol by
+symbol times unit, and the units must come out in front, as one factor. With `sympy.physics.units` the
+units are symbols, so the proof is an identity like any other.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+
+from stickslip_sym.errors import InputError
+from stickslip_sym.parsing import parse_expression
+
+__all__ = ["parse_unit", "with_units"]
+
+
+def parse_unit(text: str) -> Any:
+    """Translate a unit such as ``"kg/s"``, ``"1"`` or ``"N*s^2/m^2"`` into kilogram, meter and second.
+
+    Raises
+    ------
+    InputError
+        If the text is no product of powers of m, s, kg and N.
+    """
+    from sympy.physics import units
+
+    base = {
+        "m": units.meter,
+        "s": units.second,
+        "kg": units.kilogram,
+        "N": units.kilogram * units.meter / units.second**2,
+    }
+
+    def lookup(name: str) -> Any:
+        if name not in base:
+            raise InputError(f"{name!r} is not a unit known here; units are made of m, s, kg and N")
+        return base[name]
+
+    unit = parse_expression(text, lookup)
+    coefficient, _ = unit.as_coeff_Mul()
+    if coefficient != 1 or unit.is_Add or any(not p.exp.is_number for p in unit.atoms(sp.Pow)):
+        raise InputError(f"{text!r} is not a unit; write a product of powers of m, s, kg and N, or 1")
+    return unit
+
+
+def with_units(expr: Any, units: Mapping[Any, str]) -> Any:
+    """Replace each symbol in `units` by itself times its unit."""
+    return expr.xreplace({symbol: symbol * parse_unit(text) for symbol, text in units.items()})

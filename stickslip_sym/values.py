@@ -1,0 +1,86 @@
+"""Numbers as users give them, read exactly.
+
+A float is the binary number that it is; text such as "0.3" is the decimal that it says.
+Fifty digits of a result mean something only if the input is known to fifty digits too.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any, SupportsFloat
+
+import mpmath
+import sympy as sp
+
+from stickslip_sym.errors import InputError
+
+__all__ = ["Number", "exact", "exact_values", "suggestion"]
+
+Number = int | float | str | Fraction | Decimal | SupportsFloat
+
+_DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,4})?")
+_LONGEST = 400  # characters of a number; enough for any decimal that has a meaning here
+
+
+def exact(value: Number, name: str) -> Any:
+    """Return `value` as the exact SymPy rational it denotes.
+
+    Parameters
+    ----------
+    value : int, float, numpy scalar, Fraction, Decimal, mpmath.mpf, sympy number or decimal text
+        Floats are taken as exact binary numbers, text as an exact decimal or a ratio like "1/3".
+    name : str
+        What the number is, for the message.
+
+    Raises
+    ------
+    InputError
+        If it is no finite real number.
+    """
+    if isinstance(value, str):
+        return _from_text(value, name)
+    if isinstance(value, sp.Expr):
+        if value.is_Rational:
+            return value
+        if value.is_Float:
+            return sp.Rational(value)
+    elif isinstance(value, bool):
+        pass
+    elif isinstance(value, int | Fraction | Decimal):
+        if not isinstance(value, Decimal) or value.is_finite():
+            return sp.Rational(Fraction(value))
+    elif isinstance(value, mpmath.mpf):
+        if mpmath.isfinite(value):
+            sign, mantissa, exponent, _ = value._mpf_
+            return (-1) ** sign * sp.Integer(int(mantissa)) * sp.Integer(2) ** exponent
+    elif hasattr(value, "__float__") and not hasattr(value, "__len__"):
+        as_float = float(value)
+        if math.isfinite(as_float):
+            return sp.Rational(Fraction(as_float))
+    raise InputError(f"{name} = {value!r} is not a finite real number; give a number such as 0.5 or '0.5'")
+
+
+def _from_text(text: str, name: str) -> Any:
+    parts = text.strip().split("/")
+    if len(text) <= _LONGEST and len(parts) <= 2 and all(_DECIMAL.fullmatch(part) for part in parts):
+        numerator, *rest = (sp.Rational(part) for part in parts)
+        if not rest:
+            return numerator
+        if rest[0] != 0:
+            return numerator / rest[0]
+    raise InputError(f"{name} = {text[:60]!r} is not a number; write it like 0.5, 5e-1 or 1/2")
+
+
+def exact_values(values: Mapping[str, Number]) -> dict[str, Any]:
+    """Read a mapping of names to numbers exactly."""
+    return {name: exact(value, name) for name, value in values.items()}
+
+
+def suggestion(wrong: str, known: Mapping[str, Any] | list[str]) -> str:
+    """Return '; did you mean ...?' when a known name is close to the wrong one, else an empty text."""
+    from difflib import get_close_matches
+
+    close = get_close_matches(wrong, list(known), n=1, cutoff=0.6)
+    return f"; did you mean {close[0]!r}?" if close else ""

@@ -1,0 +1,16 @@
+"""Fixtures that several test files use."""
+
+import pytest
+
+import stickslip_sym as ss
+
+
+@pytest.fixture(params=["exponential", "polynomial"])
+def law(request):
+    """Each of the paper's two laws at the paper's parameters."""
+    return ss.laws.catalogue[request.param].typical()
+
+
+def paper_oscillator(c=0.0, **changes):
+    """Return the oscillator of the paper's section 3."""
+    return ss.Oscillator(**({"m": 1.0, "k": 100.0, "c": c, "V": 0.5, "N": 9.81} | changes))

@@ -1,0 +1,143 @@
+"""The command line, run as a user runs it."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+from stickslip_sym import InputError, cli, files
+
+
+def stickslip(*arguments, cwd=None):
+    """Run the command in a process of its own."""
+    command = [sys.executable, "-c", "from stickslip_sym.cli import main; main()", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=cwd, check=False)
+
+
+def test_laws_lists_the_catalogue():
+    done = stickslip("laws")
+    assert done.returncode == 0
+    assert re.search(r"^exponential +mu_m \+ \(mu_s - mu_m\)\*exp\(-alpha\*v\) +mu_s = 0.5", done.stdout, re.M)
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("exponential", "2.5459496029051"), ("polynomial", "3.0481071428571")]
+)
+def test_derive_ends_with_a_table_of_three_methods(name, value):
+    done = stickslip("derive", name)
+    assert done.returncode == 0, done.stderr
+    assert f"ClosedForm: {name}, least_squares, PROVED" in done.stdout
+    *_, closed, quadrature, threshold = (re.split(r"\s{2,}", line) for line in done.stdout.splitlines())
+    assert [closed[0], quadrature[0], threshold[0]] == [
+        "closed form",
+        "quadrature, 50 digits",
+        "event-driven threshold",
+    ]
+    assert closed[1].startswith(value)
+    assert float(quadrature[2]) < 1e-48
+    assert 0.003 < float(threshold[2]) < 0.02
+    assert all(re.fullmatch(r"[\d.]+ (us|ms|s)", row[3]) for row in (closed, quadrature, threshold))
+
+
+def test_derive_takes_values_a_criterion_and_steps():
+    done = stickslip(
+        "derive", "exponential", "-p", "alpha=1", "-V", "1/4", "--criterion", "equilibrium", "--steps"
+    )
+    assert done.returncode == 0, done.stderr
+    assert "1. take the slope at the belt speed" in done.stdout
+    assert "PROVED: the difference reduces to 0" in done.stdout
+    assert re.search(r"closed form +2\.2920107", done.stdout)
+
+
+def test_derive_takes_a_formula():
+    done = stickslip("derive", "a - b*v")
+    assert done.returncode == 0
+    assert "c = N*b" in done.stdout
+    assert done.stderr == "\nno value for a, b: give -p a=... for a table of values\n"
+
+
+def test_latex_file(tmp_path):
+    done = stickslip("derive", "polynomial", "--latex", "form.tex", "--steps", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    text = (tmp_path / "form.tex").read_text()
+    assert "\\begin{equation}\n  c = \\frac{N \\left(21 v_{m}^{2} - 26 V^{2}\\right)" in text
+    assert text.count("\\begin{equation*}") == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["derive", "expnential"], "there is no law 'expnential'; did you mean 'exponential'?"),
+        (["derive", "exponential", "--criterion", "harmonics"], "there is no criterion 'harmonics'"),
+        (
+            ["derive", "exponential", "--latex", "missing/form.tex"],
+            "cannot write 'missing/form.tex': No such file",
+        ),
+        (["derive", "exponential", "--latex", "."], "cannot write '.': Is a directory"),
+        (
+            ["derive", "exponential", "-p", "alpha=1", "-p", "alpha=2"],
+            "alpha is given twice, as 1 and 2; give it once",
+        ),
+        (["derive", "exponential", "-V", "1", "-V", "2"], "V is given twice, as 1 and 2; give it once"),
+        (["derive", "exponential", "-p", "alpha=fast"], "alpha = 'fast' is not a number; write it like"),
+        (["derive", "exponential", "-p", "alpha"], "'alpha' is not NAME=VALUE; write for example"),
+        (["derive", "exponential", "-p", "beta=1"], "has no parameter 'beta'"),
+        (["derive", "exponential", "-V", "0,5"], "V = '0,5' is not a number"),
+        (["derive", "exponential", "-V", "-1"], "V = -1 must be positive: it is the belt speed"),
+        (["derive", "exponential", "-m", "0"], "m = 0 must be positive"),
+        (["derive"], "Missing argument"),
+        (["derive", "exponential", "--stepps"], "No such option"),
+        (["derives"], "No such command 'derives'"),
+    ],
+)
+def test_bad_input_is_one_or_two_lines_on_stderr(arguments, message, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["stickslip", *arguments])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    printed = capsys.readouterr()
+    assert end.value.code == 2
+    assert printed.out == ""
+    assert printed.err.startswith("error: ")
+    assert message in printed.err
+    assert len(printed.err.splitlines()) <= 2
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_closed_form_has_its_own_exit_code():
+    done = stickslip("derive", "a + b*sin(v)")
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: no rule integrates the term b*sin(u)")
+
+
+def test_help_of_every_command_has_an_example():
+    for command in ("laws", "derive"):
+        done = stickslip(command, "--help")
+        assert done.returncode == 0
+        assert "Example: stickslip " in done.stdout
+
+
+def test_a_file_survives_a_failed_write(tmp_path, monkeypatch):
+    path = tmp_path / "form.tex"
+    path.write_text("precious")
+
+    def fail(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", fail)
+    with pytest.raises(InputError, match="No space left on device; choose another file"):
+        files.write_text(path, "new")
+    assert path.read_text() == "precious"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["form.tex"]
+
+
+def test_writing_keeps_permissions_and_follows_links(tmp_path):
+    path, link = tmp_path / "form.tex", tmp_path / "link.tex"
+    path.write_text("old")
+    path.chmod(0o640)
+    link.symlink_to(path)
+    files.write_text(link, "new")
+    assert (path.read_text(), path.stat().st_mode & 0o777) == ("new", 0o640)
+    assert link.is_symlink()

@@ -1,0 +1,156 @@
+"""Closed forms: proved, equal to the paper's, and the same number in every precision."""
+
+import random
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import stickslip_sym as ss
+from derivations import paper
+from stickslip_sym import closed_form, integrals
+from stickslip_sym.proving import prove_equal
+
+PRINTED = paper.equations()
+AGREED_DIGITS = 45
+FLOAT_ERROR = 1e-13  # what a call promises
+
+
+@pytest.fixture
+def scene():
+    """Twenty seeded scenes and parameters, log-uniform over four decades each."""
+    rng = random.Random(16)
+
+    def draw(names):
+        return {name: f"{10 ** rng.uniform(-2, 2):.8g}" for name in names}
+
+    return draw
+
+
+@pytest.mark.parametrize(("name", "label"), [("exponential", "(17)"), ("polynomial", "(18)")])
+def test_least_squares_is_the_paper_s(name, label):
+    form = ss.derive(ss.laws.catalogue[name])
+    assert prove_equal(form.expr, PRINTED[label]).status is ss.Status.PROVED
+    assert form.verdict.status is ss.Status.PROVED
+    assert "27 digits at 12 seeded points" in form.verdict.evidence
+
+
+@pytest.mark.parametrize("name", ss.laws.catalogue)
+def test_equilibrium_is_the_slope(name):
+    law = ss.laws.catalogue[name].typical()
+    assert ss.derive(law, "equilibrium")(V=0.5, N=9.81) == pytest.approx(-9.81 * law.slope(0.5), rel=1e-14)
+
+
+@pytest.mark.parametrize("criterion", ss.criteria.catalogue)
+@pytest.mark.parametrize("name", ss.laws.catalogue)
+def test_agrees_with_quadrature_to_45_digits(name, criterion, scene):
+    law = ss.laws.catalogue[name]
+    form = ss.derive(law, criterion)
+    for _ in range(20):
+        values = scene([*law.parameters, "V", "N"])
+        V, N = values.pop("V"), values.pop("N")
+        expected = ss.quadrature.damping(law.bind(**values), criterion, V=V, N=N, digits=50)
+        got = form.evaluate(50, V=V, N=N, **values)
+        with mpmath.workdps(50):
+            assert abs(got - expected) <= abs(expected) * mpmath.mpf(10) ** -AGREED_DIGITS
+
+
+@pytest.mark.parametrize("criterion", ss.criteria.catalogue)
+@pytest.mark.parametrize("name", ss.laws.catalogue)
+def test_a_call_is_accurate_over_twelve_decades(name, criterion):
+    form = ss.derive(ss.laws.catalogue[name].typical(), criterion)
+    V = np.concatenate([np.logspace(-9, 2, 111), np.linspace(0.89, 0.91, 21)])
+    values = form(V=V, N=9.81)
+    exact = np.array([float(form.evaluate(25, V=speed, N=9.81)) for speed in V])
+    assert np.all(np.abs(values - exact) <= FLOAT_ERROR * np.abs(exact))
+
+
+def test_the_printed_formula_would_fail_that_test():
+    """The negative control: (17) as lambdify gives it is over 10 % wrong at V = 1e-4."""
+    names = [ss.symbols.V, *(paper.exponential[name] for name in ("mu_s", "mu_m", "alpha")), ss.symbols.N]
+    printed = sp.lambdify(names, PRINTED["(17)"], "math")
+    form = ss.derive(ss.laws.exponential.typical())
+    exact = float(form.evaluate(25, V=1e-4, N="9.81"))
+    assert abs(printed(1e-4, 0.5, 0.2, 3.0, 9.81) / exact - 1) > 0.1
+    assert abs(form(V=1e-4, N=9.81) / exact - 1) < FLOAT_ERROR
+
+
+def test_belt_at_rest_gives_the_limit(law):
+    form = ss.derive(law)
+    assert form(V=0.0, N=9.81) == pytest.approx(-9.81 * law.slope(0.0), rel=1e-15)
+    assert float(form.evaluate(30, V=0, N=9.81)) == pytest.approx(form(V=0.0, N=9.81), rel=1e-15)
+    assert form(V=1e-200, N=9.81) == pytest.approx(form(V=0.0, N=9.81), rel=1e-15)
+
+
+def test_broadcasting(law):
+    form = ss.derive(law)
+    V, N = np.linspace(0.1, 1.0, 4)[:, None], np.array([0.0, 5.0, 9.81])
+    grid = form(V=V, N=N)
+    assert grid.shape == (4, 3)
+    assert grid[:, 0].tolist() == [0.0] * 4
+    assert grid[2, 1] == form(V=V[2, 0], N=5.0)
+    assert isinstance(form(V=0.5, N=9.81), float)
+    assert form(V=np.empty((0, 2)), N=1.0).shape == (0, 2)
+    assert form(V=[1, 2], N=np.float32(1)).dtype == np.float64
+
+
+def test_wrong_arguments():
+    form = ss.derive(ss.laws.exponential)
+    good = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
+    assert form(**good) == pytest.approx(2.545949602905104, rel=1e-15)
+    cases = {
+        "no value for alpha; give alpha=...": {k: v for k, v in good.items() if k != "alpha"},
+        "'mu_d' is not an argument of this closed form": good | {"mu_d": 0.3},
+        "V = -0.5 must not be negative": good | {"V": [0.5, -0.5]},
+        "N holds a value that is not finite": good | {"N": float("nan")},
+        "alpha = 'fast' is not a number": good | {"alpha": "fast"},
+        "the shapes do not broadcast": good | {"V": [1.0, 2.0], "N": [1.0, 2.0, 3.0]},
+    }
+    for message, arguments in cases.items():
+        with pytest.raises(ss.InputError, match=message):
+            form(**arguments)
+    with pytest.raises(ss.InputError, match="V = -1 must not be negative"):
+        form.evaluate(20, **good | {"V": -1})
+    with pytest.raises(ss.InputError, match="digits = 0 is outside"):
+        form.evaluate(0, **good)
+    with pytest.raises(ss.InputError, match="no criterion 'least_square'; did you mean 'least_squares'"):
+        ss.derive(ss.laws.exponential, "least_square")
+
+
+def test_new_laws_get_their_closed_form():
+    linear = ss.derive(ss.FrictionLaw("mu_s - beta*v"))
+    assert linear.expr == ss.symbols.N * sp.Symbol("beta", positive=True)
+    assert ss.derive(ss.FrictionLaw("mu_k")).expr == 0
+    two = ss.derive(ss.FrictionLaw("mu_0 + a*exp(-v/p) + b*v*exp(-v/q) + d*v^2"))
+    assert two.verdict.status is ss.Status.PROVED
+
+
+def test_no_closed_form_names_the_term():
+    with pytest.raises(ss.NoClosedForm, match=r"no rule integrates the term d\*sin\(u\).*[Qq]uadrature"):
+        ss.derive(ss.FrictionLaw("mu_0 + d*sin(v)"))
+
+
+@pytest.mark.parametrize("factor", [-1, 2, sp.exp(ss.symbols.V)])
+def test_a_wrong_antiderivative_never_comes_out(monkeypatch, factor):
+    right = integrals.antiderivative
+    monkeypatch.setattr(closed_form, "antiderivative", lambda *args: factor * right(*args))
+    with pytest.raises(ss.NoClosedForm, match="refuted"):
+        ss.derive(ss.laws.exponential)
+
+
+def test_the_gate_alone_refutes(monkeypatch):
+    """A step that proved nothing would not help a wrong result past the quadrature."""
+    form = ss.derive(ss.laws.exponential)
+    verdict = closed_form._gate(form.law, form.criterion, form.expr * (1 + sp.Rational(1, 10**20)))
+    assert verdict.status is ss.Status.REFUTED
+    assert verdict.point
+
+
+def test_latex_and_repr(law):
+    form = ss.derive(law)
+    assert form.latex().startswith("c = \\frac{")
+    assert "\\mu_{s} - \\mu_{m}" in form.latex()
+    assert form._repr_latex_() == f"$\\displaystyle {form.latex()}$"
+    assert repr(form) == f"ClosedForm: {law.name}, least_squares, PROVED"
+    assert "\\mu(v) = " in law._repr_latex_()

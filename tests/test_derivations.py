@@ -1,0 +1,144 @@
+"""The derivations: all proved, and each refuted as soon as an equation is wrong."""
+
+import pytest
+import sympy as sp
+
+from derivations import CHAPTERS, chapter, paper
+from stickslip_sym import Status
+from stickslip_sym.proving import Antiderivative, ChangeOfVariable, prove_equal, prove_positive
+from stickslip_sym.symbols import N, V, a, b, c, mu, s, u
+
+PRINTED = paper.equations()
+alpha, mu_s, mu_m = (paper.exponential[name] for name in ("alpha", "mu_s", "mu_m"))
+v_m = paper.polynomial["v_m"]
+aV = alpha * V
+
+
+@pytest.mark.parametrize("name", CHAPTERS)
+def test_every_step_is_proved(name):
+    derivation = chapter(name)({})
+    assert {step.verdict.status for step in derivation.steps} == {Status.PROVED}
+
+
+def integral(kernel, upper=2 * V):
+    return sp.Integral(mu(u) * kernel, (u, 0, upper))
+
+
+def law_17(bracket, power=5):
+    return 5 * N * (mu_s - mu_m) * sp.exp(-aV) * bracket / (V**power * alpha**4)
+
+
+COSH, SINH = sp.cosh(aV), sp.sinh(aV)
+
+TAMPERED = [
+    ("energy_balance", "(5)", -PRINTED["(5)"]),
+    ("energy_balance", "(5)", 2 * PRINTED["(5)"]),
+    ("linearised_force", "(9)", N * (a * (paper.velocity + V) + b)),
+    ("linearised_force", "(9)", -PRINTED["(9)"]),
+    ("linearised_force", "(10)", PRINTED["(10)"].subs(c, -c)),
+    ("linearised_force", "(11)", -a * N),
+    ("linearised_force", "(11)", 2 * a * N),
+    ("least_squares", "(13)", sp.Integral((mu(u) + a * u - b) ** 2 * (V - u) ** 2, (u, 0, V))),
+    ("least_squares", "(13)", sp.Integral((mu(u) + a * u - b) ** 2 * (V + u) ** 2, (u, 0, 2 * V))),
+    ("least_squares", "(13)", sp.Integral((mu(u) - a * u - b) ** 2 * (V - u) ** 2, (u, 0, 2 * V))),
+    ("least_squares", "(13)", sp.Integral((mu(u) + a * u - b) ** 2 * (V - u), (u, 0, 2 * V))),
+    ("least_squares", "(15) a", -PRINTED["(15) a"]),
+    ("least_squares", "(15) a", 2 * PRINTED["(15) a"]),
+    ("least_squares", "(15) a", 5 / (2 * V**5) * integral((V - u) ** 3, V)),
+    ("least_squares", "(15) a", 5 / (2 * V**5) * integral((V - u) ** 2)),
+    ("least_squares", "(15) a", 5 / (2 * V**4) * integral((V - u) ** 3)),
+    ("least_squares", "(15) b", -PRINTED["(15) b"]),
+    ("least_squares", "(15) b", integral((V - u) ** 2 * (8 * V + 5 * u)) / (2 * V**4)),
+    ("least_squares", "(15) b", integral((V - u) ** 2 * (8 * V - 5 * u), V) / (2 * V**4)),
+    ("least_squares", "(15) b", integral((V - u) ** 2 * (5 * V - 8 * u)) / (2 * V**4)),
+    ("least_squares", "(15) b", integral((V - u) ** 3 * (8 * V - 5 * u)) / (2 * V**4)),
+    ("least_squares", "(16)", 5 * N / (2 * V**5) * integral((u - V) ** 3)),
+    ("exponential_law", "(17)", law_17((6 * aV + aV**3) * COSH + (6 + 3 * aV**2) * SINH)),
+    ("exponential_law", "(17)", law_17((6 * aV - aV**3) * COSH - (6 + 3 * aV**2) * SINH)),
+    ("exponential_law", "(17)", law_17((6 * aV + aV**3) * COSH - (6 + 2 * aV**2) * SINH)),
+    ("exponential_law", "(17)", law_17((6 * aV + aV**3) * SINH - (6 + 3 * aV**2) * COSH)),
+    ("exponential_law", "(17)", law_17((6 * aV + aV**3) * COSH - (6 + 3 * aV**2) * SINH, power=4)),
+    ("exponential_law", "(17)", PRINTED["(17)"] * sp.exp(2 * aV)),
+    ("exponential_law", "(17)", PRINTED["(17)"] / 2),
+    ("polynomial_law", "(18)", (mu_s - mu_m) * N * (21 * v_m**2 + 26 * V**2) / (14 * v_m**3)),
+    ("polynomial_law", "(18)", (mu_s - mu_m) * N * (26 * v_m**2 - 21 * V**2) / (14 * v_m**3)),
+    ("polynomial_law", "(18)", (mu_s - mu_m) * N * (21 * v_m**2 - 26 * V**2) / (7 * v_m**3)),
+    ("polynomial_law", "(18)", (mu_s + mu_m) * N * (21 * v_m**2 - 26 * V**2) / (14 * v_m**3)),
+    ("polynomial_law", "(18)", (mu_m - mu_s) * N * (21 * v_m**2 - 26 * V**2) / (14 * v_m**3)),
+    ("polynomial_law", "(18)", (mu_s - mu_m) * N * (21 * v_m**2 - 24 * V**2) / (14 * v_m**3)),
+    ("polynomial_law", "transition speed", sp.sqrt(sp.Rational(26, 21)) * v_m),
+    ("exponential_law", "(3)", mu_m + (mu_s - mu_m) * sp.exp(-2 * alpha * u)),
+    ("polynomial_law", "(4)", PRINTED["(4)"].subs(v_m, 2 * v_m)),
+    ("units", "(17)", PRINTED["(17)"] / V),
+    ("units", "(18)", PRINTED["(18)"] * v_m**2),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "label", "wrong"), TAMPERED)
+def test_a_tampered_equation_is_refuted_with_its_point(name, label, wrong):
+    verdict = chapter(name)({label: wrong})[label].verdict
+    assert verdict.status is Status.REFUTED
+    assert verdict.point
+    assert " at " in verdict.evidence
+
+
+@pytest.mark.parametrize(
+    "weight",
+    [
+        sp.Rational(5, 8) * (1 + s**4),
+        sp.Rational(5, 4) * (1 - s**4),
+        sp.Rational(3, 4) * (1 - s**2),
+        -sp.Rational(5, 8) * (1 - s**4),
+        sp.Rational(15, 16) * (1 - s**2) ** 2,
+    ],
+)
+def test_another_weight_is_refuted(weight):
+    derivation = chapter("slope_average")({"weight": weight})
+    assert derivation["slope average"].verdict.status is Status.REFUTED
+
+
+def test_a_refutation_holds_by_plain_numbers():
+    wrong = law_17((6 * aV - aV**3) * COSH - (6 + 3 * aV**2) * SINH)
+    verdict = prove_equal(PRINTED["(17)"], wrong)
+    numbers = {key: float(value) for key, value in verdict.point.items()}
+    left, right = (float(side.subs(numbers)) for side in (PRINTED["(17)"], wrong))
+    assert abs(left - right) > 1e-6 * abs(left)
+
+
+def test_an_unknown_equation_is_an_error():
+    with pytest.raises(KeyError, match="no printed equation"):
+        chapter("least_squares")({"(99)": a})
+
+
+def test_theorems_check_their_hypotheses():
+    wrong = Antiderivative(u**3, u)
+    assert prove_equal(sp.Integral(u**2, (u, 0, V)), V**3, by=wrong).status is Status.REFUTED
+    # True, but not by this theorem: checked at points, never called proved.
+    assert (
+        prove_equal(sp.Integral(mu(u), (u, 0, V)), integral(1, V), by=Antiderivative(u, u)).status
+        is Status.CHECKED
+    )
+    curved = ChangeOfVariable(u, s, V * s**2)
+    assert prove_equal(integral(1, V), integral(1, V), by=curved).status is Status.CHECKED
+    pole = Antiderivative(-1 / u, u)
+    assert prove_equal(sp.Integral(1 / u**2, (u, 0, V)), -1 / V, by=pole).status is not Status.PROVED
+
+
+def test_positivity():
+    assert prove_positive(V**2 + 1).status is Status.PROVED
+    refuted = prove_positive(V - N)
+    assert refuted.status is Status.REFUTED
+    assert refuted.point[V] <= refuted.point[N]
+    # Positive, but not by the signs of its factors.
+    assert prove_positive(V**2 - V + 1).status is Status.CHECKED
+
+
+def test_text_and_latex_name_every_equation():
+    derivation = chapter("least_squares")({})
+    for label in ("(13)", "(14) a", "(15) b", "(16)"):
+        assert label in derivation.text()
+        assert (
+            f"\\tag{{{label.strip('()').replace(') ', ' ')}}}" in derivation.latex() or label in derivation.text()
+        )
+    assert derivation.latex().count("\\begin{equation*}") == len(derivation.steps)
+    assert "PROVED" in repr(derivation)

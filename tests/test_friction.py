@@ -1,0 +1,151 @@
+"""Friction laws: reading, binding, evaluating, and refusing."""
+
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import stickslip_sym as ss
+from stickslip_sym import symbols
+from stickslip_sym.units import with_units
+
+TEXT = "mu_m + (mu_s - mu_m)*exp(-alpha*v)"
+
+
+def test_text_and_sympy_give_the_same_law():
+    mu_s, mu_m, alpha, v = sp.symbols("mu_s mu_m alpha v")
+    from_sympy = ss.FrictionLaw(mu_m + (mu_s - mu_m) * sp.exp(-alpha * v))
+    assert ss.FrictionLaw(TEXT).expr == from_sympy.expr == ss.laws.exponential.expr
+    assert set(from_sympy.parameters) == {"mu_s", "mu_m", "alpha"}
+
+
+def test_values_and_slopes(law):
+    v = np.linspace(0.0, 2.0, 7)
+    step = 1e-6
+    numerical = (law.mu(v + step) - law.mu(np.abs(v - step))) / (2 * step)
+    assert law.mu(0.0) == 0.5
+    assert isinstance(law.mu(0.3), float)
+    assert law.slope(v[1:]) == pytest.approx(numerical[1:], rel=1e-8, abs=1e-8)
+    assert law.mu(v.reshape(7, 1)).shape == (7, 1)
+
+
+def test_a_constant_law_broadcasts():
+    coulomb = ss.FrictionLaw("mu_k").bind(mu_k=0.3)
+    assert coulomb.mu(np.zeros((2, 3))).tolist() == [[0.3] * 3] * 2
+    assert coulomb.slope(np.zeros(2)).tolist() == [0.0, 0.0]
+
+
+def test_bind_is_partial_and_leaves_the_law_alone():
+    law = ss.FrictionLaw(TEXT)
+    half = law.bind(mu_s=0.5)
+    assert half.missing == ["mu_m", "alpha"]
+    assert law.missing == ["mu_m", "mu_s", "alpha"] or set(law.missing) == {"mu_m", "mu_s", "alpha"}
+    full = half.bind(mu_m="0.2", alpha=Fraction(3))
+    assert full.values == {"mu_s": sp.Rational(1, 2), "mu_m": sp.Rational(1, 5), "alpha": sp.Integer(3)}
+
+
+@pytest.mark.parametrize(
+    ("value", "read"),
+    [
+        (0.1, sp.Rational(0.1)),
+        ("0.1", sp.Rational(1, 10)),
+        ("1/3", sp.Rational(1, 3)),
+        (np.float64(0.25), sp.Rational(1, 4)),
+        (np.int64(3), sp.Integer(3)),
+        (mpmath.mpf("0.5"), sp.Rational(1, 2)),
+        (sp.Rational(2, 7), sp.Rational(2, 7)),
+        (sp.Float("0.5"), sp.Rational(1, 2)),
+    ],
+)
+def test_numbers_are_read_exactly(value, read):
+    assert ss.FrictionLaw("b*v").bind(b=value).values["b"] == read
+
+
+@pytest.mark.parametrize("name", ["V", "N", "m", "k", "c", "x", "t"])
+def test_names_of_the_scene_are_taken(name):
+    with pytest.raises(ss.InputError, match=f"'{name}' is taken: it is the"):
+        ss.FrictionLaw(f"1 + {name}*v")
+
+
+def test_v_is_no_parameter():
+    with pytest.raises(ss.InputError, match="'v' is taken"):
+        ss.Parameter("v")
+    with pytest.raises(ss.InputError, match="cannot depend on v"):
+        ss.FrictionLaw("mu_k", static="mu_k + v")
+
+
+@pytest.mark.parametrize(
+    "value", [float("nan"), float("inf"), mpmath.inf, "nan", "0.5 s/m", "", None, True, 1j, [1]]
+)
+def test_values_that_are_no_numbers(value):
+    with pytest.raises(ss.InputError, match="alpha = "):
+        ss.laws.exponential.bind(alpha=value)
+
+
+def test_other_wrong_values():
+    with pytest.raises(ss.InputError, match="has no parameter 'alfa'; did you mean 'alpha'"):
+        ss.laws.exponential.bind(alfa=3)
+    with pytest.raises(ss.InputError, match=r"alpha = -1 is negative.*positive=False"):
+        ss.laws.exponential.bind(alpha=-1)
+    with pytest.raises(
+        ss.InputError, match=r"no value for mu_m, alpha; bind them first: law.bind\(mu_m=..., alpha=...\)"
+    ):
+        ss.laws.exponential.bind(mu_s=0.5).mu(0.1)
+    free = ss.FrictionLaw("1 + b*v", parameters=[ss.Parameter("b", positive=False)])
+    assert free.bind(b=-1).mu(0.5) == 0.5
+
+
+@pytest.mark.parametrize("speed", [-1e-300, float("nan"), float("inf"), [0.1, -0.2]])
+def test_speeds_that_are_none(law, speed):
+    with pytest.raises(ss.InputError, match="is not a finite number >= 0"):
+        law.mu(speed)
+
+
+def test_descriptions_that_do_not_fit():
+    with pytest.raises(ss.InputError, match="'beta' does not occur"):
+        ss.FrictionLaw(TEXT, units={"beta": "1"})
+    with pytest.raises(ss.InputError, match="'furlong' is not a unit"):
+        ss.FrictionLaw(TEXT, units={"alpha": "s/furlong"})
+    with pytest.raises(ss.InputError, match="is not a unit"):
+        ss.FrictionLaw(TEXT, units={"alpha": "2*s/m"})
+    with pytest.raises(ss.InputError, match="there is no law 'exponental'; did you mean 'exponential'"):
+        ss.laws.find("exponental")
+
+
+@pytest.mark.parametrize(
+    "expr",
+    [
+        sp.Function("f")(sp.Symbol("v")),
+        sp.Symbol("v") * sp.I,
+        sp.Symbol("__import__('os')") * sp.Symbol("v"),
+        sp.Symbol("a; b") + 1,
+        sp.Symbol("lambda") * sp.Symbol("v"),
+        sp.Integral(sp.Symbol("v"), sp.Symbol("v")),
+        sp.zoo * sp.Symbol("v"),
+    ],
+)
+def test_sympy_expressions_that_are_no_laws(expr):
+    with pytest.raises(ss.InputError):
+        ss.FrictionLaw(expr)
+
+
+def test_static_coefficient():
+    law = ss.FrictionLaw("mu_k", static="mu_0").bind(mu_k=0.3, mu_0=0.4)
+    assert law.substitute(law.static_expr) == sp.Rational(0.4)
+    exponential = ss.laws.exponential.typical()
+    assert exponential.substitute(exponential.static_expr) == sp.Rational(1, 2)
+
+
+@pytest.mark.parametrize("name", ss.laws.catalogue)
+def test_catalogue_laws_are_pure_numbers_with_described_parameters(name):
+    law = ss.laws.catalogue[name]
+    units = {p.symbol: p.unit for p in law.parameters.values()} | {symbols.v: "m/s"}
+    assert sp.simplify(with_units(law.expr, units) - law.expr) == 0
+    for parameter in law.parameters.values():
+        assert parameter.meaning
+        assert parameter.typical
+    assert law.name == name
+    assert law.source
+    assert law.typical().mu(0.5) > 0

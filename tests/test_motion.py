@@ -1,0 +1,205 @@
+"""The oscillator: slip phases, the automaton, the stick-slip cycle and the threshold by simulation."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import stickslip_sym as ss
+from stickslip_sym import Phase
+from tests.conftest import paper_oscillator
+
+STARTS = [(0.0, None), (0.2, 0.0), (-0.3, 2.0), (0.05, -3.0), (0.4, 0.5), (-0.4, 0.5)]
+PERIOD_AGREES = 1e-9
+
+
+def independent_cycle(law, osc):
+    """Integrate one slip phase with LSODA in physical units, from a series step off P, to the return."""
+    x_P = (law.mu(0.0) * osc.N - osc.c * osc.V) / osc.k
+    # At P the acceleration is 0 and the jerk -k V/m: leave P by the Taylor polynomial.
+    h = 1e-5
+    jerk = -osc.k * osc.V / osc.m
+    start = [x_P + osc.V * h + jerk * h**3 / 6, osc.V + jerk * h**2 / 2]
+
+    def rates(_, y):
+        friction = osc.N * law.mu(max(osc.V - y[1], 0.0))
+        return [y[1], (friction - osc.c * y[1] - osc.k * y[0]) / osc.m]
+
+    solution = solve_ivp(rates, (h, 2.0), start, method="LSODA", rtol=1e-12, atol=1e-14, dense_output=True)
+    t = np.linspace(0.05, 2.0, 20001)
+    above = np.flatnonzero(solution.sol(t)[1] >= osc.V)
+    t_return = brentq(lambda s: solution.sol(s)[1] - osc.V, t[above[0] - 1], t[above[0]], xtol=1e-14)
+    stick = (x_P - solution.sol(t_return)[0]) / osc.V
+    return t_return + stick
+
+
+@pytest.mark.parametrize("c", [0.0, 1.0, 2.0])
+def test_the_cycle_is_that_of_an_independent_integration(law, c):
+    osc = paper_oscillator(c)
+    cycle = ss.stick_slip_cycle(law, osc)
+    assert cycle.period == pytest.approx(independent_cycle(law, osc), rel=1e-8)
+    assert cycle.period == pytest.approx(cycle.stick_time + cycle.slip_time, rel=1e-15)
+    assert cycle.x_min < 0 < cycle.x_max
+    assert -2 < cycle.v_min < -osc.V
+
+
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize("c", [0.0, 1.0, 2.0])
+def test_every_start_leads_to_the_same_period(law, c, start):
+    """From the second stick-slip cycle on, the period is the cycle's, to 1e-9."""
+    osc = paper_oscillator(c)
+    x0, v0 = start
+    motion = ss.simulate(law, osc, t_end=9.0, x0=x0, v0=v0)
+    first_stick = motion.starts_of(Phase.STICK)[0]
+    onsets = motion.starts_of(Phase.SLIP_BACK)
+    periods = np.diff(onsets[onsets > first_stick])
+    assert len(periods) >= 5
+    assert periods[1:] == pytest.approx(ss.stick_slip_cycle(law, osc).period, rel=PERIOD_AGREES)
+
+
+def test_no_spurious_event_at_onset(law):
+    """At P the relative velocity has a double root: a naive event would end the slip at once."""
+    osc = paper_oscillator(1.0)
+    motion = ss.simulate(law, osc, t_end=3.0)
+    kinds = [event.begins for event in motion.events]
+    assert kinds == [Phase.STICK, Phase.SLIP_BACK] * (len(kinds) // 2) + kinds[2 * (len(kinds) // 2) :]
+    slips = motion.starts_of(Phase.STICK)[1:] - motion.starts_of(Phase.SLIP_BACK)[: len(kinds) // 2 - 1]
+    assert np.all(slips > 0.5)
+
+
+def test_stick_is_exact_and_events_lie_on_the_belt(law):
+    osc = paper_oscillator(1.0)
+    motion = ss.simulate(law, osc, t_end=3.0, x0=0.2, v0=0.0)
+    assert np.all(motion.v[motion.phase == Phase.STICK] == osc.V)
+    assert all(event.v == osc.V for event in motion.events[1:])
+    assert np.all(motion.v[motion.phase == Phase.SLIP_BACK] <= osc.V)
+    assert np.all(motion.v[motion.phase == Phase.SLIP_FORWARD] >= osc.V)
+    assert np.all(np.diff(motion.t) >= 0)
+    assert motion.t[-1] == pytest.approx(3.0, rel=1e-15)
+    assert (motion.x[0], motion.v[0]) == pytest.approx((0.2, 0.0), abs=1e-15)
+
+
+@pytest.mark.parametrize("c", [4.5, 20.0, 60.0])
+def test_above_the_threshold_there_is_no_cycle_and_the_mass_comes_to_rest(law, c):
+    osc = paper_oscillator(c)
+    assert ss.stick_slip_cycle(law, osc) is None
+    motion = ss.simulate(law, osc, t_end=40.0)
+    assert motion.v[-1] == pytest.approx(0.0, abs=1e-6)
+    assert motion.x[-1] == pytest.approx(osc.N * law.mu(osc.V) / osc.k, rel=1e-6)
+
+
+def test_energy_balance_over_cycles(law):
+    """Work of friction and damping over a slip phase equals the change of energy, by quadrature of samples."""
+    osc = paper_oscillator(1.0)
+    motion = ss.simulate(law, osc, t_end=2.0, rtol=1e-12)
+    slip = motion.phase == Phase.SLIP_BACK
+    inside = (motion.t > motion.starts_of(Phase.SLIP_BACK)[0]) & (motion.t < motion.starts_of(Phase.STICK)[1])
+    t, x, v = (part[slip & inside] for part in (motion.t, motion.x, motion.v))
+    dense = np.linspace(t[0], t[-1], 4001)
+    acceleration = (osc.N * law.mu(osc.V - v) - osc.c * v - osc.k * x) / osc.m
+    from scipy.interpolate import CubicHermiteSpline
+
+    speed = CubicHermiteSpline(t, v, acceleration)(dense)
+    power = (osc.N * law.mu(np.maximum(osc.V - speed, 0.0)) - osc.c * speed) * speed
+    work = np.trapezoid(power, dense)
+    energy = osc.m * v**2 / 2 + osc.k * x**2 / 2
+    assert work == pytest.approx(energy[-1] - energy[0], abs=2e-6 * energy.max())
+
+
+@pytest.mark.parametrize(("name", "expected"), [("exponential", 2.57307887898), ("polynomial", 3.03647724356)])
+def test_threshold_is_stable_to_1e_9(name, expected):
+    law = ss.laws.catalogue[name].typical()
+    scene = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0, "method": "simulation"}
+    loose, tight = (ss.pure_slip_damping(law, **scene, rtol=rtol) for rtol in (1e-10, 1e-11))
+    assert abs(loose.value - tight.value) < 1e-9 * tight.value
+    assert abs(loose.value - tight.value) < loose.error * loose.value
+    assert tight.error < 1e-9
+    assert tight.value == pytest.approx(expected, rel=1e-10)
+
+
+def test_threshold_separates_cycles_from_none(law):
+    threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="simulation", rtol=1e-11).value
+    for step in (1e-3, 1e-5, 1e-7):
+        assert ss.stick_slip_cycle(law, paper_oscillator(threshold * (1 - step))) is not None
+        assert ss.stick_slip_cycle(law, paper_oscillator(threshold * (1 + step))) is None
+    assert ss.peak_velocity(law, paper_oscillator(threshold * 0.9)) > 0.5
+    assert ss.peak_velocity(law, paper_oscillator(threshold * 1.1)) < 0.5
+
+
+def test_threshold_in_other_units_is_the_same(law):
+    """Only two dimensionless groups matter: heavier, stiffer and loaded alike, the threshold scales."""
+    base = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="simulation", rtol=1e-11).value
+    scaled = ss.pure_slip_damping(law, V=0.5, N=9.81e6, m=1e6, k=1e8, method="simulation", rtol=1e-11).value
+    assert scaled == pytest.approx(1e6 * base, rel=1e-10)
+
+
+def test_weak_friction_limit_is_the_slope(law):
+    """As k grows the orbit becomes harmonic, and the threshold leaves the equilibrium slope behind."""
+    stiff = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=1e8, method="simulation", rtol=1e-9).value
+    angle = (np.arange(64) + 0.5) * np.pi / 64
+    harmonic = 9.81 * np.mean(-law.slope(0.5 * (1 + np.cos(angle))) * 2 * np.sin(angle) ** 2)
+    assert stiff == pytest.approx(harmonic, rel=1e-6)
+
+
+def test_closed_form_methods(law):
+    for criterion in ("equilibrium", "least_squares"):
+        threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, method=criterion)
+        assert threshold == ss.Threshold(ss.derive(law, criterion)(V=0.5, N=9.81), criterion, None)
+
+
+def test_no_threshold_is_an_outcome():
+    rising = ss.FrictionLaw("mu_0 + b*v").bind(mu_0=0.3, b=0.1)
+    with pytest.raises(ss.NoThreshold, match="even without damping"):
+        ss.pure_slip_damping(rising, V=0.5, N=9.81, m=1, k=100, method="simulation")
+    fast = ss.laws.polynomial.typical()
+    with pytest.raises(ss.NoThreshold):
+        ss.pure_slip_damping(fast, V=0.95, N=9.81, m=1, k=100, method="simulation")
+
+
+def test_static_coefficient_moves_the_threshold_but_no_average():
+    plain = ss.FrictionLaw("mu_k").bind(mu_k=0.3)
+    jump = ss.FrictionLaw("mu_k", static="mu_0").bind(mu_k=0.3, mu_0=0.4)
+    osc = paper_oscillator(0.0)
+    assert ss.stick_slip_cycle(jump, osc) is not None
+    assert ss.derive(jump)(V=0.5, N=9.81) == ss.derive(plain)(V=0.5, N=9.81) == 0
+    threshold = ss.pure_slip_damping(jump, V=0.5, N=9.81, m=1, k=100, method="simulation")
+    assert threshold.value > 0
+    assert ss.stick_slip_cycle(jump, paper_oscillator(threshold.value * 1.001)) is None
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"m": 0.0}, "m = 0 must be positive: it is the mass"),
+        ({"k": -1.0}, "k = -1 must be positive"),
+        ({"V": 0.0}, "V = 0 must be positive"),
+        ({"N": -2.0}, "N = -2 must not be negative"),
+        ({"c": float("nan")}, "c = nan is not finite"),
+        ({"V": "fast"}, "V = 'fast' is not a number"),
+    ],
+)
+def test_oscillators_that_are_none(change, message):
+    with pytest.raises(ss.InputError, match=message):
+        paper_oscillator(**change)
+
+
+def test_other_wrong_input(law):
+    osc = paper_oscillator(1.0)
+    with pytest.raises(ss.InputError, match="t_end = 0 must be positive"):
+        ss.simulate(law, osc, t_end=0.0)
+    with pytest.raises(ss.InputError, match="x0 = nan is not finite"):
+        ss.simulate(law, osc, t_end=1.0, x0=float("nan"))
+    with pytest.raises(ss.InputError, match="rtol = 0 is outside"):
+        ss.simulate(law, osc, t_end=1.0, rtol=0.0)
+    with pytest.raises(ss.InputError, match="no value for"):
+        ss.simulate(ss.laws.exponential, osc, t_end=1.0)
+    with pytest.raises(ss.InputError, match="there is no method 'magic'"):
+        ss.pure_slip_damping(law, V=0.5, N=9.81, method="magic")
+    with pytest.raises(ss.InputError, match='"simulation" needs the mass m'):
+        ss.pure_slip_damping(law, V=0.5, N=9.81, method="simulation")
+
+
+def test_no_load_is_a_free_oscillator():
+    law = ss.laws.exponential.typical()
+    motion = ss.simulate(law, paper_oscillator(0.0, N=0.0), t_end=2.0, x0=0.01, v0=0.0, rtol=1e-12)
+    assert motion.x == pytest.approx(0.01 * np.cos(10 * motion.t), abs=1e-10)

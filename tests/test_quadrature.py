@@ -1,0 +1,86 @@
+"""Quadrature of the definition: against integrals known by hand, and its refusals."""
+
+import ast
+from pathlib import Path
+
+import mpmath
+import pytest
+
+import stickslip_sym as ss
+
+
+@pytest.mark.parametrize("digits", [15, 30, 100])
+def test_a_linear_law_gives_its_slope(digits):
+    law = ss.FrictionLaw("mu_s - beta*v").bind(mu_s="0.5", beta="1/7")
+    for criterion in ss.criteria.catalogue:
+        got = ss.quadrature.damping(law, criterion, V="0.3", N="2", digits=digits)
+        with mpmath.workdps(digits):
+            assert abs(got - mpmath.mpf(2) / 7) < mpmath.mpf(10) ** (1 - digits)
+
+
+def test_a_cubic_by_hand():
+    """<(1 + s)^2> = 1 + 5/21 for the least-squares weight, so c = -3 N V^2 26/21 for mu = 1 + v^3."""
+    law = ss.FrictionLaw("1 + v^3")
+    got = ss.quadrature.damping(law, V="3/2", N="7", digits=40)
+    with mpmath.workdps(40):
+        assert abs(got + 3 * 7 * mpmath.mpf(9) / 4 * 26 / 21) < mpmath.mpf(10) ** -37
+
+
+@pytest.mark.parametrize("V", ["1e-30", "1e-8", "1e3", "1e6"])
+def test_extremes_of_the_exponential_law(V):
+    """Small speeds cancel, large ones hide all of the integrand in a layer; both limits are known."""
+    law = ss.laws.exponential.typical()
+    got = ss.quadrature.damping(law, V=V, N=1, digits=20)
+    expected = 0.9 if float(V) < 1 else 2.5 * 0.3 / (3 * float(V) ** 2)
+    assert float(got) == pytest.approx(expected, rel=max(3 * float(V), 1e-15) if float(V) < 1 else 2 / float(V))
+
+
+def test_a_kink_at_the_lower_end_is_no_obstacle():
+    law = ss.FrictionLaw("1 - sqrt(v)")
+    got = ss.quadrature.damping(law, V=1, N=1, digits=30)
+    # -(5/2) * integral of sqrt(u) (1 - u)^3 over [0, 2], u = 2 w: Beta integrals with rational values.
+    with mpmath.workdps(30):
+        moments = [mpmath.mpf(2) ** (n + 1.5) / (n + 1.5) for n in range(4)]
+        expected = -2.5 * (moments[0] - 3 * moments[1] + 3 * moments[2] - moments[3])
+        assert abs(got - expected) < mpmath.mpf(10) ** -27
+
+
+def test_constant_law_and_no_load():
+    assert ss.quadrature.damping(ss.FrictionLaw("mu_k").bind(mu_k=0.3), V=1, N=1) == 0
+    assert ss.quadrature.damping(ss.laws.exponential.typical(), V=1, N=0) == 0
+
+
+def test_refusals():
+    law = ss.laws.exponential
+    for message, arguments in {
+        "no value for mu_s, mu_m, alpha": {"law": law},
+        "V = 0 must be positive": {"V": 0},
+        "N = -1 must not be negative": {"N": -1},
+        "V = nan is not a finite": {"V": float("nan")},
+        "digits = 0": {"digits": 0},
+    }.items():
+        with pytest.raises(ss.InputError, match=message):
+            ss.quadrature.damping(**{"law": law.typical(), "V": 1, "N": 1} | arguments)
+
+
+def test_too_irregular_an_integrand_is_an_error():
+    with pytest.raises(ss.NotConverged, match="did not reach"):
+        ss.quadrature.damping(ss.FrictionLaw("sin(1000000*v)*exp(-v)"), V=1000, N=1, digits=15)
+
+
+@pytest.mark.parametrize("module", ["quadrature", "oscillator", "slip", "automaton", "transit"])
+def test_cross_checks_know_no_closed_form(module):
+    """Follow the imports: whatever checks a closed form must not reach the modules that make one."""
+    package = Path(ss.__file__).parent
+    reached, todo = set(), [module]
+    while todo:
+        name = todo.pop()
+        if name in reached:
+            continue
+        reached.add(name)
+        for node in ast.walk(ast.parse((package / f"{name}.py").read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module == "stickslip_sym":
+                todo += [alias.name for alias in node.names if (package / f"{alias.name}.py").exists()]
+            elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("stickslip_sym."):
+                todo.append(node.module.removeprefix("stickslip_sym."))
+    assert not reached & {"closed_form", "integrals", "evaluate", "proving"}
