@@ -6,37 +6,20 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym import Derivation, derive, laws
-from stickslip_sym.symbols import V, c, mu, u, v
+from derivations.d5_exponential_law import integrate_law
+from stickslip_sym import Derivation, laws
+from stickslip_sym.symbols import V, c
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     """Derive (18), and its zero sqrt(21/26) v_m."""
     printed = paper.equations(replaced)
-    law = laws.polynomial
-    form = derive(law, "least_squares")
     d = Derivation("polynomial_law", "The polynomial law: (16) to (18), and the zero of (18)")
-    d.equal(
-        "take the law (4)",
-        "it is the catalogue's",
-        law.expr.subs(v, u),
-        printed["(4)"],
-        label="(4)",
-        shown=mu(u),
-    )
-    first = form.derivation.steps[0]
-    d.equal(
-        "put (4) into (16)",
-        "with u for |v_r|",
-        printed["(16)"].replace(mu, lambda speed: printed["(4)"].subs(u, speed)),
-        first.statement.rhs,
-        shown=c,
-    )
-    d.steps += form.derivation.steps[1:]
+    formula = integrate_law(d, laws.polynomial, printed, "(4)")
     criterion = d.equal(
         "the printed form",
         "both sides are the same expression",
-        form.expr,
+        formula,
         printed["(18)"],
         label="(18)",
         shown=c,

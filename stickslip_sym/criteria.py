@@ -12,7 +12,7 @@ import sympy as sp
 
 from stickslip_sym import symbols
 from stickslip_sym.errors import InputError
-from stickslip_sym.values import suggestion
+from stickslip_sym.values import lookup
 
 __all__ = ["Criterion", "catalogue", "equilibrium", "find", "least_squares"]
 
@@ -63,9 +63,4 @@ def find(criterion: str | Criterion) -> Criterion:
     InputError
         If there is none of that name.
     """
-    if isinstance(criterion, Criterion):
-        return criterion
-    if isinstance(criterion, str) and criterion in catalogue:
-        return catalogue[criterion]
-    hint = suggestion(str(criterion), catalogue)
-    raise InputError(f"there is no criterion {criterion!r}{hint}; known: {', '.join(catalogue)}")
+    return criterion if isinstance(criterion, Criterion) else lookup("criterion", criterion, catalogue)

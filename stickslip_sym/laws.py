@@ -1,8 +1,7 @@
 """The catalogue of friction laws. To add a law, add one entry; every property test picks it up."""
 
-from stickslip_sym.errors import InputError
 from stickslip_sym.friction import FrictionLaw, Parameter
-from stickslip_sym.values import suggestion
+from stickslip_sym.values import lookup
 
 __all__ = ["catalogue", "exponential", "find", "polynomial"]
 
@@ -35,6 +34,4 @@ def find(name: str) -> FrictionLaw:
     InputError
         If there is none; the message suggests the closest name.
     """
-    if name in catalogue:
-        return catalogue[name]
-    raise InputError(f"there is no law {name[:60]!r}{suggestion(name, catalogue)}; known: {', '.join(catalogue)}")
+    return lookup("law", name, catalogue)

@@ -11,6 +11,7 @@ from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene
 from stickslip_sym.slip import check_rtol
 from stickslip_sym.transit import lowest_slip_speed
+from stickslip_sym.values import lookup
 
 __all__ = ["METHODS", "Threshold", "pure_slip_damping"]
 
@@ -74,8 +75,7 @@ def pure_slip_damping(
     NoThreshold
         If the orbit from P never returns, for any c >= 0.
     """
-    if method not in METHODS:
-        raise InputError(f"there is no method {method!r}; known: {', '.join(METHODS)}")
+    lookup("method", method, dict.fromkeys(METHODS))
     if method != "simulation":
         return Threshold(derive(law, method)(V=V, N=N), method, None)
     if m is None or k is None:

@@ -9,15 +9,16 @@ import re
 from collections.abc import Mapping
 from decimal import Decimal
 from fractions import Fraction
-from typing import Any, SupportsFloat
+from typing import Any, SupportsFloat, TypeVar
 
 import mpmath
 import sympy as sp
 
 from stickslip_sym.errors import InputError
 
-__all__ = ["Number", "exact", "exact_values", "suggestion"]
+__all__ = ["Number", "exact", "exact_values", "lookup", "suggestion"]
 
+T = TypeVar("T")
 Number = int | float | str | Fraction | Decimal | SupportsFloat
 
 _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,4})?")
@@ -78,9 +79,17 @@ def exact_values(values: Mapping[str, Number]) -> dict[str, Any]:
     return {name: exact(value, name) for name, value in values.items()}
 
 
+def lookup(kind: str, name: str, table: Mapping[str, T]) -> T:
+    """Return the entry of a table, or raise an `InputError` that suggests the closest name."""
+    if isinstance(name, str) and name in table:
+        return table[name]
+    known = ", ".join(table)
+    raise InputError(f"there is no {kind} {str(name)[:60]!r}{suggestion(str(name), table)}; known: {known}")
+
+
 def suggestion(wrong: str, known: Mapping[str, Any] | list[str]) -> str:
-    """Return '; did you mean ...?' when a known name is close to the wrong one, else an empty text."""
+    """Return ' (did you mean ...?)' when a known name is close to the wrong one, else an empty text."""
     from difflib import get_close_matches
 
     close = get_close_matches(wrong, list(known), n=1, cutoff=0.6)
-    return f"; did you mean {close[0]!r}?" if close else ""
+    return f" (did you mean {close[0]!r}?)" if close else ""

@@ -69,7 +69,7 @@ def test_latex_file(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["derive", "expnential"], "there is no law 'expnential'; did you mean 'exponential'?"),
+        (["derive", "expnential"], "there is no law 'expnential' (did you mean 'exponential'?)"),
         (["derive", "exponential", "--criterion", "harmonics"], "there is no criterion 'harmonics'"),
         (
             ["derive", "exponential", "--latex", "missing/form.tex"],

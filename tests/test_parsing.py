@@ -46,7 +46,7 @@ def test_what_is_read(text, expected):
         ("[v for v in a]", 1, r"the character '\['"),
         ("v := 2", 3, "the character ':'"),
         ("f'{v}'", 2, 'the character "\'"'),
-        ("expp(v)", 1, "there is no function 'expp'; did you mean 'exp'"),
+        ("expp(v)", 1, "there is no function 'expp' .did you mean 'exp'"),
         ("exp(v, a)", 1, "exp takes one argument"),
         ("exp", 1, "exp is a function"),
         ("v % 2", 3, "the character '%'"),
