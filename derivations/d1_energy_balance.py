@@ -11,8 +11,8 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import Derivation
-from stickslip_sym.proving import Antiderivative
 from stickslip_sym.symbols import c, k, m, t
+from stickslip_sym.theorems import Antiderivative
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

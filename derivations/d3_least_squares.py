@@ -11,8 +11,8 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import Derivation
-from stickslip_sym.proving import ChangeOfVariable
 from stickslip_sym.symbols import N, V, a, b, c, mu, u
+from stickslip_sym.theorems import ChangeOfVariable
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

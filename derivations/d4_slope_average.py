@@ -11,8 +11,8 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import Derivation, criteria
-from stickslip_sym.proving import Antiderivative, ChangeOfVariable
 from stickslip_sym.symbols import N, V, c, mu, s, u
+from stickslip_sym.theorems import Antiderivative, ChangeOfVariable
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

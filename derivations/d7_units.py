@@ -12,8 +12,8 @@ from sympy.physics.units import meter, second
 
 from derivations import paper
 from stickslip_sym import Derivation, derive, laws
-from stickslip_sym.proving import ChangeOfVariable
 from stickslip_sym.symbols import QUANTITIES, c, mu, s, u
+from stickslip_sym.theorems import ChangeOfVariable
 from stickslip_sym.units import parse_unit, with_units
 
 

@@ -11,7 +11,8 @@ from scipy.integrate import solve_ivp
 from derivations import chapter, paper
 from paper_checks.conftest import Find, oscillator
 from stickslip_sym import Derivation, FrictionLaw, Phase, Status, Trajectory, simulate
-from stickslip_sym.proving import normal_form, prove_positive
+from stickslip_sym.normal_form import normal_form
+from stickslip_sym.proving import prove_positive
 from stickslip_sym.symbols import u
 
 DAMPINGS = (0.0, 1.0, 2.0)

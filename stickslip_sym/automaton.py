@@ -4,7 +4,6 @@ Three states: stick, slip slower than the belt, slip faster than the belt. Slip 
 (`slip.follow`); stick is not, as it is known: x' = V exactly, until static friction gives way.
 """
 
-import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
@@ -13,8 +12,8 @@ import numpy as np
 
 from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene
-from stickslip_sym.slip import Point, SlipPhase, check_rtol, follow
+from stickslip_sym.oscillator import Oscillator, Scene, check_rtol, real
+from stickslip_sym.slip import Point, SlipPhase, follow
 
 __all__ = ["Event", "Phase", "Trajectory", "simulate"]
 
@@ -101,10 +100,7 @@ def simulate(
     NotConverged
         When the bound on the work is reached.
     """
-    v0 = osc.V if v0 is None else v0
-    for name, value in (("t_end", t_end), ("x0", x0), ("v0", v0)):
-        if not math.isfinite(value):
-            raise InputError(f"{name} = {value} is not finite")
+    t_end, x0, v0 = real("t_end", t_end), real("x0", x0), real("v0", osc.V if v0 is None else v0)
     if t_end <= 0:
         raise InputError(f"t_end = {t_end:g} must be positive")
     check_rtol(rtol)
@@ -125,6 +121,9 @@ def simulate(
             side = 1 if q >= 0 else -1
         phase = follow(scene, Point(tau, q, abs(w)), side, horizon=horizon, rtol=rtol)
         recorder.slip(phase)
+        if phase.end == "rest":
+            recorder.rest(horizon, osc.N * float(law.mu(osc.V)) / osc.k)
+            return recorder.trajectory()
         tau, q, w = phase.last.tau, phase.last.q, phase.last.w
     raise NotConverged(f"over {_MOST_PHASES} phases before t_end = {t_end:g} s; simulate a shorter time")
 
@@ -154,6 +153,10 @@ class _Recorder:
         q, w = phase.at(times)
         q[-1], w[-1] = phase.last.q, phase.last.w
         self._add(times, q, w, phase.side, Phase.SLIP_BACK if phase.side > 0 else Phase.SLIP_FORWARD)
+
+    def rest(self, end: float, x: float) -> None:
+        """Prolong a slip phase that came to rest at x, which is known better than integrated."""
+        self.samples.append((np.array([end / self.osc.omega]), np.array([x]), np.zeros(1), self.samples[-1][3]))
 
     def _add(self, tau: Any, q: Any, w: Any, side: int, phase: Phase) -> None:
         t, x, v = tau / self.osc.omega, self.x_onset + self.length * q, self.osc.V * (1 - side * w)

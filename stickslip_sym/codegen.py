@@ -9,17 +9,19 @@ from typing import Any, Literal
 
 import sympy as sp
 
-__all__ = ["function_of"]
+from stickslip_sym.special import lerch
+
+__all__ = ["Backend", "function_of"]
+
+Backend = Literal["numpy", "math", "mpmath"]
 
 
-def function_of(
-    arguments: Sequence[Any], expr: Any, backend: Literal["numpy", "math", "mpmath"]
-) -> Callable[..., Any]:
+def function_of(arguments: Sequence[Any], expr: Any, backend: Backend) -> Callable[..., Any]:
     """Return `expr` as a function of `arguments`, computed by the given library.
 
     `expr` may be a list of expressions; common subexpressions are then computed once.
     """
-    modules = ["scipy", "numpy"] if backend == "numpy" else [backend]
+    modules = {"numpy": ["scipy", "numpy"], "math": ["math"], "mpmath": [{"Lerch": lerch}, "mpmath"]}[backend]
     compiled: Callable[..., Any] = sp.lambdify(
         list(arguments), expr, modules=modules, dummify=True, cse=isinstance(expr, list)
     )

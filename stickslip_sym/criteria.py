@@ -14,7 +14,7 @@ from stickslip_sym import symbols
 from stickslip_sym.errors import InputError
 from stickslip_sym.values import lookup
 
-__all__ = ["Criterion", "catalogue", "equilibrium", "find", "least_squares"]
+__all__ = ["Criterion", "catalogue", "equilibrium", "find", "harmonic", "least_squares"]
 
 
 @dataclass(frozen=True)
@@ -33,17 +33,43 @@ class Criterion:
     weight: Any | None
     source: str
 
+    def even_moment(self, j: int) -> Any:
+        """Return the mean of s^2j: an integral for a polynomial weight, a Beta function for the harmonic one."""
+        s = symbols.s
+        if self.is_polynomial:
+            return sp.integrate(sp.expand(self.weight * s ** (2 * j)), (s, -1, 1))
+        if self.weight == harmonic.weight:
+            return sp.catalan(j) / sp.Integer(4) ** j
+        return sp.integrate(self.weight * s ** (2 * j), (s, -1, 1))
+
     @property
     def moment_kernel(self) -> Any:
-        """The kernel K(u) with c = integral_0^{2V} mu(u) K(u) du, from one integration by parts.
+        """The kernel K(v) with c = integral_0^{2V} mu(v) K(v) dv, from one integration by parts.
 
         The boundary terms vanish because the weight does at s = -1 and s = 1.
         """
+        s_of_v = (symbols.v - symbols.V) / symbols.V
+        return sp.factor(symbols.N * self._weight_slope.subs(symbols.s, s_of_v) / symbols.V**2)
+
+    @property
+    def angle_kernel(self) -> Any:
+        """The kernel A(theta) with c = integral_0^pi mu(V(1 - cos(theta))) A(theta) dtheta."""
+        cosine = -sp.cos(symbols.theta)
+        kernel = self._weight_slope.subs(symbols.s, cosine) * sp.sin(symbols.theta)
+        # sin(theta) is not negative on [0, pi], so sqrt(1 - cos^2) is sin.
+        kernel = kernel.subs(sp.sqrt(1 - sp.cos(symbols.theta) ** 2), sp.sin(symbols.theta))
+        return symbols.N / symbols.V * kernel
+
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether the weight is a polynomial, so that criteria are ordinary moments of mu."""
+        return self.weight is not None and bool(self.weight.is_polynomial(symbols.s))
+
+    @property
+    def _weight_slope(self) -> Any:
         if self.weight is None:
             raise InputError(f"the criterion {self.name!r} takes the slope at one point; it has no kernel")
-        slope = sp.diff(self.weight, symbols.s)
-        s_of_u = (symbols.u - symbols.V) / symbols.V
-        return sp.factor(symbols.N * slope.subs(symbols.s, s_of_u) / symbols.V**2)
+        return sp.diff(self.weight, symbols.s)
 
 
 equilibrium = Criterion("equilibrium", None, "linear stability of the equilibrium, e.g. Galvanetto & Bishop 1999")
@@ -51,7 +77,15 @@ least_squares = Criterion(
     "least_squares", sp.Rational(5, 8) * (1 - symbols.s**4), "Won & Chung 2016, eq. (16), integrated by parts"
 )
 
-catalogue: dict[str, Criterion] = {criterion.name: criterion for criterion in (equilibrium, least_squares)}
+harmonic = Criterion(
+    "harmonic",
+    2 / sp.pi * sp.sqrt(1 - symbols.s**2),
+    "first-harmonic energy balance at velocity amplitude V; for the polynomial law Thomsen & Fidlin 2003",
+)
+
+catalogue: dict[str, Criterion] = {
+    criterion.name: criterion for criterion in (equilibrium, least_squares, harmonic)
+}
 """Every criterion by name."""
 
 

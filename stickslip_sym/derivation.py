@@ -6,7 +6,8 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym import printing
-from stickslip_sym.proving import By, Status, Verdict, prove_equal, prove_positive
+from stickslip_sym.proving import Status, Verdict, prove_equal, prove_positive
+from stickslip_sym.theorems import By
 
 __all__ = ["Derivation", "Step"]
 
@@ -71,6 +72,10 @@ class Derivation:
         self.steps.append(Step(operation, reason, statement, prove_equal(lhs, rhs, by), label))
         return rhs
 
+    def judged(self, operation: str, reason: str, statement: Any, verdict: Verdict) -> None:
+        """Add a step whose verdict was computed elsewhere."""
+        self.steps.append(Step(operation, reason, statement, verdict))
+
     def positive(self, operation: str, reason: str, expr: Any, *, label: str = "") -> None:
         """Add the step expr > 0, and prove or refute it."""
         statement = sp.Gt(expr, 0, evaluate=False)
@@ -127,7 +132,11 @@ class Derivation:
         return f"Derivation: {self.name}, {len(self.steps)} steps, {self.status.value}"
 
 
+_ESCAPES = str.maketrans(
+    {character: "\\" + character for character in "&%$#_{}"}
+    | {"\\": r"\textbackslash{}", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}"}
+)
+
+
 def _escape(text: str) -> str:
-    for character in "\\&%$#_{}":
-        text = text.replace(character, "\\" + character) if character != "\\" else text
-    return text.replace("^", "\\^{}").replace("~", "\\~{}")
+    return text.translate(_ESCAPES)

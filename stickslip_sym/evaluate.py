@@ -12,97 +12,57 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import mpmath
 import numpy as np
 import sympy as sp
 
 from stickslip_sym import symbols
+from stickslip_sym.bounds import largest_size, rounding_bound
 from stickslip_sym.codegen import function_of
 from stickslip_sym.criteria import Criterion
-from stickslip_sym.errors import InputError, NotConverged
+from stickslip_sym.errors import InputError
+from stickslip_sym.exact import to_digits
 
 __all__ = ["StableFunction", "exact_value"]
 
 ACCEPTED = 1e-13
 """Relative rounding error up to which a float64 formula is used."""
 
-_MOST_TERMS = 12  # of the expansion; its last term bounds what is left out
-_MOST_DIGITS = 20_000  # of working precision, before a value counts as out of reach
+_MOST_TERMS = 12  # of the expansion
+_LARGEST_DERIVATIVE = 200  # operations of a derivative that is still used in it
 
 
-def rounding_bound(expr: Any) -> Any:
-    """Return an expression for the rounding error of evaluating `expr`, in units of machine epsilon.
+def expansion(slope: Any, criterion: Criterion) -> tuple[Any, Any] | None:
+    """Expand the slope average around v = V; return the sum and a bound of what it leaves out, or None.
 
-    Inputs are exact, every operation and elementary function adds one unit of its result, and errors
-    propagate to first order.
+        c = -N sum_j mu^(2j+1)(V) V^2j <s^2j>_w / (2j)!
+
+    The bound is the next term with its derivative at the worst place in [0, 2V]. Only that sees a layer near
+    v = 0 that is too thin to show in the derivatives at V.
     """
-    if expr.is_Symbol or expr.is_Integer:
-        return sp.Integer(0)
-    if expr.is_Atom:
-        return abs(expr)
-    bounds = [rounding_bound(argument) for argument in expr.args]
-    if expr.is_Add:
-        # The difference of two inputs has one rounding, however much it cancels.
-        own = abs(expr) if len(expr.args) == 2 else sp.Add(*map(sp.Abs, expr.args))
-        return own + sp.Add(*bounds)
-    if expr.is_Mul:
-        carried = [
-            bound * sp.Mul(*[sp.Abs(other) for j, other in enumerate(expr.args) if j != i])
-            for i, bound in enumerate(bounds)
-        ]
-        return len(expr.args) * sp.Abs(expr) + sp.Add(*carried)
-    slopes = [sp.Abs(_partial(expr, i)) for i in range(len(expr.args))]
-    return 2 * sp.Abs(expr) + sp.Add(*[slope * bound for slope, bound in zip(slopes, bounds, strict=True)])
-
-
-def _partial(expr: Any, i: int) -> Any:
-    dummies = [sp.Dummy(positive=True) for _ in expr.args]
-    derivative = sp.diff(expr.func(*dummies), dummies[i])
-    return derivative.xreplace(dict(zip(dummies, expr.args, strict=True)))
-
-
-def expansion(slope: Any, criterion: Criterion) -> tuple[Any, Any]:
-    """Expand the slope average around v = V; return its sum and the size of its last term (0 if exact).
-
-    c = -N sum_j mu^(2j+1)(V) V^2j <s^2j>_w / (2j)!
-    """
-    s, V, N = symbols.s, symbols.V, symbols.N
-    derivative = slope.subs(symbols.v, V)
-    terms = []
-    for j in range(_MOST_TERMS):
-        moment = sp.integrate(sp.expand(criterion.weight * s ** (2 * j)), (s, -1, 1))
-        terms.append(-N * derivative * V ** (2 * j) * moment / sp.factorial(2 * j))
-        derivative = sp.factor_terms(sp.diff(derivative, V, 2))
+    v, V, N = symbols.v, symbols.V, symbols.N
+    if slope.has(sp.Piecewise):
+        return None
+    derivative: Any = slope
+    terms: list[Any] = []
+    for j in range(_MOST_TERMS + 1):
+        moment = criterion.even_moment(j) / sp.factorial(2 * j)
         if derivative == 0:
             return sp.Add(*terms), sp.Integer(0)
-    return sp.Add(*terms), sp.Abs(terms[-1])
-
-
-def to_digits(expr: Any, digits: int) -> Any:
-    """Evaluate an expression without symbols to `digits` significant digits, whatever it cancels.
-
-    Raises
-    ------
-    NotConverged
-        If 20 000 digits of working precision do not settle it.
-    """
-    # Hyperbolic functions of a large argument hide the error of the argument from SymPy's evalf.
-    number = expr.rewrite((sp.sinh, sp.cosh, sp.tanh), sp.exp)
-    try:
-        value = sp.expand(number).evalf(digits + 3, maxn=_MOST_DIGITS, strict=True)
-    except sp.core.evalf.PrecisionExhausted:
-        raise NotConverged(f"{digits} digits of {expr} are out of reach of {_MOST_DIGITS} digits") from None
-    if not value.is_Float and not value.is_Rational:
-        raise InputError(f"the closed form has no finite value at these parameters: it gives {value}")
-    with mpmath.workdps(digits):
-        return mpmath.mpf(value._mpf_ if value.is_Float else (sp.Float(value, digits + 3))._mpf_)
+        if j == _MOST_TERMS or derivative.count_ops() > _LARGEST_DERIVATIVE:
+            worst = largest_size(derivative, v, 2 * V)
+            return None if worst.has(sp.oo) else (sp.Add(*terms), N * V ** (2 * j) * moment * worst)
+        terms.append(-N * derivative.subs(v, V) * V ** (2 * j) * moment)
+        derivative = sp.factor_terms(sp.diff(derivative, v, 2))
+    raise AssertionError("the loop returns")
 
 
 def exact_value(expr: Any, slope: Any, point: Mapping[Any, Any], digits: int) -> Any:
     """Evaluate a closed form at exact values to `digits` digits; at V = 0 by its limit -N mu'(0+)."""
     if point[symbols.V] == 0:
         expr = -symbols.N * sp.limit(slope, symbols.v, 0, "+")
-    return to_digits(expr.xreplace(dict(point)), digits)
+        if expr.is_infinite:
+            raise InputError("the slope of mu is infinite at v = 0, so the criterion has no value at V = 0")
+    return to_digits(expr, point, digits)
 
 
 @dataclass(frozen=True)
@@ -112,10 +72,9 @@ class _Candidate:
     function: Any
 
     @classmethod
-    def compile(cls, arguments: Sequence[Any], formula: Any, truncation: Any = 0) -> "_Candidate":
+    def compile(cls, arguments: Sequence[Any], formula: Any, error: Any, truncation: Any) -> "_Candidate":
         epsilon = sp.Float(np.finfo(np.float64).eps)
-        error = epsilon * rounding_bound(formula) + truncation
-        return cls(function_of(arguments, [formula, error], "numpy"))
+        return cls(function_of(arguments, [formula, epsilon * error + truncation], "numpy"))
 
     def __call__(self, columns: list[Any]) -> tuple[Any, Any]:
         """Return the values, and where they are good."""
@@ -142,10 +101,10 @@ class StableFunction:
         self.arguments = list(arguments)
         self.expr = expr
         self.slope = slope
-        self._candidates = [_Candidate.compile(self.arguments, expr)]
-        if criterion.weight is not None:
-            formula, last = expansion(slope, criterion)
-            self._candidates.append(_Candidate.compile(self.arguments, formula, last))
+        self._candidates = _candidates(self.arguments, expr)
+        expanded = expansion(slope, criterion) if criterion.weight is not None else None
+        if expanded is not None:
+            self._candidates += _candidates(self.arguments, *expanded)
 
     def __call__(self, columns: Sequence[Any]) -> Any:
         """Evaluate at flat float64 arrays of one length, one for each argument."""
@@ -160,4 +119,27 @@ class StableFunction:
         for i in open_:
             point = {a: sp.Rational(float(column[i])) for a, column in zip(self.arguments, columns, strict=True)}
             result[i] = float(exact_value(self.expr, self.slope, point, 17))
+        if not np.isfinite(result).all():
+            raise InputError("the damping coefficient is beyond the range of float64; use evaluate(digits=...)")
         return result
+
+
+_IN_NUMPY = (
+    sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.asinh, sp.acos, sp.atan,
+    sp.erf, sp.besseli, sp.besselj, sp.lowergamma, sp.gamma, sp.Abs, sp.Min, sp.Max, sp.Piecewise, sp.sign,
+)  # fmt: skip
+"""The functions that NumPy and SciPy have. A form with others is evaluated in arbitrary precision."""
+
+
+def _candidates(arguments: Sequence[Any], formula: Any, truncation: Any = 0) -> list[_Candidate]:
+    """Compile a formula, if NumPy and SciPy have all its functions and its rounding error is known."""
+    try:
+        error = rounding_bound(formula)
+    except (sp.core.function.ArgumentIndexError, ValueError, TypeError):
+        return []  # no derivative with respect to the order of a special function
+    functions = (formula + error + truncation).atoms(
+        sp.Function, sp.Min, sp.Max, sp.meijerg, sp.Subs, sp.Derivative
+    )
+    if not all(isinstance(function, _IN_NUMPY) for function in functions):
+        return []
+    return [_Candidate.compile(arguments, formula, error, truncation)]

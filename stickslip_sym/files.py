@@ -1,7 +1,9 @@
 """Writing files so that nothing is lost: the new content replaces the old at once, or not at all."""
 
+import errno
 import os
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 from stickslip_sym.errors import InputError
@@ -17,26 +19,47 @@ def write_text(path: Path, content: str) -> None:
     InputError
         If the file cannot be written.
     """
-    target = path.resolve()
     try:
-        if target.exists() and not target.is_file():
-            _write_into(target, content)
+        # Before links are followed: /dev/stdout leads to a name such as pipe:[42] that no file has.
+        if path.exists() and not path.is_file():
+            _write_into(path, content)
+        elif (own := _own_output(path)) is not None:
+            _write_into(own, content)
         else:
-            _replace(target, content)
-    except OSError as error:
-        reason = error.strerror or str(error)
+            _replace(Path(os.path.realpath(path)), content)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"cannot write {str(path)!r}: {reason}; choose another file") from None
 
 
-def _write_into(target: Path, content: str) -> None:
-    """Write to a device or a pipe, which cannot be replaced; a directory refuses by itself."""
-    with target.open("w", encoding="utf-8") as stream:
+def _own_output(path: Path) -> int | None:
+    """Return a copy of this process's output stream if that is what `path` is.
+
+    `/dev/stdout` with output sent to a file: to replace that file would lose what is printed afterwards.
+    """
+    for stream in (1, 2):
+        with suppress(OSError):
+            if os.path.samestat(path.stat(), os.fstat(stream)):
+                return os.dup(stream)
+    return None
+
+
+def _write_into(target: Path | int, content: str) -> None:
+    """Write to a stream, a device or a pipe, which cannot be replaced; a directory refuses by itself."""
+    with open(target, "w", encoding="utf-8") as stream:
         stream.write(content)
 
 
 def _replace(target: Path, content: str) -> None:
-    mode = target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~_umask()
-    descriptor, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    if target.is_symlink():  # no link is left after following all, except in a loop
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+    exists = target.exists()
+    if exists and not os.access(target, os.W_OK):
+        # Replacing needs no permission on the file itself, but whoever took it away meant it.
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    mode = target.stat().st_mode & 0o777 if exists else 0o666 & ~_umask()
+    # A fixed prefix: with the target's own name the longest names would become too long.
+    descriptor, temporary = tempfile.mkstemp(dir=target.parent, prefix=".stickslip-")
     try:
         with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
             stream.write(content)

@@ -1,74 +1,23 @@
 """`FrictionLaw`: one expression mu(v) of the slip speed, its parameters and its source."""
 
-import keyword
-from collections.abc import Iterable, Mapping
-from functools import cached_property
-from typing import Any
+import copy
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
+from typing import Any, Self
 
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
 from stickslip_sym import printing, symbols
-from stickslip_sym.codegen import function_of
+from stickslip_sym.codegen import Backend, function_of
 from stickslip_sym.errors import InputError
-from stickslip_sym.parsing import FUNCTIONS, NAME, parse_expression
-from stickslip_sym.units import parse_unit
-from stickslip_sym.values import Number, exact, exact_values, suggestion
+from stickslip_sym.formula import read_formula
+from stickslip_sym.parameters import Parameter
+from stickslip_sym.pieces import places
+from stickslip_sym.values import Number, exact_values, suggestion, to_mpf
 
 __all__ = ["FrictionLaw", "Parameter"]
-
-
-class Parameter:
-    """A parameter of a friction law.
-
-    Parameters
-    ----------
-    name : str
-        A letter, then letters, digits or underscores.
-    meaning : str
-        What it is, in a few words.
-    unit : str, optional
-        SI unit as text, "1" for a pure number.
-    typical : str, optional
-        A value to try the law with, as decimal text (kept exact).
-    positive : bool
-        Whether the parameter is never negative. Formulas are simplified under this assumption, so
-        values that break it are refused.
-    """
-
-    def __init__(
-        self,
-        name: str,
-        meaning: str = "",
-        unit: str | None = None,
-        typical: str | None = None,
-        positive: bool = True,
-    ) -> None:
-        _check_name(name)
-        self.name = name
-        self.meaning = meaning
-        self.unit = unit
-        self.typical = typical
-        self.positive = positive
-        self.symbol = sp.Symbol(name, positive=True) if positive else sp.Symbol(name, real=True)
-        if unit is not None:
-            parse_unit(unit)
-
-    def __repr__(self) -> str:
-        return f"Parameter({self.name!r}, {self.meaning!r}, unit={self.unit!r}, typical={self.typical!r})"
-
-
-def _check_name(name: str) -> None:
-    if not NAME.fullmatch(name) or keyword.iskeyword(name):
-        raise InputError(f"{name[:45]!r} is not a usable parameter name: a letter, then letters, digits or '_'")
-    if name in symbols.RESERVED:
-        meaning = symbols.QUANTITIES[name].meaning
-        raise InputError(
-            f"{name!r} is taken: it is the {meaning} everywhere in this package; rename the parameter"
-        )
-    if name in FUNCTIONS:
-        raise InputError(f"{name!r} is the name of a function; rename the parameter")
 
 
 class FrictionLaw:
@@ -89,6 +38,8 @@ class FrictionLaw:
         A short name.
     parameters : iterable of Parameter, optional
         Full descriptions, instead of `units`.
+    validity : str, optional
+        Where the law holds, in a sentence.
 
     Raises
     ------
@@ -111,22 +62,25 @@ class FrictionLaw:
         source: str | None = None,
         name: str | None = None,
         parameters: Iterable[Parameter] = (),
+        validity: str | None = None,
     ) -> None:
         described = {parameter.name: parameter for parameter in parameters}
         for key, unit in (units or {}).items():
             described[key] = Parameter(key, unit=unit)
         table = dict(described)
-        self.expr = _read(formula, table)
-        self.static = None if static is None else _read(static, table)
+        self.expr = read_formula(formula, table)
+        self.static = None if static is None else read_formula(static, table)
         self.name = name
         self.source = source
-        self.values: dict[str, Any] = {}
+        self.validity = validity
+        self._values: dict[str, Any] = {}
+        self._compiled: dict[Any, Callable[..., Any]] = {}
         if self.static is not None and self.static.has(symbols.v):
             raise InputError("the static coefficient is one number; it cannot depend on v")
         used = {symbol.name for symbol in self._all_symbols()}
         for unused in described.keys() - used:
             raise InputError(f"the parameter {unused!r} does not occur in the formula {printing.text(self.expr)}")
-        self.parameters: dict[str, Parameter] = {key: table[key] for key in table if key in used}
+        self._parameters = {key: table[key] for key in table if key in used}
 
     def _all_symbols(self) -> set[Any]:
         static = self.static.free_symbols if self.static is not None else set()
@@ -146,7 +100,17 @@ class FrictionLaw:
 
     # -- values ----------------------------------------------------------------------------------
 
-    def bind(self, **values: Number) -> "FrictionLaw":
+    @property
+    def parameters(self) -> Mapping[str, Parameter]:
+        """The law's parameters by name; read-only."""
+        return MappingProxyType(self._parameters)
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """The bound values by name, exact; read-only."""
+        return MappingProxyType(self._values)
+
+    def bind(self, **values: Number) -> Self:
         """Return the law with values for some or all of its parameters.
 
         Raises
@@ -167,13 +131,13 @@ class FrictionLaw:
                     f"{key} = {float(value):g} is negative, but the law takes {key} as positive; "
                     f"declare it with Parameter({key!r}, positive=False) if any sign is meant"
                 )
-        bound = FrictionLaw.__new__(FrictionLaw)
-        bound.expr, bound.static, bound.name, bound.source = self.expr, self.static, self.name, self.source
-        bound.parameters = self.parameters
-        bound.values = {**self.values, **read}
+        bound = copy.copy(self)
+        bound._values = {**self.values, **read}
+        if not bound.missing:
+            bound.kinks()  # refuses values for which a kink has no place
         return bound
 
-    def typical(self, **values: Number) -> "FrictionLaw":
+    def typical(self, **values: Number) -> Self:
         """Return the law with its typical values wherever neither `bind` nor `values` gives one."""
         given = {key: p.typical for key, p in self.parameters.items() if p.typical is not None}
         return self.bind(**{**given, **self.values, **values})
@@ -191,11 +155,14 @@ class FrictionLaw:
         InputError
             If a parameter has no value.
         """
+        self._require_values()
+        return expr.xreplace({self.parameters[key].symbol: value for key, value in self.values.items()})
+
+    def _require_values(self) -> None:
         if self.missing:
             names = ", ".join(self.missing)
             example = ", ".join(f"{key}=..." for key in self.missing)
             raise InputError(f"{self._label()} has no value for {names}; bind them first: law.bind({example})")
-        return expr.xreplace({self.parameters[key].symbol: value for key, value in self.values.items()})
 
     def mu(self, v: ArrayLike) -> Any:
         """Return the friction coefficient mu(v) at slip speeds v >= 0 (m/s), float or array.
@@ -203,9 +170,9 @@ class FrictionLaw:
         Raises
         ------
         InputError
-            If a parameter has no value, or a speed is negative or not finite.
+            If a parameter has no value, a speed is negative or not finite, or mu has no real value there.
         """
-        return self._evaluate(self._mu, v)
+        return self._evaluate(v, derivative=False)
 
     def slope(self, v: ArrayLike) -> Any:
         """Return the slope dmu/dv (s/m) at slip speeds v >= 0 (m/s), float or array.
@@ -213,27 +180,67 @@ class FrictionLaw:
         Raises
         ------
         InputError
-            If a parameter has no value, or a speed is negative or not finite.
+            If a parameter has no value, a speed is negative or not finite, or mu has no real slope there.
         """
-        return self._evaluate(self._slope, v)
+        return self._evaluate(v, derivative=True)
 
-    @cached_property
-    def _mu(self) -> Any:
-        return function_of([symbols.v], self.substitute(self.expr), "numpy")
+    def function(self, backend: Backend, *, derivative: bool = False) -> Callable[[Any], Any]:
+        """Return mu(v), or its slope, as a bare function of one library's numbers; nothing is checked.
 
-    @cached_property
-    def _slope(self) -> Any:
-        return function_of([symbols.v], self.substitute(self.slope_expr), "numpy")
+        Parameters
+        ----------
+        backend : {"numpy", "math", "mpmath"}
+        derivative : bool
+            Return the slope.
+        """
+        self._require_values()
+        key = backend, derivative
+        if key not in self._compiled:
+            # Values go in as arguments, not into the expression: SymPy would factor powers of fractions, and the
+            # compiled function serves the law with all other values too.
+            expr = self.slope_expr if derivative else self.expr
+            arguments = [symbols.v, *(parameter.symbol for parameter in self.parameters.values())]
+            self._compiled[key] = function_of(arguments, expr, backend)
+        compiled, exact = self._compiled[key], [self.values[name] for name in self.parameters]
+        if backend == "mpmath":
+            return lambda v: compiled(v, *(to_mpf(value) for value in exact))
+        values = [float(value) for value in exact]
+        return lambda v: compiled(v, *values)
 
-    @staticmethod
-    def _evaluate(function: Any, v: ArrayLike) -> Any:
+    def kinks(self) -> list[Any]:
+        """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
+        found = {self.substitute(place) for place in places(self.expr)}
+        for place in found:
+            if not place.is_real:
+                raise InputError(f"{self._label()} has a kink at v = {str(place)[:40]}, which is not real")
+        return sorted(place for place in found if place > 0)
+
+    def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
         speed = np.asarray(v, dtype=np.float64)
         wrong = ~((speed >= 0) & np.isfinite(speed))
         if wrong.any():
             first = speed[wrong].flat[0]
             raise InputError(f"slip speed v = {first} is not a finite number >= 0; v is |x' - V|")
-        result = np.broadcast_to(np.asarray(function(speed), dtype=np.float64), speed.shape)
-        return float(result) if result.ndim == 0 else result.copy()
+        try:
+            with np.errstate(all="ignore"):  # every branch of a law in pieces is computed, and one is taken
+                value = np.asarray(self.function("numpy", derivative=derivative)(speed))
+        except ArithmeticError:
+            value = np.asarray(np.nan)
+        result = np.broadcast_to(np.where(np.isreal(value), value.real, np.nan), speed.shape).astype(np.float64)
+        if (np.isnan(result) & (speed == 0)).any():
+            result[np.isnan(result) & (speed == 0)] = self._limit_at_rest(derivative)
+        if (missing := np.isnan(result)).any():
+            what, first = "slope" if derivative else "value", speed[missing].flat[0]
+            raise InputError(f"{self._label()} has no {what} in double precision at the slip speed v = {first}")
+        return float(result) if result.ndim == 0 else result
+
+    def _limit_at_rest(self, derivative: bool) -> float:
+        """Return the limit at v = 0+, where a formula such as v^p/v is 0/0; nan if there is none."""
+        expr = self.substitute(self.slope_expr if derivative else self.expr)
+        try:
+            return float(sp.limit(expr, symbols.v, 0, "+"))
+        except (TypeError, ValueError, NotImplementedError):
+            return float("nan")
 
     def _label(self) -> str:
         return f"the law {self.name!r}" if self.name else "the law"
@@ -246,40 +253,3 @@ class FrictionLaw:
 
     def _repr_latex_(self) -> str:
         return f"$\\displaystyle \\mu(v) = {printing.latex(self.expr)}$"
-
-
-def _read(formula: str | Any, table: dict[str, Parameter]) -> Any:
-    """Read a formula; parameters it uses that `table` does not have are added there."""
-
-    def symbol(name: str) -> Any:
-        if name == "v":
-            return symbols.v
-        if name not in table:
-            table[name] = Parameter(name)
-        return table[name].symbol
-
-    if isinstance(formula, str):
-        expr = parse_expression(formula, symbol)
-    elif isinstance(formula, sp.Expr):
-        expr = _rename(formula, symbol)
-    elif isinstance(formula, int | float):
-        expr = exact(formula, "the coefficient")
-    else:
-        raise InputError(f"a law is text or a SymPy expression, got {type(formula).__name__}")
-    if expr.has(sp.zoo, sp.oo, sp.nan, sp.I):
-        raise InputError(f"the formula is not finite and real: it reduces to {expr}")
-    return expr
-
-
-def _rename(expr: Any, symbol: Any) -> Any:
-    """Rebuild a SymPy expression on this package's symbols; refuse what a formula may not contain."""
-    allowed = (sp.Add, sp.Mul, sp.Pow, sp.Number, sp.NumberSymbol, sp.Symbol, *FUNCTIONS_TYPES)
-    for node in sp.preorder_traversal(expr):
-        if not isinstance(node, allowed):
-            raise InputError(f"{type(node).__name__} is not allowed in a law: {str(node)[:60]}")
-    replacements = {old: symbol(old.name) for old in expr.free_symbols}
-    replacements.update({number: sp.Rational(number) for number in expr.atoms(sp.Float)})
-    return expr.xreplace(replacements)
-
-
-FUNCTIONS_TYPES = tuple(f for f in FUNCTIONS.values() if isinstance(f, type))

@@ -1,109 +1,147 @@
-"""Antiderivatives by rules of our own, and the shape in which a result is printed.
+"""A criterion of a law, integrated term by term: by our own rules first, by SymPy's integrator last.
 
-The rules work term by term on an expanded sum. Whoever uses an antiderivative proves it by
-differentiation, so a wrong rule cannot produce a wrong result, only a REFUTED step.
+What comes out of here is a proposal. Antiderivatives carry the certificate by which they are proved, and
+every closed form passes a numerical gate before anybody sees it.
 """
 
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
+from stickslip_sym import printing, search, symbols
+from stickslip_sym.antiderivatives import antiderivative
+from stickslip_sym.criteria import Criterion
 from stickslip_sym.errors import NoClosedForm
-from stickslip_sym.printing import text
+from stickslip_sym.harmonics import harmonic_average, kinked_polynomial_average
+from stickslip_sym.pieces import pieces_of
+from stickslip_sym.terms import grouped
+from stickslip_sym.theorems import By, PieceByPiece, ends_of_pieces
 
-__all__ = ["antiderivative", "tidy"]
+__all__ = ["Part", "Progress", "integrate_terms", "law_integral"]
+
+Progress = Callable[[str], None]
 
 
-def antiderivative(f: Any, kernel: Any, x: Any) -> Any:
-    """Return an antiderivative of f(x) times a polynomial kernel.
+@dataclass(frozen=True)
+class Part:
+    """One term of a law, integrated.
+
+    Attributes
+    ----------
+    integral : sympy.Expr
+        The criterion of the term, as an integral.
+    value : sympy.Expr
+        What it comes to.
+    rule : str
+        The rule that gave it.
+    by : By or None
+        The theorem that proves it; None where only numbers can tell.
+    """
+
+    integral: Any
+    value: Any
+    rule: str
+    by: By | None
+
+
+def law_integral(mu: Any, criterion: Criterion) -> Any:
+    """Return the criterion of a coefficient mu(v) as an integral."""
+    v, V, theta = symbols.v, symbols.V, symbols.theta
+    if criterion.is_polynomial:
+        return sp.Integral(mu * criterion.moment_kernel, (v, 0, 2 * V))
+    return sp.Integral(mu.subs(v, V * (1 - sp.cos(theta))) * criterion.angle_kernel, (theta, 0, sp.pi))
+
+
+def integrate_terms(mu: Any, criterion: Criterion, time_limit: float, progress: Progress) -> list[Part]:
+    """Integrate a law term by term.
+
+    Parameters
+    ----------
+    mu : sympy.Expr
+        The coefficient as a function of v.
+    criterion : Criterion
+        With a weight.
+    time_limit : float
+        Seconds for SymPy's integrator, all terms together.
+    progress : callable
+        Told what is being done, in a few words.
 
     Raises
     ------
     NoClosedForm
-        Naming the first term of `f` that no rule covers.
+        Naming the first term that resisted, and what was tried.
     """
-    total = sp.Integer(0)
-    for rest, constant in grouped(f, x).items():
-        primitive = _polynomial(rest, kernel, x)
-        if primitive is None:
-            primitive = _polynomial_times_exponential(rest, kernel, x)
-        if primitive is None:
+    deadline = time.monotonic() + time_limit
+    terms = grouped(mu, symbols.v)
+    parts = []
+    for number, (rest, constant) in enumerate(terms.items(), 1):
+        name = printing.text(constant * rest)
+        progress(f"term {number} of {len(terms)}: {name}")
+        split = pieces_of(rest)
+        if split is None:
+            raise NoClosedForm(f"two kinks stand in one product, {name}; their order is not known. {_REMEDY}")
+        integrate = _by_antiderivatives if criterion.is_polynomial else _by_averages
+        found = integrate(*split, criterion, deadline, progress)
+        if found is None:
             raise NoClosedForm(
-                f"no rule integrates the term {text(constant * rest)}; rules exist for powers of v and for powers "
-                "times exp(a v + b). Quadrature serves all the same: stickslip_sym.quadrature.damping"
+                f"the term {name} resisted: none of our rules for the {criterion.name} criterion covers it, and "
+                f"SymPy's integrator found nothing in its {time_limit:g} s. {_REMEDY}"
             )
-        total += constant * primitive
-    return total
+        rule, value, primitives = found
+        by = (
+            PieceByPiece([constant * primitive for primitive in primitives], symbols.v, split[1])
+            if primitives
+            else None
+        )
+        parts.append(Part(law_integral(constant * rest, criterion), constant * value, rule, by))
+    return parts
 
 
-def grouped(f: Any, x: Any) -> dict[Any, Any]:
-    """Split a sum into functions of `x` and their constant factors, f = sum of constant times function."""
-    constants: dict[Any, Any] = {}
-    for term in sp.Add.make_args(sp.expand(f, power_exp=False)):
-        constant, rest = term.as_independent(x, as_Add=False)
-        constants[rest] = constants.get(rest, 0) + constant
-    return {rest: sp.factor(constant) for rest, constant in constants.items()}
+_REMEDY = "Quadrature serves all the same: stickslip_sym.quadrature.damping"
+
+_Found = tuple[str, Any, list[Any]] | None
+"""The rule's name, the value, and the antiderivatives of the pieces where there are such."""
 
 
-def _polynomial(rest: Any, kernel: Any, x: Any) -> Any | None:
-    if not rest.is_polynomial(x):
-        return None
-    powers = sp.Poly(rest * kernel, x).terms()
-    return sp.Add(*[coefficient * x ** (n + 1) / (n + 1) for (n,), coefficient in powers])
+def _by_antiderivatives(
+    pieces: list[Any], places: list[Any], criterion: Criterion, deadline: float, progress: Progress
+) -> _Found:
+    """Integrate by an antiderivative of each piece."""
+    kernel = criterion.moment_kernel
+    primitives, rules = [], []
+    for piece in pieces:
+        found = antiderivative(piece, kernel, symbols.v) or search.antiderivative(
+            piece * kernel, symbols.v, deadline, progress
+        )
+        if found is None:
+            return None
+        rule, primitive = found
+        rules.append(rule)
+        primitives.append(primitive)
+    ends = ends_of_pieces(places, 2 * symbols.V)
+    value = sp.Add(
+        *[
+            sp.Add(*(sign * primitive.subs(symbols.v, end) for sign, end in ((1, high), (-1, low))))
+            for primitive, low, high in zip(primitives, ends, ends[1:], strict=False)
+        ]
+    )
+    return ", ".join(dict.fromkeys(rules)), value, primitives
 
 
-def _polynomial_times_exponential(rest: Any, kernel: Any, x: Any) -> Any | None:
-    """Integrate p(x) exp(a x + b), p a polynomial, by parts until p is used up."""
-    exponentials = [factor for factor in sp.Mul.make_args(rest) if isinstance(factor, sp.exp)]
-    if len(exponentials) != 1:
-        return None
-    (exponential,) = exponentials
-    polynomial = rest / exponential * kernel
-    rate = sp.diff(exponential.exp, x)
-    if not polynomial.is_polynomial(x) or rate.has(x) or rate == 0:
-        return None
-    total = sp.Integer(0)
-    power = rate
-    while polynomial != 0:
-        total += polynomial / power
-        polynomial = -sp.factor_terms(sp.diff(polynomial, x))
-        power *= rate
-    return total * exponential
-
-
-def tidy(expr: Any, model: Any, small: Any) -> Any:
-    """Rewrite a result as a person would print it.
-
-    The factors come out, what multiplies an exponential is collected, growing exponentials are divided
-    out, and each factor has the sign that it has in `model` (the formula of the law) or that is positive
-    for a small value of the symbol `small`.
-    """
-    factored = sp.factor(expr)
-    exponentials = sp.Mul(*[factor for factor in sp.Mul.make_args(factored) if isinstance(factor, sp.exp)])
-    factors = []
-    for factor in sp.Mul.make_args(factored / exponentials):
-        if factor.is_Add and factor.has(sp.exp):
-            factor = sp.expand(factor * exponentials, power_exp=False)
-            exponentials = sp.Integer(1)
-        factors.append(factor)
-    factors.append(exponentials)
-    sign, printed = 1, []
-    for factor in factors:
-        if factor.is_Add and _should_flip(factor, model, small):
-            sign, factor = -sign, -factor
-        printed.append(sp.collect(factor, sorted(factor.atoms(sp.exp), key=str)))
-    return sp.Mul(sign, *printed)
-
-
-def _should_flip(factor: Any, model: Any, small: Any) -> bool:
-    for node in sp.preorder_traversal(model):
-        if node in (factor, -factor):
-            return bool(node == -factor)
-    if not factor.has(small):
-        return False
-    leading = sp.limit(factor, small, 0, "+")
-    if leading.is_zero:
-        # It vanishes for small values because its terms cancel: let the fewer ones carry a minus.
-        signs = [term.could_extract_minus_sign() for term in sp.Add.make_args(sp.expand(factor))]
-        return bool(2 * sum(signs) > len(signs))
-    return bool(leading.is_negative)
+def _by_averages(
+    pieces: list[Any], places: list[Any], criterion: Criterion, deadline: float, progress: Progress
+) -> _Found:
+    """Take the harmonic average of a term by a rule that gives it at once."""
+    if places:
+        average = kinked_polynomial_average(pieces, ends_of_pieces(places, 2 * symbols.V), symbols.v, symbols.V)
+        return None if average is None else ("Fourier sums between kinks", symbols.N * average, [])
+    found = harmonic_average(pieces[0], symbols.v, symbols.V)
+    if found is None:
+        integral = law_integral(pieces[0], criterion)
+        searched = search.definite_integral(integral, deadline, progress)
+        return None if searched is None else (*searched, [])
+    rule, average = found
+    return rule, symbols.N * average, []

@@ -3,13 +3,35 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from functools import lru_cache
+from typing import Any
+
+import sympy as sp
 
 from stickslip_sym import symbols
-from stickslip_sym.codegen import function_of
 from stickslip_sym.errors import InputError
 from stickslip_sym.friction import FrictionLaw
 
-__all__ = ["Oscillator", "Scene"]
+__all__ = ["Oscillator", "Scene", "check_rtol", "real"]
+
+_SMALL = 1e-6  # slip speed, relative, over which a slope of mu is taken
+
+
+def real(name: str, value: Any) -> float:
+    """Return a number as a float, or refuse what is none and what is not finite."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} = {str(value)[:60]!r} is not a number; give a float such as 0.5") from None
+    if not math.isfinite(number):
+        raise InputError(f"{name} = {number} is not finite; give a float such as 0.5")
+    return number
+
+
+def check_rtol(rtol: float) -> None:
+    """Refuse a tolerance that double precision cannot hold, or that means nothing."""
+    if not 1e-13 <= real("rtol", rtol) <= 1e-3:
+        raise InputError(f"rtol = {rtol:g} is outside 1e-13 to 1e-3")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,14 +66,9 @@ class Oscillator:
     def __post_init__(self) -> None:
         for field in fields(self):
             name = field.name
-            try:
-                value = float(getattr(self, name))
-            except (TypeError, ValueError):
-                raise InputError(f"{name} = {getattr(self, name)!r} is not a number") from None
+            value = real(name, getattr(self, name))
             object.__setattr__(self, name, value)
             meaning = symbols.QUANTITIES[name].meaning
-            if not math.isfinite(value):
-                raise InputError(f"{name} = {value} is not finite; the {meaning} is a finite number")
             if name in ("m", "k", "V") and value <= 0:
                 raise InputError(f"{name} = {value:g} must be positive: it is the {meaning}")
             if name == "N" and value < 0:
@@ -84,7 +101,41 @@ class Oscillator:
 
     def onset(self, law: FrictionLaw) -> float:
         """Return the displacement x_P = (mu_static N - c V)/k in m at which every forward stick phase ends."""
-        return (float(law.substitute(law.static_expr)) * self.N - self.c * self.V) / self.k
+        return (_static(law) * self.N - self.c * self.V) / self.k
+
+
+@lru_cache(maxsize=256)
+def _limit(expr: Any) -> float:
+    """Return the limit of an expression in v as v falls to 0; NaN where none is found."""
+    try:
+        return float(sp.limit(expr, symbols.v, 0, "+"))
+    except (ArithmeticError, NotImplementedError, TypeError, ValueError):
+        return math.nan
+
+
+def _onset(law: FrictionLaw) -> float:
+    """Return mu(0+)."""
+    onset = _limit(law.substitute(law.expr))
+    if not math.isfinite(onset):
+        raise InputError(
+            f"mu(0+) is {onset}, not a finite number, for {law!r}: no spring could ever pull the mass off the "
+            "belt; cut the law off at a small speed, as in log(1 + v/v_c) for log(v)"
+        )
+    return onset
+
+
+def _static(law: FrictionLaw) -> float:
+    """Return the coefficient that limits sticking, at least mu(0+)."""
+    onset = _onset(law)
+    if law.static is None:
+        return onset
+    static = real("the static coefficient", law.substitute(law.static))
+    if static < onset - 1e-12 * abs(onset):
+        raise InputError(
+            f"the static coefficient {static:g} is below mu(0+) = {onset:g}: a contact that gives way would "
+            "stop the mass at once; give a static coefficient of at least mu(0+), or none"
+        )
+    return max(static, onset)
 
 
 @dataclass(frozen=True)
@@ -105,8 +156,9 @@ class Scene:
     static : float
         The coefficient that limits sticking.
     mu : callable
-        mu(V w) for w >= 0, continued to w < 0 along its tangent: an orbit that is followed a little past
-        its return (to see by how much it returns) keeps two derivatives.
+        mu(V w) for w > 0, and NaN where it cannot be computed, so that an integrator takes a shorter step.
+        For w <= 0 it is mu(0+): the one step that crosses 0 reaches there in its trials, and where it
+        crosses is refined from the side of w > 0.
     """
 
     eta: float
@@ -116,21 +168,40 @@ class Scene:
 
     @classmethod
     def of(cls, law: FrictionLaw, osc: Oscillator) -> "Scene":
-        """Make an oscillator with a bound law dimensionless."""
-        mu = function_of([symbols.v], law.substitute(law.expr), "math")
-        at_rest = float(law.substitute(law.static_expr))
-        onset = float(mu(0.0))
-        tangent = float(law.substitute(law.slope_expr).subs(symbols.v, 0)) * osc.V
-        speed = osc.V
+        """Make an oscillator with a bound law dimensionless.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value, mu(0+) is not finite, or the static coefficient is below mu(0+).
+        """
+        static, onset = _static(law), _onset(law)
+        mu, speed = law.function("math"), osc.V
 
         def continued(w: float) -> float:
-            return float(mu(speed * w)) if w >= 0 else onset + tangent * w
+            if w <= 0:
+                return onset
+            try:
+                return float(mu(speed * w))
+            except (ArithmeticError, TypeError, ValueError):  # a TypeError is a complex coefficient
+                return math.nan
 
-        return cls(osc.eta, osc.zeta, at_rest, continued)
+        return cls(osc.eta, osc.zeta, static, continued)
 
     def acceleration(self, q: float, w: float, side: int) -> float:
         """Return w', the rate at which the slip speed grows."""
         return self.eta * (side * self.static - self.mu(w)) + side * q - 2 * self.zeta * w
+
+    def decay(self, w: float) -> float:
+        """Return -dw'/dw, the rate at which a deviation of the slip speed w >= 0 decays."""
+        half = _SMALL * max(w, 1.0)
+        low, high = max(w - half, 0.0), w + half
+        return self.eta * (self.mu(high) - self.mu(low)) / (high - low) + 2 * self.zeta
+
+    @property
+    def rest(self) -> tuple[float, float]:
+        """The state (q, w) of a mass at rest, pulled by the belt that slips under it."""
+        return 2 * self.zeta - self.eta * (self.static - self.mu(1.0)), 1.0
 
     def sticks(self, q: float) -> bool:
         """Whether static friction holds the mass at displacement q: |c V + k x| <= mu_static N."""

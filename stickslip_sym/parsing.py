@@ -7,15 +7,18 @@ that a short text can ask for small.
 
 import ast
 import re
+import warnings
 from collections.abc import Callable
+from functools import reduce
 from typing import Any, NoReturn
 
 import sympy as sp
 
 from stickslip_sym.errors import InputError
-from stickslip_sym.values import suggestion
+from stickslip_sym.pieces import absolute, larger, piecewise, smaller
+from stickslip_sym.values import bits, suggestion, within
 
-__all__ = ["FUNCTIONS", "NAME", "parse_expression"]
+__all__ = ["CONSTANTS", "FUNCTIONS", "KINKED", "NAME", "parse_expression"]
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 """What a name looks like: ASCII letters, digits and underscores, at most 40."""
@@ -28,13 +31,27 @@ FUNCTIONS: dict[str, Any] = {
 }  # fmt: skip
 """The functions of one argument that a formula may use."""
 
+CONSTANTS = {"pi": sp.pi}
+"""Names that stand for numbers."""
+
+KINKED: dict[str, Callable[..., Any]] = {"Abs": absolute, "Min": smaller, "Max": larger}
+"""The functions that make kinks; Min and Max take two arguments or more."""
+
+PIECEWISE = "Piecewise((formula, v < place), ..., last formula)"
+"""How a law in pieces is written: each formula up to its place, places ascending."""
+
 MAX_LENGTH = 2000
 MAX_DEPTH = 60
 MAX_EXPONENT = 64
 MAX_DIGITS = 60
+MAX_ARGUMENT = 1_000_000
+MAX_KINKS = 40
 _MAX_BITS = 4096  # of a number that constant arithmetic may produce
+_MAX_ROOT_BITS = 256  # of a number that a root is taken of: SymPy looks for its factors
+_NOT_FINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
 
-_CHARACTERS = re.compile(r"[A-Za-z0-9_+\-*/^()., \t\r\n]")
+_CALLABLE = [*FUNCTIONS, *KINKED, "Piecewise"]
+_FOREIGN = re.compile(r"[^A-Za-z0-9_+\-*/^()., <>=\t\r\n]")
 _POWER = re.compile(r"\^")
 
 
@@ -59,9 +76,8 @@ def parse_expression(text: str, symbol: Callable[[str], Any]) -> Any:
         raise InputError("the formula is empty; write one like 'mu_m + (mu_s - mu_m)*exp(-alpha*v)'")
     if len(text) > MAX_LENGTH:
         raise InputError(f"the formula has {len(text)} characters; at most {MAX_LENGTH} are allowed")
-    for position, character in enumerate(text):
-        if not _CHARACTERS.fullmatch(character):
-            _refuse(text, position, f"the character {character!r} has no meaning in a formula")
+    if foreign := _FOREIGN.search(text):
+        _refuse(text, foreign.start(), f"the character {foreign[0]!r} has no meaning in a formula")
     _check_depth(text)
     return _Translator(text, symbol).translate()
 
@@ -89,12 +105,14 @@ class _Translator:
         # One line, so that a column is a position; '^' would bind too loosely as Python's xor.
         self.source = _POWER.sub("**", re.sub(r"\s", " ", text))
         self.symbol = symbol
+        self.kinks = 0
 
     def translate(self) -> Any:
         stripped = self.source.lstrip()
         self.indent = len(self.source) - len(stripped)
         try:
-            tree = ast.parse(stripped, mode="eval")
+            with warnings.catch_warnings(action="ignore"):  # about texts such as 1or, which are refused anyway
+                tree = ast.parse(stripped, mode="eval")
         except SyntaxError as error:
             column = (error.offset or 1) - 1
             _refuse(self.original, self._position(column), f"the formula cannot be read: {error.msg}")
@@ -104,11 +122,9 @@ class _Translator:
 
     def _position(self, column: int) -> int:
         """Map a column of the parsed source to a position in the text as it was given."""
-        target = column + self.indent
-        shift = 0
+        target, shift = column + self.indent, 0
         for match in _POWER.finditer(self.original):
-            if match.start() + shift < target:
-                shift += 1
+            shift += match.start() + shift < target
         return target - shift
 
     def _fail(self, node: ast.AST, reason: str) -> NoReturn:
@@ -142,14 +158,20 @@ class _Translator:
         return sp.Rational(text)
 
     def _name(self, node: ast.AST, name: str) -> Any:
-        if name in FUNCTIONS:
+        if name in _CALLABLE:
             self._fail(node, f"{name} is a function; write {name}(...)")
         if not NAME.fullmatch(name):
             self._fail(node, f"{name[:45]!r} is not a usable name: ASCII letters, digits, '_', at most 40")
-        try:
-            return self.symbol(name)
-        except InputError as error:
-            self._fail(node, str(error))
+        if name in CONSTANTS:
+            return CONSTANTS[name]
+        return self._guarded(node, lambda: self.symbol(name))
+
+    def _checked(self, node: ast.AST, result: Any) -> Any:
+        if result in _NOT_FINITE:
+            self._fail(node, "this part of the formula has no finite value")
+        if result.is_Rational and bits(result) > _MAX_BITS:
+            self._fail(node, "a number in the formula grows too large")
+        return result
 
     def _binary(self, node: ast.BinOp, left: Any, right: Any) -> Any:
         match node.op:
@@ -164,27 +186,74 @@ class _Translator:
                     self._fail(node.right, "division by zero")
                 result = left / right
             case ast.Pow():
-                result = self._power(node, left, right)
+                result = self._power(node.right, left, right)
             case _:
                 self._fail(node, "only + - * / and ^ (or **) combine terms")
-        if result.is_Rational and max(int(result.p).bit_length(), int(result.q).bit_length()) > _MAX_BITS:
-            self._fail(node, "a number in the formula grows too large")
-        return result
+        return self._checked(node, result)
 
-    def _power(self, node: ast.BinOp, base: Any, exponent: Any) -> Any:
-        if exponent.is_number and not abs(exponent) <= MAX_EXPONENT:
-            self._fail(node.right, f"a numeric exponent is at most {MAX_EXPONENT} in size")
+    def _power(self, node: ast.AST, base: Any, exponent: Any) -> Any:
+        if exponent.is_number and not within(exponent, MAX_EXPONENT):
+            self._fail(node, f"a numeric exponent is real and at most {MAX_EXPONENT} in size")
         if base == 0 and exponent.is_number and exponent.is_negative:
-            self._fail(node.right, "division by zero")
+            self._fail(node, "division by zero")
+        if base.is_Rational and not exponent.is_Integer and bits(base) > _MAX_ROOT_BITS:
+            self._fail(node, "a root is taken of a number with too many digits")
         return base**exponent
 
     def _call(self, node: ast.Call, depth: int) -> Any:
         if not isinstance(node.func, ast.Name):
             self._fail(node, "only a named function can be called")
         name = node.func.id
-        if name not in FUNCTIONS:
-            known = ", ".join(FUNCTIONS)
-            self._fail(node, f"there is no function {name[:40]!r}{suggestion(name, FUNCTIONS)}; known: {known}")
-        if len(node.args) != 1 or node.keywords or isinstance(node.args[0], ast.Starred):
-            self._fail(node, f"{name} takes one argument")
-        return FUNCTIONS[name](self._expression(node.args[0], depth + 1))
+        if name not in _CALLABLE:
+            hint, known = suggestion(name, _CALLABLE), ", ".join(_CALLABLE)
+            self._fail(node, f"there is no function {name[:40]!r}{hint}; known: {known}")
+        if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
+            self._fail(node, f"{name} takes plain arguments only")
+        if name == "Piecewise":
+            return self._piecewise(node, depth)
+        several = name in ("Min", "Max")
+        if (len(node.args) < 2) if several else (len(node.args) != 1):
+            self._fail(node, f"{name} takes {'two arguments or more' if several else 'one argument'}")
+        arguments = [self._expression(argument, depth + 1) for argument in node.args]
+        if name in FUNCTIONS:
+            return self._checked(node, self._function(node, name, *arguments))
+        self._count_kinks(node, len(arguments))
+        kinked = KINKED[name]
+        return self._guarded(node, lambda: reduce(kinked, arguments) if several else kinked(*arguments))
+
+    def _function(self, node: ast.Call, name: str, argument: Any) -> Any:
+        if name == "sqrt":
+            return self._power(node, argument, sp.S.Half)
+        # A tower such as exp(exp(exp(exp(9)))) is short to write, and no computer holds its value.
+        if argument.is_number and name != "log" and not within(argument, MAX_ARGUMENT):
+            self._fail(node, f"a number in {name}(...) is real and at most {MAX_ARGUMENT} in size")
+        return FUNCTIONS[name](argument)
+
+    def _count_kinks(self, node: ast.AST, more: int) -> None:
+        self.kinks += more
+        if self.kinks > MAX_KINKS:
+            self._fail(node, f"Abs, Min, Max and Piecewise have more than {MAX_KINKS} arguments in all")
+
+    def _piecewise(self, node: ast.Call, depth: int) -> Any:
+        *branches, last = node.args or [node]
+        self._count_kinks(node, len(branches))
+        pairs = []
+        for branch in branches:
+            match branch:
+                case ast.Tuple(
+                    elts=[formula, ast.Compare(left=ast.Name(id="v"), ops=[ast.Lt()], comparators=[place])]
+                ):
+                    pairs.append((self._expression(formula, depth + 1), self._expression(place, depth + 1)))
+                case _:
+                    self._fail(branch, f"a law in pieces is written {PIECEWISE}")
+        if not pairs or isinstance(last, ast.Tuple):
+            self._fail(last, f"a law in pieces is written {PIECEWISE}")
+        end = self._expression(last, depth + 1)
+        return self._guarded(node, lambda: piecewise(pairs, end))
+
+    def _guarded(self, node: ast.AST, make: Callable[[], Any]) -> Any:
+        """Point at the node whose making was refused."""
+        try:
+            return make()
+        except InputError as error:
+            self._fail(node, str(error))

@@ -46,7 +46,8 @@ class _Readable:
 
 
 class _Text(_Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
-    pass
+    def _print_Dummy(self, expr: Any) -> str:
+        return str(expr.name)
 
 
 class _Latex(_Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped

@@ -10,18 +10,17 @@ import random
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, Protocol
+from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-__all__ = [
-    "Antiderivative", "By", "ChangeOfVariable", "Status", "Verdict",
-    "normal_form", "prove_equal", "prove_positive",
-]  # fmt: skip
+from stickslip_sym.normal_form import normal_form
+from stickslip_sym.theorems import By
 
-_BOUND = sp.Symbol("xi", real=True)  # the variable of every integral in normal form
-_SAMPLES = 6
+__all__ = ["Status", "Verdict", "prove_equal", "prove_positive"]
+
+_SAMPLES = 8
 _DIGITS = 30
 _AGREE = sp.Rational(1, 10**22)  # sides that differ by less, relatively, count as equal in a sample
 
@@ -55,95 +54,6 @@ class Verdict:
         return f"{self.status.value}: {self.evidence}"
 
 
-class By(Protocol):
-    """A theorem applied to the left side of an equation; raises ValueError where it does not apply."""
-
-    def __call__(self, expr: Any) -> Any:
-        """Return an expression equal to `expr`."""
-
-
-@dataclass(frozen=True)
-class ChangeOfVariable:
-    """Substitute ``old = image(new)``, with `image` linear, in every integral over `old`."""
-
-    old: Any
-    new: Any
-    image: Any
-
-    def __call__(self, expr: Any) -> Any:
-        """Apply integration by substitution; a linear image is one to one and smooth."""
-        slope = sp.diff(self.image, self.new)
-        if slope.has(self.new) or not slope.is_nonzero:
-            raise ValueError(f"{self.old} = {self.image} is not linear in {self.new}")
-
-        def substitute(integral: Any) -> Any:
-            variable, *limits = integral.limits[0]
-            if variable != self.old:
-                return integral
-            low, high = (sp.expand((limit - self.image.subs(self.new, 0)) / slope) for limit in limits)
-            return sp.Integral(integral.function.subs(self.old, self.image) * slope, (self.new, low, high))
-
-        return expr.replace(lambda node: isinstance(node, sp.Integral), substitute)
-
-
-@dataclass(frozen=True)
-class Antiderivative:
-    """Evaluate every integral over `variable` whose integrand is the derivative of `primitive`."""
-
-    primitive: Any
-    variable: Any
-
-    def __call__(self, expr: Any) -> Any:
-        """Apply the fundamental theorem of calculus, after differentiating the primitive."""
-
-        def evaluate(integral: Any) -> Any:
-            variable, low, high = integral.limits[0]
-            if variable != self.variable:
-                return integral
-            if normal_form(sp.diff(self.primitive, variable) - integral.function) != 0:
-                raise ValueError(f"{self.primitive} is not an antiderivative of {integral.function}")
-            ends = [self.primitive.subs(variable, end) for end in (high, low)]
-            if any(end.has(sp.zoo, sp.oo, sp.nan) for end in ends):
-                raise ValueError(f"{self.primitive} is not finite on [{low}, {high}]")
-            return ends[0] - ends[1]
-
-        return expr.replace(lambda node: isinstance(node, sp.Integral), evaluate)
-
-
-def normal_form(expr: Any) -> Any:
-    """Reduce an expression so that zero becomes 0.
-
-    Integrals are split by linearity, and done where their integrand is a polynomial. Hyperbolic
-    functions become exponentials. What is left is put over one denominator, and its numerator expanded:
-    a polynomial in symbols, exponentials and integrals of unknown functions.
-    """
-    expr = sp.sympify(expr).replace(lambda node: isinstance(node, sp.Integral), _split)
-    expr = expr.rewrite((sp.sinh, sp.cosh, sp.tanh), sp.exp)
-    numerator, _ = sp.fraction(sp.together(expr))
-    return sp.expand(numerator)
-
-
-def _split(integral: Any) -> Any:
-    """Split an integral over its sum, do the polynomial parts, and give the others one notation.
-
-    That is: limits from low to high, and one name for the variable of integration.
-    """
-    variable, low, high = integral.limits[0]
-    low, high = sp.expand(low), sp.expand(high)
-    sign = 1
-    if sp.default_sort_key(low) > sp.default_sort_key(high):
-        low, high, sign = high, low, -1
-    total = sp.Integer(0)
-    for term in sp.Add.make_args(sp.expand(integral.function.subs(variable, _BOUND))):
-        constant, rest = term.as_independent(_BOUND, as_Add=False)
-        if rest.is_polynomial(_BOUND):
-            part = sp.integrate(rest, (_BOUND, low, high))
-        else:
-            part = sp.Integral(rest, (_BOUND, low, high))
-        total += sign * constant * part
-    return total
-
-
 def prove_equal(lhs: Any, rhs: Any, by: By | None = None) -> Verdict:
     """Prove or refute lhs = rhs.
 
@@ -168,6 +78,9 @@ def prove_equal(lhs: Any, rhs: Any, by: By | None = None) -> Verdict:
         obstacle = str(error)
     for point in _points(lhs, rhs):
         left, right = (_at(side, point) for side in (lhs, rhs))
+        if not (left.is_finite and right.is_finite and left.is_number and right.is_number):
+            evidence = f"left {left}, right {right}, not both finite, at {_words(point)}"
+            return Verdict(Status.REFUTED, evidence, point)
         if abs(left - right) > _AGREE * (abs(left) + abs(right)):
             evidence = f"left {sp.N(left, 8)}, right {sp.N(right, 8)} at {_words(point)}"
             return Verdict(Status.REFUTED, evidence, point)
@@ -181,7 +94,7 @@ def prove_positive(expr: Any) -> Verdict:
             return Verdict(Status.PROVED, "every factor is positive")
     for point in _points(expr):
         value = _at(expr, point)
-        if value <= 0:
+        if not value.is_positive:
             return Verdict(Status.REFUTED, f"it is {sp.N(value, 8)} at {_words(point)}", point)
     return Verdict(Status.CHECKED, f"positive at {_SAMPLES} seeded points; no proof was found")
 
@@ -190,17 +103,21 @@ def _points(*sides: Any) -> list[dict[Any, Any]]:
     """Draw seeded exact values for all symbols, and polynomials for all unknown functions."""
     random_numbers = random.Random(20160428)
     # Units are atoms with a name and a positive value, like symbols.
-    atoms = set().union(*(side.free_symbols | side.atoms(sp.AtomicExpr) for side in sides))
-    bound = {variable for side in sides for node in side.atoms(sp.Integral) for variable in node.variables}
-    symbols = sorted((atom for atom in atoms - bound if not atom.is_number), key=str)
+    atoms = set().union(*(side.atoms(sp.AtomicExpr) for side in sides))
+    units = {atom for atom in atoms if not (atom.is_number or atom.is_Symbol)}
+    symbols = sorted(units.union(*(side.free_symbols for side in sides)), key=str)
     functions = sorted({node.func for side in sides for node in side.atoms(AppliedUndef)}, key=str)
     points = []
-    for _ in range(_SAMPLES):
+    for number in range(_SAMPLES):
         point: dict[Any, Any] = {}
+        either = 0  # symbols so far that may have either sign
         for symbol in symbols:
             value = sp.Rational(random_numbers.randint(3, 40), random_numbers.randint(7, 13))
-            sign = -1 if symbol.is_nonnegative is None and random_numbers.random() < 0.5 else 1
-            point[symbol] = sign * value
+            if symbol.is_nonnegative is None:
+                # The first three such symbols run through all combinations of signs.
+                value *= -1 if number >> (either % 3) & 1 else 1
+                either += 1
+            point[symbol] = value
         for function in functions:
             w = sp.Symbol("w", real=True)
             coefficients = [sp.Rational(random_numbers.randint(-9, 9), 7) for _ in range(8)]
@@ -217,7 +134,10 @@ def _at(expr: Any, point: Mapping[Any, Any]) -> Any:
     expr = expr.replace(lambda node: isinstance(node, sp.Derivative | sp.Subs), lambda node: node.doit())
     expr = expr.subs({key: value for key, value in point.items() if key not in functions})
     expr = expr.replace(lambda node: isinstance(node, sp.Integral), _polynomial_integral)
-    return sp.N(expr, _DIGITS)
+    try:
+        return sp.N(expr, _DIGITS)
+    except TypeError:  # SymPy's way to say that an integrand is infinite somewhere
+        return sp.nan
 
 
 def _polynomial_integral(integral: Any) -> Any:

@@ -7,6 +7,7 @@ antiderivative, a derivative or a closed form, so agreement with one means somet
 import heapq
 import math
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import mpmath
@@ -16,12 +17,13 @@ from stickslip_sym.codegen import function_of
 from stickslip_sym.criteria import Criterion, find
 from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.values import Number, exact
+from stickslip_sym.values import Number, exact, to_mpf
 
-__all__ = ["damping", "to_mpf"]
+__all__ = ["damping"]
 
 _GUARD = 10  # digits beyond those asked for, against rounding in the sum
-_MOST_LOST = 1000  # digits of cancellation that are followed before a result counts as zero
+_MOST_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
+_MOST_LOST_IN_SLOPE = 2000  # of a slope, which costs a few values of mu only
 _MOST_PANELS = 120
 _LOOKS = (0.001, 0.25, 0.5, 0.75, 0.999)  # of the way through a panel, where its size is looked at
 
@@ -50,7 +52,7 @@ def damping(
         Normal force in N, not negative.
     digits : int
         Significant digits of the result. Where the integral cancels, the working precision follows;
-        a result over 1000 digits smaller than its integrand is returned as 0.
+        an integral over 400 digits smaller than its integrand is returned as 0.
 
     Returns
     -------
@@ -60,7 +62,7 @@ def damping(
     Raises
     ------
     InputError
-        For an unbound law or unusable numbers.
+        For an unbound law, unusable numbers, or a law that is not real and finite on [0, 2V].
     NotConverged
         If the integrand is too irregular for the bound on the work.
     """
@@ -72,29 +74,40 @@ def damping(
         raise InputError(f"N = {float(force):g} must not be negative")
     if not 1 <= digits <= 10_000:
         raise InputError(f"digits = {digits} is outside 1 to 10000")
-    mu = function_of([symbols.v], law.substitute(law.expr), "mpmath")
+    mu = _real(law.function("mpmath"))
     if force == 0 or not law.expr.has(symbols.v):
         return mpmath.mpf(0)  # every kernel averages a slope: it integrates to zero
     if criterion.weight is None:
-        result = _following_cancellation(lambda tolerance: _slope(mu, speed, force), digits)
+        result = _confirmed_slope(mu, speed, force, digits)
     else:
-        kernel = function_of([symbols.u, symbols.V, symbols.N], criterion.moment_kernel, "mpmath")
+        integrate = _over_speed if criterion.is_polynomial else _over_angle
         result = _following_cancellation(
-            lambda tolerance: _weighted_integral(mu, kernel, speed, force, tolerance), digits
+            lambda tolerance: integrate(mu, law.kinks(), criterion, speed, force, tolerance), digits, _MOST_LOST
         )
     with mpmath.workdps(digits):
         return +result
 
 
-def to_mpf(rational: Any) -> Any:
-    """Round an exact rational to the current working precision of mpmath."""
-    return mpmath.mpf(int(rational.p)) / int(rational.q)
+def _real(mu: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Guard a coefficient: what is not a finite real number is an error, never part of a result."""
+
+    def guarded(v: Any) -> Any:
+        try:
+            value = mpmath.mpmathify(mu(v))
+        except (ZeroDivisionError, ValueError):
+            value = mpmath.nan
+        if isinstance(value, mpmath.mpc) or not mpmath.isfinite(value):
+            raise InputError(f"mu is not a finite real number at v = {mpmath.nstr(v, 8)} m/s: it is {value}")
+        return value
+
+    return guarded
 
 
-def _following_cancellation(compute: Callable[[Any], tuple[Any, Any]], digits: int) -> Any:
+def _following_cancellation(compute: Callable[[Any], tuple[Any, Any]], digits: int, most: int) -> Any:
     """Repeat a computation at rising precision until the digits that cancelled are paid for.
 
-    `compute` takes a relative tolerance and returns a sum, and the size of its terms.
+    `compute` takes a relative tolerance and returns a sum, and the size of its terms; over `most` digits of
+    cancellation the sum counts as zero.
     """
     lost = 0
     while True:
@@ -106,26 +119,61 @@ def _following_cancellation(compute: Callable[[Any], tuple[Any, Any]], digits: i
             needed = max(0, bits * math.log10(2) + 1)
         if needed <= lost + 1:
             return total
-        if lost >= _MOST_LOST:
+        if lost >= most:
             return mpmath.mpf(0)
-        # Noise hides how much is lost, so go up by more than what is seen.
-        lost = int(min(_MOST_LOST, max(min(needed, _MOST_LOST) + 2, 2 * lost, 10)))
+        # Where all digits cancelled, what is left is noise that hides how many more there are.
+        drowned = needed >= digits + lost
+        lost = most if drowned and lost else int(min(most, max(needed + 2, 10)))
 
 
-def _weighted_integral(mu: Any, kernel: Any, speed: Any, force: Any, tolerance: Any) -> tuple[Any, Any]:
-    """Integrate mu times kernel; its two halves apart, as the kernel changes sign in the middle."""
+def _over_speed(
+    mu: Any, kinks: list[Any], criterion: Criterion, speed: Any, force: Any, tolerance: Any
+) -> tuple[Any, Any]:
+    """Integrate mu(v) times the kernel over the slip speed."""
     V, N = to_mpf(speed), to_mpf(force)
-    halves = [
-        _adaptive(lambda u: mu(u) * kernel(u, V, N), *limits, tolerance)
-        for limits in ((mpmath.mpf(0), V), (V, 2 * V))
-    ]
-    return mpmath.fsum(halves), mpmath.fsum(halves, absolute=True)
+    kernel = function_of([symbols.v, symbols.V, symbols.N], criterion.moment_kernel, "mpmath")
+    # The kernel changes sign at V, and the two sides cancel.
+    ends = [mpmath.mpf(0), *sorted({V, *_inside(kinks, speed)}), 2 * V]
+    return _pieces(lambda v: mu(v) * kernel(v, V, N), ends, tolerance)
 
 
-def _slope(mu: Any, speed: Any, force: Any) -> tuple[Any, Any]:
-    """Differentiate mu numerically; what cancels is mu itself."""
+def _over_angle(
+    mu: Any, kinks: list[Any], criterion: Criterion, speed: Any, force: Any, tolerance: Any
+) -> tuple[Any, Any]:
+    """Integrate over theta = 2 phi, v = V(1 - cos(theta)) = 2V sin(phi)^2: no singular ends, no cancelled v."""
     V, N = to_mpf(speed), to_mpf(force)
-    return -N * mpmath.diff(mu, V, relative=True), abs(N * mu(V) / V)
+    kernel = function_of([symbols.theta, symbols.V, symbols.N], criterion.angle_kernel, "mpmath")
+    angles = [mpmath.asin(mpmath.sqrt(place / (2 * V))) for place in _inside(kinks, speed)]
+    ends = [mpmath.mpf(0), *sorted({mpmath.pi / 4, *angles}), mpmath.pi / 2]
+    return _pieces(lambda phi: 2 * mu(2 * V * mpmath.sin(phi) ** 2) * kernel(2 * phi, V, N), ends, tolerance)
+
+
+def _inside(kinks: list[Any], speed: Any) -> list[Any]:
+    return [to_mpf(place) for place in kinks if place < 2 * speed]
+
+
+def _pieces(f: Callable[[Any], Any], ends: list[Any], tolerance: Any) -> tuple[Any, Any]:
+    """Integrate between consecutive ends; return the sum and the sum of sizes."""
+    parts = [_adaptive(f, left, right, tolerance) for left, right in pairwise(ends)]
+    return mpmath.fsum(parts), mpmath.fsum(parts, absolute=True)
+
+
+def _confirmed_slope(mu: Any, speed: Any, force: Any, digits: int) -> Any:
+    """Differentiate mu numerically, twice: a formula for mu may cancel inside, where nothing else shows it."""
+
+    def slope(_: Any) -> tuple[Any, Any]:
+        V, N = to_mpf(speed), to_mpf(force)
+        return -N * mpmath.diff(mu, V, relative=True), abs(N * mu(V) / V)
+
+    wanted = digits
+    while wanted < _MOST_LOST_IN_SLOPE:
+        result = _following_cancellation(slope, wanted, _MOST_LOST_IN_SLOPE)
+        again = _following_cancellation(slope, wanted + digits + _GUARD, _MOST_LOST_IN_SLOPE)
+        with mpmath.workdps(digits + _GUARD):
+            if abs(again - result) <= abs(again) * mpmath.mpf(10) ** -digits:
+                return again
+        wanted = 2 * (wanted + digits + _GUARD)
+    raise NotConverged(f"the slope of mu at V = {float(speed):g} does not settle to {digits} digits")
 
 
 def _adaptive(f: Callable[[Any], Any], a: Any, b: Any, tolerance: Any) -> Any:

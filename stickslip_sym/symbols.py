@@ -22,6 +22,7 @@ __all__ = [
     "mu",
     "s",
     "t",
+    "theta",
     "u",
     "v",
     "x",
@@ -46,11 +47,12 @@ v = sp.Symbol("v", nonnegative=True)
 x = sp.Symbol("x", real=True)
 t = sp.Symbol("t", real=True)
 
-# Used inside derivations only, so laws may use these names for their own parameters.
-u = sp.Symbol("u", real=True)
-s = sp.Symbol("s", real=True)
-a = sp.Symbol("a", real=True)
-b = sp.Symbol("b", real=True)
+# Used inside derivations only. Dummies, so that a law may use these names for its own parameters.
+u = sp.Dummy("u", nonnegative=True)
+s = sp.Dummy("s", real=True)
+theta = sp.Dummy("theta", real=True)
+a = sp.Dummy("a", real=True)
+b = sp.Dummy("b", real=True)
 mu = sp.Function("mu", real=True)
 
 QUANTITIES = {

@@ -2,19 +2,21 @@
 
 Every forward stick phase ends at the same point P, at the belt's speed. So the slip phase that leaves P
 either comes back to the belt's speed, and is the whole cycle together with the stick phase that follows,
-or never does: orbits in a plane do not cross, so an orbit that misses once stays inside.
+or never does: orbits in a plane do not cross, so an orbit that misses once stays inside. Only where damping
+feeds energy in can it come back beyond what static friction holds. The mass then overtakes the belt, and if
+that slip does not end in stick either, the motion lies outside its first round and grows for good.
 """
 
 from dataclasses import dataclass
 
 from stickslip_sym.errors import NotConverged
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene
-from stickslip_sym.slip import Point, SlipPhase, check_rtol, follow
+from stickslip_sym.oscillator import Oscillator, Scene, check_rtol
+from stickslip_sym.slip import Point, follow
 
 __all__ = ["StickSlipCycle", "lowest_slip_speed", "peak_velocity", "stick_slip_cycle"]
 
-_LONGEST = 1e4  # of dimensionless time; a motion without a turn by then creeps to rest
+_LONGEST = 1e4  # decay times; a motion without a turn by then creeps to rest
 _P = Point(0.0, 0.0, 0.0)
 
 
@@ -22,14 +24,17 @@ _P = Point(0.0, 0.0, 0.0)
 class StickSlipCycle:
     """The periodic motion of stick and slip.
 
+    One stick phase, one slip slower than the belt, and, where negative damping throws the mass back beyond
+    what static friction holds, one slip faster than the belt.
+
     Attributes
     ----------
     period, stick_time, slip_time : float
-        In s.
+        In s; `slip_time` is all slip.
     x_min, x_max : float
         Extreme displacements in m.
-    v_min : float
-        Lowest velocity in m/s; the highest is the belt speed.
+    v_min, v_max : float
+        Extreme velocities in m/s; the highest is the belt speed unless the mass overtakes the belt.
     """
 
     period: float
@@ -38,6 +43,7 @@ class StickSlipCycle:
     x_min: float
     x_max: float
     v_min: float
+    v_max: float
 
 
 def stick_slip_cycle(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> StickSlipCycle | None:
@@ -60,32 +66,41 @@ def stick_slip_cycle(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) 
     """
     check_rtol(rtol)
     scene = Scene.of(law, osc)
-    slip = follow(scene, _P, 1, horizon=_LONGEST, rtol=rtol, until="turn")
-    if slip.end != "return" or not scene.sticks(slip.last.q):
+    slips = [follow(scene, _P, 1, horizon=_horizon(scene), rtol=rtol, until="turn")]
+    if slips[0].end != "return":
         return None
-    stick = -slip.last.q
+    if not scene.sticks(slips[0].last.q):
+        overtaking = slips[0].last
+        slips.append(follow(scene, overtaking, -1, horizon=overtaking.tau + _horizon(scene), rtol=rtol))
+    end = slips[-1].last
+    if slips[-1].end != "return" or not scene.sticks(end.q):
+        return None
     # The mass stands still where its slip speed is the belt's, w = 1.
-    places = [osc.onset(law) + osc.length * q for q in (slip.last.q, 0.0, *_rests(slip))]
+    rests = [point.q for point in slips[0].crossings(1.0)]
+    places = [osc.onset(law) + osc.length * q for q in (0.0, end.q, slips[0].last.q, *rests)]
+    speeds = [slip.side * point.w for slip in slips for point in slip.extrema]
     return StickSlipCycle(
-        period=(slip.last.tau + stick) / osc.omega,
-        stick_time=stick / osc.omega,
-        slip_time=slip.last.tau / osc.omega,
+        period=(end.tau - end.q) / osc.omega,
+        stick_time=-end.q / osc.omega,
+        slip_time=end.tau / osc.omega,
         x_min=min(places),
         x_max=max(places),
-        v_min=osc.V * (1 - max(point.w for point in slip.extrema)),
+        v_min=osc.V * (1 - max(speeds)),
+        v_max=osc.V * (1 - min(0.0, *speeds)),
     )
 
 
-def _rests(slip: SlipPhase) -> list[float]:
-    return [point.q for point in slip.crossings(1.0)]
+def _horizon(scene: Scene) -> float:
+    return _LONGEST * max(1.0, 2 * abs(scene.zeta))
 
 
 def peak_velocity(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> float:
-    """Return the velocity in m/s at the peak that follows the slip from P.
+    """Return the velocity in m/s at the peak that follows the slip from P, above V where the mass returns.
 
-    It is below the belt speed where the mass misses it, and above where it returns: there the slip is
-    followed past its end, with mu continued along its tangent at v = 0. Its root minus V, as a function
-    of the damping, is the pure-slip threshold.
+    The mass that misses the belt's speed has its peak below. One that returns, with the velocity V and an
+    acceleration a, has none, and V + a^2/(2 omega^2 V) stands for it: by so much it would overshoot if the
+    spring alone went on to pull, and near a graze that continues the peak with its value and its slope.
+    The root of the result minus V, as a function of the damping, is the pure-slip threshold.
 
     Parameters
     ----------
@@ -97,17 +112,27 @@ def peak_velocity(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> 
 
     Raises
     ------
+    InputError
+        For an unbound law or an unusable tolerance.
     NotConverged
-        If the motion has no peak: an overdamped mass creeps to rest.
+        If the motion has no peak, since the mass creeps to rest, or when the bound on the work is reached.
     """
     check_rtol(rtol)
     lowest = lowest_slip_speed(Scene.of(law, osc), rtol)
     if lowest is None:
-        raise NotConverged(f"the velocity has no peak after slip from P: the damping ratio is {osc.zeta:g}")
+        raise NotConverged(
+            f"the velocity has no peak after the slip from P, the mass creeps to rest: the damping ratio is "
+            f"{osc.zeta:g}; try a smaller c"
+        )
     return osc.V * (1 - lowest)
 
 
 def lowest_slip_speed(scene: Scene, rtol: float) -> float | None:
-    """Return the first minimum of w after P, negative beyond a return; None if w has no minimum."""
-    slip = follow(scene, _P, 1, horizon=_LONGEST, rtol=rtol, until="minimum")
+    """Return the first minimum of w after P, or -w'^2/2 at a return; None if the mass creeps to rest.
+
+    At a graze w'' = 1, so -w'^2/2 continues the minimum through 0 with its value and its slope.
+    """
+    slip = follow(scene, _P, 1, horizon=_horizon(scene), rtol=rtol, until="turn")
+    if slip.end == "return":
+        return -(scene.acceleration(slip.last.q, 0.0, 1) ** 2) / 2
     return slip.last.w if slip.end == "minimum" else None

@@ -5,15 +5,17 @@ symbol times unit, and the units must come out in front, as one factor. With `sy
 units are symbols, so the proof is an identity like any other.
 """
 
+import re
 from collections.abc import Mapping
 from typing import Any
-
-import sympy as sp
 
 from stickslip_sym.errors import InputError
 from stickslip_sym.parsing import parse_expression
 
 __all__ = ["parse_unit", "with_units"]
+
+_CALL = re.compile(r"\w\s*\(")
+_ALLOWED = "write a product of powers of m, s, kg and N, or 1"
 
 
 def parse_unit(text: str) -> Any:
@@ -38,10 +40,13 @@ def parse_unit(text: str) -> Any:
             raise InputError(f"{name!r} is not a unit known here; units are made of m, s, kg and N")
         return base[name]
 
+    if isinstance(text, str) and _CALL.search(text):
+        raise InputError(f"{text[:60]!r} is not a unit: no function may stand in it; {_ALLOWED}")
     unit = parse_expression(text, lookup)
-    coefficient, _ = unit.as_coeff_Mul()
-    if coefficient != 1 or unit.is_Add or any(not p.exp.is_number for p in unit.atoms(sp.Pow)):
-        raise InputError(f"{text!r} is not a unit; write a product of powers of m, s, kg and N, or 1")
+    powers = unit.as_powers_dict().items()
+    known = {units.meter, units.second, units.kilogram}
+    if unit != 1 and any(base not in known or not exponent.is_Rational for base, exponent in powers):
+        raise InputError(f"{text[:60]!r} is not a unit; {_ALLOWED}")
     return unit
 
 

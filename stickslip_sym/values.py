@@ -16,7 +16,7 @@ import sympy as sp
 
 from stickslip_sym.errors import InputError
 
-__all__ = ["Number", "exact", "exact_values", "lookup", "suggestion"]
+__all__ = ["Number", "bits", "exact", "exact_values", "lookup", "suggestion", "to_mpf", "within"]
 
 T = TypeVar("T")
 Number = int | float | str | Fraction | Decimal | SupportsFloat
@@ -72,6 +72,22 @@ def _from_text(text: str, name: str) -> Any:
         if rest[0] != 0:
             return numerator / rest[0]
     raise InputError(f"{name} = {text[:60]!r} is not a number; write it like 0.5, 5e-1 or 1/2")
+
+
+def to_mpf(rational: Any) -> Any:
+    """Round an exact rational to the current working precision of mpmath."""
+    return mpmath.mpf(int(rational.p)) / int(rational.q)
+
+
+def bits(rational: Any) -> int:
+    """Return the length in bits of the longer of a rational's numerator and denominator."""
+    return max(int(rational.p).bit_length(), int(rational.q).bit_length())
+
+
+def within(constant: Any, limit: int) -> bool:
+    """Return whether a constant expression is real and at most `limit` in size."""
+    value = constant.evalf(5)
+    return bool(value.is_Number and abs(value) <= limit)
 
 
 def exact_values(values: Mapping[str, Number]) -> dict[str, Any]:

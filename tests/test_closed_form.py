@@ -76,6 +76,71 @@ def test_the_printed_formula_would_fail_that_test():
     assert abs(form(V=1e-4, N=9.81) / exact - 1) < FLOAT_ERROR
 
 
+@pytest.mark.parametrize("p", [1.0, 0.1, 0.01, 3e-3, 1e-3, 1e-4, 1e-6])
+def test_a_thin_layer_is_not_overlooked(p):
+    """At V = 0.5 nothing of exp(-v/p) is left, yet it carries up to the whole of the criterion."""
+    form = ss.derive(ss.FrictionLaw("mu_m + a*exp(-v/p) + b*exp(-v/q)"))
+    values = {"V": 0.5, "N": 9.81, "mu_m": 0.2, "a": 0.1, "b": 0.1, "p": p, "q": 100.0}
+    assert form(**values) == pytest.approx(float(form.evaluate(20, **values)), rel=FLOAT_ERROR)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a*exp(-p*v) + b*exp(-q*v)", "a*v^6*exp(-p*v)", "a/(1 + v/p) + b*v^2", "a*exp(-(v/p)^2) + b*tanh(v/q)"],
+)
+def test_a_call_keeps_its_promise_for_random_parameters(text):
+    form = ss.derive(ss.FrictionLaw(text))
+    rng = np.random.default_rng(5)
+    columns = {name: 10 ** rng.uniform(-3, 3, 60) for name in form.arguments}
+    exact = [float(form.evaluate(20, **{name: column[i] for name, column in columns.items()})) for i in range(60)]
+    assert form(**columns) == pytest.approx(exact, rel=FLOAT_ERROR)
+
+
+@pytest.mark.parametrize("scale", [1e-107, 1e-106, 1e-105, 1e100])
+def test_underflow_inside_a_formula_is_noticed(scale):
+    form = ss.derive(ss.laws.polynomial.bind(mu_s=0.5, mu_m=0.2))
+    values = {"V": scale / 2, "N": 9.81, "v_m": scale}
+    assert form(**values) == pytest.approx(float(form.evaluate(20, **values)), rel=FLOAT_ERROR)
+
+
+def test_a_result_beyond_double_range_is_an_error():
+    form = ss.derive(ss.laws.polynomial.typical())
+    with pytest.raises(ss.InputError, match="beyond the range of float64"):
+        form(V=1e200, N=9.81)
+
+
+def test_a_parameter_of_zero():
+    form = ss.derive(ss.laws.exponential.typical(mu_s="0.2"))
+    assert form(V=0.5, N=9.81) == 0
+    assert form.evaluate(40, V="0.5", N="9.81") == 0
+    with pytest.raises(ss.InputError, match=r"divides by zero at alpha = 0"):
+        form.evaluate(20, V="0.5", N="9.81", alpha=0, mu_s=1)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a*exp(-p*(v + q))", "a*exp(-(p + q)*v)", "exp(-v)*exp(-p*v)", "(a + b*v)^3*exp(-p*(v + q))",
+        "0.2 + 0.1*exp(-v/0.003) + 0.1*exp(-v/100)", "a*sqrt(v)", "a*v^p", "1/(v + p)^2",
+    ],
+)  # fmt: skip
+def test_laws_written_in_other_ways(text):
+    assert ss.derive(ss.FrictionLaw(text)).verdict.status is ss.Status.PROVED
+
+
+@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
+def test_kinks_are_split_where_they_are(criterion):
+    form = ss.derive(ss.FrictionLaw("mu_0 + b*Abs(v - v_1)"), criterion)
+    law = form.law.bind(mu_0="0.3", b="0.1", v_1="0.7")
+    for V in ("0.2", "0.35", "0.5", "3"):
+        expected = ss.quadrature.damping(law, criterion, V=V, N=2, digits=25)
+        got = form.evaluate(25, V=V, N=2, **law.values)
+        assert abs(got - expected) <= abs(expected) * mpmath.mpf(10) ** -22
+        assert form(V=float(V), N=2.0, **{k: float(v) for k, v in law.values.items()}) == pytest.approx(
+            float(expected)
+        )
+
+
 def test_belt_at_rest_gives_the_limit(law):
     form = ss.derive(law)
     assert form(V=0.0, N=9.81) == pytest.approx(-9.81 * law.slope(0.0), rel=1e-15)
@@ -127,16 +192,34 @@ def test_new_laws_get_their_closed_form():
 
 
 def test_no_closed_form_names_the_term():
-    with pytest.raises(ss.NoClosedForm, match=r"no rule integrates the term d\*sin\(u\).*[Qq]uadrature"):
-        ss.derive(ss.FrictionLaw("mu_0 + d*sin(v)"))
+    with pytest.raises(ss.NoClosedForm, match=r"the term d\*tanh\(exp\(v\)\) resisted.*Quadrature serves"):
+        ss.derive(ss.FrictionLaw("mu_0 + d*tanh(exp(v))"), time_limit=3)
 
 
 @pytest.mark.parametrize("factor", [-1, 2, sp.exp(ss.symbols.V)])
 def test_a_wrong_antiderivative_never_comes_out(monkeypatch, factor):
     right = integrals.antiderivative
-    monkeypatch.setattr(closed_form, "antiderivative", lambda *args: factor * right(*args))
+    monkeypatch.setattr(integrals, "antiderivative", lambda *args: ("wrong", factor * right(*args)[1]))
     with pytest.raises(ss.NoClosedForm, match="refuted"):
         ss.derive(ss.laws.exponential)
+
+
+def test_a_wrong_average_never_comes_out(monkeypatch):
+    right = integrals.harmonic_average
+    monkeypatch.setattr(integrals, "harmonic_average", lambda *args: ("wrong", 2 * right(*args)[1]))
+    with pytest.raises(ss.NoClosedForm, match="refuted"):
+        ss.derive(ss.laws.exponential, "harmonic")
+
+
+def test_sympy_is_the_last_resort_and_is_stopped_in_time():
+    import time
+
+    said = []
+    start = time.monotonic()
+    with pytest.raises(ss.NoClosedForm):
+        ss.derive(ss.FrictionLaw("a*exp(-(v/b)^p)*tanh(v/d)"), time_limit=2, progress=said.append)
+    assert time.monotonic() - start < 6
+    assert any("SymPy's integrator for at most 2 s" in line for line in said)
 
 
 def test_the_gate_alone_refutes(monkeypatch):

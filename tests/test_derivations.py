@@ -5,8 +5,9 @@ import sympy as sp
 
 from derivations import CHAPTERS, chapter, paper
 from stickslip_sym import Status
-from stickslip_sym.proving import Antiderivative, ChangeOfVariable, prove_equal, prove_positive
+from stickslip_sym.proving import prove_equal, prove_positive
 from stickslip_sym.symbols import N, V, a, b, c, mu, s, u
+from stickslip_sym.theorems import Antiderivative, ChangeOfVariable
 
 PRINTED = paper.equations()
 alpha, mu_s, mu_m = (paper.exponential[name] for name in ("alpha", "mu_s", "mu_m"))

@@ -11,9 +11,13 @@ import stickslip_sym as ss
 
 PACKAGE = Path(ss.__file__).parent
 LAYERS = [
-    "errors", "values", "parsing", "symbols", "units", "printing", "codegen", "tables", "files",
-    "friction", "laws", "criteria", "quadrature", "proving", "derivation", "integrals", "evaluate", "closed_form",
-    "oscillator", "slip", "automaton", "transit", "threshold", "crosscheck", "cli",
+    "errors", "values", "symbols", "pieces", "parsing", "units", "printing", "special",
+    "codegen", "tables", "files",
+    "parameters", "formula", "friction", "laws", "criteria", "quadrature",
+    "normal_form", "theorems", "proving", "derivation",
+    "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
+    "bounds", "exact", "evaluate", "closed_form",
+    "oscillator", "slip", "automaton", "transit", "grazing", "threshold", "crosscheck", "cli",
 ]  # fmt: skip
 """The modules of the package in the order in which they may import: each only from those before it."""
 

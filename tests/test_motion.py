@@ -1,5 +1,9 @@
 """The oscillator: slip phases, the automaton, the stick-slip cycle and the threshold by simulation."""
 
+import math
+import time
+from dataclasses import astuple
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -203,3 +207,194 @@ def test_no_load_is_a_free_oscillator():
     law = ss.laws.exponential.typical()
     motion = ss.simulate(law, paper_oscillator(0.0, N=0.0), t_end=2.0, x0=0.01, v0=0.0, rtol=1e-12)
     assert motion.x == pytest.approx(0.01 * np.cos(10 * motion.t), abs=1e-10)
+
+
+STEEP = {
+    "alpha 8": (ss.laws.exponential.typical(alpha=8), {}, 2.067284261),
+    "N 50": (ss.laws.exponential.typical(), {"N": 50.0}, 12.47356032),
+    "canard": (ss.laws.exponential.typical(), {"V": 0.3, "N": 1e3}, 366.0493724),
+    "light": (ss.laws.exponential.typical(), {"m": 1e-6}, 1.970041565),
+    "soft": (ss.laws.exponential.typical(), {"k": 1e-4}, 1.970041565),
+    "layer": (ss.FrictionLaw("0.2+0.1*exp(-v/0.01)", static="0.4"), {"V": 0.1}, 3.692056429),
+    "polynomial": (ss.laws.polynomial.typical(), {"N": 1e4}, 3374.977777),
+    "root": (ss.FrictionLaw("0.5-0.1*sqrt(v)"), {}, 0.832662017),
+}
+NO_MORE_SECONDS = 10  # on a loaded machine; alone each case takes less than 3
+
+
+def simulated_threshold(law, rtol=1e-10, **changes):
+    scene = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0, "method": "simulation", "rtol": rtol}
+    return ss.pure_slip_damping(law, **(scene | changes))
+
+
+def independent_end(law, osc, x0, v0, t_end):
+    """Integrate slip slower than the belt in physical units by another implicit method."""
+
+    def rates(_, y):
+        return [y[1], (osc.N * law.mu(max(osc.V - y[1], 0.0)) - osc.c * y[1] - osc.k * y[0]) / osc.m]
+
+    solution = solve_ivp(rates, (0, t_end), [x0, v0], method="BDF", rtol=1e-10, atol=1e-13)
+    return solution.y[:, -1]
+
+
+@pytest.mark.parametrize("name", STEEP)
+def test_thresholds_of_steep_laws(name):
+    """The orbit that returns steeply is followed no further than its return."""
+    law, changes, expected = STEEP[name]
+    begin = time.perf_counter()
+    threshold = simulated_threshold(law, **changes)
+    assert time.perf_counter() - begin < NO_MORE_SECONDS
+    assert threshold.value == pytest.approx(expected, rel=1e-8)
+    below, above = (paper_oscillator(threshold.value * factor, **changes) for factor in (1 - 1e-6, 1 + 1e-6))
+    assert ss.stick_slip_cycle(law, below) is not None
+    assert ss.stick_slip_cycle(law, above) is None
+    assert ss.peak_velocity(law, below) > below.V > ss.peak_velocity(law, above)
+
+
+def test_peak_velocity_continues_through_the_graze(law):
+    """Value and slope of the lowest slip speed agree on both sides: its differences show no corner."""
+    threshold = simulated_threshold(law, rtol=1e-12).value
+    peak = [ss.peak_velocity(law, paper_oscillator(threshold * (1 + d))) - 0.5 for d in (-1e-5, 0, 1e-5)]
+    assert abs(peak[1]) < 1e-9
+    assert peak[0] == pytest.approx(-peak[2], rel=0.02)
+
+
+@pytest.mark.parametrize("formula", ["0.5-0.1*sqrt(v)", "0.3*v^v", "0.5+0.1*v*log(v)"])
+def test_laws_with_an_infinite_slope_at_rest(formula):
+    law, osc = ss.FrictionLaw(formula), paper_oscillator(0.0)
+    motion = ss.simulate(law, osc, t_end=3.0)
+    assert [event.begins for event in motion.events[:2]] == [Phase.STICK, Phase.SLIP_BACK]
+    assert motion.events[1].x == pytest.approx((0.3 if "^" in formula else 0.5) * 9.81 / 100, rel=1e-12)
+    t, x, v = (part[motion.t > motion.events[1].t][3:15] for part in (motion.t, motion.x, motion.v))
+    expected = independent_end(law, osc, x[0], v[0], t[-1] - t[0])
+    assert (x[-1], v[-1]) == pytest.approx(tuple(expected), rel=1e-6)
+
+
+def simulated(formula, static=None, *, x0=0.0, v0=None, t_end=10.0, c=0.0):
+    return ss.simulate(ss.FrictionLaw(formula, static=static), paper_oscillator(c), t_end=t_end, x0=x0, v0=v0)
+
+
+@pytest.mark.parametrize(
+    ("error", "message", "arguments"),
+    [
+        (ss.InputError, r"mu\(0\+\) is inf", {"formula": "0.5-0.1*log(v)"}),
+        (ss.InputError, r"mu\(0\+\) is inf", {"formula": "0.3/v"}),
+        (ss.InputError, r"coefficient 0\.2 is below mu\(0\+\) = 0\.3", {"formula": "0.3", "static": "0.2"}),
+        (ss.NotConverged, "beyond a slip speed of 2 V", {"formula": "0.5*sqrt(1-v)"}),
+        (ss.InputError, "cannot be computed at a slip speed of 3 V", {"formula": "0.5*sqrt(1-v)", "v0": -1.0}),
+        (ss.InputError, "cannot be computed", {"formula": "0.5+0.001*exp(800*v)", "v0": -3.0}),
+        (ss.NotConverged, "grows without bound", {"formula": "0.5", "c": -30.0}),
+        (ss.NotConverged, "mu may jump", {"formula": "Piecewise((0.3, v < 0.2), 0.5)"}),
+        (ss.InputError, "v0 = 'a' is not a number", {"formula": "0.5", "v0": "a"}),
+        (ss.InputError, "t_end = 'None' is not a number", {"formula": "0.5", "t_end": None}),
+    ],
+)
+def test_motions_that_there_are_not(error, message, arguments):
+    with pytest.raises(error, match=message):
+        simulated(**arguments)
+
+
+def test_a_driven_mass_overtakes_the_belt_and_has_a_cycle():
+    law, osc = ss.laws.exponential.typical(), paper_oscillator(-1.0)
+    cycle = ss.stick_slip_cycle(law, osc)
+    motion = ss.simulate(law, osc, t_end=10.0, rtol=1e-12)
+    assert [event.begins for event in motion.events[3:6]] == [Phase.STICK, Phase.SLIP_BACK, Phase.SLIP_FORWARD]
+    periods = np.diff(motion.starts_of(Phase.STICK)[1:])
+    assert len(periods) > 5
+    assert periods == pytest.approx(cycle.period, rel=PERIOD_AGREES)
+    sticks = motion.starts_of(Phase.SLIP_BACK)[1:6] - motion.starts_of(Phase.STICK)[1:6]
+    assert sticks == pytest.approx(cycle.stick_time, rel=1e-8)
+    assert cycle.period == pytest.approx(cycle.stick_time + cycle.slip_time, rel=1e-15)
+    x, v = motion.x[motion.t > 2], motion.v[motion.t > 2]
+    assert (cycle.x_min, cycle.x_max) == pytest.approx((x.min(), x.max()), abs=2e-3)
+    assert (cycle.v_min, cycle.v_max) == pytest.approx((v.min(), v.max()), abs=2e-3)
+
+
+def test_a_mass_that_is_driven_harder_never_sticks_again():
+    law, osc = ss.laws.exponential.typical(), paper_oscillator(-5.0)
+    assert ss.stick_slip_cycle(law, osc) is None
+    assert len(ss.simulate(law, osc, t_end=4.0).starts_of(Phase.STICK)) == 1
+
+
+@pytest.mark.parametrize("c", [1e4, 1e5])
+def test_heavy_damping_creeps_to_rest_in_no_time(law, c):
+    osc = paper_oscillator(c)
+    begin = time.perf_counter()
+    assert ss.stick_slip_cycle(law, osc) is None
+    with pytest.raises(ss.NotConverged, match="no peak"):
+        ss.peak_velocity(law, osc)
+    motion = ss.simulate(law, osc, t_end=1e5)
+    assert time.perf_counter() - begin < NO_MORE_SECONDS
+    assert motion.t[-1] == pytest.approx(1e5, rel=1e-15)
+    assert (motion.x[-1], motion.v[-1]) == pytest.approx((osc.N * law.mu(osc.V) / osc.k, 0.0), rel=1e-12)
+
+
+def test_stiff_motion_is_that_of_an_independent_integration(law):
+    osc = paper_oscillator(1e4)
+    motion = ss.simulate(law, osc, t_end=50.0, x0=0.2, v0=-3.0)
+    expected = independent_end(law, osc, 0.2, -3.0, 50.0)
+    assert (motion.x[-1], motion.v[-1]) == pytest.approx(tuple(expected), rel=1e-6)
+
+
+def test_a_steep_rise_is_no_threshold_and_found_so_soon():
+    begin = time.perf_counter()
+    for law, V in ((ss.laws.polynomial.typical(), 50.0), (ss.FrictionLaw("0.5+0.001*exp(800*v)"), 0.5)):
+        with pytest.raises(ss.NoThreshold):
+            simulated_threshold(law, V=V)
+        assert ss.stick_slip_cycle(law, paper_oscillator(V=V)) is None
+    assert time.perf_counter() - begin < NO_MORE_SECONDS
+
+
+def test_a_start_faster_than_the_belt(law):
+    motion = ss.simulate(law, paper_oscillator(1.0), t_end=1.0, v0=2.0)
+    assert motion.v[0] == 2.0
+    assert motion.events[0].begins is Phase.SLIP_FORWARD
+
+
+@pytest.mark.parametrize("static", ["0.4", "0.301"])
+@pytest.mark.parametrize(("rtol", "error"), [(1e-4, 1e-9), (1e-8, 1e-9), (1e-12, 1e-12)])
+def test_events_of_a_harmonic_slip_are_exact(static, rtol, error):
+    """A constant law with a static jump: w = 1 - cos(tau) + A sin(tau), which returns at 2 pi - 2 atan(A)."""
+    jump, osc = ss.FrictionLaw("0.3", static=static), paper_oscillator(0.0)
+    A = osc.eta * (float(static) - 0.3)
+    cycle = ss.stick_slip_cycle(jump, osc, rtol=rtol)
+    agrees = error / A  # the flatter the return, the less certain its time
+    assert cycle.slip_time * osc.omega == pytest.approx(2 * math.pi - 2 * math.atan(A), abs=agrees)
+    assert cycle.stick_time * osc.omega == pytest.approx(2 * A, abs=agrees)
+    assert cycle.v_min == pytest.approx(-osc.V * math.hypot(1, A), abs=agrees)
+    # The acceleration at the return is -A, in units of omega V.
+    assert ss.peak_velocity(jump, osc, rtol=rtol) == pytest.approx(osc.V * (1 + A**2 / 2), abs=agrees)
+    # The mass stands still at w = 1, tan(tau) = 1/A.
+    turn = osc.onset(jump) + osc.length * (math.hypot(1, A) - A)
+    assert cycle.x_max == pytest.approx(turn, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("law", "changes"),
+    [
+        (ss.laws.exponential.typical(), {}),
+        (ss.laws.exponential.typical(), {"V": 10.0}),
+        (ss.laws.polynomial.typical(), {"V": 0.89}),
+        (ss.FrictionLaw("0.3", static="0.4"), {}),
+        (ss.FrictionLaw("0.5-0.1*sqrt(v)"), {}),
+    ],
+)
+def test_the_error_of_a_threshold_is_honest(law, changes):
+    exact = simulated_threshold(law, rtol=1e-12, **changes).value
+    for rtol in (1e-3, 1e-4, 1e-6, 1e-8, 1e-9):
+        loose = simulated_threshold(law, rtol=rtol, **changes)
+        assert abs(loose.value - exact) < loose.error * exact
+    if changes == {"V": 10.0}:  # where the graze is flat, the error is more than the tolerance
+        assert abs(simulated_threshold(law, rtol=1e-6, **changes).value - exact) > 1e-6 * exact
+
+
+def test_results_are_plain_floats(law):
+    threshold = simulated_threshold(law)
+    assert {type(threshold.value), type(threshold.error)} == {float}
+    for c in (1.0, -1.0):
+        cycle = ss.stick_slip_cycle(ss.laws.exponential.typical(), paper_oscillator(c))
+        assert {type(value) for value in astuple(cycle)} == {float}
+    osc = paper_oscillator(np.float64(1.0), V=np.float64(0.5))
+    assert type(ss.peak_velocity(law, osc)) is float
+    motion = ss.simulate(law, osc, t_end=2.0, x0=np.float64(0.1))
+    assert {type(value) for event in motion.events for value in (event.t, event.x, event.v)} == {float}

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import mpmath
 import pytest
+import sympy as sp
 
 import stickslip_sym as ss
 
@@ -50,6 +51,40 @@ def test_constant_law_and_no_load():
     assert ss.quadrature.damping(ss.laws.exponential.typical(), V=1, N=0) == 0
 
 
+@pytest.mark.parametrize("text", ["0.3 + log(v - 0.2)", "0.3/(v - 0.3)", "sqrt(v - 0.1)"])
+def test_a_law_that_is_not_real_and_finite_is_an_error(text):
+    with pytest.raises(ss.InputError, match="not a finite real number at v = "):
+        ss.quadrature.damping(ss.FrictionLaw(text), V="0.5", N=1, digits=15)
+
+
+def test_a_slope_that_cancels_inside_the_formula():
+    law = ss.FrictionLaw("1 - tanh(b*v)").bind(b=100)
+    got = ss.quadrature.damping(law, "equilibrium", V="0.5", N=1, digits=25)
+    with mpmath.workdps(40):
+        assert abs(got * mpmath.cosh(50) ** 2 / 100 - 1) < mpmath.mpf(10) ** -24
+
+
+@pytest.mark.parametrize("V", ["1e-6", "0.01", "1", "50"])
+def test_harmonic_of_the_exponential_law_by_bessel_functions(V):
+    law = ss.laws.exponential.typical()
+    got = ss.quadrature.damping(law, "harmonic", V=V, N=1, digits=40)
+    with mpmath.workdps(50):
+        x = 3 * mpmath.mpf(V)
+        expected = mpmath.mpf("0.6") * mpmath.exp(-x) * mpmath.besseli(1, x) / mpmath.mpf(V)
+        assert abs(got - expected) < expected * mpmath.mpf(10) ** -38
+
+
+@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
+def test_weights_have_unit_integral_and_known_moments(criterion):
+    weight = ss.criteria.find(criterion).weight
+    for j in range(4):
+        with mpmath.workdps(25):
+            f = sp.lambdify(ss.symbols.s, weight * ss.symbols.s ** (2 * j), "mpmath")
+            expected = mpmath.quad(f, [-1, 0, 1])
+            moment = ss.criteria.find(criterion).even_moment(j)
+            assert abs(expected - mpmath.mpf(moment.p) / moment.q) < 1e-12
+
+
 def test_refusals():
     law = ss.laws.exponential
     for message, arguments in {
@@ -68,7 +103,7 @@ def test_too_irregular_an_integrand_is_an_error():
         ss.quadrature.damping(ss.FrictionLaw("sin(1000000*v)*exp(-v)"), V=1000, N=1, digits=15)
 
 
-@pytest.mark.parametrize("module", ["quadrature", "oscillator", "slip", "automaton", "transit"])
+@pytest.mark.parametrize("module", ["quadrature", "oscillator", "slip", "automaton", "transit", "grazing"])
 def test_cross_checks_know_no_closed_form(module):
     """Follow the imports: whatever checks a closed form must not reach the modules that make one."""
     package = Path(ss.__file__).parent

@@ -1,0 +1,81 @@
+"""Formulas at exact values, to any number of digits."""
+
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from typing import Any
+
+import mpmath
+import sympy as sp
+
+from stickslip_sym.codegen import function_of
+from stickslip_sym.errors import InputError, NotConverged
+from stickslip_sym.values import to_mpf
+
+__all__ = ["to_digits"]
+
+_GUARD = 15
+_MOST_DIGITS = 10_000  # of working precision, before a value counts as out of reach
+
+
+def to_digits(expr: Any, point: Mapping[Any, Any], digits: int) -> Any:
+    """Evaluate an expression at exact rational values to `digits` significant digits, whatever it cancels.
+
+    The working precision doubles until two results agree. A zero is believed only where an input, or a
+    difference of inputs, is exactly 0: everywhere else it is a sign that all digits cancelled.
+
+    Raises
+    ------
+    InputError
+        Where the formula divides by zero or is not real.
+    NotConverged
+        If the bound on the working precision does not settle it.
+    """
+    arguments = tuple(symbol for symbol in point if expr.has(symbol))
+    function, sums = _compiled(expr, arguments)
+    values = [point[symbol] for symbol in arguments] + [node.xreplace(dict(point)) for node in sums]
+    before = None
+    precision = digits + _GUARD
+    while precision <= _MOST_DIGITS:
+        with mpmath.workdps(precision):
+            result = _call(function, [to_mpf(value) for value in values], point)
+            settled = before is not None and abs(result - before) <= abs(result) * mpmath.mpf(10) ** -(digits + 1)
+            if settled and (result != 0 or not arguments or any(value == 0 for value in values)):
+                break
+        before, precision = result, 2 * precision
+    else:
+        raise NotConverged(f"{digits} digits are out of reach of {_MOST_DIGITS} digits of working precision")
+    with mpmath.workdps(digits):
+        return +result
+
+
+@lru_cache(maxsize=128)
+def _compiled(expr: Any, arguments: tuple[Any, ...]) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+    """Compile an expression with its sums of inputs as arguments of their own, to be computed exactly."""
+    sums = tuple(sp.ordered(node for node in expr.atoms(sp.Add) if _is_sum_of_inputs(node)))
+    names = {node: sp.Dummy("sum") for node in sums}
+    return function_of([*arguments, *names.values()], expr.xreplace(names), "mpmath"), sums
+
+
+def _is_sum_of_inputs(node: Any) -> bool:
+    return all(
+        term.is_Symbol
+        or term.is_Rational
+        or (term.is_Mul and len(term.args) == 2 and term.args[0].is_Rational and term.args[1].is_Symbol)
+        for term in node.args
+    )
+
+
+def _call(function: Callable[..., Any], values: list[Any], point: Mapping[Any, Any]) -> Any:
+    try:
+        result = mpmath.mpmathify(function(*values))
+    except (ZeroDivisionError, ValueError):
+        result = mpmath.nan
+    except mpmath.NoConvergence as error:
+        raise NotConverged(f"a special function of the closed form could not be evaluated: {error}") from None
+    if isinstance(result, mpmath.mpc) and result.imag == 0:
+        result = result.real
+    if isinstance(result, mpmath.mpc) or not mpmath.isfinite(result):
+        zeros = ", ".join(f"{symbol} = 0" for symbol, value in point.items() if value == 0)
+        hint = f": it divides by zero at {zeros}; take a small value, or use quadrature.damping" if zeros else ""
+        raise InputError(f"the closed form has no finite real value at these parameters{hint}")
+    return result

@@ -1,0 +1,121 @@
+"""Reading a friction coefficient: text or a SymPy expression becomes an expression of this package's symbols."""
+
+import math
+from collections.abc import Callable
+from functools import reduce
+from typing import Any
+
+import sympy as sp
+
+from stickslip_sym import symbols
+from stickslip_sym.errors import InputError
+from stickslip_sym.parameters import Parameter
+from stickslip_sym.parsing import FUNCTIONS, parse_expression
+from stickslip_sym.pieces import absolute, larger, piecewise, smaller
+from stickslip_sym.values import exact
+
+__all__ = ["read_formula"]
+
+MAX_POWER_OF_V = 24
+MAX_POWER_OF_SUM = 16
+MAX_TERMS = 5000
+
+_FUNCTIONS = tuple(function for function in FUNCTIONS.values() if isinstance(function, type))
+_PLAIN = (sp.Add, sp.Mul, sp.Pow, sp.Number, sp.NumberSymbol, sp.Symbol, *_FUNCTIONS)
+
+
+def read_formula(formula: str | Any, table: dict[str, Parameter]) -> Any:
+    """Read a coefficient; parameters that it uses and `table` does not have are added there.
+
+    Raises
+    ------
+    InputError
+        If the formula cannot be read, or holds what a law may not hold.
+    """
+
+    def symbol(name: str) -> Any:
+        if name == "v":
+            return symbols.v
+        if name not in table:
+            table[name] = Parameter(name)
+        return table[name].symbol
+
+    if isinstance(formula, str):
+        expr = parse_expression(formula, symbol)
+    elif isinstance(formula, sp.Expr):
+        expr = _rebuild(formula, symbol)
+    elif isinstance(formula, int | float) and not isinstance(formula, bool):
+        expr = exact(formula, "the coefficient")
+    else:
+        raise InputError(f"a law is text or a SymPy expression, got {type(formula).__name__}")
+    _check_value(expr)
+    _check_size(expr)
+    return expr
+
+
+def _check_value(expr: Any) -> None:
+    if expr.has(sp.zoo, sp.oo, sp.nan, sp.I):
+        raise InputError(f"the formula is not finite and real: it reduces to {str(expr)[:60]}")
+    for node in expr.atoms(sp.Pow):
+        if node.base.is_negative and node.exp.is_integer is False:
+            raise InputError(f"{str(node)[:60]} is not real: only whole powers of a negative number are")
+
+
+def _check_size(expr: Any) -> None:
+    """Refuse powers whose expansion would keep later algebra busy for ever."""
+    for node in expr.atoms(sp.Pow):
+        base, exponent = node.args
+        if base == symbols.v and exponent.is_number and abs(exponent) > MAX_POWER_OF_V:
+            raise InputError(f"{node} is too high a power of v; at most v^{MAX_POWER_OF_V} is supported")
+        if base.is_Add and exponent.is_Integer and abs(exponent) > MAX_POWER_OF_SUM:
+            raise InputError(
+                f"{str(node)[:60]} is too high a power of a sum; at most (...)^{MAX_POWER_OF_SUM} is supported"
+            )
+    if _terms(expr) > MAX_TERMS:
+        raise InputError(
+            f"the formula has over {MAX_TERMS} terms when its products are multiplied out; shorten it"
+        )
+
+
+def _terms(expr: Any) -> int:
+    """Return a bound on the number of terms after expansion."""
+    if expr.is_Add:
+        return sum(map(_terms, expr.args))
+    if expr.is_Mul:
+        return math.prod(map(_terms, expr.args))
+    if expr.is_Pow and expr.exp.is_Integer:
+        terms, power = _terms(expr.base), abs(int(expr.exp))
+        return math.comb(terms + power - 1, power)
+    return max(map(_terms, expr.args), default=1)
+
+
+def _rebuild(expr: Any, symbol: Callable[[str], Any]) -> Any:
+    """Rebuild a SymPy expression, node by node, on this package's symbols and kinks."""
+    if isinstance(expr, sp.Symbol):
+        return symbol(expr.name)
+    if isinstance(expr, sp.Float):
+        return sp.Rational(expr)
+    if isinstance(expr, sp.Piecewise):
+        return _rebuild_pieces(expr, symbol)
+    arguments = [_rebuild(argument, symbol) for argument in expr.args]
+    if isinstance(expr, sp.Abs):
+        return absolute(*arguments)
+    if isinstance(expr, sp.Min):
+        return reduce(smaller, arguments)
+    if isinstance(expr, sp.Max):
+        return reduce(larger, arguments)
+    if not isinstance(expr, _PLAIN):
+        raise InputError(f"{type(expr).__name__} is not allowed in a law: {str(expr)[:60]}")
+    return expr.func(*arguments) if arguments else expr
+
+
+def _rebuild_pieces(expr: Any, symbol: Callable[[str], Any]) -> Any:
+    *branches, (last, condition) = expr.args
+    pairs = []
+    for branch, relation in branches:
+        if not isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan) or str(relation.lts) != "v":
+            raise InputError(f"the pieces of a law end at v < place; got {relation}")
+        pairs.append((_rebuild(branch, symbol), _rebuild(relation.gts, symbol)))
+    if condition != sp.true:
+        raise InputError("the last piece of a law holds for all higher speeds; its condition is True")
+    return piecewise(pairs, _rebuild(last, symbol))

@@ -1,0 +1,101 @@
+"""The pure-slip threshold by simulation: the damping at which the orbit from P grazes the belt's speed.
+
+Nothing here knows a closed form, so the threshold is a check of every criterion.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from scipy.optimize import brentq
+
+from stickslip_sym.errors import NotConverged, NoThreshold
+from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.oscillator import Oscillator, Scene, check_rtol
+from stickslip_sym.transit import lowest_slip_speed
+
+__all__ = ["grazing_damping"]
+
+_SLOPE_SAMPLES = 257
+_TIGHTEST = 1e-13
+_COARSE = 1e-5  # tolerance of a first root, whose orbits cost little
+
+
+def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> tuple[float, float]:
+    """Return the damping c in kg/s at which the orbit from P comes down to w = 0 and no further.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound.
+    osc : Oscillator
+        Its own c is not used.
+    rtol : float
+        Relative tolerance of the root, 1e-13 to 1e-3; the steps of the integration are held to a tenth of it.
+
+    Returns
+    -------
+    value, error : float
+        The damping, and its estimated relative error.
+
+    Raises
+    ------
+    InputError
+        For an unbound law or an unusable tolerance.
+    NoThreshold
+        If the orbit from P never returns, for any c >= 0.
+    NotConverged
+        When the bound on the work is reached.
+    """
+    check_rtol(rtol)
+    scene = Scene.of(law, osc)
+
+    high = _steep(law, osc, scene.static)
+
+    @cache
+    def lowest(c: float, tolerance: float) -> float:
+        found = lowest_slip_speed(replace(scene, zeta=c / (2 * osc.impedance)), tolerance)
+        found = 1.0 if found is None else found  # creeping to rest, it does not return
+        return found / (1 + abs(found))  # where the graze is a canard, w jumps by orders of magnitude
+
+    tight = max(rtol / 10, _TIGHTEST)
+    if lowest(0.0, tight) >= 0:
+        raise NoThreshold(
+            "the slip that leaves P does not return to the belt's speed even without damping, "
+            f"so no c >= 0 is a threshold at V = {osc.V:g}, N = {osc.N:g}"
+        )
+    for _ in range(60):
+        if lowest(high, tight) > 0:
+            break
+        high *= 2
+    else:
+        raise NotConverged(
+            f"no damping up to {high:g} kg/s was found at which the orbit from P does not return; "
+            "try a law that falls less steeply"
+        )
+
+    def root(low: float, high: float, tolerance: float) -> float:
+        return float(brentq(lowest, low, high, (tolerance,), xtol=1e-300, rtol=tolerance))
+
+    loose = 10 * tight
+    coarse = max(_COARSE, loose)
+    values = [root(0.0, high, coarse)]
+    for width, tolerance in ((10 * coarse, loose), (10 * loose, tight)):
+        around = values[-1]
+        while not lowest(around * max(1 - width, 0.0), tolerance) < 0 < lowest(around * (1 + width), tolerance):
+            width *= 10
+            if around * width > 10 * high:
+                raise NotConverged(f"the threshold is lost in rounding near {around:g} kg/s; try another rtol")
+        values.append(root(around * max(1 - width, 0.0), around * (1 + width), tolerance))
+    # How far the root moved from an integration ten times looser is more than it is off; twice that, since
+    # the errors of both may by chance agree.
+    _, before, value = values
+    return value, max(2 * abs(value - before) / value, rtol)
+
+
+def _steep(law: FrictionLaw, osc: Oscillator, static: float) -> float:
+    """Return a damping of the size that the falls of mu over (0, 2V] can feed, the static jump included."""
+    v = np.linspace(0.0, 2 * osc.V, _SLOPE_SAMPLES)[1:]  # at v = 0 the slope may be infinite
+    mu = law.mu(v)
+    drop = max(static, mu.max()) - mu.min()
+    return float(osc.N * max(np.max(-law.slope(v)), drop / osc.V))

@@ -1,0 +1,106 @@
+"""The normal form in which equal expressions become the same expression."""
+
+from typing import Any
+
+import sympy as sp
+
+__all__ = ["expand_above", "normal_form", "single_limit"]
+
+_BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
+
+
+def single_limit(integral: Any) -> tuple[Any, Any, Any]:
+    """Return the variable and the limits of a definite integral over one variable.
+
+    Raises
+    ------
+    ValueError
+        For an indefinite or a multiple integral.
+    """
+    if len(integral.limits) != 1 or len(integral.limits[0]) != 3:
+        raise ValueError(f"{integral} is not a definite integral over one variable")
+    variable, low, high = integral.limits[0]
+    return variable, low, high
+
+
+def expand_above(expr: Any) -> Any:
+    """Multiply out a product of sums but leave denominators whole: 1/(u + w)^2 stays what it is."""
+    if expr.is_Add:
+        return sp.Add(*[expand_above(term) for term in expr.args])
+    terms = [sp.Integer(1)]
+    for factor in sp.Mul.make_args(expr):
+        base, power = factor.as_base_exp()
+        if not (base.is_Add and power.is_Integer and power > 0):
+            base, power = factor, 1
+        summands = sp.Add.make_args(expand_above(base)) if base.is_Add else (base,)
+        for _ in range(power):
+            total = sp.Add(*[term * summand for term in terms for summand in summands])
+            terms = list(sp.Add.make_args(total))
+    return sp.Add(*terms)
+
+
+def normal_form(expr: Any) -> Any:
+    """Reduce an expression so that zero becomes 0.
+
+    Integrals are split by linearity, and done where their integrand is a polynomial. Hyperbolic
+    functions become exponentials, polylogarithms of order 1 elementary, and radicands are factored. What is
+    left is put over one denominator, and its numerator expanded: a polynomial in symbols, in functions
+    that are algebraically independent, and in integrals of unknown functions.
+    """
+    expr = sp.sympify(expr).replace(lambda node: isinstance(node, sp.Integral), _split)
+    # Which of its arguments a Min or Max takes does not matter to an identity that holds for all numbers.
+    expr = expr.replace(lambda node: isinstance(node, sp.Min | sp.Max), _opaque)
+    expr = expr.replace(_is_tangent_integral, lambda node: sp.atan(node.args[0].args[1] / sp.I))
+    expr = expr.replace(sp.polylog, lambda order, z: -sp.log(1 - z) if order == 1 else sp.polylog(order, z))
+    expr = expr.replace(_is_root, lambda node: sp.factor(node.base) ** node.exp)
+    expr = expr.rewrite((sp.sinh, sp.cosh, sp.tanh, sp.sech), sp.exp)
+    expr = _exponentials_as_symbols(expr)
+    numerator, _ = sp.fraction(sp.together(expr))
+    return sp.expand(sp.powsimp(sp.expand(numerator)))
+
+
+def _exponentials_as_symbols(expr: Any) -> Any:
+    """Give each exponential a symbol of its own, where none stands in a denominator.
+
+    Expanding merges the exponentials of every product first, so no relation between them is lost. To SymPy
+    exp(-x/3) and exp(-1000 x) are powers of one generator, of a degree that nothing survives.
+    """
+    below = [node for node in expr.atoms(sp.Pow) if not (node.exp.is_Integer and node.exp > 0)]
+    if any(node.has(sp.exp) for node in below):
+        return expr
+    expr = sp.expand(expr)
+    return expr.xreplace({node: sp.Dummy(positive=True) for node in expr.atoms(sp.exp)})
+
+
+def _opaque(node: Any) -> Any:
+    return sp.Symbol(f"[{sp.srepr(node)}]", nonnegative=node.is_nonnegative, positive=node.is_positive)
+
+
+def _is_root(node: Any) -> bool:
+    return bool(node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer)
+
+
+def _is_tangent_integral(node: Any) -> bool:
+    """Tell whether it is Im Li_1(i y), the arctangent of y."""
+    return isinstance(node, sp.im) and isinstance(node.args[0], sp.polylog) and node.args[0].args[0] == 1
+
+
+def _split(integral: Any) -> Any:
+    """Split an integral over its sum, do the polynomial parts, and give the others one notation.
+
+    That is: limits from low to high, and one name for the variable of integration.
+    """
+    variable, low, high = single_limit(integral)
+    low, high = sp.expand(low), sp.expand(high)
+    sign = 1
+    if sp.default_sort_key(low) > sp.default_sort_key(high):
+        low, high, sign = high, low, -1
+    total = sp.Integer(0)
+    for term in sp.Add.make_args(expand_above(integral.function.subs(variable, _BOUND))):
+        constant, rest = term.as_independent(_BOUND, as_Add=False)
+        if rest.is_polynomial(_BOUND):
+            part = sp.integrate(rest, (_BOUND, low, high))
+        else:
+            part = sp.Integral(rest, (_BOUND, low, high))
+        total += sign * constant * part
+    return total

@@ -1,0 +1,72 @@
+"""`Parameter`: a named number of a friction law, with its meaning, unit and typical value."""
+
+import keyword
+
+import sympy as sp
+
+from stickslip_sym import symbols
+from stickslip_sym.errors import InputError
+from stickslip_sym.parsing import CONSTANTS, FUNCTIONS, KINKED, NAME
+from stickslip_sym.units import parse_unit
+from stickslip_sym.values import exact
+
+__all__ = ["Parameter"]
+
+
+class Parameter:
+    """A parameter of a friction law.
+
+    Parameters
+    ----------
+    name : str
+        A letter, then letters, digits or underscores.
+    meaning : str
+        What it is, in a few words.
+    unit : str, optional
+        SI unit as text, "1" for a pure number.
+    typical : str, optional
+        A value to try the law with, as decimal text (kept exact).
+    positive : bool
+        Whether the parameter is never negative. Formulas are simplified under this assumption, so
+        values that break it are refused.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        meaning: str = "",
+        unit: str | None = None,
+        typical: str | None = None,
+        positive: bool = True,
+    ) -> None:
+        _check_name(name)
+        self.name = name
+        self.meaning = meaning
+        self.unit = unit
+        self.typical = typical
+        self.positive = positive
+        self.symbol = sp.Symbol(name, positive=True) if positive else sp.Symbol(name, real=True)
+        if unit is not None:
+            parse_unit(unit)
+        if typical is not None and exact(typical, name) < 0 and positive:
+            raise InputError(
+                f"the typical value {typical} of {name!r} is negative, but the parameter is declared positive; "
+                "declare it with positive=False if any sign is meant"
+            )
+
+    def __repr__(self) -> str:
+        return f"Parameter({self.name!r}, {self.meaning!r}, unit={self.unit!r}, typical={self.typical!r})"
+
+
+def _check_name(name: str) -> None:
+    if not isinstance(name, str):
+        raise InputError(f"the name of a parameter is text, got {type(name).__name__}")
+    if not NAME.fullmatch(name) or keyword.iskeyword(name):
+        raise InputError(f"{name[:45]!r} is not a usable parameter name: a letter, then letters, digits or '_'")
+    if name in symbols.RESERVED:
+        meaning = symbols.QUANTITIES[name].meaning
+        raise InputError(
+            f"{name!r} is taken: it is the {meaning} everywhere in this package; rename the parameter"
+        )
+    if name in FUNCTIONS or name in KINKED or name in CONSTANTS or name == "Piecewise":
+        raise InputError(f"{name!r} is the name of a function or a constant; rename the parameter")

@@ -1,0 +1,60 @@
+"""SymPy's integrator as a last resort, in a process of its own that is killed when its time is up.
+
+SymPy's `integrate` may take minutes, hang, or return something wrong; none of that can be prevented from
+inside. Expressions travel between the two processes as pickles made here, never as text.
+"""
+
+import pickle
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import sympy as sp
+
+__all__ = ["antiderivative", "definite_integral"]
+
+_RULE = "SymPy's integrator"
+_LEAST = 0.5  # seconds; with less there is no point in starting a process
+
+
+def antiderivative(f: Any, x: Any, deadline: float, progress: Callable[[str], None]) -> tuple[str, Any] | None:
+    """Return the rule's name and an antiderivative of f(x), or None if none came by the deadline."""
+    return _ask(sp.Integral(f, x), deadline, progress)
+
+
+def definite_integral(integral: Any, deadline: float, progress: Callable[[str], None]) -> tuple[str, Any] | None:
+    """Return the rule's name and the value of an integral, or None if none came by the deadline."""
+    return _ask(integral, deadline, progress)
+
+
+def _ask(integral: Any, deadline: float, progress: Callable[[str], None]) -> tuple[str, Any] | None:
+    left = deadline - time.monotonic()
+    if left < _LEAST:
+        return None
+    progress(f"{_RULE} for at most {left:.0f} s: {integral.function}")
+    try:
+        # On any exception, Ctrl-C included, `run` kills the process and waits for it.
+        done = subprocess.run(
+            [sys.executable, "-m", "stickslip_sym.search"],
+            input=pickle.dumps(integral),
+            capture_output=True,
+            timeout=left,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return None
+    if done.returncode != 0:
+        return None
+    result = pickle.loads(done.stdout)
+    unfinished = result.has(sp.Integral, sp.Piecewise, sp.oo, sp.zoo, sp.nan, sp.I)
+    return None if unfinished else (_RULE, result)
+
+
+if __name__ == "__main__":
+    # Refuse to outlive the parent's patience by memory either: SymPy's intermediate results can explode.
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+    sys.stdout.buffer.write(pickle.dumps(pickle.load(sys.stdin.buffer).doit()))

@@ -1,0 +1,148 @@
+"""Taking the terms of a law apart: which family a term belongs to, and its parts.
+
+Each function returns the parts of a term of one kind, or None where the term is not of that kind. `u` is
+the slip speed, nonnegative; parameters are positive.
+"""
+
+from typing import Any
+
+import sympy as sp
+
+from stickslip_sym.normal_form import expand_above
+
+__all__ = [
+    "as_function",
+    "as_linear",
+    "as_power",
+    "as_stretched",
+    "grouped",
+    "minus_discriminant",
+    "partial_fractions",
+    "split_polynomial",
+]
+
+
+def grouped(f: Any, u: Any) -> dict[Any, Any]:
+    """Split a sum into functions of `u` and their constant factors, f = sum of constant times function.
+
+    Products are expanded, denominators are not, and fractions over one denominator stay together.
+    """
+    constants: dict[Any, Any] = {}
+    fractions: dict[Any, list[Any]] = {}
+    for term in sp.Add.make_args(expand_above(f)):
+        constant, rest = _merge_exponentials(term, u).as_independent(u, as_Add=False)
+        numerator, denominator = sp.fraction(rest)
+        if denominator.has(u) and rest.is_rational_function(u):
+            fractions.setdefault(denominator, []).append(constant * numerator)
+        else:
+            constants[rest] = constants.get(rest, 0) + constant
+    for denominator, numerators in fractions.items():
+        constant, numerator = sp.factor_terms(sp.Add(*numerators)).as_independent(u, as_Add=False)
+        constants[numerator / denominator] = constant
+    factored = {rest: sp.factor(constant) for rest, constant in constants.items()}
+    return {rest: constant for rest, constant in factored.items() if constant != 0}
+
+
+def _merge_exponentials(term: Any, u: Any) -> Any:
+    """Write a product with one exponential of `u` at most; SymPy leaves exp(-v) exp(-p v) as it is."""
+    exponentials, others = sp.sift(
+        sp.Mul.make_args(term), lambda factor: isinstance(factor, sp.exp) and factor.has(u), binary=True
+    )
+    if len(exponentials) < 2:
+        return term
+    return sp.Mul(*others, sp.exp(sp.Add(*[factor.exp for factor in exponentials])))
+
+
+def split_polynomial(rest: Any, u: Any) -> tuple[Any, list[Any]]:
+    """Split a product into its polynomial in u and its other factors."""
+    factors = sp.Mul.make_args(rest)
+    others = [factor for factor in factors if not factor.is_polynomial(u)]
+    return sp.Mul(*[factor for factor in factors if factor.is_polynomial(u)]), others
+
+
+def as_linear(expr: Any, u: Any) -> tuple[Any, Any] | None:
+    """Return (rate, shift) of rate * u + shift with rate != 0, or None."""
+    if not expr.is_polynomial(u) or sp.degree(expr, u) != 1:
+        return None
+    rate, shift = sp.Poly(expr, u).all_coeffs()
+    return rate, shift
+
+
+def as_function(rest: Any, u: Any, function: Any) -> tuple[Any, Any, Any, Any] | None:
+    """Match polynomial * function(rate * u + shift); return polynomial, argument, rate, shift."""
+    polynomial, others = split_polynomial(rest, u)
+    if len(others) != 1 or not isinstance(others[0], function):
+        return None
+    argument = others[0].args[0]
+    linear = as_linear(argument, u)
+    return None if linear is None else (polynomial, argument, *linear)
+
+
+def as_power(rest: Any, u: Any) -> tuple[Any, Any, Any, Any, Any] | None:
+    """Match polynomial * (rate * u + shift)**p, p no integer; return polynomial, base, rate, shift, p."""
+    polynomial, others = split_polynomial(rest, u)
+    if len(others) != 1 or not others[0].is_Pow:
+        return None
+    base, exponent = others[0].as_base_exp()
+    linear = as_linear(base, u)
+    if linear is None or exponent.has(u) or exponent.is_integer:
+        return None
+    return (polynomial, base, *linear, exponent)
+
+
+def as_stretched(rest: Any, u: Any) -> tuple[Any, Any, Any, Any] | None:
+    """Match p(u) * u**q * exp(-k u**d + b); return p * exp(b), q, k, d."""
+    polynomial, others = split_polynomial(rest, u)
+    exponentials = [factor for factor in others if isinstance(factor, sp.exp)]
+    powers = [factor for factor in others if factor.is_Pow and factor.base == u]
+    if len(exponentials) != 1 or len(others) != 1 + len(powers):
+        return None
+    exponent = sp.expand_power_base(sp.expand(exponentials[0].args[0]))
+    constant, varying = exponent.as_independent(u, as_Add=True)
+    factor, monomial = varying.as_independent(u, as_Add=False)
+    base, d = monomial.as_base_exp()
+    if base != u or d.has(u):
+        return None
+    q = sp.Mul(*powers).as_base_exp()[1] if powers else sp.Integer(0)
+    return polynomial * sp.exp(constant), q, -factor, d
+
+
+def partial_fractions(rest: Any, u: Any) -> tuple[Any, list[tuple[Any, Any, int]]] | None:
+    """Split a rational function into a polynomial and fractions (numerator, base, power).
+
+    Bases have degree 1 or 2 and leading coefficient 1; None for a factor of higher degree, or one that is
+    not known to be positive for all u >= 0.
+    """
+    if not rest.is_rational_function(u):
+        return None
+    polynomial, fractions = sp.Integer(0), []
+    for term in sp.Add.make_args(sp.apart(sp.together(rest), u)):
+        numerator, denominator = sp.fraction(sp.factor(term))
+        constant, varying = denominator.as_independent(u, as_Add=False)
+        if varying == 1:
+            polynomial += numerator / constant
+            continue
+        base, power = varying.as_base_exp()
+        monic = sp.Poly(base, u)
+        if monic.degree() > 2 or not power.is_Integer:
+            return None
+        lead = monic.LC()
+        coefficients = [sp.cancel(c / lead) for c in monic.all_coeffs()]
+        if not _is_positive(coefficients):
+            return None
+        base = sp.Poly(coefficients, u).as_expr()
+        fractions.append((numerator / (constant * lead**power), base, int(power)))
+    return polynomial, fractions
+
+
+def _is_positive(coefficients: list[Any]) -> bool:
+    """Tell whether a monic polynomial of degree 1 or 2 is known to be positive for all u >= 0."""
+    *middle, c = coefficients[1:]
+    if not c.is_positive:
+        return False
+    return all(b.is_nonnegative or minus_discriminant(b, c).is_positive for b in middle)
+
+
+def minus_discriminant(b: Any, c: Any) -> Any:
+    """Return minus the discriminant of u^2 + b u + c."""
+    return sp.factor(4 * c - b**2)

@@ -1,0 +1,193 @@
+"""The theorems of calculus that proofs use; each checks its hypotheses before it applies."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import sympy as sp
+
+from stickslip_sym.normal_form import normal_form, single_limit
+from stickslip_sym.special import Lerch
+
+__all__ = ["Antiderivative", "By", "ChangeOfVariable", "PieceByPiece", "ends_of_pieces"]
+
+
+class By(Protocol):
+    """A theorem applied to the left side of an equation; raises ValueError where it does not apply."""
+
+    def __call__(self, expr: Any) -> Any:
+        """Return an expression equal to `expr`."""
+
+
+@dataclass(frozen=True)
+class ChangeOfVariable:
+    """Substitute ``old = image(new)``, with `image` linear, in every integral over `old`."""
+
+    old: Any
+    new: Any
+    image: Any
+
+    def __call__(self, expr: Any) -> Any:
+        """Apply integration by substitution; a linear image is one to one and smooth."""
+        slope = sp.diff(self.image, self.new)
+        if slope.has(self.new) or not slope.is_nonzero:
+            raise ValueError(f"{self.old} = {self.image} is not linear in {self.new}")
+
+        def substitute(integral: Any) -> Any:
+            variable, *limits = single_limit(integral)
+            if variable != self.old:
+                return integral
+            if integral.has(self.new):
+                raise ValueError(f"{self.new} already means something in {integral}")
+            low, high = (sp.expand((limit - self.image.subs(self.new, 0)) / slope) for limit in limits)
+            return sp.Integral(integral.function.subs(self.old, self.image) * slope, (self.new, low, high))
+
+        return expr.replace(lambda node: isinstance(node, sp.Integral), substitute)
+
+
+@dataclass(frozen=True)
+class Antiderivative:
+    """Evaluate every integral over `variable` whose integrand is the derivative of `primitive`."""
+
+    primitive: Any
+    variable: Any
+
+    def __call__(self, expr: Any) -> Any:
+        """Apply the fundamental theorem of calculus, after differentiating the primitive."""
+
+        def evaluate(integral: Any) -> Any:
+            variable, low, high = single_limit(integral)
+            if variable != self.variable:
+                return integral
+            return _difference(self.primitive, integral.function, variable, low, high)
+
+        return expr.replace(lambda node: isinstance(node, sp.Integral), evaluate)
+
+
+@dataclass(frozen=True)
+class PieceByPiece:
+    """Evaluate every integral over `variable` from 0 up, its integrand given in pieces.
+
+    primitives[i] belongs to the piece between places i - 1 and i; the first piece starts at 0. Which pieces
+    lie within the limits is left open: each end is taken at most as far as the upper limit.
+    """
+
+    primitives: Sequence[Any]
+    variable: Any
+    places: Sequence[Any]
+
+    def __call__(self, expr: Any) -> Any:
+        """Apply the fundamental theorem of calculus on each piece."""
+
+        def evaluate(integral: Any) -> Any:
+            variable, low, high = single_limit(integral)
+            if variable != self.variable:
+                return integral
+            if low != 0:
+                raise ValueError(f"the pieces start at 0, the integral at {low}")
+            pieces = _branches(integral.function)
+            ends = ends_of_pieces(self.places, high)
+            if not len(pieces) == len(self.primitives) == len(ends) - 1:
+                raise ValueError(f"{len(self.primitives)} antiderivatives for {len(pieces)} pieces")
+            return sp.Add(
+                *[
+                    _difference(primitive, piece, variable, left, right)
+                    for primitive, piece, left, right in zip(self.primitives, pieces, ends, ends[1:], strict=False)
+                ]
+            )
+
+        return expr.replace(lambda node: isinstance(node, sp.Integral), evaluate)
+
+
+def ends_of_pieces(places: Sequence[Any], high: Any) -> list[Any]:
+    """Return the ends of the pieces within [0, high], in order whatever the places are."""
+    ends: list[Any] = [sp.Integer(0)]
+    for place in places:
+        after = place if place.is_positive and ends[-1] == 0 else sp.Max(place, ends[-1])
+        ends.append(sp.Min(after, high))
+    return [*ends, high]
+
+
+def _branches(integrand: Any) -> list[Any]:
+    nodes = integrand.atoms(sp.Piecewise)
+    if not nodes:
+        return [integrand]
+    if len(nodes) > 1:
+        raise ValueError("two laws in pieces stand in one integrand")
+    (node,) = nodes
+    return [integrand.xreplace({node: branch}) for branch, _ in node.args]
+
+
+def _difference(primitive: Any, integrand: Any, x: Any, low: Any, high: Any) -> Any:
+    """Return primitive(high) - primitive(low), once it is known to be the integral."""
+    if normal_form(sp.diff(primitive, x) - integrand) != 0:
+        raise ValueError(f"{primitive} is not known to be an antiderivative of {integrand}")
+    if x.is_nonnegative and not (low.is_nonnegative and high.is_nonnegative):
+        raise ValueError(f"{x} is nonnegative, the limits {low} and {high} are not known to be")
+    if not _is_smooth(primitive, x):
+        raise ValueError(f"{primitive} is not known to be smooth between {low} and {high}")
+    ends = [primitive.subs(x, end) for end in (high, low)]
+    if any(end.has(sp.zoo, sp.oo, sp.nan) for end in ends):
+        raise ValueError(f"{primitive} is not finite from {low} to {high}")
+    return ends[0] - ends[1]
+
+
+_ENTIRE = (
+    sp.Add,
+    sp.Mul,
+    sp.im,
+    sp.exp,
+    sp.sin,
+    sp.cos,
+    sp.sinh,
+    sp.cosh,
+    sp.tanh,
+    sp.sech,
+    sp.asinh,
+    sp.atan,
+    sp.erf,
+)
+
+
+def _is_smooth(expr: Any, x: Any) -> bool:
+    """Tell whether an expression is known to be continuous for all x that the assumptions of x allow.
+
+    So an integral over [-1, 1] whose variable is nonnegative would be misjudged: the limits are compared with
+    the assumptions of the variable by `_difference`.
+    """
+    if not expr.has(x) or expr == x:
+        return True
+    if isinstance(expr, sp.core.function.AppliedUndef | sp.Derivative | sp.Subs):
+        return True  # unknown functions are as smooth as the derivation takes them
+    if isinstance(expr, sp.Pow):
+        base, exponent = expr.args
+        if exponent.has(x):
+            fine = bool(base.is_positive)
+        elif exponent.is_Integer and exponent > 0:
+            fine = True
+        else:
+            fine = _is_positive(base, x) or bool(base.is_nonnegative and exponent.is_positive)
+    elif isinstance(expr, sp.log):
+        fine = _is_positive(expr.args[0], x)
+    elif isinstance(expr, sp.lowergamma):
+        order, argument = expr.args
+        fine = bool(order.is_positive and argument.is_nonnegative)
+    elif isinstance(expr, sp.expint):
+        fine = _is_positive(expr.args[1], x)
+    elif isinstance(expr, sp.polylog | Lerch):
+        # Analytic off the ray from 1: on the negative axis, and on the imaginary one.
+        argument = expr.args[1] if isinstance(expr, sp.polylog) else expr.args[0]
+        fine = bool(argument.is_nonpositive or argument.is_imaginary)
+    else:
+        fine = isinstance(expr, _ENTIRE)
+    return fine and all(_is_smooth(argument, x) for argument in expr.args)
+
+
+def _is_positive(expr: Any, x: Any) -> bool:
+    """Tell whether an expression is known to be positive: by its signs, or as a quadratic without real roots."""
+    if expr.is_positive:
+        return True
+    if not expr.is_polynomial(x) or sp.degree(expr, x) != 2:
+        return False
+    a, b, c = sp.Poly(expr, x).all_coeffs()
+    return bool(a.is_positive and sp.factor(4 * a * c - b**2).is_positive)

@@ -1,0 +1,66 @@
+"""The shape in which a result is printed."""
+
+from typing import Any
+
+import sympy as sp
+
+__all__ = ["tidy"]
+
+_LARGEST = 1500  # operations of an expression that is still factored
+_OPAQUE = (sp.Function, sp.Min, sp.Max)
+
+
+def tidy(expr: Any, model: Any, small: Any) -> Any:
+    """Rewrite a result as a person would print it.
+
+    The common factors come out, what multiplies a function is collected and factored, and each factor has the
+    sign that it has in `model` (the formula of the law), or that is positive for a small value of the symbol
+    `small`.
+    """
+    # To algebra every function is a symbol: SymPy would otherwise take exp(-x/3) and exp(-1000 x) for powers of
+    # one generator, of a degree that nothing survives.
+    functions = _outermost(expr)
+    opaque = expr.xreplace(functions)
+    if opaque.count_ops() > _LARGEST:
+        return expr
+    back = {symbol: node for node, symbol in functions.items()}
+    order = sorted(back, key=lambda symbol: sp.default_sort_key(back[symbol]))
+    shapes = (
+        _factored(opaque, order, model, small),
+        sp.Add(*[_factored(term, order, model, small) for term in sp.Add.make_args(opaque)]),
+    )
+    return min(shapes, key=lambda shape: int(shape.count_ops())).xreplace(back)
+
+
+def _outermost(expr: Any) -> dict[Any, Any]:
+    """Return a symbol for each function that does not stand inside another."""
+    found: dict[Any, Any] = {}
+    walk = sp.preorder_traversal(expr)
+    for node in walk:
+        if isinstance(node, _OPAQUE):
+            found.setdefault(node, sp.Dummy("f", real=True))
+            walk.skip()
+    return found
+
+
+def _factored(expr: Any, functions: list[Any], model: Any, small: Any) -> Any:
+    sign, factors = 1, []
+    for factor in sp.Mul.make_args(sp.factor(expr)):
+        if factor.is_Add and _should_flip(factor, model, small):
+            sign, factor = -sign, -factor
+        if factor.is_Add and factor.has(*functions):
+            factor = sp.collect(factor, functions, sp.factor)
+        factors.append(factor)
+    return sp.Mul(sign, *factors)
+
+
+def _should_flip(factor: Any, model: Any, small: Any) -> bool:
+    for node in sp.preorder_traversal(model):
+        if node in (factor, -factor):
+            return bool(node == -factor)
+    leading = factor.subs(small, 0)
+    if leading.is_negative or leading.is_positive:
+        return bool(leading.is_negative)
+    # Its sign is not known, or it vanishes because its terms cancel: let the fewer ones carry a minus.
+    signs = [term.could_extract_minus_sign() for term in sp.Add.make_args(sp.expand(factor))]
+    return bool(2 * sum(signs) > len(signs))
