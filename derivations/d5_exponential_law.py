@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+import sympy as sp
+
 from derivations import paper
 from stickslip_sym import Derivation, FrictionLaw, derive, laws
 from stickslip_sym.symbols import c, mu, u, v
@@ -35,13 +37,13 @@ def integrate_law(d: Derivation, law: FrictionLaw, printed: Mapping[str, Any], l
         label=label,
         shown=mu(u),
     )
-    first, *others = form.derivation.steps
+    steps = form.derivation.steps
     d.equal(
         f"put {label} into (16)",
-        "with u for |v_r|",
+        "with v for |v_r|; the criterion is the sum of those of the law's terms",
         printed["(16)"].replace(mu, lambda speed: printed[label].subs(u, speed)),
-        first.statement.rhs,
+        sp.Add(*[step.statement.lhs for step in steps if step.statement.lhs.has(sp.Integral)]),
         shown=c,
     )
-    d.steps += others
+    d.steps += steps[1:]
     return form.expr

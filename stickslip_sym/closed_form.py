@@ -16,7 +16,7 @@ from stickslip_sym.derivation import Derivation
 from stickslip_sym.errors import InputError, NoClosedForm, NotConverged
 from stickslip_sym.evaluate import StableFunction, exact_value
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.integrals import Part, Progress, integrate_terms, law_integral
+from stickslip_sym.integrals import Part, Progress, integrate_terms
 from stickslip_sym.proving import Status, Verdict
 from stickslip_sym.tidy import tidy
 from stickslip_sym.values import Number, exact, suggestion
@@ -225,13 +225,12 @@ def _state(
     derivation: Derivation, law: FrictionLaw, criterion: Criterion, parts: list[Part], gate: Verdict
 ) -> None:
     """Add the steps from the criterion of the law to the values of its terms."""
-    whole = law_integral(law.expr, criterion)
     derivation.equal(
-        "put the law into the criterion, and split it",
+        f"split the law; its {criterion.name} criterion is the sum of those of its terms",
         "an integral is linear in its integrand",
-        whole,
-        sp.Add(*[part.integral for part in parts]),
-        shown=symbols.c,
+        law.expr,
+        sp.Add(*[part.term for part in parts]),
+        shown=symbols.mu(symbols.v),
     )
     for part in parts:
         if part.by is None:

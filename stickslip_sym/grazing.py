@@ -75,6 +75,11 @@ def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> tuple[
         )
 
     def root(low: float, high: float, tolerance: float) -> float:
+        if not lowest(low, tolerance) < 0 < lowest(high, tolerance):
+            raise NotConverged(
+                f"between {low:g} and {high:g} kg/s the return of the orbit from P is lost in rounding; "
+                "the threshold is too small a part of the damping there"
+            )
         return float(brentq(lowest, low, high, (tolerance,), xtol=1e-300, rtol=tolerance))
 
     loose = 10 * tight

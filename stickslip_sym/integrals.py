@@ -31,8 +31,10 @@ class Part:
 
     Attributes
     ----------
+    term : sympy.Expr
+        The term, as a function of v.
     integral : sympy.Expr
-        The criterion of the term, as an integral.
+        Its criterion, as an integral.
     value : sympy.Expr
         What it comes to.
     rule : str
@@ -41,6 +43,7 @@ class Part:
         The theorem that proves it; None where only numbers can tell.
     """
 
+    term: Any
     integral: Any
     value: Any
     rule: str
@@ -96,7 +99,7 @@ def integrate_terms(mu: Any, criterion: Criterion, time_limit: float, progress: 
             if primitives
             else None
         )
-        parts.append(Part(law_integral(constant * rest, criterion), constant * value, rule, by))
+        parts.append(Part(constant * rest, law_integral(constant * rest, criterion), constant * value, rule, by))
     return parts
 
 

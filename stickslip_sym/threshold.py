@@ -11,7 +11,7 @@ from stickslip_sym.values import lookup
 
 __all__ = ["METHODS", "Threshold", "pure_slip_damping"]
 
-METHODS = ("equilibrium", "least_squares", "simulation")
+METHODS = ("equilibrium", "least_squares", "harmonic", "simulation")
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def pure_slip_damping(
         Belt speed in m/s and normal force in N.
     m, k : float, optional
         Mass in kg and stiffness in N/m; only "simulation" needs them.
-    method : {"equilibrium", "least_squares", "simulation"}
+    method : {"equilibrium", "least_squares", "harmonic", "simulation"}
         A criterion in closed form, or the root in c of the lowest slip speed that the orbit from P
         comes down to: the orbit that grazes the belt's speed.
     rtol : float

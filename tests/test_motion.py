@@ -146,7 +146,7 @@ def test_weak_friction_limit_is_the_slope(law):
 
 
 def test_closed_form_methods(law):
-    for criterion in ("equilibrium", "least_squares"):
+    for criterion in ss.criteria.catalogue:
         threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, method=criterion)
         assert threshold == ss.Threshold(ss.derive(law, criterion)(V=0.5, N=9.81), criterion, None)
 

@@ -21,7 +21,9 @@ FALSE = {
     "an arctangent that jumps": (Int(1 / (r**2 + 1), (r, -1, 1)), -sp.pi / 2, Antiderivative(-sp.atan(1 / r), r)),
     "an arctangent of a tangent": (Int(1, (r, 0, sp.pi)), sp.Integer(0), Antiderivative(sp.atan(sp.tan(r)), r)),
     "a double integral": (Int(u * y, (u, 0, 1), (y, 0, 2)), y / 2, None),
-    "a variable captured": (Int(s * mu(u), (u, 0, V)), Int(s * V * mu(V * s), (s, 0, 1)), ChangeOfVariable(u, s, V * s)),
+    "a variable captured": (
+        Int(s * mu(u), (u, 0, V)), Int(s * V * mu(V * s), (s, 0, 1)), ChangeOfVariable(u, s, V * s),
+    ),
     "a name captured": (Int(xi * mu(u), (u, 0, 1)), Int(u * mu(u), (u, 0, 1)), None),
     "infinity": (sp.oo, sp.oo, None),
     "not a number": (sp.nan, sp.Integer(0), None),
