@@ -16,6 +16,7 @@ from stickslip_sym.terms import (
     as_linear,
     as_power,
     as_stretched,
+    first_rule,
     minus_discriminant,
     partial_fractions,
     split_polynomial,
@@ -28,11 +29,7 @@ _HALF = sp.Rational(1, 2)
 
 def antiderivative(rest: Any, kernel: Any, u: Any) -> tuple[str, Any] | None:
     """Return the name of the rule that integrates rest * kernel and what it gives, or None."""
-    for name, rule in _RULES.items():
-        result = rule(rest, kernel, u)
-        if result is not None:
-            return name, result
-    return None
+    return first_rule(_RULES, rest, kernel, u)
 
 
 def _function(rest: Any, kernel: Any, u: Any) -> Any | None:

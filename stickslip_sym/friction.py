@@ -1,7 +1,9 @@
 """`FrictionLaw`: one expression mu(v) of the slip speed, its parameters and its source."""
 
 import copy
+import math
 from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, Self
 
@@ -17,7 +19,17 @@ from stickslip_sym.parameters import Parameter
 from stickslip_sym.pieces import places
 from stickslip_sym.values import Number, exact_values, suggestion, to_mpf
 
-__all__ = ["FrictionLaw", "Parameter"]
+__all__ = ["FrictionLaw", "Parameter", "limit_at_rest"]
+
+
+@lru_cache(maxsize=256)
+def limit_at_rest(expr: Any) -> float:
+    """Return the limit of an expression in v as v falls to 0; NaN where none is found."""
+    # SymPy says in these ways that it finds no limit, or that it is not real.
+    try:
+        return float(sp.limit(expr, symbols.v, 0, "+"))
+    except (ArithmeticError, NotImplementedError, TypeError, ValueError):
+        return math.nan
 
 
 class FrictionLaw:
@@ -237,10 +249,7 @@ class FrictionLaw:
     def _limit_at_rest(self, derivative: bool) -> float:
         """Return the limit at v = 0+, where a formula such as v^p/v is 0/0; nan if there is none."""
         expr = self.substitute(self.slope_expr if derivative else self.expr)
-        try:
-            return float(sp.limit(expr, symbols.v, 0, "+"))
-        except (TypeError, ValueError, NotImplementedError):
-            return float("nan")
+        return limit_at_rest(expr)
 
     def _label(self) -> str:
         return f"the law {self.name!r}" if self.name else "the law"

@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym.terms import as_function, as_power, as_stretched, partial_fractions
+from stickslip_sym.terms import as_function, as_power, as_stretched, first_rule, partial_fractions
 
 __all__ = ["harmonic_average", "kinked_polynomial_average"]
 
@@ -20,11 +20,7 @@ _HALF = sp.Rational(1, 2)
 
 def harmonic_average(rest: Any, u: Any, V: Any) -> tuple[str, Any] | None:
     """Return the name of the rule that averages a term and H[rest], or None."""
-    for name, rule in _RULES.items():
-        result = rule(rest, u, V)
-        if result is not None:
-            return name, result
-    return None
+    return first_rule(_RULES, rest, u, V)
 
 
 def _power_moment(p: Any, V: Any) -> Any:

@@ -3,14 +3,11 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from functools import lru_cache
 from typing import Any
-
-import sympy as sp
 
 from stickslip_sym import symbols
 from stickslip_sym.errors import InputError
-from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.friction import FrictionLaw, limit_at_rest
 
 __all__ = ["Oscillator", "Scene", "check_rtol", "real"]
 
@@ -104,18 +101,9 @@ class Oscillator:
         return (_static(law) * self.N - self.c * self.V) / self.k
 
 
-@lru_cache(maxsize=256)
-def _limit(expr: Any) -> float:
-    """Return the limit of an expression in v as v falls to 0; NaN where none is found."""
-    try:
-        return float(sp.limit(expr, symbols.v, 0, "+"))
-    except (ArithmeticError, NotImplementedError, TypeError, ValueError):
-        return math.nan
-
-
 def _onset(law: FrictionLaw) -> float:
     """Return mu(0+)."""
-    onset = _limit(law.substitute(law.expr))
+    onset = limit_at_rest(law.substitute(law.expr))
     if not math.isfinite(onset):
         raise InputError(
             f"mu(0+) is {onset}, not a finite number, for {law!r}: no spring could ever pull the mass off the "

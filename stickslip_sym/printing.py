@@ -24,7 +24,7 @@ class _Readable:
         return terms
 
     def _print_Derivative(self, expr: Any) -> str:
-        return self._primed(expr, expr.expr.args[0]) or str(super()._print_Derivative(expr))  # type: ignore[misc]
+        return self._primed(expr, expr.expr.args[0]) or str(super()._print_Derivative(expr))  # type: ignore[misc]  # a printer's
 
     def _print_Subs(self, expr: Any) -> str:
         if isinstance(expr.expr, sp.Derivative) and len(expr.point) == 1:
@@ -39,7 +39,7 @@ class _Readable:
             return ""
         mark = "'" * sum(count for _, count in derivative.variable_count)
         name = self._print(sp.Symbol(function.func.__name__))  # type: ignore[attr-defined]  # a printer's
-        return self._applied(f"{name}{mark}", self._print(argument))  # type: ignore[attr-defined]
+        return self._applied(f"{name}{mark}", self._print(argument))  # type: ignore[attr-defined]  # a printer's
 
     def _applied(self, name: str, argument: str) -> str:
         return f"{name}({argument})"

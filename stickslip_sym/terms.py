@@ -4,6 +4,7 @@ Each function returns the parts of a term of one kind, or None where the term is
 the slip speed, nonnegative; parameters are positive.
 """
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import sympy as sp
@@ -15,11 +16,21 @@ __all__ = [
     "as_linear",
     "as_power",
     "as_stretched",
+    "first_rule",
     "grouped",
     "minus_discriminant",
     "partial_fractions",
     "split_polynomial",
 ]
+
+
+def first_rule(rules: Mapping[str, Callable[..., Any]], *arguments: Any) -> tuple[str, Any] | None:
+    """Return the name of the first rule that applies and its result, or None."""
+    for name, rule in rules.items():
+        result = rule(*arguments)
+        if result is not None:
+            return name, result
+    return None
 
 
 def grouped(f: Any, u: Any) -> dict[Any, Any]:
