@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from stickslip_sym.derivation import Derivation, Step
     from stickslip_sym.errors import InputError, NoClosedForm, NotConverged, NoThreshold, StickSlipError
     from stickslip_sym.friction import FrictionLaw, Parameter
+    from stickslip_sym.keeping import load, save
     from stickslip_sym.oscillator import Oscillator
     from stickslip_sym.proving import Status, Verdict
     from stickslip_sym.threshold import Threshold, pure_slip_damping
@@ -30,6 +31,7 @@ _HOME = {
     "InputError": "errors", "NoClosedForm": "errors", "NoThreshold": "errors",
     "NotConverged": "errors", "StickSlipError": "errors",
     "FrictionLaw": "friction", "Parameter": "friction",
+    "load": "keeping", "save": "keeping",
     "Oscillator": "oscillator",
     "Status": "proving", "Verdict": "proving",
     "Phase": "automaton", "Trajectory": "automaton", "simulate": "automaton",
@@ -40,7 +42,8 @@ __all__ = [  # noqa: RUF022  # modules first
     "criteria", "laws", "quadrature", "symbols",
     "ClosedForm", "Derivation", "FrictionLaw", "InputError", "NoClosedForm", "NoThreshold", "NotConverged",
     "Oscillator", "Parameter", "Phase", "Status", "Step", "StickSlipCycle", "StickSlipError", "Threshold",
-    "Trajectory", "Verdict", "derive", "peak_velocity", "pure_slip_damping", "simulate", "stick_slip_cycle",
+    "Trajectory", "Verdict", "derive", "load", "peak_velocity", "pure_slip_damping", "save", "simulate",
+    "stick_slip_cycle",
 ]  # fmt: skip
 
 

@@ -32,6 +32,11 @@ def antiderivative(rest: Any, kernel: Any, u: Any) -> tuple[str, Any] | None:
     return first_rule(_RULES, rest, kernel, u)
 
 
+def _polynomial(rest: Any, kernel: Any, u: Any) -> Any | None:
+    """Integrate a polynomial."""
+    return sp.Poly(rest * kernel, u).integrate().as_expr() if rest.is_polynomial(u) else None
+
+
 def _function(rest: Any, kernel: Any, u: Any) -> Any | None:
     """Integrate u^n times one function of a linear argument (`LADDERS`)."""
     for function, ladder in LADDERS.items():
@@ -214,6 +219,7 @@ def _exponential_tanh(rest: Any, kernel: Any, u: Any) -> Any | None:
 
 
 _RULES = {
+    "polynomial": _polynomial,
     "partial fractions": _rational,
     "repeated integrals": _function,
     "repeated integrals of a power": _function_power,

@@ -21,7 +21,7 @@ from stickslip_sym.proving import Status, Verdict
 from stickslip_sym.tidy import tidy
 from stickslip_sym.values import Number, exact, suggestion
 
-__all__ = ["ClosedForm", "derive"]
+__all__ = ["ClosedForm", "derive", "verify"]
 
 GATE_POINTS = 12
 GATE_DIGITS = 30
@@ -95,6 +95,8 @@ class ClosedForm:
         except ValueError:
             shapes = ", ".join(f"{name} {a.shape}" for name, a in zip(self.arguments, arrays, strict=True))
             raise InputError(f"the shapes do not broadcast: {shapes}") from None
+        if columns[0].size:
+            self._require_reach(float(columns[0].max()))
         result = self._function([column.ravel() for column in columns]).reshape(columns[0].shape)
         return float(result) if result.ndim == 0 else result
 
@@ -119,7 +121,12 @@ class ClosedForm:
         for name, symbol in self.arguments.items():
             if symbol.is_nonnegative and point[symbol] < 0:
                 raise InputError(f"{name} = {float(point[symbol]):g} must not be negative")
+        self._require_reach(point[symbols.V])
         return exact_value(self.expr, self.law.slope_expr, point, digits)
+
+    def _require_reach(self, speed: Any) -> None:
+        """Refuse a belt speed for which the criterion needs mu where it was not measured."""
+        self.law.require_speed(speed if self.criterion.weight is None else 2 * speed)
 
     def latex(self) -> str:
         """Return the criterion as a LaTeX equation, ``c = ...``."""
@@ -151,7 +158,7 @@ class ClosedForm:
         return f"$\\displaystyle {self.latex()}$"
 
     def __repr__(self) -> str:
-        name = self.law.name or printing.text(self.law.expr)
+        name = self.law.name or self.law.text
         return f"ClosedForm: {name}, {self.criterion.name}, {self.derivation.status.value}"
 
 
@@ -192,7 +199,7 @@ def derive(
     criterion = find(criterion)
     say: Progress = progress or (lambda _: None)
     name = f"{law.name or 'law'}/{criterion.name}"
-    derivation = Derivation(name, f"The {criterion.name} criterion for mu(v) = {printing.text(law.expr)}")
+    derivation = Derivation(name, f"The {criterion.name} criterion for mu(v) = {law.text}")
     if criterion.weight is None:
         parts = []
         raw = -symbols.N * law.slope_expr.subs(symbols.v, symbols.V)
@@ -202,7 +209,7 @@ def derive(
     say("simplifying")
     expr = tidy(raw, law.expr, symbols.V)
     say(f"comparing with quadrature at {GATE_POINTS} points")
-    gate = _gate(law, criterion, expr)
+    gate = verify(law, criterion, expr)
     if gate.status is Status.REFUTED:
         raise NoClosedForm(f"a formula was found but refuted, so it is not returned: {gate.evidence}")
     say("proving")
@@ -246,8 +253,8 @@ def _state(
             )
 
 
-def _gate(law: FrictionLaw, criterion: Criterion, expr: Any) -> Verdict:
-    """Compare a formula with quadrature at seeded log-uniform points.
+def verify(law: FrictionLaw, criterion: Criterion, expr: Any) -> Verdict:
+    """Compare a formula for the damping coefficient with quadrature at seeded log-uniform points.
 
     Points at which the law has no real value, or the criterion is too small for either side to tell from 0, say
     nothing; others are drawn in their place.
@@ -261,6 +268,10 @@ def _gate(law: FrictionLaw, criterion: Criterion, expr: Any) -> Verdict:
             name: f"{10 ** rng.uniform(*(_EXPONENT_DECADES if symbol in exponents else _DECADES)):.6g}"
             for name, symbol in symbol_of.items()
         }
+        if law.v_max is not None:
+            # Every piece has its turn, the lowest speeds too.
+            share = rng.uniform(0, 1) if compared % 2 else 10 ** rng.uniform(2 * _DECADES[0], 0)
+            values["V"] = f"{share * float(law.v_max / 2):.6g}"
         scene = {name: values.pop(name) for name in ("V", "N")}
         point = {symbol_of[name]: exact(value, name) for name, value in (scene | values).items()}
         try:

@@ -9,7 +9,9 @@ import mpmath
 
 from stickslip_sym import quadrature
 from stickslip_sym.closed_form import ClosedForm
+from stickslip_sym.criteria import Criterion
 from stickslip_sym.errors import StickSlipError
+from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.tables import duration, table
 from stickslip_sym.threshold import pure_slip_damping
 from stickslip_sym.values import Number, exact
@@ -30,7 +32,7 @@ class Check:
     value : str
         In kg/s, as many digits as the method gives; or why there is none.
     difference : float or None
-        Relative to the closed form; None where there is no value.
+        Relative to the first method that has a value; None where there is none.
     seconds : float
     """
 
@@ -40,15 +42,24 @@ class Check:
     seconds: float
 
 
-def crosscheck(form: ClosedForm, scene: Mapping[str, Number], digits: int = 50) -> list[Check]:
+def crosscheck(
+    law: FrictionLaw,
+    criterion: Criterion,
+    scene: Mapping[str, Number],
+    form: ClosedForm | None,
+    digits: int = 50,
+) -> list[Check]:
     """Compute a closed form, the quadrature of its definition, and the event-driven threshold.
 
     Parameters
     ----------
-    form : ClosedForm
-        Of a law with all parameters bound.
+    law : FrictionLaw
+        With all parameters bound.
+    criterion : Criterion
     scene : mapping
         Values of V, N, m and k in SI units.
+    form : ClosedForm or None
+        Of this law and criterion; None where there is none, and quadrature is the reference.
     digits : int
         Of the closed form and of the quadrature.
 
@@ -58,42 +69,35 @@ def crosscheck(form: ClosedForm, scene: Mapping[str, Number], digits: int = 50) 
         A method that has no value in this scene says why in its place.
     """
     V, N = scene["V"], scene["N"]
-    reference, seconds = _timed(lambda: form.evaluate(digits, V=V, N=N))
-    checks = [Check("closed form", mpmath.nstr(reference, digits), 0.0, seconds)]
-
-    def add(
-        method: str, compute: Callable[[], Any], show: Callable[[Any], str], value: Callable[[Any], Any]
-    ) -> None:
+    numbers = {name: float(exact(value, name)) for name, value in scene.items()}
+    ways: dict[str, Callable[[], tuple[Any, int]]] = {
+        f"quadrature, {digits} digits": lambda: (
+            quadrature.damping(law, criterion, V=V, N=N, digits=digits),
+            digits,
+        ),
+        "event-driven threshold": lambda: (
+            mpmath.mpf(pure_slip_damping(law, **numbers, method="simulation", rtol=1e-12).value),
+            12,
+        ),
+    }
+    if form is not None:
+        ways = {"closed form": lambda: (form.evaluate(digits, V=V, N=N), digits)} | ways
+    checks: list[Check] = []
+    reference = None
+    for method, compute in ways.items():
+        start = time.perf_counter()
         try:
-            result, seconds = _timed(compute)
+            value, known = compute()
         except StickSlipError as error:
             checks.append(Check(method, f"none: {error}", None, 0.0))
-            return
+            continue
+        seconds = time.perf_counter() - start
+        reference = value if reference is None else reference
         with mpmath.workdps(digits):
-            difference = abs(value(result) - reference)
+            difference = abs(value - reference)
             relative = float(difference / abs(reference)) if reference else float(difference)
-        checks.append(Check(method, show(result), relative, seconds))
-
-    add(
-        f"quadrature, {digits} digits",
-        lambda: quadrature.damping(form.law, form.criterion, V=V, N=N, digits=digits),
-        lambda result: str(mpmath.nstr(result, digits)),
-        lambda result: result,
-    )
-    numbers = {name: float(exact(value, name)) for name, value in scene.items()}
-    add(
-        "event-driven threshold",
-        lambda: pure_slip_damping(form.law, **numbers, method="simulation", rtol=1e-12),
-        lambda result: f"{result.value:.12g}",
-        lambda result: mpmath.mpf(result.value),
-    )
+        checks.append(Check(method, mpmath.nstr(value, known), relative, seconds))
     return checks
-
-
-def _timed(compute: Callable[[], Any]) -> tuple[Any, float]:
-    start = time.perf_counter()
-    result = compute()
-    return result, time.perf_counter() - start
 
 
 def report(checks: list[Check]) -> str:

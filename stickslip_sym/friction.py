@@ -4,6 +4,7 @@ import copy
 import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Self
 
@@ -17,6 +18,7 @@ from stickslip_sym.errors import InputError
 from stickslip_sym.formula import read_formula
 from stickslip_sym.parameters import Parameter
 from stickslip_sym.pieces import places
+from stickslip_sym.samples import SampledCurve, read_csv
 from stickslip_sym.values import Number, exact_values, suggestion, to_mpf
 
 __all__ = ["FrictionLaw", "Parameter", "limit_at_rest"]
@@ -86,6 +88,7 @@ class FrictionLaw:
         self.source = source
         self.validity = validity
         self._values: dict[str, Any] = {}
+        self.curve: SampledCurve | None = None
         self._compiled: dict[Any, Callable[..., Any]] = {}
         if self.static is not None and self.static.has(symbols.v):
             raise InputError("the static coefficient is one number; it cannot depend on v")
@@ -93,6 +96,69 @@ class FrictionLaw:
         for unused in described.keys() - used:
             raise InputError(f"the parameter {unused!r} does not occur in the formula {printing.text(self.expr)}")
         self._parameters = {key: table[key] for key in table if key in used}
+
+    @classmethod
+    def from_samples(
+        cls,
+        v: Iterable[Number],
+        mu: Iterable[Number],
+        *,
+        extrapolate: bool = False,
+        name: str = "samples",
+        source: str | None = None,
+    ) -> Self:
+        """Return the law through measured points: a piecewise cubic that rises and falls only where they do.
+
+        Parameters
+        ----------
+        v : sequence of 4 to 60 numbers
+            Slip speeds in m/s, ascending, the first one 0 unless `extrapolate`.
+        mu : sequence of as many numbers
+            Coefficients of friction. The first one is mu(0+); a higher static coefficient is no slip speed's.
+        extrapolate : bool
+            Hold the first coefficient down to v = 0, and the last one for all higher speeds. Otherwise
+            speeds beyond the last are errors: a criterion at the belt speed V needs mu up to 2 V.
+        name, source : str, optional
+
+        Raises
+        ------
+        InputError
+            For too few or too many points, or speeds that are negative, repeated or not in order.
+
+        References
+        ----------
+        F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic interpolants,
+        SIAM J. Sci. Stat. Comput. 5 (1984), as `scipy.interpolate.PchipInterpolator` has it.
+        """
+        return cls.from_curve(SampledCurve.through(v, mu, extrapolate=extrapolate), name=name, source=source)
+
+    @classmethod
+    def from_csv(cls, path: str | Path, *, extrapolate: bool = False, source: str | None = None) -> Self:
+        """Return the law through the points in a CSV file: a header, then a slip speed and a coefficient a line.
+
+        The law has the file's name. Decimal numbers are taken exactly as they are written.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, or as in `from_samples`.
+        """
+        path = Path(path)
+        return cls.from_samples(*read_csv(path), extrapolate=extrapolate, name=path.stem, source=source)
+
+    @classmethod
+    def from_curve(
+        cls,
+        curve: SampledCurve,
+        *,
+        name: str | None = None,
+        source: str | None = None,
+        validity: str | None = None,
+    ) -> Self:
+        """Return the law that a piecewise cubic is."""
+        law = cls(curve.expr, name=name, source=source, validity=validity)
+        law.curve = curve
+        return law
 
     def _all_symbols(self) -> set[Any]:
         static = self.static.free_symbols if self.static is not None else set()
@@ -109,6 +175,31 @@ class FrictionLaw:
     def static_expr(self) -> Any:
         """The coefficient that limits sticking: `static`, or mu(0+) where none was given."""
         return self.static if self.static is not None else sp.limit(self.expr, symbols.v, 0, "+")
+
+    @property
+    def text(self) -> str:
+        """The formula as plain text; of measured points, what goes through them."""
+        return printing.text(self.expr) if self.curve is None else str(self.curve)
+
+    @property
+    def v_max(self) -> Any | None:
+        """The slip speed in m/s up to which the law is known, exact; None if there is no bound."""
+        return None if self.curve is None else self.curve.end
+
+    def require_speed(self, v: Any) -> None:
+        """Refuse a slip speed beyond the last measured one.
+
+        Raises
+        ------
+        InputError
+            With both speeds, and what to do.
+        """
+        if self.v_max is not None and v > self.v_max:
+            raise InputError(
+                f"{self._label()} is measured up to v = {float(self.v_max):g} m/s, and its value at "
+                f"{float(v):g} m/s is needed; measure further, take a lower speed, or hold the last "
+                "coefficient: extrapolate=True, or --extrapolate"
+            )
 
     # -- values ----------------------------------------------------------------------------------
 
@@ -206,6 +297,8 @@ class FrictionLaw:
             Return the slope.
         """
         self._require_values()
+        if self.curve is not None:
+            return self.curve.function(backend, derivative=derivative)
         key = backend, derivative
         if key not in self._compiled:
             # Values go in as arguments, not into the expression: SymPy would factor powers of fractions, and the
@@ -233,6 +326,8 @@ class FrictionLaw:
         if wrong.any():
             first = speed[wrong].flat[0]
             raise InputError(f"slip speed v = {first} is not a finite number >= 0; v is |x' - V|")
+        if speed.size:
+            self.require_speed(speed.max())
         try:
             with np.errstate(all="ignore"):  # every branch of a law in pieces is computed, and one is taken
                 value = np.asarray(self.function("numpy", derivative=derivative)(speed))
@@ -256,9 +351,9 @@ class FrictionLaw:
 
     def __repr__(self) -> str:
         values = ", ".join(f"{key}={float(value):g}" for key, value in self.values.items())
-        return (
-            f"FrictionLaw({self.name or 'unnamed'}: {printing.text(self.expr)}{'; ' + values if values else ''})"
-        )
+        return f"FrictionLaw({self.name or 'unnamed'}: {self.text}{'; ' + values if values else ''})"
 
     def _repr_latex_(self) -> str:
+        if self.curve is not None:
+            return f"$\\mu(v)$: {self.text}"
         return f"$\\displaystyle \\mu(v) = {printing.latex(self.expr)}$"

@@ -147,12 +147,15 @@ class Scene:
         mu(V w) for w > 0, and NaN where it cannot be computed, so that an integrator takes a shorter step.
         For w <= 0 it is mu(0+): the one step that crosses 0 reaches there in its trials, and where it
         crosses is refined from the side of w > 0.
+    w_max : float
+        The slip speed up to which the law is known.
     """
 
     eta: float
     zeta: float
     static: float
     mu: Callable[[float], float]
+    w_max: float = math.inf
 
     @classmethod
     def of(cls, law: FrictionLaw, osc: Oscillator) -> "Scene":
@@ -174,7 +177,8 @@ class Scene:
             except (ArithmeticError, TypeError, ValueError):  # a TypeError is a complex coefficient
                 return math.nan
 
-        return cls(osc.eta, osc.zeta, static, continued)
+        w_max = math.inf if law.v_max is None else float(law.v_max) / speed
+        return cls(osc.eta, osc.zeta, static, continued, w_max)
 
     def acceleration(self, q: float, w: float, side: int) -> float:
         """Return w', the rate at which the slip speed grows."""

@@ -74,6 +74,7 @@ def damping(
         raise InputError(f"N = {float(force):g} must not be negative")
     if not 1 <= digits <= 10_000:
         raise InputError(f"digits = {digits} is outside 1 to 10000")
+    law.require_speed(speed if criterion.weight is None else 2 * speed)
     mu = _real(law.function("mpmath"))
     if force == 0 or not law.expr.has(symbols.v):
         return mpmath.mpf(0)  # every kernel averages a slope: it integrates to zero

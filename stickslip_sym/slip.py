@@ -212,6 +212,11 @@ class _Method:
         except ValueError as error:  # from the linear algebra of a state that is not finite
             solver.status, message = "failed", str(error)
         w = float(solver.y[1])
+        if w > self.scene.w_max:
+            raise InputError(
+                f"the motion reaches a slip speed of {w:g} V, the law is measured up to {self.scene.w_max:g} V; "
+                "measure further, or hold the last coefficient: extrapolate=True, or --extrapolate"
+            )
         if not abs(w) < _RUNAWAY:
             raise NotConverged("the motion grows without bound; a negative damping feeds it: try a shorter t_end")
         if solver.status == "failed":

@@ -7,6 +7,7 @@ import sympy as sp
 __all__ = ["tidy"]
 
 _LARGEST = 1500  # operations of an expression that is still factored
+_MOST_FUNCTIONS = 12  # in it, each a variable of the polynomial to factor
 _OPAQUE = (sp.Function, sp.Min, sp.Max)
 
 
@@ -21,7 +22,7 @@ def tidy(expr: Any, model: Any, small: Any) -> Any:
     # one generator, of a degree that nothing survives.
     functions = _outermost(expr)
     opaque = expr.xreplace(functions)
-    if opaque.count_ops() > _LARGEST:
+    if len(functions) > _MOST_FUNCTIONS or opaque.count_ops() > _LARGEST:
         return expr
     back = {symbol: node for node, symbol in functions.items()}
     order = sorted(back, key=lambda symbol: sp.default_sort_key(back[symbol]))

@@ -2,13 +2,15 @@
 
 import os
 import re
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
-from stickslip_sym import InputError, cli, files
+from stickslip_sym import InputError, Status, cli, cli_derive, files, load
 from stickslip_sym.derivation import Derivation
 
 
@@ -61,6 +63,70 @@ def test_derive_takes_a_formula():
     assert done.stderr == "\nno value for a, b: give -p a=... for a table of values\n"
 
 
+def test_laws_tells_all_about_one():
+    done = stickslip("laws", "hyperbolic")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("hyperbolic: mu(v) = mu_m + (mu_s - mu_m)/(v/v_s + 1)\n")
+    assert re.search(r"^v_s +0\.5 +m/s +Stribeck speed", done.stdout, re.M)
+    assert "source: Bochet 1861" in done.stdout
+    found = re.findall(r"^(\w+), (PROVED|CHECKED)\n  c = ", done.stdout, re.M)
+    assert found == [("equilibrium", "PROVED"), ("least_squares", "PROVED"), ("harmonic", "CHECKED")]
+
+
+def test_derive_takes_all_criteria():
+    done = stickslip("derive", "polynomial", "--criterion", "all")
+    assert done.returncode == 0, done.stderr
+    names = re.findall(r"ClosedForm: polynomial, (\w+), ", done.stdout)
+    assert names == ["equilibrium", "least_squares", "harmonic"]
+    assert done.stdout.count("event-driven threshold") == 3
+
+
+def test_without_a_closed_form_quadrature_serves():
+    done = stickslip("derive", "andersson", "--time-limit", "1")
+    assert done.returncode == 1
+    assert "no closed form: andersson, least_squares" in done.stdout
+    assert re.search(r"quadrature, 50 digits +2\.15420088", done.stdout)
+    assert "the term (mu_p - mu_k)*exp(-(v/v_s)**delta)*tanh(v/v_0) resisted" in done.stderr
+    assert "found nothing in its 1 s" in done.stderr
+
+
+def test_derive_reads_measured_points_and_keeps_the_form(tmp_path):
+    (tmp_path / "pin.csv").write_text("v,mu\n0,0.5\n0.1,0.4\n0.3,0.3\n1.2,0.25\n")
+    done = stickslip("derive", "--from-csv", "pin.csv", "--save", "pin.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "ClosedForm: pin, least_squares, PROVED" in done.stdout
+    form = load(tmp_path / "pin.json", verify=True)
+    assert form.verdict.status is Status.PROVED
+    assert f"{form(V=0.5, N=9.81):.9f}"[:8] in done.stdout
+    beyond = stickslip("derive", "--from-csv", "pin.csv", "-V", "0.7", cwd=tmp_path)
+    assert (beyond.returncode, beyond.stdout) == (2, "")
+    assert "measured up to v = 1.2 m/s, and its value at 1.4 m/s is needed" in beyond.stderr
+    held = stickslip("derive", "--from-csv", "pin.csv", "-V", "0.7", "--extrapolate", cwd=tmp_path)
+    assert held.returncode == 0, held.stderr
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs /proc to see a process's children")
+def test_ctrl_c_leaves_nothing_behind(tmp_path):
+    """Interrupted while SymPy's integrator runs in its own process."""
+    run = [sys.executable, "-c", "from stickslip_sym.cli import main; main()"]
+    command = [*run, "derive", "andersson", "--save", "kept.json", "--latex", "kept.tex"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        deadline = time.monotonic() + 60
+        while not (started := children.read_text().split()) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert started
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30)
+    assert (process.returncode, out, err.strip()) == (130, "", "")
+    for child in started:  # gone, or dead and not yet buried by the system
+        status = Path(f"/proc/{child}/status")
+        assert not status.exists() or "(zombie)" in status.read_text()
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_latex_file(tmp_path):
     done = stickslip("derive", "polynomial", "--latex", "form.tex", "--steps", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -102,7 +168,12 @@ def test_latex_file(tmp_path):
         (["derive", "exponential", "-V", "0,5"], "V = '0,5' is not a number"),
         (["derive", "exponential", "-V", "-1"], "V = -1 must be positive: it is the belt speed"),
         (["derive", "exponential", "-m", "0"], "m = 0 must be positive"),
-        (["derive"], "Missing argument"),
+        (["derive"], "no law: give a name (see: stickslip laws), a formula in v, or --from-csv FILE"),
+        (["derive", "linear", "--from-csv", "a.csv"], "the law is given twice, as 'linear' and by --from-csv"),
+        (["derive", "linear", "--extrapolate"], "--extrapolate belongs to --from-csv"),
+        (["derive", "--from-csv", "a.csv"], "cannot read 'a.csv': No such file"),
+        (["derive", "linear", "--criterion", "all", "--save", "f"], "--save keeps one closed form; name one"),
+        (["laws", "expnential"], "there is no law 'expnential' (did you mean 'exponential'?)"),
         (["derive", "exponential", "--stepps"], "No such option"),
         (["derives"], "No such command 'derives'"),
     ],
@@ -162,10 +233,10 @@ def test_a_closed_pipe_ends_quietly(tmp_path):
 
 
 def test_an_interrupt_ends_quietly(monkeypatch, capsys):
-    def interrupt(*_):
+    def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "_law", interrupt)
+    monkeypatch.setattr(cli_derive, "read_law", interrupt)
     monkeypatch.setattr("sys.argv", ["stickslip", "derive", "linear"])
     with pytest.raises(SystemExit) as end:
         cli.main()

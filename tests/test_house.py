@@ -13,11 +13,13 @@ PACKAGE = Path(ss.__file__).parent
 LAYERS = [
     "errors", "values", "symbols", "pieces", "parsing", "units", "printing", "special",
     "codegen", "tables", "files",
-    "parameters", "formula", "friction", "laws", "criteria", "quadrature",
+    "parameters", "formula", "samples", "friction", "laws", "criteria", "quadrature",
     "normal_form", "theorems", "proving", "derivation",
     "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
     "bounds", "exact", "evaluate", "closed_form",
-    "oscillator", "slip", "automaton", "transit", "grazing", "threshold", "crosscheck", "cli",
+    "trees", "keeping",
+    "oscillator", "slip", "automaton", "transit", "grazing", "threshold", "crosscheck",
+    "cli_reading", "cli_laws", "cli_derive", "cli",
 ]  # fmt: skip
 """The modules of the package in the order in which they may import: each only from those before it."""
 

@@ -45,9 +45,3 @@ def test_quadrature_fifty_digits(benchmark):
 @pytest.mark.benchmark(group="one value")
 def test_event_driven_threshold(benchmark):
     benchmark(ss.pure_slip_damping, LAW, **SCENE, m=1, k=100, method="simulation")
-
-
-@pytest.mark.benchmark(group="derivation")
-@pytest.mark.parametrize("name", ["exponential", "polynomial", "sech"])
-def test_derive(benchmark, name):
-    benchmark(ss.derive, ss.laws.catalogue[name])

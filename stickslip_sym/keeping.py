@@ -1,0 +1,213 @@
+"""Closed forms kept in files: written exactly, read back safely, verified again when asked.
+
+A file is JSON. Every expression stands there as a tree (`trees`), and the criterion once more as text, for
+people; a file in which the two differ was changed by hand and is refused.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from stickslip_sym import criteria, files, printing
+from stickslip_sym.closed_form import ClosedForm, verify
+from stickslip_sym.derivation import Derivation, Step
+from stickslip_sym.errors import InputError, NoClosedForm
+from stickslip_sym.friction import FrictionLaw, Parameter
+from stickslip_sym.proving import Status, Verdict
+from stickslip_sym.samples import SampledCurve
+from stickslip_sym.trees import from_tree, to_tree
+from stickslip_sym.values import exact
+
+__all__ = ["load", "save"]
+
+FORMAT, VERSION = "stickslip_sym closed form", 1
+_LARGEST = 20_000_000  # bytes of a file
+
+
+def save(form: ClosedForm, path: str | Path) -> None:
+    """Write a closed form to a file: its law, formula, derivation and verdicts, all exact.
+
+    Parameters
+    ----------
+    form : ClosedForm
+    path : str or Path
+        What was there before is replaced at once, or kept if writing fails.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written, or the form holds a function that has no written form.
+    """
+    content = {
+        "format": FORMAT,
+        "version": VERSION,
+        "text": _shown(form.criterion.name, form.expr),
+        "criterion": form.criterion.name,
+        "formula": to_tree(form.expr),
+        "gate": _verdict_out(form.gate),
+        "law": _law_out(form.law),
+        "derivation": {
+            "name": form.derivation.name,
+            "title": form.derivation.title,
+            "steps": [_step_out(step) for step in form.derivation.steps],
+        },
+    }
+    files.write_text(Path(path), json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+
+
+def load(path: str | Path, *, verify: bool = False) -> ClosedForm:
+    """Read a closed form from a file that `save` wrote. Nothing in the file is ever evaluated as code.
+
+    Parameters
+    ----------
+    path : str or Path
+    verify : bool
+        Compare the formula with quadrature of its definition again, as `derive` does. Otherwise the verdicts
+        are those of the file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is of another format or version, or was changed.
+    NoClosedForm
+        If `verify` finds that the formula is wrong.
+    """
+    content = _read(Path(path))
+    try:
+        form = _form_in(content)
+    except InputError as error:
+        raise InputError(f"{str(path)!r} holds no closed form that can be read: {error}") from None
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        raise InputError(f"{str(path)!r} lacks a part, or one has another shape: {error!r}") from None
+    return _verified(form) if verify else form
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        if path.stat().st_size > _LARGEST:
+            raise InputError(f"{str(path)!r} has over {_LARGEST} bytes; no closed form is as long")
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{str(path)!r} is no JSON text: {str(error)[:80]}") from None
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise InputError(f"{str(path)!r} is no {FORMAT}; `save` writes one")
+    if content.get("version") != VERSION:
+        raise InputError(
+            f"{str(path)!r} is of version {content.get('version')!r}, and this package reads version {VERSION}; "
+            "derive the form again, or use the package that wrote it"
+        )
+    return content
+
+
+def _form_in(content: dict[str, Any]) -> ClosedForm:
+    law = _law_in(content["law"])
+    names = {name: parameter.symbol for name, parameter in law.parameters.items()}
+    expr = from_tree(content["formula"], names)
+    criterion = criteria.find(content["criterion"])
+    if _shown(criterion.name, expr) != content["text"]:
+        raise InputError("its text and its formula differ, so one of them was changed")
+    steps = [_step_in(step, names) for step in content["derivation"]["steps"]]
+    derivation = Derivation(str(content["derivation"]["name"]), str(content["derivation"]["title"]), steps)
+    form = ClosedForm(law, criterion, expr, derivation, _verdict_in(content["gate"]))
+    strange = expr.free_symbols - set(form.arguments.values())
+    if strange:
+        raise InputError(f"its formula holds {', '.join(map(str, strange))}, which the law does not have")
+    if Status.REFUTED in (derivation.status, form.gate.status):
+        raise InputError("it is marked as refuted, and such a form is never returned")
+    return form
+
+
+def _verified(form: ClosedForm) -> ClosedForm:
+    gate = verify(form.law, form.criterion, form.expr)
+    if gate.status is Status.REFUTED:
+        raise NoClosedForm(f"the formula in the file is refuted, so it is not returned: {gate.evidence}")
+    return ClosedForm(form.law, form.criterion, form.expr, form.derivation, gate)
+
+
+def _shown(criterion: str, expr: Any) -> str:
+    return f"{criterion}: c = {printing.text(expr)}"
+
+
+# -- laws ------------------------------------------------------------------------------------------
+
+
+def _law_out(law: FrictionLaw) -> dict[str, Any]:
+    content = {
+        "name": law.name,
+        "source": law.source,
+        "validity": law.validity,
+        "parameters": [
+            {
+                "name": parameter.name,
+                "meaning": parameter.meaning,
+                "unit": parameter.unit,
+                "typical": parameter.typical,
+                "positive": parameter.positive,
+            }
+            for parameter in law.parameters.values()
+        ],
+        "values": {name: str(value) for name, value in law.values.items()},
+    }
+    if law.curve is not None:
+        cubics = [[str(coefficient) for coefficient in cubic] for cubic in law.curve.cubics]
+        end = None if law.curve.end is None else str(law.curve.end)
+        return content | {"places": [str(place) for place in law.curve.places], "cubics": cubics, "end": end}
+    return content | {
+        "formula": to_tree(law.expr),
+        "static": None if law.static is None else to_tree(law.static),
+    }
+
+
+def _law_in(content: dict[str, Any]) -> FrictionLaw:
+    about = {key: content[key] for key in ("name", "source", "validity")}
+    if any(not isinstance(value, str | None) for value in about.values()):
+        raise InputError("the name, source and validity of a law are texts")
+    if "places" in content:
+        end = content["end"]
+        curve = SampledCurve(
+            tuple(exact(place, "a place") for place in content["places"]),
+            tuple(tuple(exact(number, "a coefficient") for number in cubic) for cubic in content["cubics"]),
+            None if end is None else exact(end, "the end"),
+        )
+        return FrictionLaw.from_curve(curve, **about)
+    parameters = [Parameter(**described) for described in content["parameters"]]
+    names = {parameter.name: parameter.symbol for parameter in parameters}
+    static = content["static"]
+    law = FrictionLaw(
+        from_tree(content["formula"], names),
+        static=None if static is None else from_tree(static, names),
+        parameters=parameters,
+        **about,
+    )
+    return law.bind(**content["values"])
+
+
+# -- derivations -----------------------------------------------------------------------------------
+
+
+def _step_out(step: Step) -> dict[str, Any]:
+    return {
+        "operation": step.operation,
+        "reason": step.reason,
+        "statement": to_tree(step.statement),
+        "label": step.label,
+        "verdict": _verdict_out(step.verdict),
+    }
+
+
+def _step_in(content: dict[str, Any], names: dict[str, Any]) -> Step:
+    operation, reason, label = (str(content[key]) for key in ("operation", "reason", "label"))
+    statement = from_tree(content["statement"], names)
+    return Step(operation, reason, statement, _verdict_in(content["verdict"]), label)
+
+
+def _verdict_out(verdict: Verdict) -> dict[str, str]:
+    return {"status": verdict.status.value, "evidence": verdict.evidence}
+
+
+def _verdict_in(content: dict[str, str]) -> Verdict:
+    return Verdict(Status(content["status"]), str(content["evidence"]))

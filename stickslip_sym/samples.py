@@ -1,0 +1,250 @@
+"""Measured points of a friction coefficient, and the curve through them.
+
+The curve is the shape-preserving piecewise cubic (PCHIP): it passes through every point, its slope is
+continuous, and it rises or falls only where the points do. Its coefficients are exact rationals, so criteria
+of it are exact closed forms, piece by piece.
+"""
+
+import csv
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import sympy as sp
+
+from stickslip_sym import symbols
+from stickslip_sym.codegen import Backend
+from stickslip_sym.errors import InputError
+from stickslip_sym.pieces import piecewise
+from stickslip_sym.values import Number, exact, to_mpf
+
+__all__ = ["SampledCurve", "read_csv"]
+
+FEWEST, MOST = 4, 60
+_LONGEST_FILE = 1_000_000  # rows that are read before a file is refused unread
+
+
+@dataclass(frozen=True)
+class SampledCurve:
+    """The piecewise cubic through measured points.
+
+    Attributes
+    ----------
+    places : tuple of Rational
+        Where the pieces begin, ascending from 0, in m/s.
+    cubics : tuple of tuples of Rational
+        Piece i is sum_j cubics[i][j] (v - places[i])^j.
+    end : Rational or None
+        The slip speed up to which the curve holds; None if it holds its last value for ever.
+    """
+
+    places: tuple[Any, ...]
+    cubics: tuple[tuple[Any, ...], ...]
+    end: Any | None
+
+    def __post_init__(self) -> None:
+        ends = [*self.places, *([] if self.end is None else [self.end])]
+        ascending = all(before < after for before, after in pairwise(ends))
+        if not (self.places and self.places[0] == 0 and ascending):
+            raise InputError("the pieces of a curve begin at ascending speeds, the first at 0")
+        if [len(cubic) for cubic in self.cubics] != [4] * len(self.places):
+            raise InputError("a curve has four coefficients for each piece")
+
+    @classmethod
+    def through(cls, v: Iterable[Number], mu: Iterable[Number], *, extrapolate: bool) -> "SampledCurve":
+        """Return the curve through points.
+
+        Parameters
+        ----------
+        v, mu : sequences of n numbers
+            Slip speeds in m/s, ascending, and coefficients; 4 to 60 points.
+        extrapolate : bool
+            Hold the first coefficient down to v = 0, and the last one beyond the last speed. Otherwise the
+            first speed must be 0, and the curve ends at the last.
+
+        Raises
+        ------
+        InputError
+            For points that no such curve goes through; the message names the first wrong one.
+        """
+        speeds, coefficients = _checked(v, mu)
+        if speeds[0] != 0 and not extrapolate:
+            raise InputError(
+                f"the first speed is {float(speeds[0]):g} m/s, and criteria need mu from v = 0 on; add a point "
+                "there, or pass extrapolate=True to hold the first coefficient below it"
+            )
+        cubics = _hermite_cubics(speeds, coefficients)
+        places = speeds[:-1]
+        if speeds[0] != 0:
+            places, cubics = [sp.Integer(0), *places], [_constant(coefficients[0]), *cubics]
+        if extrapolate:
+            places, cubics = [*places, speeds[-1]], [*cubics, _constant(coefficients[-1])]
+        return cls(tuple(places), tuple(cubics), None if extrapolate else speeds[-1])
+
+    @property
+    def expr(self) -> Any:
+        """The curve as a SymPy expression in v."""
+        formulas = [
+            sp.Add(*[coefficient * (symbols.v - place) ** j for j, coefficient in enumerate(cubic)])
+            for place, cubic in zip(self.places, self.cubics, strict=True)
+        ]
+        return piecewise(list(zip(formulas, self.places[1:], strict=False)), formulas[-1])
+
+    def __str__(self) -> str:
+        last = self.places[-1] if self.end is None else self.end
+        return f"piecewise cubic of {len(self.cubics)} pieces from v = 0 to {float(last):g} m/s"
+
+    def function(self, backend: Backend, *, derivative: bool) -> Callable[[Any], Any]:
+        """Return mu(v), or its slope, as a function of one library's numbers; beyond the end, the last piece."""
+        if backend == "numpy":
+            return self._over_arrays(derivative)
+        if backend == "math":
+            return _by_bisection(*self._tables(float, derivative))
+        tables: dict[int, Callable[[Any], Any]] = {}
+
+        def at_working_precision(v: Any) -> Any:
+            precision = mpmath.mp.prec
+            if precision not in tables:
+                tables[precision] = _by_bisection(*self._tables(to_mpf, derivative))
+            return tables[precision](v)
+
+        return at_working_precision
+
+    def _over_arrays(self, derivative: bool) -> Callable[[Any], Any]:
+        places, rows = self._tables(float, derivative)
+        starts, columns = np.array(places), np.array(rows).T
+
+        def evaluate(v: Any) -> Any:
+            piece = np.searchsorted(starts, v, side="right") - 1
+            distance = v - starts[piece]
+            value = columns[-1][piece]
+            for column in columns[-2::-1]:
+                value = value * distance + column[piece]
+            return value
+
+        return evaluate
+
+    def _tables(self, number: Callable[[Any], Any], derivative: bool) -> tuple[list[Any], list[list[Any]]]:
+        """Return the places and the coefficients of the pieces, ascending, as one library's numbers."""
+        rows = self._slopes if derivative else self.cubics
+        return [number(place) for place in self.places], [[number(c) for c in row] for row in rows]
+
+    @cached_property
+    def _slopes(self) -> tuple[tuple[Any, ...], ...]:
+        return tuple(tuple(j * cubic[j] for j in (1, 2, 3)) for cubic in self.cubics)
+
+
+def _by_bisection(places: list[Any], rows: list[list[Any]]) -> Callable[[Any], Any]:
+    def evaluate(v: Any) -> Any:
+        piece = max(bisect_right(places, v) - 1, 0)
+        distance = v - places[piece]
+        value = rows[piece][-1]
+        for coefficient in rows[piece][-2::-1]:
+            value = value * distance + coefficient
+        return value
+
+    return evaluate
+
+
+def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Any], list[Any]]:
+    """Read the points exactly, and refuse what is no measured curve."""
+    lists = []
+    for name, given in (("v", v), ("mu", mu)):
+        values = given.tolist() if isinstance(given, np.ndarray) else given
+        if isinstance(values, str) or not isinstance(values, Iterable):
+            raise InputError(f"{name} is a sequence of numbers, got {type(given).__name__}")
+        lists.append(list(values))
+    if len(lists[0]) != len(lists[1]):
+        raise InputError(f"v has {len(lists[0])} numbers and mu {len(lists[1])}; give one mu for each v")
+    count = len(lists[0])
+    if count < FEWEST:
+        raise InputError(f"{count} points were given; a curve needs {FEWEST} or more, so measure at more speeds")
+    if count > MOST:
+        raise InputError(
+            f"{count} points were given, and each becomes a piece of the formula; average them over bins of "
+            f"speed to {MOST} or fewer"
+        )
+    speeds, coefficients = (
+        [exact(value, f"{name} of point {number}") for number, value in enumerate(values, 1)]
+        for name, values in zip(("v", "mu"), lists, strict=True)
+    )
+    if speeds[0] < 0:
+        raise InputError(f"v of point 1 is {float(speeds[0]):g}; the slip speed |x' - V| is never negative")
+    for number, (before, after) in enumerate(pairwise(speeds), 2):
+        if after <= before:
+            what = "repeats" if after == before else "is below"
+            raise InputError(
+                f"v of point {number}, {float(after):g} m/s, {what} that of the point before; sort the points "
+                "by speed, and average those of one speed"
+            )
+    return speeds, coefficients
+
+
+def _hermite_cubics(x: Sequence[Any], y: Sequence[Any]) -> list[tuple[Any, ...]]:
+    """Return the coefficients of the Hermite cubic of each interval, in powers of the distance from its start."""
+    from scipy.interpolate import PchipInterpolator
+
+    # Scaled, so that neither subnormal nor huge speeds harm the slopes, which are then made exact.
+    width, height = x[-1], max(map(abs, y)) or sp.Integer(1)
+    scaled = PchipInterpolator([float(value / width) for value in x], [float(value / height) for value in y])
+    d = [sp.Rational(float(slope)) * height / width for slope in scaled(scaled.x, nu=1)]
+    cubics = []
+    for i in range(len(x) - 1):
+        step = x[i + 1] - x[i]
+        rise = (y[i + 1] - y[i]) / step
+        second, third = (3 * rise - 2 * d[i] - d[i + 1]) / step, (d[i] + d[i + 1] - 2 * rise) / step**2
+        cubics.append((y[i], d[i], second, third))
+    return cubics
+
+
+def _constant(value: Any) -> tuple[Any, ...]:
+    return value, *[sp.Integer(0)] * 3
+
+
+def read_csv(path: Path) -> tuple[list[str], list[str]]:
+    """Read slip speeds and coefficients, as text, from a CSV file with a header line and two columns.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a line is not two numbers; the message names the line.
+    """
+    speeds: list[str] = []
+    coefficients: list[str] = []
+    if "\0" in str(path):
+        raise InputError("the name of a file cannot hold a null byte")
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as stream:
+            rows = csv.reader(stream)
+            header = next(rows, [])
+            if len(header) != 2 or all(map(_is_finite, header)):
+                raise InputError(f"{str(path)!r} must begin with a header of two columns, like: v,mu")
+            for row in rows:
+                if not row:
+                    continue
+                if len(row) != 2 or not all(map(_is_finite, row)):
+                    where, got = f"{str(path)!r}, line {rows.line_num}", ",".join(row)[:60]
+                    raise InputError(f"{where}: two finite numbers are needed, like 0.1,0.35; got {got!r}")
+                if len(speeds) == _LONGEST_FILE:
+                    raise InputError(f"{str(path)!r} has over {_LONGEST_FILE} points; average them to {MOST}")
+                speeds.append(row[0])
+                coefficients.append(row[1])
+    except OSError as error:
+        raise InputError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{str(path)!r} is not a text file of comma-separated values: {error}") from None
+    return speeds, coefficients
+
+
+def _is_finite(cell: str) -> bool:
+    try:
+        return math.isfinite(float(cell))
+    except ValueError:
+        return False
