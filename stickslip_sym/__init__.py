@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stickslip_sym import criteria, laws, quadrature, symbols
     from stickslip_sym.automaton import Phase, Trajectory, simulate
+    from stickslip_sym.averages import SlopeAverage, slope_average
     from stickslip_sym.closed_form import ClosedForm, derive
     from stickslip_sym.derivation import Derivation, Step
     from stickslip_sym.errors import InputError, NoClosedForm, NotConverged, NoThreshold, StickSlipError
@@ -34,6 +35,7 @@ _HOME = {
     "load": "keeping", "save": "keeping",
     "Oscillator": "oscillator",
     "Status": "proving", "Verdict": "proving",
+    "SlopeAverage": "averages", "slope_average": "averages",
     "Phase": "automaton", "Trajectory": "automaton", "simulate": "automaton",
     "Threshold": "threshold", "pure_slip_damping": "threshold",
 }  # fmt: skip
@@ -41,8 +43,10 @@ _HOME = {
 __all__ = [  # noqa: RUF022  # modules first
     "criteria", "laws", "quadrature", "symbols",
     "ClosedForm", "Derivation", "FrictionLaw", "InputError", "NoClosedForm", "NoThreshold", "NotConverged",
-    "Oscillator", "Parameter", "Phase", "Status", "Step", "StickSlipCycle", "StickSlipError", "Threshold",
+    "Oscillator", "Parameter", "Phase", "SlopeAverage",
+    "Status", "Step", "StickSlipCycle", "StickSlipError", "Threshold",
     "Trajectory", "Verdict", "derive", "load", "peak_velocity", "pure_slip_damping", "save", "simulate",
+    "slope_average",
     "stick_slip_cycle",
 ]  # fmt: skip
 

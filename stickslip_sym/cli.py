@@ -9,6 +9,7 @@ import typer
 # Everything that needs SymPy is imported by the command that uses it: help must come at once.
 from stickslip_sym.cli_derive import derive
 from stickslip_sym.cli_laws import laws
+from stickslip_sym.cli_tradeoff import tradeoff
 from stickslip_sym.errors import InputError, StickSlipError
 
 app = typer.Typer(
@@ -29,6 +30,7 @@ def start(context: typer.Context) -> None:
 
 app.command()(laws)
 app.command()(derive)
+app.command()(tradeoff)
 
 
 def main() -> None:

@@ -6,11 +6,12 @@ from functools import cached_property
 from typing import Any
 
 import mpmath
-import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
 from stickslip_sym import printing, quadrature, symbols
+from stickslip_sym.arguments import OnInvalid, call, check_names, check_reach
+from stickslip_sym.code_text import c_code, python_code
 from stickslip_sym.criteria import Criterion, find
 from stickslip_sym.derivation import Derivation
 from stickslip_sym.errors import InputError, NoClosedForm, NotConverged
@@ -19,7 +20,7 @@ from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.integrals import Part, Progress, integrate_terms
 from stickslip_sym.proving import Status, Verdict
 from stickslip_sym.tidy import tidy
-from stickslip_sym.values import Number, exact, suggestion
+from stickslip_sym.values import Number, exact
 
 __all__ = ["ClosedForm", "derive", "verify"]
 
@@ -59,7 +60,7 @@ class ClosedForm:
         """What is established: the status of the derivation, and the gate's evidence."""
         return Verdict(self.derivation.status, f"{len(self.derivation.steps)} steps; {self.gate.evidence}")
 
-    @property
+    @cached_property
     def arguments(self) -> dict[str, Any]:
         """The symbols that a call takes by name: V, N, then the law's parameters."""
         parameters = {name: parameter.symbol for name, parameter in self.law.parameters.items()}
@@ -67,38 +68,48 @@ class ClosedForm:
 
     @cached_property
     def _function(self) -> StableFunction:
-        return StableFunction(self.expr, self.law.slope_expr, self.criterion, list(self.arguments.values()))
+        return StableFunction(
+            self.law.expr,
+            self.criterion,
+            list(self.arguments.values()),
+            lambda point: exact_value(self._uncancelled, self.law.slope_expr, point, 17),
+        )
 
-    def __call__(self, **values: ArrayLike) -> Any:
+    @cached_property
+    def _uncancelled(self) -> Any:
+        """The formula; the slope itself where it is the criterion, for there 1 - tanh^2 is still to be seen."""
+        if self.criterion.weight is None and self.expr.has(sp.tanh):
+            return -symbols.N * self.law.slope_expr.subs(symbols.v, symbols.V)
+        return self.expr
+
+    @cached_property
+    def _defaults(self) -> dict[str, float]:
+        return {name: float(value) for name, value in self.law.values.items()}
+
+    def __call__(self, *, on_invalid: OnInvalid = "raise", **values: ArrayLike) -> Any:
         """Return the damping coefficient in kg/s, broadcast over all arguments.
 
         Parameters
         ----------
+        on_invalid : {"raise", "nan"}
+            What becomes of an argument that is negative or infinite. NaN and masked entries stay what they are.
         **values : float or array_like
             V (m/s), N (N) and the law's parameters; those that the law has bound may be left out.
 
         Returns
         -------
-        float or numpy.ndarray
-            Relative rounding error at most 1e-13; at V = 0 the limit -N mu'(0+).
+        float, numpy.ndarray or numpy.ma.MaskedArray
+            In float64, with an error of a few units of eps N <|mu'|>; at V = 0 the limit -N mu'(0+).
 
         Raises
         ------
         InputError
-            For a missing, unknown, negative or non-finite argument.
+            For a missing, unknown, negative or infinite argument, or a result beyond the range of float64.
         """
-        given = {name: float(value) for name, value in self.law.values.items()} | values
-        self._check_names(given)
-        arrays = [self._column(name, given[name]) for name in self.arguments]
-        try:
-            columns = np.broadcast_arrays(*arrays)
-        except ValueError:
-            shapes = ", ".join(f"{name} {a.shape}" for name, a in zip(self.arguments, arrays, strict=True))
-            raise InputError(f"the shapes do not broadcast: {shapes}") from None
-        if columns[0].size:
-            self._require_reach(float(columns[0].max()))
-        result = self._function([column.ravel() for column in columns]).reshape(columns[0].shape)
-        return float(result) if result.ndim == 0 else result
+        given = self._defaults | values
+        check_names(self.arguments, given)
+        check_reach(self.law, self.criterion, given["V"])
+        return call(self._function, self.arguments, given, on_invalid)
 
     def evaluate(self, digits: int = 50, **values: Number) -> Any:
         """Return the damping coefficient in kg/s to any number of digits.
@@ -116,43 +127,31 @@ class ClosedForm:
         if not 1 <= digits <= 10_000:
             raise InputError(f"digits = {digits} is outside 1 to 10000")
         given = dict(self.law.values) | values
-        self._check_names(given)
+        check_names(self.arguments, given)
         point = {symbol: exact(given[name], name) for name, symbol in self.arguments.items()}
         for name, symbol in self.arguments.items():
             if symbol.is_nonnegative and point[symbol] < 0:
                 raise InputError(f"{name} = {float(point[symbol]):g} must not be negative")
-        self._require_reach(point[symbols.V])
-        return exact_value(self.expr, self.law.slope_expr, point, digits)
-
-    def _require_reach(self, speed: Any) -> None:
-        """Refuse a belt speed for which the criterion needs mu where it was not measured."""
-        self.law.require_speed(speed if self.criterion.weight is None else 2 * speed)
+        check_reach(self.law, self.criterion, point[symbols.V])
+        return exact_value(self._uncancelled, self.law.slope_expr, point, digits)
 
     def latex(self) -> str:
         """Return the criterion as a LaTeX equation, ``c = ...``."""
         return f"c = {printing.latex(self.expr)}"
 
-    def _check_names(self, given: dict[str, Any]) -> None:
-        for name in given:
-            if name not in self.arguments:
-                known = ", ".join(self.arguments)
-                hint = suggestion(name, self.arguments)
-                raise InputError(f"{name!r} is not an argument of this closed form{hint}; it takes: {known}")
-        missing = [name for name in self.arguments if name not in given]
-        if missing:
-            example = ", ".join(f"{name}=..." for name in missing)
-            raise InputError(f"no value for {', '.join(missing)}; give {example}")
+    def python(self) -> str:
+        """Return a self-contained NumPy module with a function ``damping(V, N, ...)``.
 
-    def _column(self, name: str, value: ArrayLike) -> Any:
-        try:
-            array = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise InputError(f"{name} = {value!r} is not a number or an array of numbers") from None
-        if not np.isfinite(array).all():
-            raise InputError(f"{name} holds a value that is not finite")
-        if self.arguments[name].is_nonnegative and (array < 0).any():
-            raise InputError(f"{name} = {array.min():g} must not be negative")
-        return array
+        It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
+        """
+        return python_code(self._function, repr(self))
+
+    def c(self) -> str:
+        """Return C99 with a function ``double damping(double V, double N, ...)`` that needs libm only.
+
+        It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
+        """
+        return c_code(self._function, repr(self))
 
     def _repr_latex_(self) -> str:
         return f"$\\displaystyle {self.latex()}$"

@@ -7,6 +7,7 @@ The one place that calls `lambdify`. It generates source text, so only symbols t
 from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
+import numpy as np
 import sympy as sp
 
 from stickslip_sym.special import lerch
@@ -21,7 +22,12 @@ def function_of(arguments: Sequence[Any], expr: Any, backend: Backend) -> Callab
 
     `expr` may be a list of expressions; common subexpressions are then computed once.
     """
-    modules = {"numpy": ["scipy", "numpy"], "math": ["math"], "mpmath": [{"Lerch": lerch}, "mpmath"]}[backend]
+    # SciPy's expm1 takes no extended precision, NumPy's does.
+    modules = {
+        "numpy": [{"expm1": np.expm1}, "scipy", "numpy"],
+        "math": ["math"],
+        "mpmath": [{"Lerch": lerch}, "mpmath"],
+    }[backend]
     compiled: Callable[..., Any] = sp.lambdify(
         list(arguments), expr, modules=modules, dummify=True, cse=isinstance(expr, list)
     )

@@ -1,145 +1,346 @@
-"""A closed form as a NumPy function that knows its own rounding error.
+"""A criterion as a fast function that is accurate everywhere.
 
-Beside each formula a first-order bound of its rounding error is generated from the expression
-(a running error analysis) and computed with it. A value is returned only where that bound is small:
-
-1. the closed form itself, good where its terms do not cancel;
-2. the expansion of the slope average around v = V, from the law's own derivatives, good for small V;
-3. arbitrary precision for what is left: slow, and always right.
+A law is split into terms, each an amplitude times a function F of one dimensionless speed r (`splitting`).
+F is computed by the branch that serves its r (`profile`). Where terms cancel, and for laws that cannot be
+split, the slope average is taken by Gauss rules with a bound of their rounding error (`gauss`). What that
+bound does not allow goes to arbitrary precision, one value at a time.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
-from stickslip_sym import symbols
-from stickslip_sym.bounds import largest_size, rounding_bound
+from stickslip_sym import gauss, symbols
+from stickslip_sym.branches import Branch
 from stickslip_sym.codegen import function_of
+from stickslip_sym.conditioned import conditioned, speed_scales, without_squares
 from stickslip_sym.criteria import Criterion
 from stickslip_sym.errors import InputError
 from stickslip_sym.exact import to_digits
+from stickslip_sym.pieces import places
+from stickslip_sym.products import largest_exponent, plain_product, scaled_product
+from stickslip_sym.profile import Profile, profile_of, slope_with_bound
+from stickslip_sym.splitting import Term, split
+from stickslip_sym.values import to_mpf
 
 __all__ = ["StableFunction", "exact_value"]
 
-ACCEPTED = 1e-13
-"""Relative rounding error up to which a float64 formula is used."""
+_EPSILON = float(np.finfo(np.float64).eps)
+_CANCELLED = 4.0  # the sizes of the terms over the size of their sum, from where the sum is taken otherwise
+_ALLOWED = 64.0  # bound of the rounding error of a Gauss average, in units; it is some five times too large
+_SLOPE_ALLOWED = 16.0  # the same, of the slope at one point
+_REALS = (np.float64, np.longdouble)  # where inputs nearly cancel, most processors have eleven bits to spare
+_SAFE = 900.0  # binary exponents that no product may pass, lest something overflows on the way
+_NOTHING = 2.0**-1073  # errors below are no more than the last bit of the smallest numbers
+_WORTH_A_TABLE = 64  # elements with one shape for which branches are found
 
-_MOST_TERMS = 12  # of the expansion
-_LARGEST_DERIVATIVE = 200  # operations of a derivative that is still used in it
-
-
-def expansion(slope: Any, criterion: Criterion) -> tuple[Any, Any] | None:
-    """Expand the slope average around v = V; return the sum and a bound of what it leaves out, or None.
-
-        c = -N sum_j mu^(2j+1)(V) V^2j <s^2j>_w / (2j)!
-
-    The bound is the next term with its derivative at the worst place in [0, 2V]. Only that sees a layer near
-    v = 0 that is too thin to show in the derivatives at V.
-    """
-    v, V, N = symbols.v, symbols.V, symbols.N
-    if slope.has(sp.Piecewise):
-        return None
-    derivative: Any = slope
-    terms: list[Any] = []
-    for j in range(_MOST_TERMS + 1):
-        moment = criterion.even_moment(j) / sp.factorial(2 * j)
-        if derivative == 0:
-            return sp.Add(*terms), sp.Integer(0)
-        if j == _MOST_TERMS or derivative.count_ops() > _LARGEST_DERIVATIVE:
-            worst = largest_size(derivative, v, 2 * V)
-            return None if worst.has(sp.oo) else (sp.Add(*terms), N * V ** (2 * j) * moment * worst)
-        terms.append(-N * derivative.subs(v, V) * V ** (2 * j) * moment)
-        derivative = sp.factor_terms(sp.diff(derivative, v, 2))
-    raise AssertionError("the loop returns")
+Exact = Callable[[Mapping[Any, Any]], Any]
+"""From the exact values of all arguments to the criterion, as a number."""
 
 
 def exact_value(expr: Any, slope: Any, point: Mapping[Any, Any], digits: int) -> Any:
     """Evaluate a closed form at exact values to `digits` digits; at V = 0 by its limit -N mu'(0+)."""
     if point[symbols.V] == 0:
-        expr = -symbols.N * sp.limit(slope, symbols.v, 0, "+")
+        at_rest = _slope_at_rest(slope)
+        if at_rest is None:
+            return -to_mpf(point[symbols.N]) * _numeric_slope_at_rest(slope, point)
+        expr = -symbols.N * at_rest
         if expr.is_infinite:
-            raise InputError("the slope of mu is infinite at v = 0, so the criterion has no value at V = 0")
-    return to_digits(expr, point, digits)
+            raise InputError(_INFINITE)
+    return to_digits(_uncancelled(expr), point, digits)
 
 
-@dataclass(frozen=True)
-class _Candidate:
-    """A formula compiled together with the bound of its error."""
+_INFINITE = "the slope of mu is infinite at v = 0, so the criterion has no value at V = 0"
 
-    function: Any
 
-    @classmethod
-    def compile(cls, arguments: Sequence[Any], formula: Any, error: Any, truncation: Any) -> "_Candidate":
-        epsilon = sp.Float(np.finfo(np.float64).eps)
-        return cls(function_of(arguments, [formula, epsilon * error + truncation], "numpy"))
+@lru_cache(maxsize=128)
+def _slope_at_rest(slope: Any) -> Any:
+    """Return the limit of a slope at v = 0+; None where SymPy finds none, as for exponents without a value."""
+    try:
+        return sp.limit(slope, symbols.v, 0, "+")
+    except (TypeError, ValueError, NotImplementedError):
+        return None
 
-    def __call__(self, columns: list[Any]) -> tuple[Any, Any]:
-        """Return the values, and where they are good."""
-        with np.errstate(all="ignore"):  # what overflows here is not accepted below
-            value, error = (np.broadcast_to(part, columns[0].shape) for part in self.function(*columns))
-            return value, np.isfinite(value) & (error <= ACCEPTED * np.abs(value))
+
+def _numeric_slope_at_rest(slope: Any, point: Mapping[Any, Any]) -> Any:
+    """Return the limit of a slope at v = 0+ from two speeds that are next to nothing."""
+    near, nearer = (to_digits(slope, {**point, symbols.v: sp.Rational(1, 10**k)}, 20) for k in (100, 200))
+    if abs(nearer) < abs(near) / 2:
+        return 0 * nearer
+    if abs(nearer - near) > abs(near) * 1e-12:
+        raise InputError(_INFINITE)
+    return nearer
+
+
+_uncancelled = lru_cache(maxsize=128)(without_squares)
+
+
+class _TermFunction:
+    """A term of a law, compiled."""
+
+    def __init__(self, term: Term, criterion: Criterion, arguments: Sequence[Any]) -> None:
+        self.term, self.criterion = term, criterion
+        self.number, self.size = float(term.number), float(term.size)
+        self.shapes = [arguments.index(symbol) for symbol in term.shapes]
+        bases = list(dict.fromkeys([symbols.V, symbols.N, *term.amplitude, *term.scale]))
+        self.base_exprs = bases
+        self.bases = [
+            arguments.index(base) if base.is_Symbol else function_of(arguments, base, "numpy") for base in bases
+        ]
+        self.amplitude = [float(term.amplitude.get(base, 0) + (base == symbols.N)) for base in bases]
+        self.ratio = [float((base == symbols.V) - term.scale.get(base, 0)) for base in bases]
+        self._profiles: dict[Any, Profile | None] = {}
+        self._asked: set[Any] = set()
+
+    def profile(self, shape: tuple[float, ...], count: int) -> Profile | None:
+        """Return the branches for values of the shape parameters; None if there are none, or not worth it."""
+        if shape not in self._profiles:
+            if shape and count < _WORTH_A_TABLE and shape not in self._asked:
+                self._asked.add(shape)
+                return None
+            exact = {symbol: sp.Rational(value) for symbol, value in zip(self.term.shapes, shape, strict=True)}
+            self._profiles[shape] = profile_of(self.term.mu.xreplace(exact), self.criterion)
+        return self._profiles[shape]
+
+    def __call__(self, values: list[Any]) -> Any:
+        """Evaluate at floats and at least one flat array, all of one length; NaN where no branch serves."""
+        count = next(value.size for value in values if not isinstance(value, float))
+        columns = [values[i] for i in self.shapes]
+        if all(isinstance(column, float) for column in columns):
+            return self._by_branches(values, self.profile(tuple(columns), count), count)
+        shapes = np.stack([np.broadcast_to(column, (count,)) for column in columns])
+        kinds, which = np.unique(shapes, axis=1, return_inverse=True)
+        result = np.full(count, np.nan)
+        if kinds.shape[1] * _WORTH_A_TABLE <= count:
+            for kind in range(kinds.shape[1]):
+                here = np.flatnonzero(which.ravel() == kind)
+                taken = [value if isinstance(value, float) else value[here] for value in values]
+                shape = tuple(float(x) for x in kinds[:, kind])
+                result[here] = self._by_branches(taken, self.profile(shape, here.size), here.size)
+        return result
+
+    def _by_branches(self, values: list[Any], profile: Profile | None, count: int) -> Any:
+        if profile is None:
+            return np.full(count, np.nan)
+        bases = [values[base] if isinstance(base, int) else base(*values) for base in self.bases]
+        reach = [largest_exponent(base) for base in bases]
+        most = max((abs(branch.power) for branch in profile.branches if branch is not None), default=0.0)
+        plain = (
+            sum(
+                r * (abs(a) + (1 + most) * abs(b))
+                for r, a, b in zip(reach, self.amplitude, self.ratio, strict=True)
+                if r
+            )
+            < _SAFE
+        )
+        ratio = [(base, e) for base, e in zip(bases, self.ratio, strict=True) if e]
+        if plain:
+            r = plain_product(1 / self.size, ratio)
+        else:
+            with np.errstate(invalid="ignore"):
+                r = scaled_product(1 / self.size, ratio, np.ones(count))
+        if isinstance(r, float):
+            r = np.full(count, r)
+        low, high = float(r.min()), float(r.max())
+        if not high < np.inf:
+            # One over a scale of 0, or V far beyond all scales.
+            finite = np.isfinite(r)
+            result = np.full(count, np.nan)
+            taken = [value if isinstance(value, float) else value[finite] for value in values]
+            if finite.any():
+                result[finite] = self._by_branches(taken, profile, int(finite.sum()))
+            return result
+        first, last = bisect_right(profile.starts, low) - 1, bisect_right(profile.starts, high) - 1
+        if first == last:
+            return self._branch(profile.branches[first], r, bases, plain)
+        result = np.empty(count)
+        ends = [*profile.starts[1:], np.inf]
+        for branch, start, end in zip(
+            profile.branches[first : last + 1], profile.starts[first:], ends[first:], strict=False
+        ):
+            here = np.flatnonzero((r >= start) & (r < end))
+            if here.size:
+                part = [base if isinstance(base, float) else base[here] for base in bases]
+                result[here] = self._branch(branch, r[here], part, plain)
+        return result
+
+    def _branch(self, branch: Branch | None, r: Any, bases: list[Any], plain: bool) -> Any:
+        if branch is None:
+            return np.full(r.shape, np.nan)
+        exponents = [a + branch.power * e for a, e in zip(self.amplitude, self.ratio, strict=True)]
+        factors = [(base, e) for base, e in zip(bases, exponents, strict=True) if e]
+        number = self.number * self.size**-branch.power
+        value = branch.array(r)
+        if not plain:
+            return scaled_product(number, factors, value)
+        value *= plain_product(number, factors)
+        return value
+
+    def single(self, values: list[float]) -> float:
+        """Evaluate at floats; NaN where no branch serves, or a product might overflow on the way."""
+        bases = [values[base] if isinstance(base, int) else float(base(*values)) for base in self.bases]
+        if not all(1e-60 < abs(base) < 1e60 for base in bases):
+            return float("nan")
+        profile = self.profile(tuple(values[i] for i in self.shapes), 1)
+        if profile is None:
+            return float("nan")
+        r = 1 / self.size
+        for base, exponent in zip(bases, self.ratio, strict=True):
+            if exponent:
+                r *= base**exponent
+        branch = profile.branches[bisect_right(profile.starts, r) - 1]
+        if branch is None:
+            return float("nan")
+        value: float = branch.scalar(r) * self.number * self.size**-branch.power
+        for base, a, e in zip(bases, self.amplitude, self.ratio, strict=True):
+            exponent = a + branch.power * e
+            if exponent:
+                value *= base**exponent
+        return value
 
 
 class StableFunction:
-    """A closed form over arrays.
+    """A criterion of a law over arrays.
 
     Parameters
     ----------
-    expr : sympy.Expr
-        The closed form.
-    slope : sympy.Expr
-        The slope of the law it came from, for small V.
+    mu : sympy.Expr
+        The law.
     criterion : Criterion
     arguments : sequence of Symbol
-        In the order of the columns that `__call__` takes.
+        V, N and the parameters, in the order in which values come.
+    exact : callable
+        The last resort.
     """
 
-    def __init__(self, expr: Any, slope: Any, criterion: Criterion, arguments: Sequence[Any]) -> None:
+    def __init__(self, mu: Any, criterion: Criterion, arguments: Sequence[Any], exact: Exact) -> None:
+        self.mu, self.criterion, self.exact = mu, criterion, exact
         self.arguments = list(arguments)
-        self.expr = expr
-        self.slope = slope
-        self._candidates = _candidates(self.arguments, expr)
-        expanded = expansion(slope, criterion) if criterion.weight is not None else None
-        if expanded is not None:
-            self._candidates += _candidates(self.arguments, *expanded)
 
-    def __call__(self, columns: Sequence[Any]) -> Any:
-        """Evaluate at flat float64 arrays of one length, one for each argument."""
-        result = np.full(columns[0].shape, np.nan)
-        open_ = np.arange(result.size)
-        for candidate in self._candidates:
-            value, good = candidate([column[open_] for column in columns])
-            result[open_[good]] = value[good]
-            open_ = open_[~good]
-            if not open_.size:
-                return result
-        for i in open_:
-            point = {a: sp.Rational(float(column[i])) for a, column in zip(self.arguments, columns, strict=True)}
-            result[i] = float(exact_value(self.expr, self.slope, point, 17))
-        if not np.isfinite(result).all():
-            raise InputError("the damping coefficient is beyond the range of float64; use evaluate(digits=...)")
+    @cached_property
+    def terms(self) -> list[_TermFunction] | None:
+        """The terms of the law; None where there are none to be had."""
+        if self.criterion.weight is None:
+            return None
+        terms = split(self.mu)
+        return None if terms is None else [_TermFunction(term, self.criterion, self.arguments) for term in terms]
+
+    def single(self, values: list[float]) -> float:
+        """Evaluate at one scene of finite floats."""
+        if self.terms is not None:
+            try:
+                parts = [term.single(values) for term in self.terms]
+            except ArithmeticError:
+                parts = [float("nan")]
+            total = float(sum(parts))
+            if sum(map(abs, parts)) <= _CANCELLED * abs(total) < np.inf or (len(parts) < 2 and total == total):
+                return total
+        return float(self.array([np.array([values[0]]), *values[1:]])[0])
+
+    def array(self, values: list[Any]) -> Any:
+        """Evaluate at finite floats and flat arrays of one length, at least one of them an array."""
+        count = next(value.size for value in values if not isinstance(value, float))
+        with np.errstate(all="ignore"):  # what overflows on the way is mended
+            result = np.full(count, np.nan) if self.terms is None else self._sum(values, count)
+        missing = np.flatnonzero(~np.isfinite(result))
+        if missing.size:
+            self._mend(result, missing, values)
         return result
 
+    def _sum(self, values: list[Any], count: int) -> Any:
+        assert self.terms is not None
+        if not self.terms:
+            return np.zeros(count)
+        total = self.terms[0](values)
+        if len(self.terms) == 1:
+            return total
+        sizes = np.abs(total)
+        for term in self.terms[1:]:
+            part = term(values)
+            total += part
+            sizes += np.abs(part, out=part)
+        total[sizes > _CANCELLED * np.abs(total)] = np.nan
+        return total
 
-_IN_NUMPY = (
-    sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.asinh, sp.acos, sp.atan,
-    sp.erf, sp.besseli, sp.besselj, sp.lowergamma, sp.gamma, sp.Abs, sp.Min, sp.Max, sp.Piecewise, sp.sign,
-)  # fmt: skip
-"""The functions that NumPy and SciPy have. A form with others is evaluated in arbitrary precision."""
+    def _mend(self, result: Any, missing: Any, values: list[Any]) -> None:
+        """Evaluate by other means what the terms did not give."""
+        columns = [
+            np.full(missing.size, value) if isinstance(value, float) else value[missing] for value in values
+        ]
+        found, good = self._slow(columns)
+        for i in np.flatnonzero(~good):
+            point = {
+                symbol: sp.Rational(float(column[i]))
+                for symbol, column in zip(self.arguments, columns, strict=True)
+            }
+            found[i] = float(self.exact(point))
+        if not np.isfinite(found).all():
+            raise InputError("the damping coefficient is beyond the range of float64; use evaluate(digits=...)")
+        result[missing] = found
 
+    def _slow(self, columns: list[Any]) -> tuple[Any, Any]:
+        """Return the criterion by its definition, and where it is good."""
+        speed, force = columns[:2]
+        with np.errstate(all="ignore"):
+            if self.criterion.weight is None:
+                return self._at_a_point(columns)
+            result, good = np.zeros_like(speed), np.zeros(speed.shape, dtype=bool)
+            for real in _REALS:
+                here = np.flatnonzero((speed > 0) & ~good)
+                if here.size:
+                    taken = [column[here].astype(real) for column in columns]
+                    value, error = self._average(taken[0], taken[2:])
+                    result[here] = -force[here] * value
+                    good[here] = (error <= _ALLOWED * _EPSILON) & np.isfinite(result[here])
+            return result, good
 
-def _candidates(arguments: Sequence[Any], formula: Any, truncation: Any = 0) -> list[_Candidate]:
-    """Compile a formula, if NumPy and SciPy have all its functions and its rounding error is known."""
-    try:
-        error = rounding_bound(formula)
-    except (sp.core.function.ArgumentIndexError, ValueError, TypeError):
-        return []  # no derivative with respect to the order of a special function
-    functions = (formula + error + truncation).atoms(
-        sp.Function, sp.Min, sp.Max, sp.meijerg, sp.Subs, sp.Derivative
-    )
-    if not all(isinstance(function, _IN_NUMPY) for function in functions):
-        return []
-    return [_Candidate.compile(arguments, formula, error, truncation)]
+    def _at_a_point(self, columns: list[Any]) -> tuple[Any, Any]:
+        """Return the criterion that is the slope at the belt speed, and where it is good."""
+        result, good = np.zeros_like(columns[0]), np.zeros(columns[0].shape, dtype=bool)
+        for real in _REALS:
+            here = np.flatnonzero(~good)
+            if here.size:
+                speed, force, *parameters = (column[here].astype(real) for column in columns)
+                value, bound = (np.broadcast_to(x, speed.shape) for x in self._slope(speed, *parameters))
+                bound = bound * np.finfo(real).eps
+                result[here] = -force * value
+                good[here] = (bound <= _SLOPE_ALLOWED * _EPSILON * np.abs(value)) | (bound * force < _NOTHING)
+                good[here] &= np.isfinite(result[here])
+        return result, good
+
+    def _average(self, speed: Any, parameters: list[Any]) -> tuple[Any, Any]:
+        """Average the slope by Gauss rules; return also the bound of its error relative to <|mu'|>."""
+        scale = self._scale(*parameters, speed)
+        kinks = [np.broadcast_to(kink, speed.shape) for kink in self._kinks(*parameters, speed)]
+        value, size, error = gauss.average(
+            self._slope, speed, parameters, self.criterion, scale=scale, kinks=kinks
+        )
+        return value, error / np.where(size > 0, size, 1)
+
+    @cached_property
+    def _slope(self) -> Callable[..., tuple[Any, Any]]:
+        return slope_with_bound(conditioned(sp.diff(self.mu, symbols.v)), [symbols.v, *self.arguments[2:]])
+
+    @cached_property
+    def _scale(self) -> Callable[..., Any]:
+        """The smallest scale of the law, no larger than the speed."""
+        scales = speed_scales(conditioned(sp.diff(self.mu, symbols.v)), symbols.v)
+        compiled = function_of(self.arguments[2:], scales, "numpy")
+
+        def smallest(*columns: Any) -> Any:
+            found = columns[-1]
+            for scale in compiled(*columns[:-1]):
+                scale = np.asarray(scale)
+                found = np.where(np.isfinite(scale) & (scale > 0), np.minimum(found, scale), found)
+            return found
+
+        return smallest
+
+    @cached_property
+    def _kinks(self) -> Callable[..., list[Any]]:
+        compiled = function_of(self.arguments[2:], places(self.mu), "numpy")
+        return lambda *columns: compiled(*columns[:-1])

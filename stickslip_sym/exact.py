@@ -1,5 +1,6 @@
 """Formulas at exact values, to any number of digits."""
 
+import math
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
@@ -15,13 +16,16 @@ __all__ = ["to_digits"]
 
 _GUARD = 15
 _MOST_DIGITS = 10_000  # of working precision, before a value counts as out of reach
+_LOST = 8  # powers of the largest or smallest input that may cancel
 
 
 def to_digits(expr: Any, point: Mapping[Any, Any], digits: int) -> Any:
     """Evaluate an expression at exact rational values to `digits` significant digits, whatever it cancels.
 
-    The working precision doubles until two results agree. A zero is believed only where an input, or a
-    difference of inputs, is exactly 0: everywhere else it is a sign that all digits cancelled.
+    The working precision doubles until two results agree. It starts beyond what powers of the inputs can
+    cancel: two results may agree and both miss a term like 1 - exp(-V) that has rounded to 0. A zero is
+    believed only where an input, or a difference of inputs, is exactly 0: everywhere else it is a sign that
+    all digits cancelled.
 
     Raises
     ------
@@ -34,7 +38,7 @@ def to_digits(expr: Any, point: Mapping[Any, Any], digits: int) -> Any:
     function, sums = _compiled(expr, arguments)
     values = [point[symbol] for symbol in arguments] + [node.xreplace(dict(point)) for node in sums]
     before = None
-    precision = digits + _GUARD
+    precision = digits + _GUARD + _LOST * max((_decades(value) for value in values), default=0)
     while precision <= _MOST_DIGITS:
         with mpmath.workdps(precision):
             result = _call(function, [to_mpf(value) for value in values], point)
@@ -46,6 +50,11 @@ def to_digits(expr: Any, point: Mapping[Any, Any], digits: int) -> Any:
         raise NotConverged(f"{digits} digits are out of reach of {_MOST_DIGITS} digits of working precision")
     with mpmath.workdps(digits):
         return +result
+
+
+def _decades(value: Any) -> int:
+    """Return the size of the decimal exponent of a rational."""
+    return int(abs(int(value.p).bit_length() - int(value.q).bit_length()) * math.log10(2)) if value else 0
 
 
 @lru_cache(maxsize=128)

@@ -16,10 +16,11 @@ LAYERS = [
     "parameters", "formula", "samples", "friction", "laws", "criteria", "quadrature",
     "normal_form", "theorems", "proving", "derivation",
     "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
-    "bounds", "exact", "evaluate", "closed_form",
+    "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",
+    "evaluate", "arguments", "dialects", "c_text", "python_text", "code_text", "closed_form", "averages",
     "trees", "keeping",
-    "oscillator", "slip", "automaton", "transit", "grazing", "threshold", "crosscheck",
-    "cli_reading", "cli_laws", "cli_derive", "cli",
+    "oscillator", "slip", "automaton", "transit", "grazing", "threshold", "crosscheck", "tradeoff",
+    "cli_reading", "cli_laws", "cli_derive", "cli_tradeoff", "cli",
 ]  # fmt: skip
 """The modules of the package in the order in which they may import: each only from those before it."""
 
@@ -88,6 +89,7 @@ def test_every_public_name_is_there_whatever_was_imported_before():
             "stick_slip_cycle",
             "peak_velocity",
             "pure_slip_damping",
+            "slope_average",
         ):
             assert callable(value), name
     assert set(ss.__all__) <= set(dir(ss))

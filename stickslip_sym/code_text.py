@@ -1,0 +1,133 @@
+"""A criterion as text in Python or C, with the branches of the fast function and no dependency on this package.
+
+What the fast function leaves to arbitrary precision, the text averages by Gauss rules like all that has no
+branch: there it is as accurate as the slope of mu in double precision.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+
+from stickslip_sym import c_text, python_text, symbols
+from stickslip_sym.branches import Closed, Formula, LogTail, Series, Table
+from stickslip_sym.conditioned import conditioned, speed_scales
+from stickslip_sym.dialects import Dialect, c99, numeric_list, python
+from stickslip_sym.errors import NoClosedForm
+from stickslip_sym.evaluate import StableFunction
+from stickslip_sym.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre
+from stickslip_sym.pieces import places
+
+__all__ = ["c_code", "python_code"]
+
+
+def python_code(function: StableFunction, title: str) -> str:
+    """Return a NumPy module with a function ``damping(V, N, ...)``."""
+    return _write(function, title, python, python_text)
+
+
+def c_code(function: StableFunction, title: str) -> str:
+    """Return C99 with a function ``double damping(double V, double N, ...)``; it needs libm only."""
+    return _write(function, title, c99, c_text)
+
+
+def _write(function: StableFunction, title: str, dialect: Dialect, language: Any) -> str:
+    names = {symbol: dialect.name(symbol) for symbol in function.arguments}
+    arguments = list(names.values())
+    terms = function.terms
+    if terms is None or any(term.shapes for term in terms):
+        terms = None
+    parts = [language.head(title, products=bool(terms))]
+    if terms is None or len(terms) > 1:
+        parts.append(_gauss(function, names, dialect, language))
+    for number, term in enumerate(terms or []):
+        profile = term.profile((), 1)
+        if profile is None or any(branch is None for branch in profile.branches):
+            raise NoClosedForm(
+                "a term of this law has no branches for all speeds, so it cannot be written as text"
+            )
+        bases = [dialect.text(base, names) for base in term.base_exprs]
+        branches = [
+            (
+                start,
+                *_branch(branch, dialect, language, f"_table_{number}"),
+                _product(term, branch.power, bases, language),
+            )
+            for start, branch in zip(profile.starts, profile.branches, strict=True)
+            if branch is not None
+        ]
+        ratio = language.product(repr(1 / term.size), _factors(bases, term.ratio), language.one)
+        parts.append(language.term(number, arguments, ratio, branches))
+    parts.append(
+        language.total([str(symbol) for symbol in names], arguments, None if terms is None else len(terms))
+    )
+    return "\n".join(part for part in parts if part)
+
+
+def _product(term: Any, power: float, bases: list[str], language: Any) -> str:
+    exponents = [a + power * e for a, e in zip(term.amplitude, term.ratio, strict=True)]
+    number = term.number * term.size**-power
+    return str(language.product(repr(number), _factors(bases, exponents), "g"))
+
+
+def _factors(bases: Sequence[str], exponents: Sequence[float]) -> list[tuple[str, float]]:
+    return [(base, e) for base, e in zip(bases, exponents, strict=True) if e]
+
+
+def _branch(branch: Any, dialect: Dialect, language: Any, table: str) -> tuple[str, str]:
+    """Return definitions that stand before the function, and the lines that compute g from r."""
+    V = symbols.V
+    if isinstance(branch, Series):
+        z = {1.0: "r", 2.0: "r*r", -1.0: "1.0/r", -2.0: "(1.0/r)*(1.0/r)", -0.5: f"1.0/{language.sqrt}(r)"}[
+            branch.variable
+        ]
+        if branch.shift or branch.stretch != 1:
+            z = f"({z} - {branch.shift!r})*{branch.stretch!r}"
+        g = _horner(branch.coefficients)
+        if branch.decay:
+            g = f"({g})*{language.exp}({-branch.decay!r}*r)"
+        return "", language.lines([("z", z), ("g", g)])
+    if isinstance(branch, Closed):
+        parts = []
+        for expr, coefficients, _, _ in branch.parts:
+            polynomial = _horner(coefficients)
+            parts.append(f"({polynomial})" + ("" if expr == 1 else f"*({dialect.text(expr, {V: 'z'})})"))
+        return "", language.lines([("z", "r"), ("g", "\n        + ".join(parts))])
+    if isinstance(branch, Formula):
+        return "", language.lines([("g", dialect.text(branch.expr, {V: "r"}))])
+    if isinstance(branch, LogTail):
+        tail = f" + {branch.slope!r}*{language.log}(r)" if branch.slope else ""
+        return "", language.lines([("g", f"{branch.constant!r}{tail} + 0.0*r")])
+    assert isinstance(branch, Table)
+    return language.table(table, branch.rows), language.lines([("g", language.look_up(table, branch.first))])
+
+
+def _horner(coefficients: Sequence[float]) -> str:
+    """Return a polynomial in z, nested."""
+    *rest, last = (repr(c) for c in coefficients)
+    text = last if rest else f"{last} + 0.0*z"
+    for coefficient in reversed(rest):
+        text = f"{coefficient} + z*({text})" if text != last else f"{coefficient} + z*{last}"
+    return text
+
+
+def _gauss(function: StableFunction, names: dict[Any, str], dialect: Dialect, language: Any) -> str:
+    """Return the slope, its scales and its kinks, and the adaptive average."""
+    arguments = list(names.values())
+    slope = conditioned(sp.diff(function.mu, symbols.v))
+    slope_text = dialect.text(slope, names | {symbols.v: "v"})
+    if function.criterion.weight is None:
+        return str(language.slope(arguments, slope_text) + language.at_a_point(arguments))
+    scales = [dialect.text(scale, names) for scale in speed_scales(slope, symbols.v)]
+    kinks = [dialect.text(place, names) for place in places(function.mu)]
+    m = sp.Symbol("m", positive=True)
+    weight = dialect.text(angle_weight(function.criterion, m), {m: "m"})
+    rules = [
+        (name, numeric_list(numbers, language.brackets))
+        for n, label in ((COARSE, "coarse"), (FINE, "fine"))
+        for name, numbers in zip((f"_{label}_nodes", f"_{label}_weights"), gauss_legendre(n), strict=True)
+    ]
+    return str(
+        language.slope(arguments, slope_text)
+        + language.average(arguments, scales, kinks, weight, rules, (COARSE, FINE), FIRST_PANEL)
+    )

@@ -1,0 +1,88 @@
+"""How C and Python write the same formulas."""
+
+import keyword
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+from sympy.printing.c import C99CodePrinter
+from sympy.printing.numpy import NumPyPrinter
+
+__all__ = ["Dialect", "c99", "numeric_list", "python"]
+
+_C_WORDS = frozenset(
+    {
+        "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum",
+        "extern", "float", "for", "goto", "if", "inline", "int", "long", "main", "register", "restrict",
+        "return", "short", "signed", "sizeof", "static", "struct", "switch", "typedef", "union",
+        "unsigned", "void", "volatile", "while",
+    }
+)  # fmt: skip
+
+
+_LOCALS = frozenset(
+    {
+        "a", "angle", "b", "base", "cancelled", "carry", "coarse", "columns", "count", "depth", "ends",
+        "exponent", "factors", "fine", "first", "g", "half_pi", "here", "i", "j", "m", "mantissa",
+        "math", "middle", "np", "off", "panels", "part", "parts", "place", "power", "r", "ratio", "rest",
+        "result", "row", "scale", "scales", "shape", "shift", "sine", "size", "sum", "sum_", "swap", "t",
+        "total", "try_", "upper", "v", "value", "w", "whole", "x", "z",
+    }
+)  # fmt: skip
+"""Names that the functions inside the text use for themselves."""
+
+
+class _C(C99CodePrinter):  # type: ignore[misc]  # SymPy is untyped
+    def _print_Float(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    def _print_Rational(self, expr: Any) -> str:
+        return f"({float(expr)!r})"
+
+    def _print_NumberSymbol(self, expr: Any) -> str:
+        return repr(float(expr))
+
+
+class _Python(NumPyPrinter):  # type: ignore[misc]  # SymPy is untyped
+    def _print_erf(self, expr: Any) -> str:
+        return f"_erf({self._print(expr.args[0])})"
+
+    def _print_Exp1(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    def _print_Pi(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    def doprint(self, expr: Any, assign_to: Any = None) -> str:
+        return str(super().doprint(expr, assign_to)).replace("numpy.", "np.")
+
+
+class Dialect:
+    """One language: how it prints an expression, and which names it keeps for itself."""
+
+    def __init__(self, printer: Any, words: frozenset[str]) -> None:
+        self._printer, self._words = printer, words
+
+    def name(self, symbol: Any) -> str:
+        """Return the name of an argument, with an underscore after a word of the language."""
+        text = str(symbol)
+        return f"{text}_" if text in self._words else text
+
+    def text(self, expr: Any, names: Mapping[Any, str]) -> str:
+        """Return an expression in this language."""
+        renamed = {symbol: sp.Symbol(name, positive=True) for symbol, name in names.items()}
+        return str(self._printer.doprint(sp.sympify(expr).xreplace(renamed)))
+
+
+def numeric_list(values: Any, brackets: str, indent: str = "    ") -> str:
+    """Return numbers as the text of a list, a few on each line, exact when read back."""
+    numbers = [repr(float(value)) for value in values]
+    lines = [", ".join(numbers[i : i + 4]) for i in range(0, len(numbers), 4)]
+    return brackets[0] + f",\n{indent}".join(lines) + brackets[1]
+
+
+c99 = Dialect(_C(), _C_WORDS | _LOCALS)
+python = Dialect(
+    _Python({"fully_qualified_modules": True, "allow_unknown_functions": True}),
+    frozenset(keyword.kwlist) | _LOCALS,
+)

@@ -1,0 +1,75 @@
+"""Products of powers of floats that over- or underflow only where their value does."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+__all__ = ["largest_exponent", "plain_product", "scaled_product"]
+
+_MOST_FACTORS = 8
+_LARGEST = 4000  # binary exponents beyond this are clipped: the value is 0 or infinite
+
+
+def largest_exponent(value: Any) -> float:
+    """Return the largest size of the binary exponent of a float or of an array's elements; infinite for a 0."""
+    low, high = (value, value) if isinstance(value, float) else (float(value.min()), float(value.max()))
+    if low < 0:
+        low, high = (-high, -low) if high < 0 else (0.0, high)
+    if not (low > 0 and high < math.inf):
+        return math.inf
+    return max(abs(math.log2(low)), abs(math.log2(high)))
+
+
+def plain_product(number: float, factors: Sequence[tuple[Any, float]]) -> Any:
+    """Multiply powers of floats and arrays; first all floats, then the arrays."""
+    arrays = []
+    for value, exponent in factors:
+        if isinstance(value, float):
+            number *= _power(value, exponent)
+        else:
+            arrays.append((value, exponent))
+    result: Any = number
+    denominator: Any = None
+    for value, exponent in arrays:
+        if exponent > 0:
+            result = result * _power(value, exponent)
+        else:
+            power = _power(value, -exponent)
+            denominator = power if denominator is None else denominator * power
+    return result if denominator is None else result / denominator
+
+
+def _power(value: Any, exponent: float) -> Any:
+    """Raise to a power, whole ones by multiplication: that is faster than pow."""
+    if exponent < 0:
+        return 1 / _power(value, -exponent)
+    if exponent != int(exponent) or exponent > _MOST_FACTORS:
+        return value**exponent
+    result: Any = None
+    for _ in range(int(exponent)):
+        result = value if result is None else result * value
+    return result
+
+
+def scaled_product(number: float, factors: Sequence[tuple[Any, float]], rest: Any) -> Any:
+    """Multiply a number, powers of arrays, and an array, with mantissas and exponents apart.
+
+    An element is NaN where 0 is raised to a negative power.
+    """
+    mantissa, binary = np.frexp(number * np.asarray(rest))
+    binary = binary.astype(np.float64)
+    for value, exponent in factors:
+        if exponent == 0:
+            continue
+        part, shift = np.frexp(np.asarray(value))
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            power = np.where(
+                part == 0, 0.0 if exponent > 0 else np.nan, np.sign(part) ** exponent * np.abs(part) ** exponent
+            )
+        whole = np.floor(shift * exponent)
+        mantissa, carry = np.frexp(mantissa * power * np.exp2(shift * exponent - whole))
+        binary = binary + whole + carry
+    with np.errstate(over="ignore", under="ignore"):
+        return np.ldexp(mantissa, np.clip(binary, -_LARGEST, _LARGEST).astype(np.int64).astype(np.int32))

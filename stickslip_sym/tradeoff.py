@@ -1,0 +1,200 @@
+"""Speed against accuracy, measured: every way to the number, its time for one value and its error."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import sympy as sp
+
+from stickslip_sym import gauss, symbols
+from stickslip_sym.closed_form import ClosedForm
+from stickslip_sym.codegen import function_of
+from stickslip_sym.conditioned import conditioned
+from stickslip_sym.errors import InputError, StickSlipError
+from stickslip_sym.tables import duration, table
+from stickslip_sym.values import Number, exact
+
+__all__ = ["Way", "plot", "report", "tradeoff"]
+
+GAUSS_NODES = (2, 4, 8, 16, 32)
+DIGITS = (15, 30, 50)
+_REFERENCE_DIGITS = 70
+_ARRAY = 100_000  # elements over which the time of an array function is averaged
+_SHORTEST = 0.02  # seconds that a measurement takes at least, all repetitions together
+
+
+@dataclass(frozen=True)
+class Way:
+    """One way to the number.
+
+    Attributes
+    ----------
+    name : str
+    seconds : float
+        For one value; in a large array where the way takes arrays.
+    error : float
+        Relative to a value of 70 digits; NaN where the way gives no number.
+    """
+
+    name: str
+    seconds: float
+    error: float
+
+
+def tradeoff(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:
+    """Measure the ways to a criterion in one scene.
+
+    Parameters
+    ----------
+    form : ClosedForm
+        Of a law with all parameters bound.
+    scene : mapping
+        V in m/s and N in N.
+
+    Returns
+    -------
+    list of Way
+        Plain ``lambdify`` of the formula, the stable function, a Gauss rule with n nodes,
+        ``scipy.integrate.quad``, and mpmath at 15, 30 and 50 digits.
+
+    Raises
+    ------
+    InputError
+        For an unbound law or unusable numbers, or where the criterion is 0.
+    """
+    values = {name: exact(scene[name], name) for name in ("V", "N")}
+    if form.law.missing:
+        raise InputError(f"the law has no value for {', '.join(form.law.missing)}; bind it first")
+    right = form.evaluate(_REFERENCE_DIGITS, **values)
+    if right == 0:
+        raise InputError("the criterion is 0 in this scene: nothing has a relative error")
+    numbers: dict[str, Any] = {name: float(value) for name, value in (values | dict(form.law.values)).items()}
+    # Floats are what every way gets, so that none is blamed for the rounding of the input.
+    right = form.evaluate(_REFERENCE_DIGITS, **numbers)
+
+    def way(name: str, compute: Callable[[], Any], count: int = 1) -> Way:
+        with np.errstate(all="ignore"):
+            try:
+                result = compute()
+            except (ArithmeticError, StickSlipError):
+                return Way(name, float("nan"), float("nan"))
+            seconds = _time(compute) / count
+        value = mpmath.mpf(float(np.ravel(result)[0])) if count > 1 or isinstance(result, float) else result
+        with mpmath.workdps(_REFERENCE_DIGITS):
+            error = abs(value - right) / abs(right)
+        return Way(name, seconds, float(error))
+
+    many: dict[str, Any] = {
+        name: np.full(_ARRAY, value) if name == "V" else value for name, value in numbers.items()
+    }
+    plain = function_of(list(form.arguments.values()), form.expr, "numpy")
+    ordered = [many[name] for name in form.arguments]
+    ways = [
+        way("plain lambdify, array", lambda: plain(*ordered), _ARRAY),
+        way("stable function, array", lambda: form(**many), _ARRAY),
+        way("stable function, one value", lambda: form(**numbers)),
+    ]
+    if form.criterion.weight is not None:
+        slope = function_of([symbols.v], form.law.substitute(conditioned(form.law.slope_expr)), "numpy")
+        ways += [way(f"Gauss rule, {n} nodes", _gauss_rule(form, slope, numbers, n)) for n in GAUSS_NODES]
+        ways.append(way("scipy.integrate.quad", _quad(form, slope, numbers)))
+    for digits in DIGITS:
+        ways.append(way(f"mpmath, {digits} digits", partial(form.evaluate, digits, **numbers)))
+    return ways
+
+
+def _time(compute: Callable[[], Any]) -> float:
+    """Return the shortest of several times."""
+    times: list[float] = []
+    total = 0.0
+    while total < _SHORTEST or len(times) < 3:
+        start = time.perf_counter()
+        compute()
+        times.append(time.perf_counter() - start)
+        total += times[-1]
+    return min(times)
+
+
+def _integrand(form: ClosedForm, slope: Any, numbers: Mapping[str, float]) -> Callable[[Any], Any]:
+    m = sp.Dummy("m", positive=True)
+    weight = function_of([m], gauss.angle_weight(form.criterion, m), "numpy")
+    V, N = numbers["V"], numbers["N"]
+
+    def integrand(angle: Any) -> Any:
+        sine = np.sin(angle)
+        return -N * weight((2 * sine * np.cos(angle)) ** 2) * slope(2 * V * sine * sine)
+
+    return integrand
+
+
+def _gauss_rule(form: ClosedForm, slope: Any, numbers: Mapping[str, float], n: int) -> Callable[[], float]:
+    integrand = _integrand(form, slope, numbers)
+    x, w = gauss.gauss_legendre(n)
+    angles, weights = (1 + x) * np.pi / 4, w * np.pi / 4
+    return lambda: float((weights * integrand(angles)).sum())
+
+
+def _quad(form: ClosedForm, slope: Any, numbers: Mapping[str, float]) -> Callable[[], float]:
+    from scipy.integrate import quad
+
+    integrand = _integrand(form, slope, numbers)
+    return lambda: float(quad(integrand, 0, np.pi / 2, epsabs=0, epsrel=1e-13, full_output=1)[0])
+
+
+def report(ways: list[Way]) -> str:
+    """Return the ways as a table."""
+    rows = [
+        [way.name, duration(way.seconds) if way.seconds == way.seconds else "no number", f"{way.error:.1e}"]
+        for way in ways
+    ]
+    return table(["way", "time a value", "relative error"], rows)
+
+
+def plot(ways: list[Way], file: Path, title: str) -> None:
+    """Draw error against time.
+
+    Raises
+    ------
+    InputError
+        If matplotlib is not installed, or does not know the file's format.
+    """
+    try:
+        from matplotlib import rc_context
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
+    figure = Figure(figsize=(7.2, 4.4), layout="constrained")
+    axes = figure.add_subplot()
+    least = 1e-51
+    for way in ways:
+        if way.seconds == way.seconds:
+            family = way.name.split(",")[0]
+            place = way.seconds, max(way.error, least)
+            (marker,) = axes.plot(*place, "o", color=_COLORS.get(family, "0.4"))
+            axes.annotate(
+                way.name, place, xytext=(6, 3), textcoords="offset points", fontsize=8,
+                color=marker.get_color(),
+            )  # fmt: skip
+    axes.set(xscale="log", yscale="log", xlabel="time for one value (s)", ylabel="relative error", title=title)
+    left, right = axes.get_xlim()
+    axes.set_xlim(left, right * 8)
+    axes.axhline(2.0**-52, color="0.8", zorder=0)
+    axes.grid(alpha=0.25)
+    try:
+        with rc_context({"svg.fonttype": "none"}):
+            figure.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else None)
+    except ValueError as error:
+        raise InputError(f"cannot draw to {file.name}: {error}") from None
+
+
+_COLORS = {
+    "plain lambdify": "tab:red",
+    "stable function": "tab:green",
+    "Gauss rule": "tab:blue",
+    "mpmath": "tab:purple",
+}

@@ -1,0 +1,63 @@
+"""Speed against accuracy: every way is there, and its error is what is known of it."""
+
+import subprocess
+import sys
+
+import pytest
+
+import stickslip_sym as ss
+from stickslip_sym import tradeoff
+
+DOUBLE = 4 * 2.0**-52
+
+
+@pytest.fixture(scope="module")
+def ways():
+    form = ss.derive(ss.laws.exponential.typical())
+    return {way.name: way for way in tradeoff.tradeoff(form, {"V": "0.001", "N": "9.81"})}
+
+
+def test_errors_are_what_they_should_be(ways):
+    assert ways["plain lambdify, array"].error > 1e-8  # (17) cancels four orders here
+    assert ways["stable function, array"].error < DOUBLE
+    assert ways["stable function, one value"].error < DOUBLE
+    assert ways["Gauss rule, 2 nodes"].error > 1e-3
+    assert ways["Gauss rule, 32 nodes"].error < DOUBLE
+    assert ways["scipy.integrate.quad"].error < 4 * DOUBLE
+    for digits in tradeoff.DIGITS:
+        assert ways[f"mpmath, {digits} digits"].error < 10.0 ** (1 - digits)
+
+
+def test_times_are_measured(ways):
+    assert all(way.seconds > 0 for way in ways.values())
+    assert ways["stable function, array"].seconds < ways["stable function, one value"].seconds
+
+
+def test_refusals():
+    with pytest.raises(ss.InputError, match="no value for mu_s, mu_m, alpha"):
+        tradeoff.tradeoff(ss.derive(ss.laws.exponential), {"V": "1", "N": "1"})
+    with pytest.raises(ss.InputError, match="the criterion is 0"):
+        tradeoff.tradeoff(ss.derive(ss.laws.exponential.typical(mu_s="0.2")), {"V": "1", "N": "1"})
+
+
+def test_picture(ways, tmp_path):
+    pytest.importorskip("matplotlib")
+    tradeoff.plot(list(ways.values()), tmp_path / "trade.svg", "title")
+    assert "mpmath, 50 digits" in (tmp_path / "trade.svg").read_text()
+    with pytest.raises(ss.InputError, match=r"cannot draw to trade\.xyz"):
+        tradeoff.plot(list(ways.values()), tmp_path / "trade.xyz", "title")
+
+
+def test_command():
+    command = [
+        sys.executable,
+        "-c",
+        "from stickslip_sym.cli import main; main()",
+        "tradeoff",
+        "hyperbolic",
+        "-V",
+        "0.1",
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "stable function, one value" in done.stdout
