@@ -21,6 +21,8 @@ CHAPTERS = {
     "exponential_law": "d5_exponential_law",
     "polynomial_law": "d6_polynomial_law",
     "units": "d7_units",
+    "second_order": "d8_second_order",
+    "hopf": "d9_hopf",
 }
 """Name of a chapter to the module that holds it, in reading order."""
 

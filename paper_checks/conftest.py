@@ -21,14 +21,13 @@ class Finding:
     evidence: str
 
 
-FINDINGS = pytest.StashKey[dict[str, Finding]]()
+FINDING = "finding"
 
 Find = Callable[..., None]
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make room for the findings, and declare the marker that ties a test to its claim."""
-    config.stash[FINDINGS] = {}
+    """Declare the marker that ties a test to its claim."""
     config.addinivalue_line("markers", "claim(id): the claim of the paper that this test checks")
 
 
@@ -40,7 +39,6 @@ def find(request: pytest.FixtureRequest) -> Find:
     the check computed.
     """
     claim = claim_of(request.node)
-    findings = request.config.stash[FINDINGS]
 
     def record(*, ours: str, evidence: str, reproduced: bool, qualified: bool = False) -> None:
         outcome = Outcome.NOT_REPRODUCED
@@ -48,7 +46,8 @@ def find(request: pytest.FixtureRequest) -> Find:
             outcome = Outcome.REPRODUCED
         elif qualified:
             outcome = Outcome.QUALIFIED
-        findings[claim.id] = Finding(claim, ours, outcome, evidence)
+        # With the report, it also reaches the process that prints the table when tests run in several.
+        request.node.user_properties.append((FINDING, (claim.id, ours, outcome.value, evidence)))
         expected = claim.outcome.value
         assert outcome is claim.outcome, f"{claim.id} is {outcome.value}, on record: {expected}\n{evidence}"
 
@@ -64,13 +63,20 @@ def claim_of(node: Any) -> Claim:
 def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     """Fail a check that ends without a finding."""
     yield
-    if item.get_closest_marker("claim") and claim_of(item).id not in item.config.stash[FINDINGS]:
+    if item.get_closest_marker("claim") and not any(name == FINDING for name, _ in item.user_properties):
         pytest.fail(f"the check of {claim_of(item).id} ended without a finding")
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Print the table of verdicts."""
-    findings = sorted(config.stash[FINDINGS].values(), key=lambda finding: list(CLAIMS).index(finding.claim.id))
+    reports = [report for some in terminalreporter.stats.values() for report in some if hasattr(report, "when")]
+    found = {
+        value[0]: Finding(CLAIMS[value[0]], value[1], Outcome(value[2]), value[3])
+        for report in reports
+        for name, value in report.user_properties
+        if name == FINDING
+    }
+    findings = [found[claim] for claim in CLAIMS if claim in found]
     if not findings:
         return
     terminalreporter.section("claims of the paper")

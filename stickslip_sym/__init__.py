@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from stickslip_sym.automaton import Phase, Trajectory, simulate
     from stickslip_sym.averages import SlopeAverage, slope_average
     from stickslip_sym.closed_form import ClosedForm, derive
+    from stickslip_sym.cycles import LimitCycle, limit_cycles
     from stickslip_sym.derivation import Derivation, Step
     from stickslip_sym.errors import InputError, NoClosedForm, NotConverged, NoThreshold, StickSlipError
     from stickslip_sym.friction import FrictionLaw, Parameter
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from stickslip_sym.proving import Status, Verdict
     from stickslip_sym.threshold import Threshold, pure_slip_damping
     from stickslip_sym.transit import StickSlipCycle, peak_velocity, stick_slip_cycle
+    from stickslip_sym.transition import TransitionSpeed, transition_speed
 
 __version__ = "0.1.0"
 
@@ -37,17 +39,18 @@ _HOME = {
     "Status": "proving", "Verdict": "proving",
     "SlopeAverage": "averages", "slope_average": "averages",
     "Phase": "automaton", "Trajectory": "automaton", "simulate": "automaton",
+    "LimitCycle": "cycles", "limit_cycles": "cycles",
     "Threshold": "threshold", "pure_slip_damping": "threshold",
+    "TransitionSpeed": "transition", "transition_speed": "transition",
 }  # fmt: skip
 
 __all__ = [  # noqa: RUF022  # modules first
     "criteria", "laws", "quadrature", "symbols",
-    "ClosedForm", "Derivation", "FrictionLaw", "InputError", "NoClosedForm", "NoThreshold", "NotConverged",
-    "Oscillator", "Parameter", "Phase", "SlopeAverage",
-    "Status", "Step", "StickSlipCycle", "StickSlipError", "Threshold",
-    "Trajectory", "Verdict", "derive", "load", "peak_velocity", "pure_slip_damping", "save", "simulate",
-    "slope_average",
-    "stick_slip_cycle",
+    "ClosedForm", "Derivation", "FrictionLaw", "InputError", "LimitCycle", "NoClosedForm", "NoThreshold",
+    "NotConverged", "Oscillator", "Parameter", "Phase", "SlopeAverage", "Status", "Step", "StickSlipCycle",
+    "StickSlipError", "Threshold", "Trajectory", "TransitionSpeed", "Verdict", "derive", "limit_cycles", "load",
+    "peak_velocity", "pure_slip_damping", "save", "simulate", "slope_average", "stick_slip_cycle",
+    "transition_speed",
 ]  # fmt: skip
 
 

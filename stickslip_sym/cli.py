@@ -7,6 +7,7 @@ import sys
 import typer
 
 # Everything that needs SymPy is imported by the command that uses it: help must come at once.
+from stickslip_sym.cli_damping import damping
 from stickslip_sym.cli_derive import derive
 from stickslip_sym.cli_laws import laws
 from stickslip_sym.cli_tradeoff import tradeoff
@@ -30,6 +31,7 @@ def start(context: typer.Context) -> None:
 
 app.command()(laws)
 app.command()(derive)
+app.command()(damping)
 app.command()(tradeoff)
 
 

@@ -1,17 +1,42 @@
-"""`pure_slip_damping`: the damping that separates stick-slip from slip, by formula or by simulation."""
+"""`pure_slip_damping`: the damping that separates stick-slip from slip, by the cheapest method good enough.
+
+The ladder has six rungs: equilibrium, least_squares, harmonic, second_order, orbit, simulation. The first three
+are averages of the slope of mu. The error of a rung is its difference from a higher one.
+"""
 
 from dataclasses import dataclass
+from typing import Any
 
-from stickslip_sym.closed_form import derive
-from stickslip_sym.errors import InputError
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip_sym import symbols
+from stickslip_sym.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.grazing import grazing_damping
-from stickslip_sym.oscillator import Oscillator
+from stickslip_sym.orbit import obstacle
+from stickslip_sym.oscillator import check_rtol, real
+from stickslip_sym.rungs import (
+    AVERAGES,
+    Scenes,
+    average,
+    numerical_averages,
+    on_orbit,
+    second_order,
+    simulated,
+)
 from stickslip_sym.values import lookup
 
 __all__ = ["METHODS", "Threshold", "pure_slip_damping"]
 
-METHODS = ("equilibrium", "least_squares", "harmonic", "simulation")
+LADDER = (*AVERAGES, "second_order", "orbit", "simulation")
+METHODS = (*LADDER, "auto")
+_ROUNDING = 1e-14
+_REACHABLE = 1e-9  # an orbit's error that is rounding where thresholds are near 0, and not refused
+_REFERENCE = 1e-10  # error of the best value, from which the error of others is told
+_GOOD = 1e-8  # of that error, what need not be improved by simulation
+_LOOSEST = 1e-7  # of a simulation: what it costs hardly depends on it, and stiff motions get lost in rounding
+_TIGHTER = (0.1, 1e-3, 1e-5)  # tolerances of simulation over rtol, until the error is at most that
+_NAME = "<U13"
 
 
 @dataclass(frozen=True)
@@ -20,18 +45,22 @@ class Threshold:
 
     Attributes
     ----------
-    value : float
-        In kg/s.
-    method : str
-    error : float or None
+    value : float or numpy.ndarray
+        In kg/s. A negative value says that only a mass that is fed energy sticks and slips.
+    method : str or numpy.ndarray of str
+    error : float, numpy.ndarray or None
         Estimated error against the exact threshold, relative; None where nothing is known of it.
     """
 
-    value: float
-    method: str
-    error: float | None
+    value: Any
+    method: Any
+    error: Any
 
     def __str__(self) -> str:
+        if np.ndim(self.value):
+            return (
+                f"{np.size(self.value)} thresholds from {np.min(self.value):.6g} to {np.max(self.value):.6g} kg/s"
+            )
         accuracy = "unknown" if self.error is None else f"{self.error:.0e}"
         return f"{self.value:.10g} kg/s ({self.method}, relative error {accuracy})"
 
@@ -39,12 +68,12 @@ class Threshold:
 def pure_slip_damping(
     law: FrictionLaw,
     *,
-    V: float,
-    N: float,
-    m: float | None = None,
-    k: float | None = None,
-    method: str,
-    rtol: float = 1e-10,
+    V: ArrayLike,
+    N: ArrayLike,
+    m: ArrayLike | None = None,
+    k: ArrayLike | None = None,
+    method: str = "auto",
+    rtol: float = 1e-3,
 ) -> Threshold:
     """Return the pure-slip damping coefficient of a law in a scene.
 
@@ -52,27 +81,181 @@ def pure_slip_damping(
     ----------
     law : FrictionLaw
         With all parameters bound.
-    V, N : float
-        Belt speed in m/s and normal force in N.
-    m, k : float, optional
-        Mass in kg and stiffness in N/m; only "simulation" needs them.
-    method : {"equilibrium", "least_squares", "harmonic", "simulation"}
-        A criterion in closed form, or the root in c of the lowest slip speed that the orbit from P
-        comes down to: the orbit that grazes the belt's speed.
+    V, N : float or array_like
+        Belt speed in m/s and normal force in N. All four quantities broadcast.
+    m, k : float or array_like, optional
+        Mass in kg and stiffness in N/m. Without them the error of an average of slopes is not known, unless
+        mu is a straight line, which all methods treat exactly.
+    method : {"auto", "equilibrium", "least_squares", "harmonic", "second_order", "orbit", "simulation"}
+        "auto" gives the cheapest rung whose error is known to be at most `rtol`, and climbs no further than is
+        needed to know it. Without m and k it gives "harmonic", the limit of weak friction.
     rtol : float
-        Relative tolerance of "simulation".
+        Relative error that is good enough, 1e-13 to 1; for "simulation" by name at most 1e-3.
+
+    Returns
+    -------
+    Threshold
+        Of arrays, where an argument is one; each scene has its own method then.
 
     Raises
     ------
     InputError
-        For an unknown method, or numbers that are missing or unusable.
+        For an unknown method, numbers that are missing or unusable, or a law that is not smooth, with "orbit"
+        or "second_order".
     NoThreshold
-        If the orbit from P never returns, for any c >= 0.
+        By simulation, if the orbit from P never returns for any c >= 0.
+    NotConverged
+        If the error is above `rtol` on the highest rung.
     """
     lookup("method", method, dict.fromkeys(METHODS))
-    if method != "simulation":
-        return Threshold(derive(law, method)(V=V, N=N), method, None)
-    if m is None or k is None:
-        raise InputError('method="simulation" needs the mass m and the stiffness k')
-    value, error = grazing_damping(law, Oscillator(m=m, k=k, V=V, N=N), rtol=rtol)
-    return Threshold(value, method, error)
+    if method == "simulation":
+        check_rtol(rtol)
+    elif not 1e-13 <= real("rtol", rtol) <= 1:
+        raise InputError(f"rtol = {rtol:g} is outside 1e-13 to 1")
+    scenes = Scenes.of(law, V=V, N=N, m=m, k=k)
+    if scenes.m is None and method in ("second_order", "orbit", "simulation"):
+        raise InputError(f'method="{method}" needs the mass m and the stiffness k')
+    law.function("numpy")  # refuses a law with parameters that have no value
+    if scenes.m is None:
+        value, names, error = _without_oscillator(scenes, method)
+    elif method == "auto":
+        value, names, error = _climb(scenes, rtol)
+    else:
+        names = np.full(len(scenes), method)
+        value, error = _named(scenes, method, rtol)
+    if scenes.shape != ():
+        columns = (column if column is None else column.reshape(scenes.shape) for column in (value, names, error))
+        return Threshold(*columns)
+    known = error is not None and np.isfinite(error[0])
+    return Threshold(float(value[0]), str(names[0]), float(error[0]) if known else None)
+
+
+def _without_oscillator(scenes: Scenes, method: str) -> tuple[Any, Any, Any]:
+    """Return what can be said without m and k."""
+    reason = obstacle(scenes.law, scenes.V)
+    straight = reason is None and not scenes.law.slope_expr.has(symbols.v)
+    if method == "auto":
+        method = "equilibrium" if straight else "harmonic"
+        value = numerical_averages(scenes)[method] if reason is None else average(scenes, method)
+    else:
+        value = average(scenes, method)
+    names = np.full(len(scenes), method)
+    return value, names, np.full(len(scenes), _ROUNDING) if straight else None
+
+
+def _named(scenes: Scenes, method: str, rtol: float) -> tuple[Any, Any]:
+    """Return the value of one rung, and its error."""
+    if method == "simulation":
+        return simulated(scenes, rtol)
+    reason = obstacle(scenes.law, scenes.V)
+    if method in AVERAGES:
+        value, resolution = average(scenes, method), 0.0
+    elif reason is not None:
+        raise InputError(f'method="{method}" needs a law that is smooth: {reason}; try method="simulation"')
+    elif method == "second_order":
+        value, resolution, _ = second_order(scenes)
+        _require(scenes, resolution <= rtol, f"1024 phases do not resolve the slope of mu to {rtol:g}", resolution)
+    else:
+        value, error, reason = on_orbit(scenes, rtol)
+        _require(scenes, error <= max(rtol, _REACHABLE), str(reason), error)
+        return value, error
+    reference, doubt, _ = _best(scenes, _REFERENCE, reason is None)
+    return value, _distance(value, reference) + doubt + resolution
+
+
+def _best(scenes: Scenes, rtol: float, smooth: bool) -> tuple[Any, Any, Any]:
+    """Return the best value known of each scene, its error, infinite where there is none, and the method."""
+    value, error = np.zeros(len(scenes)), np.full(len(scenes), np.inf)
+    names = np.full(len(scenes), "orbit", dtype=_NAME)
+    if smooth:
+        value, error, _ = on_orbit(scenes, rtol)
+    for row in np.flatnonzero(~(error <= max(rtol, _GOOD))):
+        try:
+            (simulation,), (doubt,) = simulated(scenes.rows([row]), max(rtol, _GOOD))
+        except StickSlipError:
+            continue
+        if doubt < error[row]:
+            value[row], error[row], names[row] = simulation, doubt, "simulation"
+    return value, error, names
+
+
+def _climb(scenes: Scenes, rtol: float) -> tuple[Any, Any, Any]:
+    """Return for each scene the cheapest rung that is known to be good enough."""
+    chosen = _Choice(len(scenes), rtol)
+    if obstacle(scenes.law, scenes.V) is None:
+        rungs = numerical_averages(scenes)
+        second, resolution, distortion = second_order(scenes)
+        # Until the next rung is known, its difference is taken as the last one, or what the overtones would make
+        # of it, times the size of the overtones; the expansion goes by the square of that size.
+        with np.errstate(all="ignore"):
+            last = np.maximum(_distance(rungs["harmonic"], second), distortion**2)
+            doubt = last * distortion + resolution + _ROUNDING
+        chosen.settle(np.arange(len(scenes)), rungs, second, doubt)
+        rungs["second_order"] = second
+        if (rows := chosen.open).size:
+            value, error, _ = on_orbit(scenes.rows(rows), rtol / 10)
+            chosen.settle(rows, rungs | {"orbit": value}, value, error)
+    else:
+        rungs = {name: average(scenes, name) for name in AVERAGES}
+    for row in chosen.open:
+        _settle_by_simulation(scenes, row, rungs, chosen)
+    return chosen.value, chosen.method, chosen.error
+
+
+def _settle_by_simulation(scenes: Scenes, row: int, rungs: dict[str, Any], chosen: "_Choice") -> None:
+    """Choose a rung for one scene by tighter and tighter simulations: a kink costs the integrator its order."""
+    for part in _TIGHTER:
+        try:
+            value, error = simulated(scenes.rows([row]), min(max(chosen.rtol * part, 1e-13), _LOOSEST))
+        except NotConverged as failure:
+            reason = str(failure)
+            continue
+        chosen.settle(np.array([row]), rungs | {"simulation": value}, value, error)
+        if row not in chosen.open:
+            return
+        reason = f"the threshold is known to {error[0]:.1e} relative only"
+    raise NotConverged(
+        f"rtol = {chosen.rtol:g} is not reached for {scenes.label(row)}: {reason}; try another rtol"
+    )
+
+
+class _Choice:
+    """The rungs chosen so far."""
+
+    def __init__(self, count: int, rtol: float) -> None:
+        self.rtol = rtol
+        self.value, self.error = np.zeros(count), np.full(count, np.inf)
+        self.method = np.full(count, "", dtype=_NAME)
+
+    @property
+    def open(self) -> Any:
+        """Scenes without a rung."""
+        return np.flatnonzero(self.method == "")
+
+    def settle(self, rows: Any, rungs: dict[str, Any], reference: Any, doubt: Any) -> None:
+        """Choose the first rung close enough to a reference that is itself in doubt by `doubt`.
+
+        Columns of rungs belong to all scenes, or like the reference to `rows` only.
+        """
+        for name, column in rungs.items():
+            value = column if len(column) == len(rows) else column[rows]
+            error = _distance(value, reference) + doubt
+            fits = (self.method[rows] == "") & (error <= self.rtol)
+            self.value[rows[fits]], self.error[rows[fits]] = value[fits], error[fits]
+            self.method[rows[fits]] = name
+
+
+def _distance(value: Any, reference: Any) -> Any:
+    """Return the relative difference, infinite where one of the two is no number."""
+    with np.errstate(all="ignore"):
+        difference = np.where(value == reference, 0.0, np.abs(value - reference) / np.abs(reference))
+    return np.where(np.isnan(difference), np.inf, difference)
+
+
+def _require(scenes: Scenes, good: Any, reason: str, error: Any) -> None:
+    """Refuse what has not the accuracy that was asked for."""
+    bad = np.flatnonzero(~np.asarray(good))
+    if bad.size:
+        row = int(bad[0])
+        reached = f"the error is {error[row]:.1e}" if np.isfinite(error[row]) else "there is no value"
+        raise NotConverged(f'{reached} for {scenes.label(row)}: {reason}; try method="simulation"')

@@ -4,9 +4,10 @@ import pytest
 import sympy as sp
 
 from derivations import CHAPTERS, chapter, paper
+from derivations.d8_second_order import law_4
 from stickslip_sym import Status
 from stickslip_sym.proving import prove_equal, prove_positive
-from stickslip_sym.symbols import N, V, a, b, c, mu, s, u
+from stickslip_sym.symbols import N, V, a, b, c, m, mu, s, u
 from stickslip_sym.theorems import Antiderivative, ChangeOfVariable
 
 PRINTED = paper.equations()
@@ -70,6 +71,11 @@ TAMPERED = [
     ("polynomial_law", "transition speed", sp.sqrt(sp.Rational(26, 21)) * v_m),
     ("exponential_law", "(3)", mu_m + (mu_s - mu_m) * sp.exp(-2 * alpha * u)),
     ("polynomial_law", "(4)", PRINTED["(4)"].subs(v_m, 2 * v_m)),
+    ("second_order", "(4)", PRINTED["(4)"].subs(v_m, 2 * v_m)),
+    ("second_order", "second order", law_4() - 2 * (law_4() - law_4().subs(m, sp.oo))),
+    ("second_order", "second order", law_4().subs(m, 2 * m)),
+    ("hopf", "(4)", -PRINTED["(4)"]),
+    ("hopf", "A^2", 4 * (v_m**2 - V**2) - 4 * c * v_m**3 / (3 * N * (mu_s - mu_m))),
     ("units", "(17)", PRINTED["(17)"] / V),
     ("units", "(18)", PRINTED["(18)"] * v_m**2),
 ]  # fmt: skip

@@ -1,0 +1,137 @@
+"""Every pure-slip limit cycle of an oscillator.
+
+The damping that a slip orbit needs is a function d(A) of its highest velocity A V (`orbit`), so the limit cycles
+are the roots of d(A) = c/sqrt(k m) in (0, 1]: all of them, also where d is not monotone. To leading order d(A) is
+the harmonic balance (2/pi) integral of g(A cos(theta)) sin(theta)^2 over half a period. Here d itself is
+interpolated by a Chebyshev polynomial, whose roots are all found and then improved on the orbits.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from stickslip_sym.errors import InputError, NotConverged
+from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.orbit import Orbits, obstacle, orbits
+from stickslip_sym.oscillator import Oscillator
+
+__all__ = ["LimitCycle", "limit_cycles"]
+
+_DEGREES = (16, 32, 64, 128)
+_RESOLVED = 1e-9  # of the highest coefficients of d(A), relative to its variation
+_FLAT = 1e-12  # variation of d over the largest slope, below which no orbit is isolated
+_IMPROVED = 3
+_REAL = 1e-6  # imaginary part of a root, from rounding where two nearly meet
+_AT_REST = 1e-6  # amplitude below which a root is the equilibrium itself
+
+
+@dataclass(frozen=True)
+class LimitCycle:
+    """A periodic motion in pure slip.
+
+    Attributes
+    ----------
+    amplitude : float
+        Highest velocity of the mass in m/s, at most the belt's.
+    period : float
+        In s.
+    floquet : float
+        Floquet exponent in 1/s, the mean of (-N mu'(V - x') - c)/m over the cycle: small deviations grow by it.
+    stable : bool
+        Whether it is negative.
+    """
+
+    amplitude: float
+    period: float
+    floquet: float
+    stable: bool
+
+
+def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
+    """Return every pure-slip limit cycle of an oscillator, by ascending amplitude.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound, smooth on the speeds of the motion.
+    osc : Oscillator
+
+    Returns
+    -------
+    tuple of LimitCycle
+        Empty if there is none, or if all orbits are periodic, as without friction and damping.
+
+    Raises
+    ------
+    InputError
+        For a law with a kink in reach.
+    NotConverged
+        If the orbits are not found, since friction is too strong, or vary too fast with the amplitude.
+    """
+    if reason := obstacle(law, osc.V, jump=False):
+        raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
+    e = osc.N / osc.impedance
+    damping = 2 * osc.zeta
+
+    def solve(A: Any) -> Orbits:
+        found = orbits(law, osc.V, e, A)
+        if not np.isfinite(found.error).all():
+            lost = np.atleast_1d(A)[~np.isfinite(found.error)][0]
+            raise NotConverged(
+                f"no slip orbit of amplitude {lost * osc.V:g} m/s was found: friction is too strong, or its law "
+                "not smooth enough at v = 0, for the bound on work; try simulate()"
+            )
+        if reason := obstacle(law, osc.V, float(found.lowest.min()), jump=False):
+            raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
+        return found
+
+    need = _interpolated(solve)
+    roots = _roots(chebyshev.chebsub(need, [damping]))
+    if not roots.size:
+        return ()
+    slope = chebyshev.chebval(2 * roots - 1, chebyshev.chebder(need)) * 2
+    for _ in range(_IMPROVED):
+        with np.errstate(all="ignore"):
+            step = (solve(roots).d - damping) / slope
+        # Where two roots nearly meet the slope says nothing, and the interpolant's root is as good as any.
+        roots = np.where(np.abs(step) < _REAL, np.clip(roots - step, _AT_REST, 1.0), roots)
+    found = solve(roots)
+    return tuple(
+        LimitCycle(
+            amplitude=float(A * osc.V),
+            period=2 * math.pi / float(frequency * osc.omega),
+            floquet=float(exponent * osc.omega),
+            stable=bool(exponent < 0),
+        )
+        for A, frequency, exponent in zip(roots, found.frequency, found.exponent, strict=True)
+    )
+
+
+def _interpolated(solve: Any) -> Any:
+    """Return Chebyshev coefficients of d(A) on [0, 1]."""
+    for degree in _DEGREES:
+        # Nodes of the first kind: A = 0, where there is no orbit, is none of them.
+        nodes = chebyshev.chebpts1(degree + 1)
+        found = solve((1 + nodes) / 2)
+        need = chebyshev.chebfit(nodes, found.d, degree)
+        variation = np.ptp(found.d)
+        if variation <= _FLAT * found.scale.max():
+            return need[:1]
+        if np.abs(need[-degree // 8 :]).max() <= _RESOLVED * variation:
+            return need
+    raise NotConverged(
+        f"the damping of slip orbits varies too fast with their amplitude for a polynomial of degree {degree}; "
+        "the law may be steep near v = 0: try simulate()"
+    )
+
+
+def _roots(coefficients: Any) -> Any:
+    """Return the roots in (0, 1] of a Chebyshev series on it, ascending."""
+    if len(coefficients) < 2:
+        return np.empty(0)
+    found = (1 + chebyshev.chebroots(coefficients)) / 2
+    real = found.real[np.abs(found.imag) <= _REAL]
+    return np.sort(real[(real > _AT_REST) & (real <= 1)])

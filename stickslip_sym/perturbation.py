@@ -1,0 +1,195 @@
+"""Weak friction: slip orbits expanded in powers of the friction, and the averages of the slope they start from.
+
+With time in 1/omega, z = x'/V and g(z) = -N mu'(V(1 - z))/sqrt(k m), slip obeys Lienard's equation
+
+    z'' + (d - g(z)) z' + z = 0,    d = c/sqrt(k m).
+
+Its periodic orbit with the highest velocity z = A is expanded in powers of g by the method of Lindstedt and
+Poincare; `derivations/d8_second_order.py` proves the formulas. For A = 1 it grazes the belt's speed. Only the
+slope of mu enters, never mu itself: nothing cancels at small belt speeds.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import cache
+from typing import Any
+
+import numpy as np
+from scipy.fft import dct, dst, idct, idst
+
+from stickslip_sym.friction import FrictionLaw
+
+__all__ = ["LARGEST_GRID", "Expansion", "averages", "expand", "slopes"]
+
+SMALLEST_GRID = 16
+LARGEST_GRID = 1024
+_TAIL = 1e-14  # of the highest quarter of the Fourier coefficients, relative: the rounding of a sum of them
+_OCTAVES = 40  # of the phase, to which panels shrink towards the graze
+_NODES = 16
+
+
+def slopes(law: FrictionLaw) -> Callable[[Any], Any]:
+    """Return mu'(v) as a function of arrays; NaN where it has no finite real value."""
+    compiled = law.function("numpy", derivative=True)
+
+    def slope(v: Any) -> Any:
+        with np.errstate(all="ignore"):
+            try:
+                value = np.asarray(compiled(v))
+            except ArithmeticError:  # of constants in the formula
+                return np.full(np.shape(v), np.nan)
+            if np.iscomplexobj(value):
+                value = np.where(value.imag == 0, value.real, np.nan)
+        return np.broadcast_to(value, np.shape(v)).astype(np.float64, copy=False)
+
+    return slope
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """The slip orbit with the highest velocity A V, for weak friction; one row for each belt speed.
+
+    In z = A cos(theta) + sum of a_n cos(n theta) + b_n sin(n theta), and with e = N/sqrt(k m), the coefficients
+    are b_n = e `sines`, a_n = e^2 `cosines`, the frequency is 1 - e^2 `slowing`, and c/N = `harmonic` +
+    e^2 `second`.
+
+    Attributes
+    ----------
+    harmonic, second, slowing : numpy.ndarray, shape (n,)
+        In s/m, (s/m)^3 and (s/m)^2.
+    cosines, sines : numpy.ndarray, shape (n, H)
+        Column n belongs to the harmonic n.
+    largest : numpy.ndarray, shape (n,)
+        Largest slope on the orbit, in s/m.
+    tail : numpy.ndarray, shape (n,)
+        Size of the highest coefficients of friction, relative: above 1e-14 the grid did not resolve the law.
+    """
+
+    harmonic: Any
+    second: Any
+    slowing: Any
+    cosines: Any
+    sines: Any
+    largest: Any
+    tail: Any
+
+    def refined(self, rows: Any, finer: "Expansion") -> "Expansion":
+        """Return the expansion with some rows replaced by those from a finer grid."""
+        size = finer.sines.shape[1]
+        columns = {}
+        for entry in fields(self):
+            column = getattr(self, entry.name)
+            wider = ((0, 0), (0, size - column.shape[1])) if column.ndim == 2 else 0
+            columns[entry.name] = np.pad(column, wider)
+            columns[entry.name][rows] = getattr(finer, entry.name)
+        return Expansion(**columns)
+
+    @property
+    def resolved(self) -> Any:
+        """Whether the grid resolved the law."""
+        return self.tail <= _TAIL
+
+
+def expand(law: FrictionLaw, V: Any, A: Any = 1.0, *, grid: int | None = None) -> Expansion:
+    """Expand slip orbits for weak friction.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound, smooth on the speeds of the orbit.
+    V, A : array_like, shape (n,)
+        Belt speeds in m/s, and highest velocities as parts of them.
+    grid : int, optional
+        Number of phases in half a period; found for each speed if not given.
+    """
+    V, A = (np.ravel(array) for array in np.broadcast_arrays(np.asarray(V, np.float64), A))
+    if grid is not None:
+        return _expand(law, V, A, grid)
+    size = SMALLEST_GRID
+    found = _expand(law, V, A, size)
+    while size < LARGEST_GRID and not found.resolved.all():
+        size *= 2
+        again = ~found.resolved
+        finer = _expand(law, V[again], A[again], size)
+        found = found.refined(again, finer)
+    return found
+
+
+def _expand(law: FrictionLaw, V: Any, A: Any, size: int) -> Expansion:
+    """Expand on one grid; the midpoints of cells of the phase, so that v = 0 itself is never met."""
+    theta = (np.arange(size) + 0.5) * (np.pi / size)
+    sine = np.sin(theta)
+    n = np.arange(size, dtype=np.float64)
+    off_resonance = n**2 - 1
+    off_resonance[1] = np.inf  # the fundamental is set by the amplitude
+    A = A[:, None]
+    # 1 - cos(theta) without cancellation.
+    reach = (1 - A) + 2 * A * np.sin(theta / 2) ** 2
+    g = -slopes(law)(V[:, None] * reach)
+    feed = _sines(g * sine)
+    harmonic = feed[:, 1]
+    b = A * feed / off_resonance
+    z1 = _from_sines(b)
+    excess = g - harmonic[:, None]
+    f = _sines(excess * z1)
+    a = -n * f / off_resonance
+    bend = (n * b).sum(axis=1)
+    a[:, 1] = -(bend**2) / (2 * A[:, 0]) - a[:, 2:].sum(axis=1)
+    z2 = _from_cosines(a)
+    curvature = _from_sines(n * _cosines(g)) / (A * sine)  # the derivative of g by z, from that by the phase
+    second = 2 * ((excess * z2 + curvature * z1**2 / 2) * np.cos(theta)).mean(axis=1) / A[:, 0]
+    high, largest = np.abs(feed[:, size - size // 4 :]).max(axis=1), np.abs(g).max(axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        tail = np.where(high == 0, 0.0, high / largest)
+    slowing = f[:, 1] / (2 * A[:, 0])
+    return Expansion(harmonic, second, slowing, a, b, largest, np.where(np.isnan(tail), np.inf, tail))
+
+
+def _sines(values: Any) -> Any:
+    """Return coefficients of sin(n theta), n = 0 to size - 1."""
+    size = values.shape[1]
+    return np.pad(dst(values, 2, axis=1)[:, : size - 1] / size, ((0, 0), (1, 0)))
+
+
+def _cosines(values: Any) -> Any:
+    """Return coefficients of cos(n theta), n = 0 to size - 1, the mean as it is."""
+    result = dct(values, 2, axis=1) / values.shape[1]
+    result[:, 0] /= 2
+    return result
+
+
+def _from_sines(coefficients: Any) -> Any:
+    size = coefficients.shape[1]
+    return idst(np.pad(coefficients[:, 1:], ((0, 0), (0, 1))) * size, 2, axis=1)
+
+
+def _from_cosines(coefficients: Any) -> Any:
+    scaled = coefficients * coefficients.shape[1]
+    scaled[:, 0] *= 2
+    return idct(scaled, 2, axis=1)
+
+
+def averages(law: FrictionLaw, V: Any, A: Any = 1.0) -> tuple[Any, Any]:
+    """Return the averages of -mu' at belt speeds V by the weights least_squares and harmonic, in s/m.
+
+    Over the slip speeds V (1 - A) to V (1 + A) of a harmonic motion of velocity amplitude A V.
+
+    Gauss-Legendre panels in the phase, v = V (1 - cos(theta)), halved again and again towards v = 0: a law whose
+    features lie at any part of the belt's speed down to 1e-24 of it is resolved.
+    """
+    V, A = (column[:, None] for column in np.broadcast_arrays(np.asarray(V, np.float64), A))
+    theta, weight = _graded()
+    slope = -slopes(law)(V * ((1 - A) + 2 * A * np.sin(theta / 2) ** 2))
+    sine, cosine = np.sin(theta), np.cos(theta)
+    return (
+        slope @ (weight * 0.625 * (1 - cosine**4) * sine),
+        slope @ (weight * (2 / np.pi) * sine**2),
+    )
+
+
+@cache
+def _graded() -> tuple[Any, Any]:
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    ends = np.pi * np.append(0.0, 2.0 ** np.arange(-_OCTAVES, 1))
+    half = np.diff(ends)[:, None] / 2
+    return (ends[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()

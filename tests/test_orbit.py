@@ -1,0 +1,152 @@
+"""Grazing orbits against two solutions in mpmath that share no code with them, and at their limits."""
+
+import mpmath
+import numpy as np
+import pytest
+
+import stickslip_sym as ss
+
+DIGITS = 45
+EXACT = 1e-12
+REFERENCE_AGREES = mpmath.mpf("1e-35")
+SCENES = [
+    ("exponential", 0.5, 100.0), ("exponential", 0.05, 1.0), ("exponential", 1.2, 1e6),
+    ("polynomial", 0.5, 100.0), ("polynomial", 0.3, 10.0), ("polynomial", 1.2, 1e6),
+    ("hyperbolic", 0.5, 100.0), ("gaussian", 0.4, 30.0), ("lorentzian", 0.5, 100.0), ("arctangent", 0.5, 100.0),
+    ("sech", 0.6, 100.0), ("kragelskii", 0.5, 100.0),
+]  # fmt: skip
+
+
+def orbit_damping(law, V, k, N=9.81, m=1.0, **options):
+    return ss.pure_slip_damping(law, V=V, N=N, m=m, k=k, method="orbit", **({"rtol": 1e-12} | options)).value
+
+
+def series(law, v, w):
+    """Return Taylor coefficients in time of mu(V w) from those of V w, by the law's own recurrence."""
+    p = {name: mpmath.mpf(int(x.p)) / int(x.q) for name, x in law.values.items()}
+    n = len(v) - 1
+    if law.name == "exponential":
+        if n == 0:
+            w["e"] = [mpmath.exp(-p["alpha"] * v[0])]
+        else:
+            w["e"].append(-p["alpha"] * sum(j * v[j] * w["e"][n - j] for j in range(1, n + 1)) / n)
+        return (p["mu_m"] if n == 0 else 0) + (p["mu_s"] - p["mu_m"]) * w["e"][n]
+    assert law.name == "polynomial"
+    w.setdefault("square", []).append(sum(v[j] * v[n - j] for j in range(n + 1)))
+    cube = sum(v[j] * w["square"][n - j] for j in range(n + 1))
+    drop = p["mu_s"] - p["mu_m"]
+    return (p["mu_s"] if n == 0 else 0) - 3 * drop / (2 * p["v_m"]) * v[n] + drop / (2 * p["v_m"] ** 3) * cube
+
+
+def miss(law, V, eta, d, order, step):
+    """Integrate the slip from P by Taylor series to the next minimum of w, and return that minimum.
+
+    q' = 1 - w, w' = eta (mu(0) - mu(V w)) + q - d w, from q = w = 0.
+    """
+    q, w = mpmath.mpf(0), mpmath.mpf(0)
+    onset = series(law, [mpmath.mpf(0)], {})
+    turned = False
+    while True:
+        Q, W, work = [q], [w], {}
+        for n in range(order):
+            mu = series(law, [V * x for x in W], work)
+            rate = eta * ((onset if n == 0 else 0) - mu) + Q[n] - d * W[n]
+            Q.append(((1 if n == 0 else 0) - W[n]) / (n + 1))
+            W.append(rate / (n + 1))
+        slope = [n * W[n] for n in range(1, order + 1)][::-1]
+        end = mpmath.polyval(slope, step)
+        if end < 0:
+            turned = True
+        elif turned:
+            curve = [n * (n - 1) * W[n] for n in range(2, order + 1)][::-1]
+            t = step / 2
+            for _ in range(9):
+                t -= mpmath.polyval(slope, t) / mpmath.polyval(curve, t)
+            return mpmath.polyval(W[::-1], t)
+        q, w = mpmath.polyval(Q[::-1], step), mpmath.polyval(W[::-1], step)
+
+
+@pytest.mark.parametrize(
+    ("name", "V", "k"),
+    [("polynomial", 0.5, 100), ("exponential", 0.25, 4)],
+)
+def test_the_orbit_is_that_of_a_taylor_integration_at_40_digits(name, V, k):
+    """The slip from P in steps of 1/16 by Taylor polynomials of degree 40; the graze by the secant method."""
+    law = ss.laws.catalogue[name].typical()
+    found = orbit_damping(law, V, float(k))
+    with mpmath.workdps(DIGITS):
+        impedance = mpmath.sqrt(k)
+        speed, force = mpmath.mpf(V), mpmath.mpf(9.81)
+        eta = force / (speed * impedance)
+        d = [found * (1 + shift) / impedance for shift in (mpmath.mpf(0), mpmath.mpf("1e-9"))]
+        value = [miss(law, speed, eta, x, 40, mpmath.mpf(1) / 16) for x in d]
+        for _ in range(3):
+            d.append(d[-1] - value[-1] * (d[-1] - d[-2]) / (value[-1] - value[-2]))
+            value.append(miss(law, speed, eta, d[-1], 40, mpmath.mpf(1) / 16))
+            if abs(d[-1] - d[-2]) < REFERENCE_AGREES * abs(d[-1]):
+                break
+        assert abs(value[-1]) < REFERENCE_AGREES
+        assert abs(found / (d[-1] * impedance) - 1) < EXACT
+        # Another damping, a millionth off, does not graze.
+        assert abs(miss(law, speed, eta, d[-1] * (1 + mpmath.mpf("1e-6")), 40, mpmath.mpf(1) / 16)) > 1e-9
+
+
+def collocated(law, V, k, points, N=9.81):
+    """Solve the same orbit from its equation of the second order, on an odd number of points from the graze on.
+
+    Newton's method in double precision first, then with residuals of 45 digits and the same Jacobian.
+    """
+    theta = 2 * np.pi * np.arange(points) / points
+    impedance = mpmath.sqrt(k)
+    e = mpmath.mpf(N) / impedance
+    far = np.subtract.outer(np.arange(points), np.arange(points))
+    with np.errstate(divide="ignore"):
+        D = np.where(far == 0, 0.0, 0.5 * (-1.0) ** far / np.sin(np.pi * far / points))
+
+    def jacobian(z, pace, d, push):
+        J = np.zeros((points + 2, points + 2))
+        slope = -float(e) * law.slope(V * np.maximum(1 - z, 0.0)) - d
+        J[:points, :points] = pace**2 * D @ D + np.eye(points) - pace * D * slope
+        J[:points, points] = 2 * pace * (D @ D @ z) - D @ push
+        J[:points, points + 1] = pace * (D @ z)
+        J[points, 0], J[points + 1, :points] = 1, D[0]
+        return J
+
+    z, pace, d = np.cos(theta), 1.0, float(e) * 0.5
+    for _ in range(8):
+        push = float(e) / V * law.mu(V * np.maximum(1 - z, 0.0)) - d * z
+        residual = np.append(pace**2 * D @ (D @ z) + z - pace * D @ push, [z[0] - 1, D[0] @ z])
+        step = np.linalg.solve(jacobian(z, pace, d, push), residual)
+        z, pace, d = z - step[:points], pace - step[points], d - step[points + 1]
+    mu = law.function("mpmath")
+    x = [mpmath.mpf(value) for value in (*z.tolist(), float(pace), float(d))]
+    for _ in range(4):
+        with mpmath.workdps(DIGITS):
+            first = [mpmath.mpf((-1) ** j) / (2 * mpmath.sin(mpmath.pi * j / points)) for j in range(1, points)]
+            kernel = [
+                mpmath.mpf(0),
+                *first,
+            ]  # its sign alternates around the circle, as the number of points is odd
+            rows = [[kernel[i - j] if i >= j else -kernel[j - i] for j in range(points)] for i in range(points)]
+            z, pace, d = x[:points], x[points], x[points + 1]
+            push = [e / V * mu(V * (1 - value)) - d * value for value in z]
+            z_theta = [mpmath.fdot(row, z) for row in rows]
+            curved = [mpmath.fdot(row, z_theta) for row in rows]
+            pushed = [mpmath.fdot(row, push) for row in rows]
+            residual = [pace**2 * a + b - pace * g for a, b, g in zip(curved, z, pushed, strict=True)]
+            residual += [z[0] - 1, z_theta[0]]
+            size = max(abs(value) for value in residual) or mpmath.mpf(1)
+            doubles = [np.array([float(value) for value in part]) for part in (z, push)]
+            J = jacobian(doubles[0], float(pace), float(d), doubles[1])
+            change = np.linalg.solve(J, [float(value / size) for value in residual])
+            x = [value - size * mpmath.mpf(step) for value, step in zip(x, change.tolist(), strict=True)]
+    with mpmath.workdps(DIGITS):
+        return x[-1] * impedance
+
+
+@pytest.mark.parametrize(("name", "V", "k"), SCENES)
+def test_the_orbit_is_that_of_collocation_at_45_digits(name, V, k):
+    law = ss.laws.catalogue[name].typical()
+    with mpmath.workdps(DIGITS):
+        reference = collocated(law, V, k, 81)
+        assert abs(orbit_damping(law, V, k) / reference - 1) < EXACT

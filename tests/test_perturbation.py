@@ -1,0 +1,68 @@
+"""The threshold to second order: its order of accuracy, its closed form, and the averages it starts from."""
+
+import numpy as np
+import pytest
+
+import stickslip_sym as ss
+from derivations import d8_second_order
+from stickslip_sym.perturbation import averages, expand
+from stickslip_sym.symbols import N, V, k, m
+
+FOUR = ["exponential", "polynomial", "hyperbolic", "gaussian"]
+AGREES = 1e-12  # two ways to the same sum in double precision
+ORDER = 0.1  # of a slope fitted over four octaves of eta, where the next order is still seen
+
+
+def threshold(law, method, **changes):
+    scene = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0, "method": method, "rtol": 1e-11}
+    return ss.pure_slip_damping(law, **(scene | changes)).value
+
+
+@pytest.mark.parametrize("name", FOUR)
+def test_the_error_falls_with_its_order_in_eta(name):
+    law, k = ss.laws.catalogue[name].typical(), 400.0 * 4.0 ** np.arange(4)
+    exact = threshold(law, "orbit", k=k)
+    harmonic = 9.81 * expand(law, [0.5]).harmonic
+    for value, order in ((harmonic, 2), (threshold(law, "second_order", k=k), 4)):
+        error = np.abs(value / exact - 1)
+        slope, _ = np.polyfit(np.log(1 / np.sqrt(k)), np.log(error), 1)  # eta goes with k^-1/2
+        assert slope == pytest.approx(order, abs=ORDER)
+
+
+@pytest.mark.parametrize("name", ["polynomial", "cubic", "quintic"])
+def test_the_closed_form_of_polynomial_laws_is_the_sum(name):
+    law = ss.laws.catalogue[name].typical()
+    form = law.substitute(d8_second_order.threshold(law.expr))
+    for scene in ({V: 0.5, N: 9.81, m: 1, k: 100}, {V: 1.1, N: 3.0, m: 0.2, k: 7}):
+        values = {str(symbol): value for symbol, value in scene.items()}
+        assert threshold(law, "second_order", **values) == pytest.approx(float(form.subs(scene)), rel=AGREES)
+
+
+def test_the_closed_form_of_the_law_4_in_plain_numbers():
+    law = ss.laws.polynomial.bind(mu_s=0.5, mu_m=0.2, v_m=1.0)
+    weak = 9.81 * 0.3 * (12 - 15 * 0.25) / 8
+    second = 31149 / 81920 * (9.81 * 0.3) ** 3 * 0.5**6 / 100
+    assert threshold(law, "second_order") == pytest.approx(weak + second, rel=AGREES)
+    # A wrong sign of the second order would be seen.
+    assert threshold(law, "second_order") != pytest.approx(weak - second, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", FOUR[:2])
+def test_averages_are_those_of_the_closed_forms(name):
+    law, speeds = ss.laws.catalogue[name].typical(), np.array([1e-6, 1e-2, 0.5, 1.2, 50.0])
+    for criterion, value in zip(("least_squares", "harmonic"), averages(law, speeds), strict=True):
+        assert value == pytest.approx(ss.derive(law, criterion)(V=speeds, N=1.0), rel=1e-11)
+    assert expand(law, speeds[:4]).harmonic == pytest.approx(averages(law, speeds[:4])[1], rel=AGREES)
+
+
+def test_a_straight_law_has_no_second_order():
+    weak = expand(ss.laws.catalogue["linear"].typical(), [0.1, 1.0])
+    assert weak.harmonic == pytest.approx(0.15, rel=1e-15)
+    assert np.abs(weak.second).max() < 1e-15
+    assert np.abs(weak.sines).max() < 1e-15
+
+
+def test_an_expansion_says_where_the_law_is_not_resolved():
+    assert not expand(ss.laws.stribeck.typical(), [0.5]).resolved
+    with pytest.raises(ss.NotConverged, match="do not resolve the slope"):
+        threshold(ss.FrictionLaw("0.5 - 0.1*sqrt(v)"), "second_order")
