@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 from derivations import chapter
 from paper_checks.claims import CLAIMS
 from paper_checks.conftest import Find, oscillator
-from paper_checks.newmark import Scan, pure_slip_by_scan
 from stickslip_sym import FrictionLaw, Status, peak_velocity, pure_slip_damping
+from stickslip_sym.newmark import Scan, pure_slip_by_scan
 
 SCAN_STEP = 0.001  # kg/s
 

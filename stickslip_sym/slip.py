@@ -239,7 +239,13 @@ class _Method:
             return None
         # Right at an onset or an extremum the slope at the beginning may have either sign.
         settled = (slope(piece.t_old) > 0) == rising
-        tau = float(brentq(slope, piece.t_old, piece.t, rtol=_ROOT)) if settled else float(piece.t_old)
+        try:
+            tau = float(brentq(slope, piece.t_old, piece.t, rtol=_ROOT)) if settled else float(piece.t_old)
+        except ValueError as error:  # within the step an interpolant may leave where mu can be computed
+            raise NotConverged(
+                f"the slip phase cannot be followed at rtol = {self.rtol:g} from a slip speed of "
+                f"{float(piece(piece.t_old)[1]):.6g} V on: {error}; try another rtol"
+            ) from None
         # Where w' = 0, w'' = side - w whatever mu is: any other turn is an error of the integration.
         return tau if (piece(tau)[1] < self.side) != rising else None
 

@@ -38,12 +38,15 @@ class Way:
     seconds : float
         For one value; in a large array where the way takes arrays.
     error : float
-        Relative to a value of 70 digits; NaN where the way gives no number.
+        Relative, in the scene at hand; NaN where the way gives no number.
+    largest : float
+        Of thresholds: the largest relative error over belt speeds; NaN where it was not measured.
     """
 
     name: str
     seconds: float
     error: float
+    largest: float = float("nan")
 
 
 def tradeoff(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:

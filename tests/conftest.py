@@ -1,5 +1,10 @@
 """Fixtures that several test files use."""
 
+import os
+
+# Tests run in several processes; threads of linear algebra on top would wait for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 
 import stickslip_sym as ss

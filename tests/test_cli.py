@@ -253,7 +253,7 @@ def test_latex_to_standard_output_loses_nothing(sink, tmp_path):
 
 
 def test_help_of_every_command_has_an_example():
-    for command in ("laws", "derive"):
+    for command in ("laws", "derive", "damping", "tradeoff"):
         done = stickslip(command, "--help")
         assert done.returncode == 0
         assert "Example: stickslip " in done.stdout

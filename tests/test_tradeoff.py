@@ -3,10 +3,11 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import tradeoff
+from stickslip_sym import tradeoff, tradeoff_thresholds
 
 DOUBLE = 4 * 2.0**-52
 
@@ -61,3 +62,19 @@ def test_command():
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr
     assert "stable function, one value" in done.stdout
+
+
+def test_thresholds_of_every_rung_and_of_the_paper_s_procedure(monkeypatch):
+    monkeypatch.setattr(tradeoff_thresholds, "SPEEDS", np.array([0.2, 0.5, 0.95]))  # the last has no threshold
+    scene = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+    found = {way.name: way for way in tradeoff_thresholds.threshold_tradeoff(ss.laws.polynomial.typical(), scene)}
+    errors = [found[name].error for name in ("equilibrium", "least_squares", "harmonic", "second_order", "orbit")]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[0] > 0.05
+    assert errors[-1] < 1e-12
+    assert found["simulation"].error < 1e-9
+    assert 1e-4 < found["Newmark scan"].error < 1e-3  # the paper's 3.038 for 3.036477
+    assert all(way.seconds > 0 for way in found.values())
+    assert "not measured" in tradeoff_thresholds.threshold_report(list(found.values()))
+    with pytest.raises(ss.NoThreshold, match="nothing has a relative error"):
+        tradeoff_thresholds.threshold_tradeoff(ss.laws.polynomial.typical(), scene | {"V": 0.95})

@@ -12,7 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import FrictionLaw, Oscillator
+from stickslip_sym.errors import NoThreshold
+from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.oscillator import Oscillator
 
 __all__ = ["Scan", "pure_slip_by_scan"]
 
@@ -44,11 +46,16 @@ def pure_slip_by_scan(law: FrictionLaw, scene: Oscillator, scan: Scan) -> float:
     The motion starts from x = 0 at the belt's speed, sticks up to P, slips, and is followed for one
     natural period and a half from there. One return decides: orbits in a plane do not cross, so a mass
     that misses the belt's speed once misses it ever after.
+
+    Raises
+    ------
+    NoThreshold
+        If no damping of the scan separates the two.
     """
     returns = _returns(lambda relative: law.mu(np.abs(relative)), law.mu(0.0), scene, scan)
     first_free = int(np.argmin(returns))
     if returns[first_free] or returns[first_free:].any():
-        raise ValueError("no damping of the scan separates stick-slip from slip")
+        raise NoThreshold("no damping of the scan separates stick-slip from slip; scan another range")
     return float(scan.dampings[first_free])
 
 

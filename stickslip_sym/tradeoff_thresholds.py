@@ -1,0 +1,108 @@
+"""Speed against accuracy of thresholds: every rung of the ladder, and the paper's own procedure."""
+
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from stickslip_sym.errors import NotConverged, NoThreshold
+from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.newmark import Scan, pure_slip_by_scan
+from stickslip_sym.oscillator import Oscillator
+from stickslip_sym.tables import duration, table
+from stickslip_sym.threshold import LADDER, Threshold, pure_slip_damping
+from stickslip_sym.tradeoff import Way
+
+__all__ = ["SPEEDS", "threshold_report", "threshold_tradeoff"]
+
+SPEEDS = np.linspace(0.05, 1.0, 20)
+"""Belt speeds in m/s over which the largest error is taken, those without a threshold left out."""
+
+_EXACT = 1e-12  # tolerance of the orbit that errors are taken against
+_NEWMARK = "Newmark scan"
+_SCAN_STEP = 0.001  # kg/s, the paper's
+
+
+def threshold_tradeoff(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way]:
+    """Measure every way to the threshold: its time for one, its error, and its largest error over `SPEEDS`.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        Smooth, with all parameters bound: the reference is the grazing orbit to 1e-12.
+    scene : mapping
+        V, N, m and k in SI units.
+
+    Returns
+    -------
+    list of Way
+        The rungs, and the paper's scan of Newmark runs up to twice the threshold in steps of 0.001 kg/s, its
+        error in the one scene only.
+
+    Raises
+    ------
+    InputError, NoThreshold, NotConverged
+        Where the scene itself has no exact threshold.
+    """
+    exact = _rung(law, scene, "orbit").value
+    if not exact > 0:
+        raise NoThreshold(f"the threshold is {exact:.3g} kg/s in this scene: nothing has a relative error")
+    others = {name: value for name, value in scene.items() if name != "V"}
+    references = {}
+    for speed in SPEEDS.tolist():
+        try:
+            reference = _rung(law, others | {"V": speed}, "orbit").value
+        except (NoThreshold, NotConverged):
+            continue
+        if reference > 0:
+            references[speed] = reference
+    ways = []
+    for method in LADDER:
+        found, seconds = _timed(partial(_rung, law, scene, method))
+        errors = [
+            _error(_rung(law, others | {"V": speed}, method), reference) for speed, reference in references.items()
+        ]
+        ways.append(Way(method, seconds, _error(found, exact), max(errors)))
+    scan = Scan(np.arange(0.0, 2 * exact, _SCAN_STEP))
+    start = time.perf_counter()
+    scanned = pure_slip_by_scan(law, Oscillator(**scene), scan)
+    ways.append(Way(_NEWMARK, time.perf_counter() - start, abs(scanned / exact - 1)))
+    return ways
+
+
+def _rung(law: FrictionLaw, scene: Mapping[str, float], method: str) -> Threshold:
+    """Return the threshold by a rung; averages of slopes are not made to look for their error."""
+    numbers = dict(scene) if method in ("second_order", "orbit", "simulation") else _without_oscillator(scene)
+    rtol = {"second_order": 1.0, "simulation": 1e-10}.get(method, _EXACT)
+    return pure_slip_damping(law, **numbers, method=method, rtol=rtol)
+
+
+def _error(found: Threshold, reference: float) -> float:
+    """Return the error against the orbit; the orbit's own is its estimate."""
+    return float(found.error) if found.method == "orbit" else abs(found.value / reference - 1)
+
+
+def _without_oscillator(scene: Mapping[str, float]) -> dict[str, float]:
+    return {"V": scene["V"], "N": scene["N"]}
+
+
+def _timed(compute: Callable[[], Threshold]) -> tuple[Threshold, float]:
+    """Return a value, and the shortest of three times to it."""
+    times = []
+    for _ in range(3):
+        start = time.perf_counter()
+        value = compute()
+        times.append(time.perf_counter() - start)
+    return value, min(times)
+
+
+def threshold_report(ways: list[Way]) -> str:
+    """Return the ways as a table."""
+
+    def shown(error: float) -> str:
+        return "not measured" if np.isnan(error) else f"{error:.1e}"
+
+    rows: list[Any] = [[way.name, duration(way.seconds), shown(way.error), shown(way.largest)] for way in ways]
+    return table(["way", "time a threshold", "relative error", "largest up to V = 1 m/s"], rows)
