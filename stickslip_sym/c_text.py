@@ -120,9 +120,18 @@ def at_a_point(arguments: list[str]) -> str:
     )
 
 
+def steps(places_and_heights: list[tuple[str, str]], weight: str) -> str:
+    """Return the lines that add what the jumps of mu contribute to the average."""
+    return "".join(
+        f"    {{\n        const double place = {place}, m = place/V*(2.0 - place/V);\n"
+        f"        if (place > 0.0 && place < 2.0*V)\n            sum += ({height})*({weight})/V;\n    }}\n"
+        for place, height in places_and_heights
+    )
+
+
 def average(
     arguments: list[str], scales: list[str], kinks: list[str], weight: str, rules: list[tuple[str, str]],
-    nodes: tuple[int, int], first_panel: float,
+    nodes: tuple[int, int], first_panel: float, steps: str,
 ) -> str:  # fmt: skip
     """Return the adaptive average of the slope."""
     given, names = _parameters(arguments), ", ".join(arguments)
@@ -183,7 +192,7 @@ static double _criterion({given})
         }}
     for (i = count - 1; i > 0; i--)
         sum += _panel(ends[i - 1], ends[i], 40, &total, {names});
-    return -N*sum;
+{steps}    return -N*sum;
 }}
 """
 

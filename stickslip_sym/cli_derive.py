@@ -58,7 +58,7 @@ def derive(
     from stickslip_sym.oscillator import Oscillator
     from stickslip_sym.values import exact
 
-    asked = once("criterion", criterion) or "least_squares"
+    asked = once("criterion", criterion or ["least_squares"]) or ""
     chosen = list(criteria.catalogue.values()) if asked == "all" else [criteria.find(asked)]
     latex_file, kept = once("latex", latex), once("save", save)
     if kept is not None and len(chosen) > 1:

@@ -16,7 +16,7 @@ from stickslip_sym.criteria import Criterion, find
 from stickslip_sym.derivation import Derivation
 from stickslip_sym.errors import InputError, NoClosedForm, NotConverged
 from stickslip_sym.evaluate import StableFunction, exact_value
-from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.friction import FrictionLaw, limit_at_rest
 from stickslip_sym.integrals import Part, Progress, integrate_terms
 from stickslip_sym.proving import Status, Verdict
 from stickslip_sym.tidy import tidy
@@ -24,6 +24,7 @@ from stickslip_sym.values import Number, exact
 
 __all__ = ["ClosedForm", "derive", "verify"]
 
+LONGEST = 86_400  # seconds, a day
 GATE_POINTS = 12
 GATE_DIGITS = 30
 _GATE_SEED = 1
@@ -196,6 +197,9 @@ def derive(
         If a term resists, or the result does not pass every check. The message names the term.
     """
     criterion = find(criterion)
+    if not 0 <= time_limit <= LONGEST:
+        raise InputError(f"time_limit = {time_limit} is not a number of seconds from 0 to {LONGEST}")
+    _require_integrable(law)
     say: Progress = progress or (lambda _: None)
     name = f"{law.name or 'law'}/{criterion.name}"
     derivation = Derivation(name, f"The {criterion.name} criterion for mu(v) = {law.text}")
@@ -225,6 +229,14 @@ def derive(
         refuted = next(step.verdict for step in derivation.steps if step.verdict.status is Status.REFUTED)
         raise NoClosedForm(f"a formula was found but refuted, so it is not returned: {refuted.evidence}")
     return ClosedForm(law, criterion, expr, derivation, gate)
+
+
+def _require_integrable(law: FrictionLaw) -> None:
+    """Refuse a law whose criteria have no value because mu grows like 1/v or faster as v falls to 0."""
+    if law.expr.subs(symbols.v, 0).is_finite is False:
+        strength = abs(limit_at_rest(symbols.v * law.expr))
+        if strength > 0:
+            raise NoClosedForm("mu is not integrable at v = 0+, so its criteria have no value; cut it off there")
 
 
 def _state(

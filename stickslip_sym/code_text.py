@@ -15,8 +15,8 @@ from stickslip_sym.conditioned import conditioned, speed_scales
 from stickslip_sym.dialects import Dialect, c99, numeric_list, python
 from stickslip_sym.errors import NoClosedForm
 from stickslip_sym.evaluate import StableFunction
-from stickslip_sym.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre
-from stickslip_sym.pieces import places
+from stickslip_sym.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre, weight_of
+from stickslip_sym.pieces import jumps, places
 
 __all__ = ["c_code", "python_code"]
 
@@ -120,7 +120,9 @@ def _gauss(function: StableFunction, names: dict[Any, str], dialect: Dialect, la
         return str(language.slope(arguments, slope_text) + language.at_a_point(arguments))
     scales = [dialect.text(scale, names) for scale in speed_scales(slope, symbols.v)]
     kinks = [dialect.text(place, names) for place in places(function.mu)]
+    steps = [(dialect.text(place, names), dialect.text(height, names)) for place, height in jumps(function.mu)]
     m = sp.Symbol("m", positive=True)
+    at_jump = dialect.text(weight_of(function.criterion, m), {m: "m"})
     weight = dialect.text(angle_weight(function.criterion, m), {m: "m"})
     rules = [
         (name, numeric_list(numbers, language.brackets))
@@ -129,5 +131,7 @@ def _gauss(function: StableFunction, names: dict[Any, str], dialect: Dialect, la
     ]
     return str(
         language.slope(arguments, slope_text)
-        + language.average(arguments, scales, kinks, weight, rules, (COARSE, FINE), FIRST_PANEL)
+        + language.average(
+            arguments, scales, kinks, weight, rules, (COARSE, FINE), FIRST_PANEL, language.steps(steps, at_jump)
+        )
     )

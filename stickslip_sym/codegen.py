@@ -22,6 +22,8 @@ def function_of(arguments: Sequence[Any], expr: Any, backend: Backend) -> Callab
 
     `expr` may be a list of expressions; common subexpressions are then computed once.
     """
+    if backend == "numpy":
+        expr = _in_floats(expr)
     # SciPy's expm1 takes no extended precision, NumPy's does.
     modules = {
         "numpy": [{"expm1": np.expm1}, "scipy", "numpy"],
@@ -32,3 +34,16 @@ def function_of(arguments: Sequence[Any], expr: Any, backend: Backend) -> Callab
         list(arguments), expr, modules=modules, dummify=True, cse=isinstance(expr, list)
     )
     return compiled
+
+
+_LONGEST = 2**62  # whole numbers above make NumPy leave its own types for Python's objects
+_DIGITS = 20  # of a number as text: enough that reading it back gives the nearest double
+
+
+def _in_floats(expr: Any) -> Any:
+    """Replace the numbers in an expression, or in lists of some, that NumPy's integers do not hold."""
+    if isinstance(expr, list):
+        return [_in_floats(part) for part in expr]
+    expr = sp.sympify(expr)
+    long = [number for number in expr.atoms(sp.Rational) if max(abs(number.p), number.q) > _LONGEST]
+    return expr.xreplace({number: sp.Float(number, _DIGITS) for number in long}) if long else expr

@@ -23,7 +23,7 @@ _C_WORDS = frozenset(
 _LOCALS = frozenset(
     {
         "a", "angle", "b", "base", "cancelled", "carry", "coarse", "columns", "count", "depth", "ends",
-        "exponent", "factors", "fine", "first", "g", "half_pi", "here", "i", "j", "m", "mantissa",
+        "exponent", "factors", "fine", "first", "g", "half_pi", "height", "here", "i", "j", "m", "mantissa",
         "math", "middle", "np", "off", "panels", "part", "parts", "place", "power", "r", "ratio", "rest",
         "result", "row", "scale", "scales", "shape", "shift", "sine", "size", "sum", "sum_", "swap", "t",
         "total", "try_", "upper", "v", "value", "w", "whole", "x", "z",
@@ -52,6 +52,18 @@ class _Python(NumPyPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Pi(self, expr: Any) -> str:
         return repr(float(expr))
+
+    def _print_Max(self, expr: Any) -> str:
+        return self._nested("maximum", expr)
+
+    def _print_Min(self, expr: Any) -> str:
+        return self._nested("minimum", expr)
+
+    def _nested(self, name: str, expr: Any) -> str:
+        first, *others = (self._print(argument) for argument in expr.args)
+        for other in others:
+            first = f"numpy.{name}({first}, {other})"
+        return str(first)
 
     def doprint(self, expr: Any, assign_to: Any = None) -> str:
         return str(super().doprint(expr, assign_to)).replace("numpy.", "np.")

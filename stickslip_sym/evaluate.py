@@ -15,13 +15,14 @@ import numpy as np
 import sympy as sp
 
 from stickslip_sym import gauss, symbols
+from stickslip_sym.bounds import rounding_bound
 from stickslip_sym.branches import Branch
 from stickslip_sym.codegen import function_of
 from stickslip_sym.conditioned import conditioned, speed_scales, without_squares
 from stickslip_sym.criteria import Criterion
 from stickslip_sym.errors import InputError
 from stickslip_sym.exact import to_digits
-from stickslip_sym.pieces import places
+from stickslip_sym.pieces import jumps, places
 from stickslip_sym.products import largest_exponent, plain_product, scaled_product
 from stickslip_sym.profile import Profile, profile_of, slope_with_bound
 from stickslip_sym.splitting import Term, split
@@ -32,6 +33,7 @@ __all__ = ["StableFunction", "exact_value"]
 _EPSILON = float(np.finfo(np.float64).eps)
 _CANCELLED = 4.0  # the sizes of the terms over the size of their sum, from where the sum is taken otherwise
 _ALLOWED = 64.0  # bound of the rounding error of a Gauss average, in units; it is some five times too large
+_JUMP = 6.0  # units of rounding error of the weight at a jump
 _SLOPE_ALLOWED = 16.0  # the same, of the slope at one point
 _REALS = (np.float64, np.longdouble)  # where inputs nearly cancel, most processors have eleven bits to spare
 _SAFE = 900.0  # binary exponents that no product may pass, lest something overflows on the way
@@ -294,7 +296,7 @@ class StableFunction:
                 if here.size:
                     taken = [column[here].astype(real) for column in columns]
                     value, error = self._average(taken[0], taken[2:])
-                    result[here] = -force[here] * value
+                    result[here] = 0.0 - force[here] * value
                     good[here] = (error <= _ALLOWED * _EPSILON) & np.isfinite(result[here])
             return result, good
 
@@ -307,7 +309,7 @@ class StableFunction:
                 speed, force, *parameters = (column[here].astype(real) for column in columns)
                 value, bound = (np.broadcast_to(x, speed.shape) for x in self._slope(speed, *parameters))
                 bound = bound * np.finfo(real).eps
-                result[here] = -force * value
+                result[here] = 0.0 - force * value
                 good[here] = (bound <= _SLOPE_ALLOWED * _EPSILON * np.abs(value)) | (bound * force < _NOTHING)
                 good[here] &= np.isfinite(result[here])
         return result, good
@@ -319,7 +321,27 @@ class StableFunction:
         value, size, error = gauss.average(
             self._slope, speed, parameters, self.criterion, scale=scale, kinks=kinks
         )
+        with np.errstate(invalid="ignore"):
+            for place, height, bound in self._jumps(*parameters, speed):
+                # Of the slope there, a delta function of that height over V.
+                share = self._weight(place / speed * (2 - place / speed)) / speed
+                share = np.where((place > 0) & (place < 2 * speed), share, 0)
+                value, size = value + height * share, size + np.abs(height * share)
+                error = error + (bound + _JUMP * np.abs(height)) * share * np.finfo(speed.dtype).eps
         return value, error / np.where(size > 0, size, 1)
+
+    @cached_property
+    def _jumps(self) -> Callable[..., list[Any]]:
+        """The places and heights of the jumps of mu, and the bounds of the heights' errors in epsilons."""
+        steps = [[place, height, rounding_bound(height)] for place, height in jumps(self.mu)]
+        compiled = function_of(self.arguments[2:], steps, "numpy")
+        return lambda *columns: compiled(*columns[:-1]) if steps else []
+
+    @cached_property
+    def _weight(self) -> Callable[[Any], Any]:
+        """The weight w(s) as a function of m = 1 - s^2."""
+        m = sp.Dummy("m", positive=True)
+        return function_of([m], gauss.weight_of(self.criterion, m), "numpy")
 
     @cached_property
     def _slope(self) -> Callable[..., tuple[Any, Any]]:

@@ -24,8 +24,8 @@ def to_digits(expr: Any, point: Mapping[Any, Any], digits: int) -> Any:
 
     The working precision doubles until two results agree. It starts beyond what powers of the inputs can
     cancel: two results may agree and both miss a term like 1 - exp(-V) that has rounded to 0. A zero is
-    believed only where an input, or a difference of inputs, is exactly 0: everywhere else it is a sign that
-    all digits cancelled.
+    believed only where an input, or a difference of inputs, is exactly 0, or where it is exact for the pieces
+    of a law that apply: everywhere else it is a sign that all digits cancelled.
 
     Raises
     ------
@@ -34,6 +34,11 @@ def to_digits(expr: Any, point: Mapping[Any, Any], digits: int) -> Any:
     NotConverged
         If the bound on the working precision does not settle it.
     """
+    if not expr.atoms(sp.Function) - expr.atoms(*_PIECES):
+        value = _by_pieces(expr, point)
+        if value is not None:
+            with mpmath.workdps(digits):
+                return to_mpf(value)
     arguments = tuple(symbol for symbol in point if expr.has(symbol))
     function, sums = _compiled(expr, arguments)
     values = [point[symbol] for symbol in arguments] + [node.xreplace(dict(point)) for node in sums]
@@ -45,11 +50,26 @@ def to_digits(expr: Any, point: Mapping[Any, Any], digits: int) -> Any:
             settled = before is not None and abs(result - before) <= abs(result) * mpmath.mpf(10) ** -(digits + 1)
             if settled and (result != 0 or not arguments or any(value == 0 for value in values)):
                 break
+        if before is not None and (value := _by_pieces(expr, point)) is not None:
+            result = to_mpf(value)
+            break
         before, precision = result, 2 * precision
     else:
         raise NotConverged(f"{digits} digits are out of reach of {_MOST_DIGITS} digits of working precision")
     with mpmath.workdps(digits):
         return +result
+
+
+_PIECES = (sp.Min, sp.Max, sp.Piecewise)
+
+
+def _by_pieces(expr: Any, point: Mapping[Any, Any]) -> Any | None:
+    """Return the exact value of an expression in pieces, if those that apply make it a rational number."""
+    nodes = expr.atoms(*_PIECES)
+    if not nodes:
+        return None
+    exact = expr.xreplace({node: node.xreplace(dict(point)) for node in nodes}).xreplace(dict(point))
+    return exact if exact.is_Rational else None
 
 
 def _decades(value: Any) -> int:

@@ -10,15 +10,15 @@ import sympy as sp
 from stickslip_sym import symbols
 from stickslip_sym.errors import InputError
 from stickslip_sym.parameters import Parameter
-from stickslip_sym.parsing import FUNCTIONS, parse_expression
+from stickslip_sym.parsing import FUNCTIONS, MAX_BITS, parse_expression
 from stickslip_sym.pieces import absolute, larger, piecewise, smaller
-from stickslip_sym.values import exact
+from stickslip_sym.values import bits, exact
 
 __all__ = ["read_formula"]
 
 MAX_POWER_OF_V = 24
 MAX_POWER_OF_SUM = 16
-MAX_TERMS = 5000
+MAX_TERMS = 600
 
 _FUNCTIONS = tuple(function for function in FUNCTIONS.values() if isinstance(function, type))
 _PLAIN = (sp.Add, sp.Mul, sp.Pow, sp.Number, sp.NumberSymbol, sp.Symbol, *_FUNCTIONS)
@@ -93,8 +93,11 @@ def _rebuild(expr: Any, symbol: Callable[[str], Any]) -> Any:
     """Rebuild a SymPy expression, node by node, on this package's symbols and kinks."""
     if isinstance(expr, sp.Symbol):
         return symbol(expr.name)
-    if isinstance(expr, sp.Float):
-        return sp.Rational(expr)
+    if isinstance(expr, sp.Float | sp.Rational):
+        number = sp.Rational(expr)
+        if bits(number) > MAX_BITS:
+            raise InputError("a number in the formula has too many digits")
+        return number
     if isinstance(expr, sp.Piecewise):
         return _rebuild_pieces(expr, symbol)
     arguments = [_rebuild(argument, symbol) for argument in expr.args]

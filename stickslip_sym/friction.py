@@ -143,6 +143,8 @@ class FrictionLaw:
         InputError
             If the file cannot be read, or as in `from_samples`.
         """
+        if not isinstance(path, str | Path) or not str(path):
+            raise InputError(f"the name of a CSV file is text, got {path!r}")
         path = Path(path)
         return cls.from_samples(*read_csv(path), extrapolate=extrapolate, name=path.stem, source=source)
 

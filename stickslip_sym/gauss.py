@@ -20,7 +20,7 @@ from stickslip_sym import symbols
 from stickslip_sym.codegen import function_of
 from stickslip_sym.criteria import Criterion
 
-__all__ = ["COARSE", "FINE", "FIRST_PANEL", "angle_weight", "average", "gauss_legendre"]
+__all__ = ["COARSE", "FINE", "FIRST_PANEL", "angle_weight", "average", "gauss_legendre", "weight_of"]
 
 COARSE, FINE = 11, 21  # nodes of the two rules
 _MOST_HALVINGS = 60
@@ -53,12 +53,16 @@ def gauss_legendre(n: int, extended: bool = False) -> tuple[Any, Any]:
     return x.astype(dtype), (2 / ((1 - x * x) * slope * slope)).astype(dtype)
 
 
-def angle_weight(criterion: Criterion, m: Any) -> Any:
-    """Return w(s) ds/dphi in terms of m = 4 sin(phi)^2 cos(phi)^2, which does not cancel at the ends."""
+def weight_of(criterion: Criterion, m: Any) -> Any:
+    """Return w(s) in terms of m = 1 - s^2, which does not cancel at the ends."""
     assert criterion.weight is not None
     even = sp.powdenest(criterion.weight.subs(symbols.s, sp.sqrt(1 - m)), force=True)
-    weight = sp.factor(even) if even.is_polynomial(m) else even
-    return 2 * sp.sqrt(m) * weight
+    return sp.factor(even) if even.is_polynomial(m) else even
+
+
+def angle_weight(criterion: Criterion, m: Any) -> Any:
+    """Return w(s) ds/dphi in terms of m = 4 sin(phi)^2 cos(phi)^2."""
+    return 2 * sp.sqrt(m) * weight_of(criterion, m)
 
 
 @lru_cache(maxsize=16)

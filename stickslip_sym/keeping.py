@@ -1,9 +1,10 @@
 """Closed forms kept in files: written exactly, read back safely, verified again when asked.
 
 A file is JSON. Every expression stands there as a tree (`trees`), and the criterion once more as text, for
-people; a file in which the two differ was changed by hand and is refused.
+people. A digest tells a file that was changed, by hand or by accident; it is no signature.
 """
 
+import hashlib
 import json
 from pathlib import Path
 from typing import Any
@@ -41,7 +42,7 @@ def save(form: ClosedForm, path: str | Path) -> None:
     content = {
         "format": FORMAT,
         "version": VERSION,
-        "text": _shown(form.criterion.name, form.expr),
+        "text": f"{form.criterion.name}: c = {printing.text(form.expr)}",
         "criterion": form.criterion.name,
         "formula": to_tree(form.expr),
         "gate": _verdict_out(form.gate),
@@ -52,7 +53,14 @@ def save(form: ClosedForm, path: str | Path) -> None:
             "steps": [_step_out(step) for step in form.derivation.steps],
         },
     }
+    content["digest"] = _digest(content)
     files.write_text(Path(path), json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+
+
+def _digest(content: dict[str, Any]) -> str:
+    """Return a digest of everything but itself."""
+    others = {key: value for key, value in content.items() if key != "digest"}
+    return hashlib.sha256(json.dumps(others, sort_keys=True).encode()).hexdigest()
 
 
 def load(path: str | Path, *, verify: bool = False) -> ClosedForm:
@@ -95,11 +103,13 @@ def _read(path: Path) -> dict[str, Any]:
         raise InputError(f"{str(path)!r} is no JSON text: {str(error)[:80]}") from None
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise InputError(f"{str(path)!r} is no {FORMAT}; `save` writes one")
-    if content.get("version") != VERSION:
+    if type(content.get("version")) is not int or content["version"] != VERSION:
         raise InputError(
             f"{str(path)!r} is of version {content.get('version')!r}, and this package reads version {VERSION}; "
             "derive the form again, or use the package that wrote it"
         )
+    if content.get("digest") != _digest(content):
+        raise InputError(f"{str(path)!r} was changed since it was saved; derive the form again")
     return content
 
 
@@ -108,14 +118,14 @@ def _form_in(content: dict[str, Any]) -> ClosedForm:
     names = {name: parameter.symbol for name, parameter in law.parameters.items()}
     expr = from_tree(content["formula"], names)
     criterion = criteria.find(content["criterion"])
-    if _shown(criterion.name, expr) != content["text"]:
-        raise InputError("its text and its formula differ, so one of them was changed")
     steps = [_step_in(step, names) for step in content["derivation"]["steps"]]
     derivation = Derivation(str(content["derivation"]["name"]), str(content["derivation"]["title"]), steps)
     form = ClosedForm(law, criterion, expr, derivation, _verdict_in(content["gate"]))
     strange = expr.free_symbols - set(form.arguments.values())
     if strange:
         raise InputError(f"its formula holds {', '.join(map(str, strange))}, which the law does not have")
+    if not steps:
+        raise InputError("its derivation has no steps")
     if Status.REFUTED in (derivation.status, form.gate.status):
         raise InputError("it is marked as refuted, and such a form is never returned")
     return form
@@ -126,10 +136,6 @@ def _verified(form: ClosedForm) -> ClosedForm:
     if gate.status is Status.REFUTED:
         raise NoClosedForm(f"the formula in the file is refuted, so it is not returned: {gate.evidence}")
     return ClosedForm(form.law, form.criterion, form.expr, form.derivation, gate)
-
-
-def _shown(criterion: str, expr: Any) -> str:
-    return f"{criterion}: c = {printing.text(expr)}"
 
 
 # -- laws ------------------------------------------------------------------------------------------
@@ -175,6 +181,8 @@ def _law_in(content: dict[str, Any]) -> FrictionLaw:
         )
         return FrictionLaw.from_curve(curve, **about)
     parameters = [Parameter(**described) for described in content["parameters"]]
+    if any(type(parameter.positive) is not bool for parameter in parameters):
+        raise InputError("a parameter is positive or not")
     names = {parameter.name: parameter.symbol for parameter in parameters}
     static = content["static"]
     law = FrictionLaw(

@@ -46,7 +46,7 @@ MAX_EXPONENT = 64
 MAX_DIGITS = 60
 MAX_ARGUMENT = 1_000_000
 MAX_KINKS = 40
-_MAX_BITS = 4096  # of a number that constant arithmetic may produce
+MAX_BITS = 4096  # of a number that constant arithmetic may produce
 _MAX_ROOT_BITS = 256  # of a number that a root is taken of: SymPy looks for its factors
 _NOT_FINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
 
@@ -153,7 +153,7 @@ class _Translator:
 
     def _number(self, node: ast.Constant) -> Any:
         text = ast.get_source_segment(self.source.lstrip(), node) or ""
-        if not re.fullmatch(r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?", text) or len(text) > MAX_DIGITS:
+        if not re.fullmatch(r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", text) or len(text) > MAX_DIGITS:
             self._fail(node, f"{text[:20]!r} is not a decimal number of at most {MAX_DIGITS} characters")
         return sp.Rational(text)
 
@@ -169,7 +169,7 @@ class _Translator:
     def _checked(self, node: ast.AST, result: Any) -> Any:
         if result in _NOT_FINITE:
             self._fail(node, "this part of the formula has no finite value")
-        if result.is_Rational and bits(result) > _MAX_BITS:
+        if result.is_Rational and bits(result) > MAX_BITS:
             self._fail(node, "a number in the formula grows too large")
         return result
 

@@ -5,6 +5,7 @@ later (closed forms, quadrature, fast functions) knows one kind of kink only, an
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import sympy as sp
@@ -12,7 +13,7 @@ import sympy as sp
 from stickslip_sym import symbols
 from stickslip_sym.errors import InputError
 
-__all__ = ["absolute", "larger", "pieces_of", "piecewise", "places", "smaller"]
+__all__ = ["absolute", "jumps", "larger", "pieces_of", "piecewise", "places", "smaller"]
 
 
 _MOST_UNORDERED = 6  # SymPy compares all pairs of what stands in a Max, at length
@@ -25,6 +26,9 @@ def piecewise(branches: Sequence[tuple[Any, Any]], last: Any) -> Any:
         raise InputError("the places of a Piecewise are parameters or numbers; they cannot depend on v")
     if any(part.has(sp.Piecewise) for pair in [*branches, (last,)] for part in pair):
         raise InputError(_NESTED)
+    numbers = [place for _, place in branches if place.is_number]
+    if any((after - before).is_nonpositive for before, after in pairwise(numbers)):
+        raise InputError("the places of a Piecewise ascend; each formula holds up to its place")
     pairs: list[tuple[Any, Any]] = []
     for branch, place in branches:
         if pairs and pairs[-1][0] == branch:
@@ -107,3 +111,19 @@ def places(expr: Any) -> list[Any]:
             relations = sp.ordered(condition.atoms(sp.StrictLessThan, sp.StrictGreaterThan))
             found += [relation.gts for relation in relations if relation.lts == symbols.v]
     return list(dict.fromkeys(found))
+
+
+def jumps(expr: Any) -> list[tuple[Any, Any]]:
+    """Return the places where an expression itself may jump, and by how much: its right minus its left limit."""
+    found = []
+    for node in sp.ordered(node for node in expr.atoms(sp.Piecewise) if node.has(symbols.v)):
+        place: Any = None
+        branches = [branch for branch, _ in node.args]
+        for end, left, right in zip(places(node), branches, branches[1:], strict=False):
+            # A piece that ends before it begins is none: the jumps into it and out of it meet at one place.
+            place = end if place is None or (end - place).is_positive else sp.Max(place, end)
+            height = expr.xreplace({node: right}) - expr.xreplace({node: left})
+            height = sp.expand(height.subs(symbols.v, place))
+            if height != 0:
+                found.append((place, height))
+    return found

@@ -111,9 +111,22 @@ def at_a_point(arguments: list[str]) -> str:
     return f"\n\ndef _criterion({names}):\n    return -N*_slope(V, {names})\n"
 
 
+def steps(places_and_heights: list[tuple[str, str]], weight: str) -> str:
+    """Return the lines that add what the jumps of mu contribute to the average."""
+    if not places_and_heights:
+        return ""
+    listed = ", ".join(f"({place}, {height})" for place, height in places_and_heights)
+    return (
+        f"    for place, height in [{listed}]:\n"
+        "        if 0 < place < 2*V:\n"
+        "            m = place/V*(2 - place/V)\n"
+        f"            sum_ += height*({weight})/V\n"
+    )
+
+
 def average(
     arguments: list[str], scales: list[str], kinks: list[str], weight: str, rules: list[tuple[str, str]],
-    nodes: tuple[int, int], first_panel: float,
+    nodes: tuple[int, int], first_panel: float, steps: str,
 ) -> str:  # fmt: skip
     """Return the adaptive average of the slope."""
     del nodes  # arrays know their length
@@ -156,7 +169,7 @@ def _average({names}):
             sum_, total = sum_ + fine, total + size
         else:
             panels += [(a, (a + b)/2, depth - 1), ((a + b)/2, b, depth - 1)]
-    return -N*sum_
+{steps}    return -N*sum_
 
 
 def _criterion({names}):

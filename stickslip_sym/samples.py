@@ -28,6 +28,7 @@ from stickslip_sym.values import Number, exact, to_mpf
 __all__ = ["SampledCurve", "read_csv"]
 
 FEWEST, MOST = 4, 60
+LARGEST = sp.Integer(10) ** 20  # m/s, and its inverse the smallest speed above 0
 _LONGEST_FILE = 1_000_000  # rows that are read before a file is refused unread
 
 
@@ -175,6 +176,11 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Any], list
         [exact(value, f"{name} of point {number}") for number, value in enumerate(values, 1)]
         for name, values in zip(("v", "mu"), lists, strict=True)
     )
+    for number, speed in enumerate(speeds, 1):
+        if speed > LARGEST or 0 < speed < 1 / LARGEST:
+            raise InputError(
+                f"v of point {number} is out of all proportion: speeds are from 1e-20 to 1e20 m/s, or 0"
+            )
     if speeds[0] < 0:
         raise InputError(f"v of point 1 is {float(speeds[0]):g}; the slip speed |x' - V| is never negative")
     for number, (before, after) in enumerate(pairwise(speeds), 2):

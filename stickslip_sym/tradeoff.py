@@ -16,6 +16,7 @@ from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.codegen import function_of
 from stickslip_sym.conditioned import conditioned
 from stickslip_sym.errors import InputError, StickSlipError
+from stickslip_sym.pieces import jumps
 from stickslip_sym.tables import duration, table
 from stickslip_sym.values import Number, exact
 
@@ -102,7 +103,7 @@ def tradeoff(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:
         way("stable function, array", lambda: form(**many), _ARRAY),
         way("stable function, one value", lambda: form(**numbers)),
     ]
-    if form.criterion.weight is not None:
+    if form.criterion.weight is not None and not jumps(form.law.expr):  # a rule for the slope misses a jump
         slope = function_of([symbols.v], form.law.substitute(conditioned(form.law.slope_expr)), "numpy")
         ways += [way(f"Gauss rule, {n} nodes", _gauss_rule(form, slope, numbers, n)) for n in GAUSS_NODES]
         ways.append(way("scipy.integrate.quad", _quad(form, slope, numbers)))

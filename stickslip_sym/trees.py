@@ -39,6 +39,12 @@ _SYMBOLS = {
     # No parameter begins with an underscore, so the variables of integration cannot be mistaken for one.
     **{f"_{dummy.name}": dummy for dummy in (symbols.u, symbols.s, symbols.theta)},
 }
+_KINDS: dict[Any, Any] = {
+    sp.Integral: (sp.Expr, sp.Tuple), sp.Derivative: (sp.Expr, sp.Tuple), sp.hyper: (sp.Expr, sp.Tuple),
+    sp.Piecewise: sp.functions.elementary.piecewise.ExprCondPair,
+    sp.functions.elementary.piecewise.ExprCondPair: (sp.Expr, sp.logic.boolalg.Boolean),
+}  # fmt: skip
+"""What a head takes if not expressions."""
 _EVALUATED_ALWAYS = (sp.Tuple, sp.Integral, sp.Derivative, symbols.mu, sp.hyper)
 
 _NUMBER = re.compile(r"-?\d+(/\d+)?")
@@ -103,7 +109,7 @@ class _Reader:
             raise InputError(f"this is no part of an expression: {str(tree)[:60]}")
         head = _HEADS[tree[0]]
         arguments = [self.read(branch, depth + 1) for branch in tree[1:]]
-        _check_orders(head, arguments)
+        _check_arguments(tree[0], head, arguments)
         options = {} if head in _EVALUATED_ALWAYS else {"evaluate": False}
         try:
             if head is sp.functions.elementary.piecewise.ExprCondPair:
@@ -120,7 +126,17 @@ class _Reader:
         raise InputError(f"{text[:60]!r} is neither a number nor a name that is known here")
 
 
-def _check_orders(head: Any, arguments: list[Any]) -> None:
+def _check_arguments(name: str, head: Any, arguments: list[Any]) -> None:
+    """Refuse arguments of another kind than the head takes, and sizes that take SymPy for ever."""
+    expected = _KINDS.get(head, sp.Expr)
+    if not arguments or not all(isinstance(argument, expected) for argument in arguments):
+        raise InputError(f"{name} cannot have these arguments: {str(arguments)[:60]}")
+    if (
+        head is sp.Pow
+        and arguments[0].is_number
+        and any(power.exp.is_Integer and abs(power.exp) > 1 for power in arguments[0].atoms(sp.Pow))
+    ):
+        raise InputError("a number is a power of a power; write it out")
     if head in (sp.Add, sp.Mul, sp.Tuple, symbols.mu) or issubclass(head, sp.core.relational.Relational):
         return
     for argument in arguments:

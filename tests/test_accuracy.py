@@ -126,7 +126,16 @@ def test_laws_without_a_closed_form(name, criterion):
 
 
 @pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
-@pytest.mark.parametrize("text", ["0.3 + 0.1*Abs(v - 0.7)", "0.2 + Max(0.3 - 0.4*v, 0)", "0.3*exp(-v)*cos(3*v)"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "0.3 + 0.1*Abs(v - 0.7)",
+        "0.2 + Max(0.3 - 0.4*v, 0)",
+        "0.3*exp(-v)*cos(3*v)",
+        "Piecewise((0.5, v < 0.4), 0.2)",
+        "Piecewise((exp(-v), v < 0.7), (0.3, v < 5), v)",
+    ],
+)
 def test_kinks_and_waves(text, criterion):
     average = ss.slope_average(ss.FrictionLaw(text), criterion)
     columns = {"V": np.array([0.2, 0.35, 0.36, 0.5, 3.0]), "N": np.full(5, 2.0)}
@@ -190,11 +199,30 @@ def test_c_text(name, criterion, tmp_path):
     assert accuracy.units(form, columns, got).max() <= most(name)
 
 
-def test_text_of_a_law_with_a_kink(tmp_path):
-    form = ss.derive(ss.FrictionLaw("mu_0 + b*Abs(v - v_1)"))
-    values = {"V": 0.5, "N": 2.0, "mu_0": 0.3, "b": 0.1, "v_1": 0.7}
+@pytest.mark.parametrize(
+    ("law", "criterion", "values"),
+    [
+        ("mu_0 + b*Abs(v - v_1)", "least_squares", {"mu_0": 0.3, "b": 0.1, "v_1": 0.7}),
+        (
+            "Piecewise((mu_s - b*v, v < v_1), mu_m)",
+            "least_squares",
+            {"mu_s": 0.5, "b": 0.1, "v_1": 0.4, "mu_m": 0.2},
+        ),
+        (
+            "Piecewise((1 - v, v < p), (0.2*v, v < q), 0.1)",
+            "harmonic",
+            {"p": 0.8, "q": 0.4},
+        ),  # a piece is not there
+    ],
+)
+def test_text_of_a_law_with_kinks_and_jumps(law, criterion, values, tmp_path):
+    form = ss.derive(ss.FrictionLaw(law), criterion)
+    values = {name: ({"V": 0.5, "N": 2.0} | values)[name] for name in form.arguments}
+    assert form(**values) == pytest.approx(float(form.evaluate(20, **values)), rel=1e-14)
     module = {}
     exec(compile(form.python(), "text", "exec"), module)
     assert module["damping"](**values) == pytest.approx(form(**values), rel=1e-14)
     if shutil.which("gcc"):
-        assert compiled(form.c(), tmp_path, 5)(*values.values()) == pytest.approx(form(**values), rel=1e-14)
+        assert compiled(form.c(), tmp_path, len(values))(*values.values()) == pytest.approx(
+            form(**values), rel=1e-14
+        )

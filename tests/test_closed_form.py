@@ -238,3 +238,19 @@ def test_latex_and_repr(law):
     assert form._repr_latex_() == f"$\\displaystyle {form.latex()}$"
     assert repr(form) == f"ClosedForm: {law.name}, least_squares, PROVED"
     assert "\\mu(v) = " in law._repr_latex_()
+
+
+def test_a_law_that_grows_like_one_over_v_has_no_criterion():
+    with pytest.raises(ss.NoClosedForm, match=r"not integrable at v = 0\+"):
+        ss.derive(ss.FrictionLaw("0.3/v"))
+
+
+@pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf"), 1e300])
+def test_a_time_limit_is_a_number_of_seconds(seconds):
+    with pytest.raises(ss.InputError, match="is not a number of seconds from 0 to 86400"):
+        ss.derive(ss.laws.exponential, time_limit=seconds)
+
+
+def test_numbers_beyond_numpys_integers_stay_doubles():
+    law = ss.FrictionLaw("0.3*exp(-1e20*v) + 1e-30*v")
+    assert law.mu([1e-20, 1.0]) == pytest.approx([0.3 * np.exp(-1), 1e-30], rel=1e-15)

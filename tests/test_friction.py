@@ -178,10 +178,13 @@ def test_names_that_derivations_use_inside_are_free(name):
         ("a*v^40*exp(p*v)", r"v\*\*40 is too high a power of v; at most v\^24"),
         ("v^20*v^5", "too high a power of v"),
         ("exp(25*log(v))", "too high a power of v"),
-        ("(a+b+d+e+f+g+v)^16", "over 5000 terms"),
-        ("((1 + v)^16 + a)^16", "over 5000 terms"),
+        ("(a+b+d+e+f+g+v)^16", "over 600 terms"),
+        ("((1 + v)^16 + a)^16", "over 600 terms"),
         ("(-1)^(1/3)*v", "is not real: only whole powers"),
         ("sqrt(-v)", "not finite and real"),
+        ("exp(1e999*v)", "'1e999' is not a decimal number"),
+        ("Piecewise((1, v < 2), (v, v < 1), 0.3)", "the places of a Piecewise ascend"),
+        (sp.Integer(10) ** 6000 * sp.Symbol("v"), "a number in the formula has too many digits"),
     ],
 )
 def test_formulas_that_algebra_cannot_handle(formula, message):

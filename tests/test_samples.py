@@ -176,3 +176,25 @@ def test_a_million_rows_are_refused_in_seconds(tmp_path):
     with pytest.raises(ss.InputError, match=r"1000000 points were given.*average them over bins"):
         ss.FrictionLaw.from_csv(path)
     assert time.perf_counter() - start < 20  # it takes 1 s; this only tells it from a hang
+
+
+@pytest.mark.parametrize("criterion", ["equilibrium", "least_squares", "harmonic"])
+def test_a_constant_stretch_is_exactly_zero(criterion):
+    """Where the criterion is 0, no number of digits tells it from a small value: the pieces do."""
+    law = ss.FrictionLaw.from_samples(["0", "0.5", "0.6", "2"], ["0.5", "0.5", "0.3", "0.3"])
+    form = ss.derive(law, criterion)
+    assert form.evaluate(30, V="0.2", N=2) == 0
+    assert str(form(V=0.2, N=2.0)) == "0.0"
+    assert float(form.evaluate(30, V="0.27", N=2)) != 0 or criterion == "equilibrium"
+
+
+@pytest.mark.parametrize("speeds", [["0", "1e-300", "1", "2"], ["0", "1", "2", "1e300"]])
+def test_speeds_out_of_proportion_are_refused(speeds):
+    with pytest.raises(ss.InputError, match="speeds are from 1e-20 to 1e20 m/s, or 0"):
+        ss.FrictionLaw.from_samples(speeds, [0.5, 0.4, 0.3, 0.35])
+
+
+def test_the_name_of_a_file_is_text():
+    for path in (None, 5, ""):
+        with pytest.raises(ss.InputError, match="the name of a CSV file is text"):
+            ss.FrictionLaw.from_csv(path)
