@@ -324,10 +324,14 @@ class StableFunction:
         with np.errstate(invalid="ignore"):
             for place, height, bound in self._jumps(*parameters, speed):
                 # Of the slope there, a delta function of that height over V.
-                share = self._weight(place / speed * (2 - place / speed)) / speed
-                share = np.where((place > 0) & (place < 2 * speed), share, 0)
+                m, epsilon = place / speed * (2 - place / speed), np.finfo(speed.dtype).eps
+                share, near = self._weight(m) / speed, self._weight(np.abs(m) + _JUMP * epsilon) / speed
+                inside = (place > 0) & (place < 2 * speed)
+                share = np.where(inside, share, 0)
                 value, size = value + height * share, size + np.abs(height * share)
-                error = error + (bound + _JUMP * np.abs(height)) * share * np.finfo(speed.dtype).eps
+                # Right at an end of [0, 2V] rounding decides how much of the jump there is.
+                off = np.where(inside | (np.abs(m) < _JUMP * epsilon), np.abs(near - share), 0)
+                error = error + np.abs(height) * off + (bound + _JUMP * np.abs(height)) * share * epsilon
         return value, error / np.where(size > 0, size, 1)
 
     @cached_property

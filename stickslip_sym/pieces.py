@@ -5,7 +5,6 @@ later (closed forms, quadrature, fast functions) knows one kind of kink only, an
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 import sympy as sp
@@ -26,9 +25,6 @@ def piecewise(branches: Sequence[tuple[Any, Any]], last: Any) -> Any:
         raise InputError("the places of a Piecewise are parameters or numbers; they cannot depend on v")
     if any(part.has(sp.Piecewise) for pair in [*branches, (last,)] for part in pair):
         raise InputError(_NESTED)
-    numbers = [place for _, place in branches if place.is_number]
-    if any((after - before).is_nonpositive for before, after in pairwise(numbers)):
-        raise InputError("the places of a Piecewise ascend; each formula holds up to its place")
     pairs: list[tuple[Any, Any]] = []
     for branch, place in branches:
         if pairs and pairs[-1][0] == branch:

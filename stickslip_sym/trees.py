@@ -69,7 +69,7 @@ def to_tree(expr: Any) -> Any:
             return name
     if isinstance(expr, sp.Symbol) and not isinstance(expr, sp.Dummy):
         return expr.name
-    head = "tuple" if isinstance(expr, sp.Tuple) else _NAME_OF.get(expr.func)
+    head = _NAME_OF.get(expr.func) or ("tuple" if isinstance(expr, sp.Tuple) else None)
     if head is None or not expr.args:
         raise InputError(f"{type(expr).__name__} has no written form: {str(expr)[:60]}")
     return [head, *map(to_tree, expr.args)]

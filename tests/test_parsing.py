@@ -208,7 +208,7 @@ def test_pi_is_exact():
         ("log(v - v)", 1, "no finite value"),
         ("2^exp(exp(exp(exp(2))))", 3, "a number in exp"),
         ("2^log(-2)", 3, "a numeric exponent is real"),
-        ("sqrt(1e300 + 1)", 1, "a root is taken of a number with too many digits"),
+        ("sqrt(1e99 + 1)", 1, "a root is taken of a number with too many digits"),
     ],
 )
 def test_refused_kinks_point_at_their_character(text, position, message):
