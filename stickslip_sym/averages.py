@@ -1,7 +1,6 @@
 """`slope_average`: a criterion of any law as a fast function, closed form or not."""
 
 from collections.abc import Mapping
-from functools import cached_property
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -9,7 +8,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym import quadrature, symbols
 from stickslip_sym.arguments import OnInvalid, call, check_names, check_reach
 from stickslip_sym.criteria import Criterion, find
-from stickslip_sym.evaluate import StableFunction, exact_value
+from stickslip_sym.evaluate import Exact, StableFunction, exact_value
 from stickslip_sym.friction import FrictionLaw
 
 __all__ = ["SlopeAverage", "slope_average"]
@@ -23,18 +22,20 @@ class SlopeAverage:
     law : FrictionLaw
         Bound values become the defaults of a call.
     criterion : Criterion
+    exact : callable, optional
+        The last resort, from the exact values of all arguments to the criterion; quadrature if not given.
     """
 
-    def __init__(self, law: FrictionLaw, criterion: Criterion) -> None:
+    def __init__(self, law: FrictionLaw, criterion: Criterion, exact: Exact | None = None) -> None:
         self.law, self.criterion = law, criterion
         parameters = {name: parameter.symbol for name, parameter in law.parameters.items()}
         self.arguments = {"V": symbols.V, "N": symbols.N, **parameters}
+        self.function = StableFunction(
+            law.expr, criterion, list(self.arguments.values()), exact or self._by_definition
+        )
+        self._defaults = {name: float(value) for name, value in law.values.items()}
 
-    @cached_property
-    def _function(self) -> StableFunction:
-        return StableFunction(self.law.expr, self.criterion, list(self.arguments.values()), self._exact)
-
-    def _exact(self, point: Mapping[Any, Any]) -> Any:
+    def _by_definition(self, point: Mapping[Any, Any]) -> Any:
         """Take the last resort: quadrature of the definition."""
         if point[symbols.V] == 0 or self.criterion.weight is None:
             slope = self.law.slope_expr
@@ -64,10 +65,10 @@ class SlopeAverage:
         NotConverged
             If the slope is too irregular.
         """
-        given = {name: float(value) for name, value in self.law.values.items()} | values
+        given = self._defaults | values
         check_names(self.arguments, given)
         check_reach(self.law, self.criterion, given["V"])
-        return call(self._function, self.arguments, given, on_invalid)
+        return call(self.function, self.arguments, given, on_invalid)
 
     def __repr__(self) -> str:
         return f"SlopeAverage: {self.law.name or self.law.text}, {self.criterion.name}"

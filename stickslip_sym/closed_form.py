@@ -10,12 +10,13 @@ import sympy as sp
 from numpy.typing import ArrayLike
 
 from stickslip_sym import printing, quadrature, symbols
-from stickslip_sym.arguments import OnInvalid, call, check_names, check_reach
+from stickslip_sym.arguments import OnInvalid, check_names, check_reach
+from stickslip_sym.averages import SlopeAverage
 from stickslip_sym.code_text import c_code, python_code
 from stickslip_sym.criteria import Criterion, find
 from stickslip_sym.derivation import Derivation
 from stickslip_sym.errors import InputError, NoClosedForm, NotConverged
-from stickslip_sym.evaluate import StableFunction, exact_value
+from stickslip_sym.evaluate import exact_value
 from stickslip_sym.friction import FrictionLaw, limit_at_rest
 from stickslip_sym.integrals import Part, Progress, integrate_terms
 from stickslip_sym.proving import Status, Verdict
@@ -61,18 +62,16 @@ class ClosedForm:
         """What is established: the status of the derivation, and the gate's evidence."""
         return Verdict(self.derivation.status, f"{len(self.derivation.steps)} steps; {self.gate.evidence}")
 
-    @cached_property
+    @property
     def arguments(self) -> dict[str, Any]:
         """The symbols that a call takes by name: V, N, then the law's parameters."""
-        parameters = {name: parameter.symbol for name, parameter in self.law.parameters.items()}
-        return {"V": symbols.V, "N": symbols.N, **parameters}
+        return self._average.arguments
 
     @cached_property
-    def _function(self) -> StableFunction:
-        return StableFunction(
-            self.law.expr,
+    def _average(self) -> SlopeAverage:
+        return SlopeAverage(
+            self.law,
             self.criterion,
-            list(self.arguments.values()),
             lambda point: exact_value(self._uncancelled, self.law.slope_expr, point, 17),
         )
 
@@ -83,34 +82,24 @@ class ClosedForm:
             return -symbols.N * self.law.slope_expr.subs(symbols.v, symbols.V)
         return self.expr
 
-    @cached_property
-    def _defaults(self) -> dict[str, float]:
-        return {name: float(value) for name, value in self.law.values.items()}
-
     def __call__(self, *, on_invalid: OnInvalid = "raise", **values: ArrayLike) -> Any:
-        """Return the damping coefficient in kg/s, broadcast over all arguments.
+        """Return the damping coefficient in kg/s, broadcast over all arguments, as a `SlopeAverage` does.
 
         Parameters
         ----------
         on_invalid : {"raise", "nan"}
-            What becomes of an argument that is negative or infinite. NaN and masked entries stay what they are.
         **values : float or array_like
             V (m/s), N (N) and the law's parameters; those that the law has bound may be left out.
 
         Returns
         -------
         float, numpy.ndarray or numpy.ma.MaskedArray
-            In float64, with an error of a few units of eps N <|mu'|>; at V = 0 the limit -N mu'(0+).
 
         Raises
         ------
         InputError
-            For a missing, unknown, negative or infinite argument, or a result beyond the range of float64.
         """
-        given = self._defaults | values
-        check_names(self.arguments, given)
-        check_reach(self.law, self.criterion, given["V"])
-        return call(self._function, self.arguments, given, on_invalid)
+        return self._average(on_invalid=on_invalid, **values)
 
     def evaluate(self, digits: int = 50, **values: Number) -> Any:
         """Return the damping coefficient in kg/s to any number of digits.
@@ -145,14 +134,14 @@ class ClosedForm:
 
         It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
         """
-        return python_code(self._function, repr(self))
+        return python_code(self._average.function, repr(self))
 
     def c(self) -> str:
         """Return C99 with a function ``double damping(double V, double N, ...)`` that needs libm only.
 
         It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
         """
-        return c_code(self._function, repr(self))
+        return c_code(self._average.function, repr(self))
 
     def _repr_latex_(self) -> str:
         return f"$\\displaystyle {self.latex()}$"

@@ -28,7 +28,7 @@ from stickslip_sym.profile import Profile, profile_of, slope_with_bound
 from stickslip_sym.splitting import Term, split
 from stickslip_sym.values import to_mpf
 
-__all__ = ["StableFunction", "exact_value"]
+__all__ = ["Exact", "StableFunction", "exact_value"]
 
 _EPSILON = float(np.finfo(np.float64).eps)
 _CANCELLED = 4.0  # the sizes of the terms over the size of their sum, from where the sum is taken otherwise

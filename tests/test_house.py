@@ -17,7 +17,7 @@ LAYERS = [
     "normal_form", "theorems", "proving", "derivation",
     "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
     "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",
-    "evaluate", "arguments", "dialects", "c_text", "python_text", "code_text", "closed_form", "averages",
+    "evaluate", "arguments", "dialects", "c_text", "python_text", "code_text", "averages", "closed_form",
     "trees", "keeping",
     "oscillator", "slip", "automaton", "transit", "grazing",
     "perturbation", "orbit", "cycles", "rungs", "threshold", "transition", "crosscheck",
