@@ -74,7 +74,7 @@ def call(
     if on_invalid not in ("raise", "nan"):
         raise InputError(f'on_invalid = {on_invalid!r} must be "raise" or "nan"')
     values = [given[name] for name in arguments]
-    if all(type(value) is float or type(value) is int for value in values):
+    if all(type(value) is float or (type(value) is int and value.bit_length() < 1000) for value in values):
         floats = [float(value) for value in values]  # type: ignore[arg-type]  # just looked
         if _is_valid(floats, arguments):
             return function.single(floats)
@@ -107,10 +107,13 @@ def _array(name: str, value: Any) -> Any:
         value = value.filled(1) if value.dtype.kind in "iub" else value.filled(1.0)
     try:
         array = np.asarray(value)
+        if array.dtype.kind in "mM" or (array.dtype.kind == "O" and any(item is None for item in array.flat)):
+            raise TypeError
         if array.dtype.kind not in "fiub":
             array = array.astype(np.float64, casting="safe" if array.dtype.kind == "c" else "unsafe")
-    except (TypeError, ValueError):
-        raise InputError(f"{name} = {value!r} is not a number or an array of numbers") from None
+    except (TypeError, ValueError, OverflowError):
+        shown = "an integer beyond float64" if isinstance(value, int) else repr(value)[:60]
+        raise InputError(f"{name} = {shown} is not a number or an array of numbers") from None
     return array
 
 

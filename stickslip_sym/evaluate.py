@@ -93,8 +93,8 @@ class _TermFunction:
         self.bases = [
             arguments.index(base) if base.is_Symbol else function_of(arguments, base, "numpy") for base in bases
         ]
-        self.amplitude = [float(term.amplitude.get(base, 0) + (base == symbols.N)) for base in bases]
-        self.ratio = [float((base == symbols.V) - term.scale.get(base, 0)) for base in bases]
+        self.amplitude = [float(term.amplitude.get(base, 0)) + (base == symbols.N) for base in bases]
+        self.ratio = [(base == symbols.V) - float(term.scale.get(base, 0)) for base in bases]
         self._profiles: dict[Any, Profile | None] = {}
         self._asked: set[Any] = set()
 

@@ -102,6 +102,8 @@ class _Builder:
 
     def build(self) -> Profile | None:
         """Return the branches in order, or None."""
+        if self.slope == 0:
+            return Profile((0.0,), (Series(0.0, (0.0,)),))
         if self.slope.is_polynomial(symbols.v):
             return self._polynomial()
         direct = self._direct()
@@ -201,6 +203,8 @@ class _Builder:
         except NoClosedForm:
             return None
         raw = sp.Add(*[part.value for part in parts]).subs(symbols.N, 1)
+        if raw.has(sp.I):
+            return None
         if raw.atoms(sp.Function) and not all(isinstance(f, _ELEMENTARY) for f in raw.atoms(sp.Function)):
             return None
         grid = 2.0 ** np.arange(_LOW, _HIGH + 0.01, 0.25)

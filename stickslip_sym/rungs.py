@@ -76,6 +76,8 @@ class Scenes:
 
 
 def _column(name: str, value: ArrayLike) -> Any:
+    if np.ma.is_masked(value):
+        raise InputError(f"{name} has masked entries; drop them, or fill them with a number")
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):

@@ -79,6 +79,8 @@ def _term(constant: Any, rest: Any, v: Any) -> Term | None:
 
 
 def _scaled(constant: Any, rest: Any, v: Any, scale: Any) -> Term | None:
+    if not scale.is_positive:
+        return None  # r = V/scale would have no sign, and branches are for r > 0
     mu = rest.subs(v, scale * v)
     if mu.is_rational_function(v):
         mu = sp.factor(mu)

@@ -35,6 +35,7 @@ _LOOSE, _TIGHT = 1e-6, 1e-12  # relative errors of orbits on a grid of belt spee
 _SIMULATED = 1e-9  # and of simulations
 _BESIDE = 1e-4  # relative distance at which the slope of the threshold is taken
 _SIMULATED_NEAR = 1e-3  # relative distance from the orbit's root within which simulation's is sought
+_SHARE = 0.4  # of the last measured speed, up to which belt speeds are tried: motions slip at a little over 2 V
 _COARSE_GRID = 10.0 ** np.linspace(-4, 4, 25)  # belt speeds in m/s at which a law that is not smooth is sampled
 _ROOT = float(4 * np.finfo(np.float64).eps)
 
@@ -165,6 +166,8 @@ class _Search:
         smooth = obstacle(self.law, np.inf) is None
         if not smooth:  # each value takes a quadrature or a simulation
             V = _COARSE_GRID
+        if self.law.v_max is not None:
+            V = np.geomspace(1e-4, _SHARE, V.size) * float(self.law.v_max)
         if method == "simulation" and smooth:
             nearby = [V * (1 + sign * _SIMULATED_NEAR) for V in self.roots("orbit") for sign in (-1, 1)]
             V = np.array(nearby)
@@ -216,9 +219,12 @@ class _Search:
                 )
             return value
 
+        asked = V.size
         with np.errstate(all="ignore"):
             off = self.excess(method, V, _LOOSE)
         V, off = V[np.isfinite(off)], off[np.isfinite(off)]
+        if asked and not V.size:
+            raise NotConverged(f"there is no {method} threshold at any belt speed; try another method")
         if not V.size:
             return []
         x = np.log(V)
@@ -242,18 +248,22 @@ class _Search:
 
     def named(self, method: str) -> tuple[TransitionSpeed, ...]:
         """Return the roots of a rung; the error of the two exact ones is known."""
+        reason = obstacle(self.law, np.inf)
+        if reason is not None and method in ("second_order", "orbit"):
+            raise InputError(f'method="{method}" needs a law that is smooth: {reason}; try method="simulation"')
         found = self.roots(method)
         return _speeds(found, method, self._doubt(method, found) if method in ("orbit", "simulation") else None)
 
     def climb(self, rtol: float) -> tuple[TransitionSpeed, ...]:
         """Return the roots of the cheapest rung that are all known to be close enough to the exact ones."""
-        if obstacle(self.law, np.inf) is None:
+        smooth = obstacle(self.law, np.inf) is None
+        if smooth:
             expected = self.roots("second_order")
             for method in (*AVERAGES, "second_order"):
                 V = self.roots(method)
                 if V.size == expected.size and ((error := self._distance(V, rtol)) <= rtol).all():
                     return _speeds(V, method, error)
-        for method in ("orbit", "simulation"):
+        for method in ("orbit", "simulation") if smooth else ("simulation",):
             V = self.roots(method)
             if ((error := self._doubt(method, V)) <= rtol).all():
                 return _speeds(V, method, error)

@@ -226,3 +226,19 @@ def test_text_of_a_law_with_kinks_and_jumps(law, criterion, values, tmp_path):
         assert compiled(form.c(), tmp_path, len(values))(*values.values()) == pytest.approx(
             form(**values), rel=1e-14
         )
+
+
+@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
+@pytest.mark.parametrize(
+    ("text", "a"),
+    [("0.2 + 0.3*exp(-a*v)", -2.0), ("0.3*tanh(a*v)", -2.0), ("0.3/(1 + a*v)", -0.5), ("0.3*exp(-a*v)", 0.0),
+     ("0.3*exp(-a*v^2)", 2.0), ("0.3*exp(-a*v^2)", -1.0), ("0.3*(1 + v)^a", 0.0), ("0.3*exp(v^2) + a", 1.0)],
+)  # fmt: skip
+def test_parameters_of_any_sign(text, a, criterion):
+    law = ss.FrictionLaw(text, parameters=[ss.Parameter("a", positive=False)])
+    average = ss.slope_average(law.bind(a=a), criterion)
+    columns = {"V": np.array([0.01, 0.5, 0.9]), "N": np.full(3, 2.0)}
+    got = average(**columns)
+    expected = by_quadrature(average, columns)
+    assert got == pytest.approx([float(value) for value in expected], rel=1e-13, abs=1e-15)
+    assert average(V=0.5, N=2.0) == pytest.approx(got[1], rel=1e-14, abs=1e-15)

@@ -119,3 +119,9 @@ def test_an_array_of_shapes_is_taken_apart():
     got = form(V=V, delta=delta, **rest)
     for i in (3, 150):
         assert got[i] == pytest.approx(form(V=float(V[i]), delta=float(delta[i]) + 1e-14, **rest), rel=1e-12)
+
+
+@pytest.mark.parametrize("value", [None, 10**400, np.datetime64("2020"), "fast"])
+def test_what_is_no_number_is_named(value):
+    with pytest.raises(ss.InputError, match=r"V = .* is not a number or an array of numbers"):
+        ss.slope_average(ss.laws.exponential.typical())(V=value, N=1.0)

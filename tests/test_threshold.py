@@ -258,3 +258,25 @@ def test_the_command_line_prints_the_ladder():
     ladder = damping("linear", "-m", "1", "-k", "100", "--all").stdout.splitlines()
     assert [line.split()[0] for line in ladder[1:]] == list(LADDER)
     assert damping("linear", "-m", "1").returncode == 2
+
+
+def test_the_transition_speed_of_a_kink_is_found_by_simulation():
+    law = ss.FrictionLaw("0.2 + 0.3*Max(0, 1 - v/0.3)")
+    scene = {"c": 2.0, "N": 9.81, "m": 1.0, "k": 1e4}
+    (found,) = ss.transition_speed(law, **scene)
+    assert found.method == "simulation"
+    threshold = ss.pure_slip_damping(law, V=found.value, N=9.81, m=1.0, k=1e4, method="simulation", rtol=1e-9)
+    assert threshold.value == pytest.approx(2.0, rel=1e-6)
+    with pytest.raises(ss.InputError, match="needs a law that is smooth"):
+        ss.transition_speed(law, **scene, method="orbit")
+
+
+def test_the_transition_speed_of_measured_points():
+    law = ss.FrictionLaw.from_samples([0, 0.1, 0.2, 0.4, 0.8, 1.6, 3.0], [0.5, 0.42, 0.37, 0.3, 0.25, 0.22, 0.21])
+    (found,) = ss.transition_speed(law, c=1.0, N=9.81)
+    assert ss.derive(law, "harmonic")(V=found.value, N=9.81) == pytest.approx(1.0, rel=1e-9)
+
+
+def test_masked_scenes_are_refused():
+    with pytest.raises(ss.InputError, match="V has masked entries"):
+        ss.pure_slip_damping(ss.laws.exponential.typical(), V=np.ma.array([0.5, 0.6], mask=[0, 1]), N=9.81)
