@@ -30,14 +30,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     printed = paper.equations(changes)
     d = Derivation("second_order", "The threshold to second order in N/(V sqrt(k m)): mass and stiffness enter")
     _any_law(d)
-    law = d.equal(
-        "take the law (4)",
-        "it is the catalogue's",
-        laws.polynomial.expr,
-        printed["(4)"].subs(u, v),
-        label="(4)",
-        shown=mu(v),
-    )
+    law = take_polynomial_law(d, printed)
     _polynomial_law(d, law)
     d.equal(
         "the pure-slip damping c = (N/V)(chat_0 + eta^2 chat_2)",
@@ -56,6 +49,18 @@ def law_4() -> Any:
     drop = mu_s - mu_m
     weak = N * drop * (12 * v_m**2 - 15 * V**2) / (8 * v_m**3)
     return weak + sp.Rational(31149, 81920) * N**3 * drop**3 * V**6 / (k * m * v_m**9)
+
+
+def take_polynomial_law(d: Derivation, printed: Mapping[str, Any]) -> Any:
+    """Add the step that takes the law (4) as it is printed, and return it."""
+    return d.equal(
+        "take the law (4)",
+        "it is the catalogue's",
+        laws.polynomial.expr,
+        printed["(4)"].subs(u, v),
+        label="(4)",
+        shown=mu(v),
+    )
 
 
 def _any_law(d: Derivation) -> None:

@@ -11,8 +11,9 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym import Derivation, laws
-from stickslip_sym.symbols import N, V, c, k, m, mu, theta, u, v
+from derivations.d8_second_order import take_polynomial_law
+from stickslip_sym import Derivation
+from stickslip_sym.symbols import N, V, c, k, m, mu, theta, v
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
@@ -26,14 +27,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     d = Derivation("hopf", "The Hopf bifurcation at c = -N mu'(V), and the limit cycle born there")
     _linear(d)
     _criticality(d)
-    law = d.equal(
-        "take the law (4)",
-        "it is the catalogue's",
-        laws.polynomial.expr,
-        printed["(4)"].subs(u, v),
-        label="(4)",
-        shown=mu(v),
-    )
+    law = take_polynomial_law(d, printed)
     _polynomial_law(d, law, amplitude)
     return d
 

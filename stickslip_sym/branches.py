@@ -7,6 +7,7 @@ that nothing over- or underflows on the way to a number that does neither.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -128,9 +129,13 @@ class Table:
     first: int
     rows: Any  # numpy.ndarray, panels by coefficients
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "_columns", np.ascontiguousarray(self.rows.T))
-        object.__setattr__(self, "_lists", self.rows.tolist())
+    @cached_property
+    def _columns(self) -> Any:
+        return np.ascontiguousarray(self.rows.T)
+
+    @cached_property
+    def _lists(self) -> list[list[float]]:
+        return list(self.rows.tolist())
 
     def array(self, r: Any) -> Any:
         """Return G for an array of r."""
@@ -138,7 +143,7 @@ class Table:
         upper = mantissa >= MIDDLE
         panel = 2 * (exponent - self.first) + upper
         t = (mantissa - np.where(upper, CENTERS[1], CENTERS[0])) * np.where(upper, STRETCHES[1], STRETCHES[0])
-        *rest, last = self._columns  # type: ignore[attr-defined]  # set after init: frozen
+        *rest, last = self._columns
         total = last.take(panel)
         for column in reversed(rest):
             total *= t
@@ -151,7 +156,7 @@ class Table:
         upper = mantissa >= MIDDLE
         t = (mantissa - CENTERS[upper]) * STRETCHES[upper]
         total = 0.0
-        for coefficient in reversed(self._lists[2 * (exponent - self.first) + upper]):  # type: ignore[attr-defined]
+        for coefficient in reversed(self._lists[2 * (exponent - self.first) + upper]):
             total = total * t + coefficient
         return total
 

@@ -4,20 +4,15 @@ from typing import Annotated
 
 import typer
 
-from stickslip_sym.cli_reading import assignments, check_size, read_law
+from stickslip_sym.cli_reading import LawName, Values, assignments, check_size, read_law
 from stickslip_sym.errors import StickSlipError
 
 __all__ = ["damping"]
 
 
 def damping(
-    law: Annotated[
-        str, typer.Argument(metavar="LAW", help="Name of a law (see: stickslip laws), or a formula in v.")
-    ],
-    parameter: Annotated[
-        list[str] | None,
-        typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="Value of a parameter; may be repeated."),
-    ] = None,
+    law: LawName,
+    parameter: Values = None,
     speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = "0.5",
     force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = "9.81",
     mass: Annotated[str | None, typer.Option("-m", metavar="KG", help="Mass; goes with -k.")] = None,

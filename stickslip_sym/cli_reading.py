@@ -1,13 +1,22 @@
 """What the commands read from their arguments: laws, values and sizes. Each refusal says what to write."""
 
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
+
+import typer
 
 from stickslip_sym.errors import InputError
 
-__all__ = ["assignments", "check_size", "once", "read_law"]
+__all__ = ["LawName", "Values", "assignments", "check_size", "once", "read_law"]
 
 T = TypeVar("T")
+LawName = Annotated[
+    str, typer.Argument(metavar="LAW", help="Name of a law (see: stickslip laws), or a formula in v.")
+]
+Values = Annotated[
+    list[str] | None,
+    typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="Value of a parameter; may be repeated."),
+]
 LARGEST = 10**20  # of a number in SI units, and its inverse the smallest: the table needs time and doubles
 
 

@@ -5,18 +5,15 @@ from typing import Annotated
 
 import typer
 
-from stickslip_sym.cli_reading import assignments, read_law
+from stickslip_sym.cli_reading import LawName, Values, assignments, read_law
 
 __all__ = ["tradeoff"]
 
 
 def tradeoff(
-    law: Annotated[str, typer.Argument(metavar="LAW", help="Name of a law, or a formula in v.")] = "exponential",
+    law: LawName = "exponential",
     criterion: Annotated[str, typer.Option("--criterion", metavar="NAME")] = "least_squares",
-    parameter: Annotated[
-        list[str] | None,
-        typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="Value of a parameter; may be repeated."),
-    ] = None,
+    parameter: Values = None,
     speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = "0.05",
     force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = "9.81",
     thresholds: Annotated[

@@ -7,7 +7,7 @@ from stickslip_sym.dialects import numeric_list
 
 __all__ = [
     "at_a_point", "average", "brackets", "exp", "head", "lines", "log", "look_up", "one", "product", "slope",
-    "sqrt", "table", "term", "total",
+    "sqrt", "steps", "table", "term", "total",
 ]  # fmt: skip
 
 exp, log, sqrt, one = "np.exp", "np.log", "np.sqrt", "np.ones_like(V)"
