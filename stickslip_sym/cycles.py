@@ -7,6 +7,7 @@ interpolated by a Chebyshev polynomial, whose roots are all found and then impro
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +19,7 @@ from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import Orbits, obstacle, orbits
 from stickslip_sym.oscillator import Oscillator
 
-__all__ = ["LimitCycle", "limit_cycles"]
+__all__ = ["LimitCycle", "NeededDamping", "limit_cycles", "needed_damping"]
 
 _DEGREES = (16, 32, 64, 128)
 _RESOLVED = 1e-9  # of the highest coefficients of d(A), relative to its variation
@@ -50,6 +51,47 @@ class LimitCycle:
     stable: bool
 
 
+@dataclass(frozen=True)
+class NeededDamping:
+    """The damping d(A) that a slip orbit needs, over sqrt(k m), as a function of its amplitude A V.
+
+    Attributes
+    ----------
+    series : numpy.ndarray
+        Chebyshev coefficients of d on 0 <= A <= 1; one coefficient if d does not vary.
+    """
+
+    series: Any
+
+    def at(self, amplitude: Any) -> Any:
+        """Return d at amplitudes over the belt speed; d(0) is the Hopf bifurcation, d(1) the graze."""
+        return chebyshev.chebval(2 * np.asarray(amplitude) - 1, self.series)
+
+    def slope(self, amplitude: Any) -> Any:
+        """Return d'(A): an orbit is stable where it is negative."""
+        return chebyshev.chebval(2 * np.asarray(amplitude) - 1, chebyshev.chebder(self.series)) * 2
+
+    def amplitudes(self, damping: float) -> Any:
+        """Return the amplitudes, over the belt speed and ascending, of all orbits with a damping over sqrt(k m)."""
+        return _roots(chebyshev.chebsub(self.series, [damping]))
+
+    @property
+    def folds(self) -> Any:
+        """The amplitudes at which d turns: a stable and an unstable orbit meet there."""
+        return _roots(chebyshev.chebder(self.series))
+
+
+def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
+    """Return the damping that slip orbits need, as a function of their amplitude; the oscillator's c is not used.
+
+    Raises
+    ------
+    InputError, NotConverged
+        As `limit_cycles` does.
+    """
+    return NeededDamping(_interpolated(_solver(law, osc)))
+
+
 def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
     """Return every pure-slip limit cycle of an oscillator, by ascending amplitude.
 
@@ -71,28 +113,13 @@ def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
     NotConverged
         If the orbits are not found, since friction is too strong, or vary too fast with the amplitude.
     """
-    if reason := obstacle(law, osc.V, jump=False):
-        raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
-    e = osc.N / osc.impedance
+    solve = _solver(law, osc)
+    need = NeededDamping(_interpolated(solve))
     damping = 2 * osc.zeta
-
-    def solve(A: Any) -> Orbits:
-        found = orbits(law, osc.V, e, A)
-        if not np.isfinite(found.error).all():
-            lost = np.atleast_1d(A)[~np.isfinite(found.error)][0]
-            raise NotConverged(
-                f"no slip orbit of amplitude {lost * osc.V:g} m/s was found: friction is too strong, or its law "
-                "not smooth enough at v = 0, for the bound on work; try simulate()"
-            )
-        if reason := obstacle(law, osc.V, float(found.lowest.min()), jump=False):
-            raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
-        return found
-
-    need = _interpolated(solve)
-    roots = _roots(chebyshev.chebsub(need, [damping]))
+    roots = need.amplitudes(damping)
     if not roots.size:
         return ()
-    slope = chebyshev.chebval(2 * roots - 1, chebyshev.chebder(need)) * 2
+    slope = need.slope(roots)
     for _ in range(_IMPROVED):
         with np.errstate(all="ignore"):
             step = (solve(roots).d - damping) / slope
@@ -110,7 +137,28 @@ def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
     )
 
 
-def _interpolated(solve: Any) -> Any:
+def _solver(law: FrictionLaw, osc: Oscillator) -> Callable[[Any], Orbits]:
+    """Return the function that finds the orbits of given amplitudes."""
+    if reason := obstacle(law, osc.V, jump=False):
+        raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
+    e = osc.N / osc.impedance
+
+    def solve(A: Any) -> Orbits:
+        found = orbits(law, osc.V, e, A)
+        if not np.isfinite(found.error).all():
+            lost = np.atleast_1d(A)[~np.isfinite(found.error)][0]
+            raise NotConverged(
+                f"no slip orbit of amplitude {lost * osc.V:g} m/s was found: friction is too strong, or its law "
+                "not smooth enough at v = 0, for the bound on work; try simulate()"
+            )
+        if reason := obstacle(law, osc.V, float(found.lowest.min()), jump=False):
+            raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
+        return found
+
+    return solve
+
+
+def _interpolated(solve: Callable[[Any], Orbits]) -> Any:
     """Return Chebyshev coefficients of d(A) on [0, 1]."""
     for degree in _DEGREES:
         # Nodes of the first kind: A = 0, where there is no orbit, is none of them.
