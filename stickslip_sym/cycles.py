@@ -72,7 +72,7 @@ class NeededDamping:
         return chebyshev.chebval(2 * np.asarray(amplitude) - 1, chebyshev.chebder(self.series)) * 2
 
     def amplitudes(self, damping: float) -> Any:
-        """Return the amplitudes, over the belt speed and ascending, of all orbits with a damping over sqrt(k m)."""
+        """Return the amplitudes, over the belt speed, ascending, of all orbits with a damping over sqrt(k m)."""
         return _roots(chebyshev.chebsub(self.series, [damping]))
 
     @property
