@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from stickslip_sym import criteria, laws, quadrature, symbols
     from stickslip_sym.automaton import Phase, Trajectory, simulate
     from stickslip_sym.averages import SlopeAverage, slope_average
+    from stickslip_sym.classification import Motion, classify
     from stickslip_sym.closed_form import ClosedForm, derive
     from stickslip_sym.cycles import LimitCycle, limit_cycles
     from stickslip_sym.derivation import Derivation, Step
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from stickslip_sym.keeping import load, save
     from stickslip_sym.oscillator import Oscillator
     from stickslip_sym.proving import Status, Verdict
+    from stickslip_sym.regimes import Regime, Rest, Separatrix, regime
     from stickslip_sym.threshold import Threshold, pure_slip_damping
     from stickslip_sym.transit import StickSlipCycle, peak_velocity, stick_slip_cycle
     from stickslip_sym.transition import TransitionSpeed, transition_speed
@@ -42,15 +44,17 @@ _HOME = {
     "LimitCycle": "cycles", "limit_cycles": "cycles",
     "Threshold": "threshold", "pure_slip_damping": "threshold",
     "TransitionSpeed": "transition", "transition_speed": "transition",
+    "Regime": "regimes", "Rest": "regimes", "Separatrix": "regimes", "regime": "regimes",
+    "Motion": "classification", "classify": "classification",
 }  # fmt: skip
 
 __all__ = [  # noqa: RUF022  # modules first
     "criteria", "laws", "quadrature", "symbols",
-    "ClosedForm", "Derivation", "FrictionLaw", "InputError", "LimitCycle", "NoClosedForm", "NoThreshold",
-    "NotConverged", "Oscillator", "Parameter", "Phase", "SlopeAverage", "Status", "Step", "StickSlipCycle",
-    "StickSlipError", "Threshold", "Trajectory", "TransitionSpeed", "Verdict", "derive", "limit_cycles", "load",
-    "peak_velocity", "pure_slip_damping", "save", "simulate", "slope_average", "stick_slip_cycle",
-    "transition_speed",
+    "ClosedForm", "Derivation", "FrictionLaw", "InputError", "LimitCycle", "Motion", "NoClosedForm",
+    "NoThreshold", "NotConverged", "Oscillator", "Parameter", "Phase", "Regime", "Rest", "Separatrix",
+    "SlopeAverage", "Status", "Step", "StickSlipCycle", "StickSlipError", "Threshold", "Trajectory",
+    "TransitionSpeed", "Verdict", "classify", "derive", "limit_cycles", "load", "peak_velocity",
+    "pure_slip_damping", "regime", "save", "simulate", "slope_average", "stick_slip_cycle", "transition_speed",
 ]  # fmt: skip
 
 

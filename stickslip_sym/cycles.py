@@ -36,7 +36,7 @@ class LimitCycle:
     Attributes
     ----------
     amplitude : float
-        Highest velocity of the mass in m/s, at most the belt's.
+        Highest velocity of the mass in m/s; above the belt's where a motion overtakes it and does not stick.
     period : float
         In s.
     floquet : float

@@ -27,6 +27,7 @@ _LONGEST_STEP = 0.5  # explicit, of dimensionless time; a period is about 2 pi
 _MOST_STEPS = 10_000  # and, on the way to a given horizon, 20 more for every unit of time
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _PATIENCE = 15  # steps held short by stability before the method changes
+_LEVEL = 1e-13  # of the terms of w', below which it may be nothing but rounding
 _RUNAWAY = 1e100  # times the belt's speed
 _ROOT = float(4 * np.finfo(np.float64).eps)
 
@@ -129,6 +130,9 @@ def follow(
     phase = SlipPhase(side, "horizon", start)
     solver = method.solver(start, horizon)
     rising = start.w == 0 or initial > 0
+    terms = scene.eta * scene.static, start.q, 2 * scene.zeta * start.w
+    if abs(initial) <= _LEVEL * max(map(abs, terms)) and start.w < side:  # from a minimum w rises
+        rising = True
     steps = 0
     while solver.status == "running":
         steps += 1

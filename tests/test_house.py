@@ -21,7 +21,7 @@ LAYERS = [
     "trees", "keeping",
     "oscillator", "slip", "automaton", "transit", "grazing",
     "perturbation", "orbit", "cycles", "rungs", "threshold", "transition", "crosscheck",
-    "newmark", "tradeoff", "tradeoff_thresholds",
+    "slip_orbits", "regimes", "classification", "newmark", "tradeoff", "tradeoff_thresholds",
     "cli_reading", "cli_laws", "cli_derive", "cli_damping", "cli_tradeoff", "cli",
 ]  # fmt: skip
 """The modules of the package in the order in which they may import: each only from those before it."""

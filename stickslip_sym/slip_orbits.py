@@ -1,0 +1,165 @@
+"""What slip does on its own: every pure-slip limit cycle, and whether the orbits between two of them grow.
+
+An orbit in slip has its peaks of velocity at A V. In a plane orbits do not cross, so from peak to peak A only
+grows or only shrinks, up to the next limit cycle, to rest, or to the belt's speed. For a smooth law `cycles` knows
+the limit cycles by collocation. For any other they are the fixed points of the return map, A to the A of the next
+peak, followed by integration.
+"""
+
+import math
+from bisect import bisect
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import brentq
+
+from stickslip_sym.cycles import LimitCycle, limit_cycles, needed_damping
+from stickslip_sym.errors import InputError, NotConverged
+from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.oscillator import Oscillator, Scene
+from stickslip_sym.slip import Point, SlipPhase, follow
+
+__all__ = ["SlipOrbits", "next_peak", "overtaking_cycle", "slip_orbits", "trough"]
+
+_NODES = 33
+_NEAREST = 1e-3  # lowest amplitude at which the return map is looked at; below, the equilibrium decides
+_NEUTRAL = 1e-11  # growth a round below which an integration cannot tell its sign
+_STEP = 1e-5  # of amplitude, for the slope of the return map
+_LONGEST = 1e3  # of dimensionless time, for one round
+_MOST_ROUNDS = 1000
+_SAME = 1e-9  # relative change of a round that is periodic
+_ESCAPED = 1e6  # displacement in units of V/omega
+
+
+@dataclass(frozen=True)
+class SlipOrbits:
+    """The limit cycles in slip, and the way between them.
+
+    Attributes
+    ----------
+    cycles : tuple of LimitCycle
+        By ascending amplitude.
+    growth : tuple of int
+        1 where orbits grow, -1 where they shrink, 0 where all are periodic: below the first cycle, between two,
+        and above the last.
+    """
+
+    cycles: tuple[LimitCycle, ...]
+    growth: tuple[int, ...]
+
+    def fate(self, peak: float) -> LimitCycle | float:
+        """Return the limit cycle to which an orbit with a peak velocity in m/s tends, else 0 (rest) or infinity.
+
+        Where all orbits are periodic it is NaN.
+        """
+        place = bisect([cycle.amplitude for cycle in self.cycles], peak)
+        if self.growth[place] == 0:
+            return math.nan
+        if self.growth[place] > 0:
+            return self.cycles[place] if place < len(self.cycles) else math.inf
+        return self.cycles[place - 1] if place else 0.0
+
+
+def slip_orbits(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> SlipOrbits:
+    """Return the limit cycles of an oscillator in slip, up to the belt's speed.
+
+    Raises
+    ------
+    InputError
+        For an unbound law.
+    NotConverged
+        When the bound on the work is reached.
+    """
+    try:
+        cycles = limit_cycles(law, osc)
+        need = needed_damping(law, osc)
+    except (InputError, NotConverged):  # not smooth, or too strong a friction for collocation
+        return _by_simulation(law, osc, rtol)
+    flat = 1e-14 * np.abs(need.series).max()
+    return _ordered(cycles, osc.V, lambda amplitude: float(need.at(amplitude)) - 2 * osc.zeta, flat)
+
+
+def _ordered(cycles: tuple[LimitCycle, ...], V: float, gain: Callable[[float], float], flat: float) -> SlipOrbits:
+    """Take the growth between cycles from one orbit of each interval."""
+    bounds = [0.0, *(cycle.amplitude / V for cycle in cycles), 1.0]
+    gains = [gain((low + high) / 2) for low, high in pairwise(bounds)]
+    return SlipOrbits(cycles, tuple(0 if abs(g) <= flat else int(np.sign(g)) for g in gains))
+
+
+def trough(scene: Scene, amplitude: float) -> Point:
+    """Return the state of least slip speed, 1 - amplitude, where the velocity has its peak."""
+    w = 1 - amplitude
+    return Point(0.0, 2 * scene.zeta * w - scene.eta * (scene.static - scene.mu(w)), w)
+
+
+def next_peak(scene: Scene, amplitude: float, rtol: float) -> tuple[float, SlipPhase]:
+    """Return the next peak of the velocity over V, and the slip phase that leads there.
+
+    Where the mass meets the belt before, with an acceleration a, it is 1 + a^2/2 in units of omega V: the peak to
+    which the spring alone would pull it. At rest it is 0.
+    """
+    slip = follow(
+        scene, trough(scene, amplitude), 1, horizon=_LONGEST * (1 + abs(scene.zeta)), rtol=rtol, until="turn"
+    )
+    if slip.end == "return":
+        return 1 + scene.acceleration(slip.last.q, 0.0, 1) ** 2 / 2, slip
+    return (1 - slip.last.w if slip.end == "minimum" else 0.0), slip
+
+
+def _by_simulation(law: FrictionLaw, osc: Oscillator, rtol: float) -> SlipOrbits:
+    scene = Scene.of(law, osc)
+
+    def gain(amplitude: float) -> float:
+        return next_peak(scene, amplitude, rtol)[0] / amplitude - 1
+
+    nodes = _NEAREST + (1 - _NEAREST) * (1 - np.cos(np.linspace(0.0, math.pi, _NODES))) / 2
+    gains = [gain(float(A)) for A in nodes]
+    roots = [
+        brentq(gain, low, high, rtol=max(rtol, 1e-14))
+        for (low, before), (high, after) in pairwise(zip(nodes.tolist(), gains, strict=True))
+        if before * after < 0 and max(abs(before), abs(after)) > _NEUTRAL
+    ]
+    cycles = tuple(_cycle(scene, osc, float(root), rtol) for root in roots)
+    return _ordered(cycles, osc.V, gain, _NEUTRAL)
+
+
+def _cycle(scene: Scene, osc: Oscillator, amplitude: float, rtol: float) -> LimitCycle:
+    _, slip = next_peak(scene, amplitude, rtol)
+    step = min(_STEP, (1 - amplitude) / 2)
+    ahead, behind = (next_peak(scene, amplitude + shift, rtol)[0] for shift in (step, -step))
+    floquet = math.log(max((ahead - behind) / (2 * step), 1e-300)) / slip.last.tau
+    return LimitCycle(amplitude * osc.V, slip.last.tau / osc.omega, floquet * osc.omega, floquet < 0)
+
+
+def overtaking_cycle(scene: Scene, osc: Oscillator, rtol: float) -> LimitCycle | None:
+    """Return the limit cycle that overtakes the belt each round and never sticks, or None.
+
+    It is sought from P on. A law with mu(0) = 0 has no stick, and its relaxation oscillation is of this kind.
+    """
+    q, changes = 0.0, [math.inf]
+    for _ in range(_MOST_ROUNDS):
+        slow = _phase(scene, q, 1, rtol)
+        if slow.end != "return" or scene.sticks(slow.last.q):
+            return None
+        fast = _phase(scene, slow.last.q, -1, rtol)
+        if fast.end != "return" or scene.sticks(fast.last.q) or fast.last.q > _ESCAPED:
+            return None
+        changes.append(abs(fast.last.q - q))
+        q = fast.last.q
+        if changes[-1] <= _SAME * max(1.0, q):
+            duration = slow.last.tau + fast.last.tau
+            shrinks = max(changes[-1] / changes[-2], float(np.finfo(float).tiny))
+            speed = max(point.w for point in fast.extrema)
+            return LimitCycle(
+                osc.V * (1 + speed), duration / osc.omega, math.log(shrinks) / duration * osc.omega, shrinks < 1
+            )
+    return None
+
+
+def _phase(scene: Scene, q: float, side: int, rtol: float) -> SlipPhase:
+    horizon = _LONGEST * (1 + abs(scene.zeta))
+    return follow(
+        scene, Point(0.0, q, 0.0), side, horizon=horizon, rtol=rtol, until="turn" if side > 0 else "return"
+    )
