@@ -12,18 +12,14 @@ from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, check_rtol, real
 from stickslip_sym.regimes import graze
 from stickslip_sym.slip import Point, SlipPhase, follow
-from stickslip_sym.slip_orbits import SlipOrbits, slip_orbits
+from stickslip_sym.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits
 from stickslip_sym.transit import stick_slip_cycle
 
 __all__ = ["Motion", "classify"]
 
-_P = Point(0.0, 0.0, 0.0)
-_MOST_ROUNDS = 1000
-_PATIENCE = 20  # rounds after which the whole way in is looked at
-_ROUNDS = 12  # looked at on that way
+_ROUNDS = 12  # looked at on the way from far out
 _LONGEST = 1e4  # decay times, for one slip phase
 _SAME = 1e-9  # relative change of a round that is periodic
-_ESCAPED = 1e6  # growth of a round, over its start, after which it is without bound
 _NEAR = 100  # times the tolerance, around a separatrix
 
 
@@ -88,67 +84,47 @@ class _Course:
         self.orbits: SlipOrbits | None = None
 
     def of(self, point: Point, side: int) -> Motion:
-        overtakes: list[float] = []  # where slip faster than the belt began
+        first: float | None = None  # where slip slower than the belt began, outside P's orbit
         while True:
             if point.w == 0:
                 if self.scene.sticks(point.q):
                     return self.from_onset()
                 side = 1 if point.q >= 0 else -1
-            if side < 0:
-                overtakes.append(abs(point.q))
-                if (decided := self._outside(overtakes)) is not None:
-                    return decided
+                if side > 0 and first is not None:
+                    return self._outside(first, point.q)
+                first = point.q if side > 0 else first
             slip = self._slip(point, side, "turn" if side > 0 else "return")
             if slip.end == "rest":
                 return Motion.DAMPED_SLIP
             if slip.end == "horizon":
                 return Motion.UNDECIDED
             if slip.end == "minimum":
-                if (decided := self._inside(1 - slip.last.w)) is not None:
-                    return decided
-                slip = self._slip(slip.last, 1, "return")
+                return self._inside(1 - slip.last.w)
             point = Point(0.0, slip.last.q, slip.last.w)
 
-    def _outside(self, overtakes: list[float]) -> Motion | None:
-        """Return what rounds that overtake the belt lead to, once they show it."""
-        if len(overtakes) < 3:
-            return None
-        before, now = overtakes[-2:]
+    def _outside(self, before: float, now: float) -> Motion:
+        """Return what two rounds outside P's orbit lead to: all that follow go the same way."""
         if abs(now - before) <= _SAME * now:
             return Motion.PURE_SLIP
-        if now > _ESCAPED * overtakes[0]:
-            return Motion.UNBOUNDED
-        if len(overtakes) < _PATIENCE:
-            return None
-        # From far out it may be a long way in. If every round on that way shrinks, it ends where P's orbit is.
-        if now < before and all(self._shrinks(now * part) for part in np.linspace(0.0, 1.0, _ROUNDS + 1)[1:]):
-            return self.from_onset()
-        return None if len(overtakes) < _MOST_ROUNDS else Motion.UNDECIDED
+        if now > before:
+            farther = now * 4.0 ** np.arange(1, _ROUNDS)
+            return Motion.UNBOUNDED if all(self._grows(q) for q in farther) else Motion.PURE_SLIP
+        # It may be a long way in: if no round there grows, it ends where P's orbit does.
+        nearer = now * np.linspace(0.0, 1.0, _ROUNDS + 1)[1:-1]
+        return Motion.PURE_SLIP if any(self._grows(q) for q in nearer) else self.from_onset()
 
-    def _shrinks(self, q: float) -> bool:
-        """Whether the round that overtakes the belt at -q comes back nearer, or sticks, or slips on below V."""
-        if self.scene.sticks(-q):
-            return True
-        back = self._slip(Point(0.0, -q, 0.0), -1, "return").last
-        if self.scene.sticks(back.q):
-            return True
-        slip = self._slip(Point(0.0, back.q, 0.0), 1, "turn")
-        return slip.end != "return" or abs(slip.last.q) < q
+    def _grows(self, q: float) -> bool:
+        return round_from(self.scene, q, self.rtol)[0] > q
 
     def from_onset(self) -> Motion:
         """Return what the slip from P leads to."""
         height = graze(self.scene, self.rtol)
         if height == 0:
             return Motion.UNDECIDED
-        if height > 0:
-            return self._inside(1 - height) or Motion.UNDECIDED
-        if self._cycles:
-            return Motion.STICK_SLIP
-        beyond = self._slip(_P, 1, "turn").last  # thrown back beyond what static friction holds
-        return self.of(Point(0.0, beyond.q, 0.0), -1)
+        return self._inside(1 - height) if height > 0 else self._returned()
 
-    def _inside(self, peak: float) -> Motion | None:
-        """Return what a peak below the belt's speed leads to; None if to the belt, and not to stick."""
+    def _inside(self, peak: float) -> Motion:
+        """Return what a peak below the belt's speed leads to."""
         orbits = self._orbits
         for cycle in orbits.cycles:
             if not cycle.stable and abs(cycle.amplitude / self.osc.V - peak) <= _NEAR * self.rtol:
@@ -156,17 +132,20 @@ class _Course:
         fate = orbits.fate(peak * self.osc.V)
         if isinstance(fate, LimitCycle) or math.isnan(fate):
             return Motion.PURE_SLIP
-        if fate == 0:
-            return Motion.DAMPED_SLIP
-        return Motion.STICK_SLIP if self._cycles else None
+        return Motion.DAMPED_SLIP if fate == 0 else self._returned()
+
+    def _returned(self) -> Motion:
+        """Return what an orbit that grows up to the belt's speed leads to: no orbits cross, so where P's goes."""
+        if graze(self.scene, self.rtol) >= 0:
+            return Motion.UNDECIDED
+        if stick_slip_cycle(self.law, self.osc, rtol=self.rtol) is not None:
+            return Motion.STICK_SLIP
+        overtaking = overtaking_cycle(self.law, self.osc, rtol=self.rtol)
+        return Motion.UNBOUNDED if overtaking is None else Motion.PURE_SLIP
 
     @cached_property
     def _orbits(self) -> SlipOrbits:
         return slip_orbits(self.law, self.osc, rtol=self.rtol)
-
-    @cached_property
-    def _cycles(self) -> bool:
-        return stick_slip_cycle(self.law, self.osc, rtol=self.rtol) is not None
 
     def _slip(self, start: Point, side: int, until: Literal["return", "turn"]) -> SlipPhase:
         horizon = start.tau + _LONGEST * max(1.0, 2 * abs(self.scene.zeta))

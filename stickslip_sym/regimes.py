@@ -151,7 +151,7 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
     elif abs(2 * osc.m * growth) <= _ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
         undecided.append("rest neither attracts nor repels to first order")
     cycle = stick_slip_cycle(law, osc, rtol=rtol) if height < 0 else None
-    overtaking = overtaking_cycle(scene, osc, rtol) if height < 0 and cycle is None else None
+    overtaking = overtaking_cycle(law, osc, rtol=rtol) if height < 0 and cycle is None else None
     return Regime(
         rest=_rest(law, osc, growth),
         stick_slip=cycle,

@@ -21,16 +21,16 @@ from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene
 from stickslip_sym.slip import Point, SlipPhase, follow
 
-__all__ = ["SlipOrbits", "next_peak", "overtaking_cycle", "slip_orbits", "trough"]
+__all__ = ["SlipOrbits", "next_peak", "overtaking_cycle", "round_from", "slip_orbits", "trough"]
 
 _NODES = 33
 _NEAREST = 1e-3  # lowest amplitude at which the return map is looked at; below, the equilibrium decides
 _NEUTRAL = 1e-11  # growth a round below which an integration cannot tell its sign
 _STEP = 1e-5  # of amplitude, for the slope of the return map
 _LONGEST = 1e3  # of dimensionless time, for one round
-_MOST_ROUNDS = 1000
-_SAME = 1e-9  # relative change of a round that is periodic
-_ESCAPED = 1e6  # displacement in units of V/omega
+_FIRST = 1e-3  # displacement in units of V/omega at which a round outside P's is tried first
+_ESCAPED = 1e6  # and the last
+_STRONGEST = 1e-300  # contraction of a round that can still be told from 0
 
 
 @dataclass(frozen=True)
@@ -133,29 +133,49 @@ def _cycle(scene: Scene, osc: Oscillator, amplitude: float, rtol: float) -> Limi
     return LimitCycle(amplitude * osc.V, slip.last.tau / osc.omega, floquet * osc.omega, floquet < 0)
 
 
-def overtaking_cycle(scene: Scene, osc: Oscillator, rtol: float) -> LimitCycle | None:
-    """Return the limit cycle that overtakes the belt each round and never sticks, or None.
+def overtaking_cycle(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> LimitCycle | None:
+    """Return the innermost limit cycle that overtakes the belt each round and never sticks, or None.
 
-    It is sought from P on. A law with mu(0) = 0 has no stick, and its relaxation oscillation is of this kind.
+    Where friction is weak, N << V sqrt(k m), the mass arrives at the belt's speed where static friction cannot
+    hold it. It overtakes the belt, up to where the work of friction there balances the gain below. A law with
+    mu(0) = 0 never sticks, and its relaxation oscillation is of this kind.
     """
-    q, changes = 0.0, [math.inf]
-    for _ in range(_MOST_ROUNDS):
-        slow = _phase(scene, q, 1, rtol)
-        if slow.end != "return" or scene.sticks(slow.last.q):
+    scene = Scene.of(law, osc)
+    if not round_from(scene, 0.0, rtol)[0] > 0:
+        return None
+    inner, outer = 0.0, _FIRST
+    while (end := round_from(scene, outer, rtol)[0]) > outer:
+        inner, outer = outer, 4 * outer
+        if outer > _ESCAPED:
             return None
-        fast = _phase(scene, slow.last.q, -1, rtol)
-        if fast.end != "return" or scene.sticks(fast.last.q) or fast.last.q > _ESCAPED:
-            return None
-        changes.append(abs(fast.last.q - q))
-        q = fast.last.q
-        if changes[-1] <= _SAME * max(1.0, q):
-            duration = slow.last.tau + fast.last.tau
-            shrinks = max(changes[-1] / changes[-2], float(np.finfo(float).tiny))
-            speed = max(point.w for point in fast.extrema)
-            return LimitCycle(
-                osc.V * (1 + speed), duration / osc.omega, math.log(shrinks) / duration * osc.omega, shrinks < 1
-            )
-    return None
+    if math.isnan(end):
+        return None
+    q = float(brentq(lambda q: round_from(scene, q, rtol)[0] - q, inner, outer, xtol=1e-14, rtol=1e-13))
+    _, tau, speed = round_from(scene, q, rtol)
+    step = _STEP * q
+    ahead, behind = (round_from(scene, q + shift, rtol)[0] for shift in (step, -step))
+    floquet = math.log(max((ahead - behind) / (2 * step), _STRONGEST)) / tau
+    return LimitCycle(osc.V * (1 + speed), tau / osc.omega, floquet * osc.omega, floquet < 0)
+
+
+def round_from(scene: Scene, q: float, rtol: float) -> tuple[float, float, float]:
+    """Follow a round that leaves the belt's speed at q >= 0, to slower motion first.
+
+    Returns
+    -------
+    q, tau, speed : float
+        Where slip slower than the belt begins again, the time it took, and the highest velocity above the belt's,
+        over V. If the mass sticks q is NaN; if it stays slower than the belt, 0.
+    """
+    slow = _phase(scene, q, 1, rtol)
+    if slow.end != "return":
+        return 0.0, slow.last.tau, 0.0
+    if scene.sticks(slow.last.q):
+        return math.nan, slow.last.tau, 0.0
+    fast = _phase(scene, slow.last.q, -1, rtol)
+    stuck = fast.end != "return" or scene.sticks(fast.last.q)
+    speed = max((point.w for point in fast.extrema), default=0.0)
+    return (math.nan if stuck else fast.last.q), slow.last.tau + fast.last.tau, speed
 
 
 def _phase(scene: Scene, q: float, side: int, rtol: float) -> SlipPhase:

@@ -2,9 +2,9 @@
 
 Every forward stick phase ends at the same point P, at the belt's speed. So the slip phase that leaves P
 either comes back to the belt's speed, and is the whole cycle together with the stick phase that follows,
-or never does: orbits in a plane do not cross, so an orbit that misses once stays inside. Only where damping
-feeds energy in can it come back beyond what static friction holds. The mass then overtakes the belt, and if
-that slip does not end in stick either, the motion lies outside its first round and grows for good.
+or never does: orbits in a plane do not cross, so an orbit that misses once stays inside. Where friction is weak
+or damping feeds energy in, it can come back beyond what static friction holds. The mass then overtakes the belt,
+and if that slip does not end in stick either, the motion lies outside its first round and never sticks again.
 """
 
 from dataclasses import dataclass

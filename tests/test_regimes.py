@@ -1,0 +1,173 @@
+"""Regimes and classification, against thresholds found otherwise and against simulations that know neither."""
+
+import numpy as np
+import pytest
+
+import stickslip_sym as ss
+from stickslip_sym import Motion, Phase
+from stickslip_sym.oscillator import Scene
+from stickslip_sym.slip_orbits import _by_simulation
+from tests.conftest import paper_oscillator
+
+KINKED = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.25)")
+STATIC = ss.FrictionLaw("0.2 + 0.3*exp(-3*v)", static="1")
+SMOOTHED = ss.FrictionLaw("tanh(100*v)*(0.2 + 0.3*exp(-3*v))")
+WEAK = {"m": 1.0, "k": 1e6}
+
+
+def names(found):
+    kinds = {ss.Rest: "rest", ss.LimitCycle: "pure slip", ss.StickSlipCycle: "stick-slip"}
+    return [kinds[type(attractor)] for attractor in found.attractors]
+
+
+@pytest.mark.parametrize(
+    ("name", "c", "expected", "separatrices"),
+    [
+        ("exponential", 1.9, ["stick-slip"], []),  # below the Hopf bifurcation at 1.970
+        ("exponential", 2.3, ["rest", "stick-slip"], ["limit cycle"]),
+        ("exponential", 2.6, ["rest"], []),  # above the graze at 2.573
+        ("polynomial", 3.0, ["stick-slip"], []),  # below the graze at 3.0365
+        ("polynomial", 3.2, ["pure slip"], []),
+        ("polynomial", 3.4, ["rest"], []),  # above the Hopf bifurcation at 3.311
+    ],
+)
+def test_the_attractors_of_the_papers_laws(name, c, expected, separatrices):
+    found = ss.regime(ss.laws.catalogue[name].typical(), paper_oscillator(c))
+    assert names(found) == expected
+    assert found.coexist == (len(expected) > 1)
+    assert [separatrix.kind for separatrix in found.separatrices] == separatrices
+    assert not found.undecided
+    assert not found.unbounded
+    assert str(found).count("\n") == len(expected) - 1
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("step", [1e-3, 1e-5, 1e-7, 1e-9])
+def test_both_sides_of_the_threshold(law, step, side):
+    threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-13).value
+    found = ss.classify(law, paper_oscillator(threshold * (1 + side * step)), rtol=1e-12)
+    above = Motion.PURE_SLIP if law.name == "polynomial" else Motion.DAMPED_SLIP
+    assert found is (Motion.STICK_SLIP if side < 0 else above)
+
+
+def test_on_the_threshold_it_says_so(law):
+    threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-13).value
+    assert ss.classify(law, paper_oscillator(threshold)) is Motion.UNDECIDED
+    assert "grazes" in ss.regime(law, paper_oscillator(threshold)).undecided[0]
+
+
+def by_simulation(law, osc, x0, v0, periods=150):
+    """Name the motion after many periods, from nothing but the trajectory."""
+    round_ = 2 * np.pi / osc.omega
+    motion = ss.simulate(law, osc, t_end=periods * round_, x0=x0, v0=v0, rtol=1e-8)
+    late = motion.t > (periods - 5) * round_
+    if Phase.STICK in set(motion.phase[late]):
+        return Motion.STICK_SLIP
+    return Motion.DAMPED_SLIP if np.max(np.abs(motion.v[late])) < 0.02 * osc.V else Motion.PURE_SLIP
+
+
+def starts_and_scenes():
+    """Seeded, with dampings away from the boundaries, so that 150 periods settle the motion."""
+    rng = np.random.default_rng(6)
+    exponential, polynomial = (ss.laws.catalogue[name].typical() for name in ("exponential", "polynomial"))
+    dampings = [
+        (exponential, (1.0, 2.2, 3.0)), (polynomial, (2.0, 3.15, 4.0)), (KINKED, (2.0, 3.0, 4.5)),
+        (STATIC, (1.5, 2.7, 4.0)), (SMOOTHED, (1.0, 3.0)),
+    ]  # fmt: skip
+    for law, values in dampings:
+        for c in values:
+            yield pytest.param(law, c, rng.uniform(-0.1, 0.15), rng.uniform(-0.6, 1.0), id=f"{law.text[:12]}, {c}")
+
+
+@pytest.mark.parametrize(("law", "c", "x0", "v0"), list(starts_and_scenes()))
+def test_classification_is_what_a_simulation_comes_to(law, c, x0, v0):
+    osc = paper_oscillator(c)
+    assert ss.classify(law, osc, x0=x0, v0=v0) is by_simulation(law, osc, x0, v0)
+
+
+@pytest.mark.parametrize(("name", "c"), [("polynomial", 3.2), ("exponential", 2.3)])
+def test_limit_cycles_by_the_return_map_are_those_by_collocation(name, c):
+    law, osc = ss.laws.catalogue[name].typical(), paper_oscillator(c)
+    (one,), (other,) = ss.limit_cycles(law, osc), _by_simulation(law, osc, 1e-12).cycles
+    assert other.stable == one.stable
+    assert other.amplitude == pytest.approx(one.amplitude, rel=1e-9)
+    assert other.period == pytest.approx(one.period, rel=1e-9)
+    assert other.floquet == pytest.approx(one.floquet, rel=1e-6)  # by differences of the map
+
+
+@pytest.mark.parametrize(
+    ("law", "c", "kind"), [(ss.laws.exponential.typical(), 2.3, "limit cycle"), (STATIC, 2.7, "graze")]
+)
+def test_a_separatrix_parts_the_basins(law, c, kind):
+    osc = paper_oscillator(c)
+    found = ss.regime(law, osc)
+    (curve,) = found.separatrices
+    assert curve.kind == kind
+    assert names(found) == ["rest", "stick-slip"]
+    for place in range(20, 240, 40):
+        x, v = (np.array((found.rest.x, 0.0)) + part for part in (0.0, 0.0))
+        for scale, expected in ((0.99, Motion.DAMPED_SLIP), (1.01, Motion.STICK_SLIP)):
+            x, v = found.rest.x + scale * (curve.x[place] - found.rest.x), scale * curve.v[place]
+            assert ss.classify(law, osc, x0=x, v0=v) is expected
+
+
+def test_weak_friction_does_not_hold_the_mass_and_it_overtakes_the_belt():
+    """Far below the threshold of a stiff oscillator there is no stick, but slip that is faster for a while."""
+    law, osc = ss.laws.exponential.typical(), paper_oscillator(1.0, **WEAK)
+    (cycle,) = (attractor for attractor in ss.regime(law, osc).attractors)
+    assert cycle.stable
+    assert cycle.amplitude > osc.V
+    motion = ss.simulate(law, osc, t_end=400 * cycle.period, v0=0.99 * cycle.amplitude, rtol=1e-9)
+    late = motion.t > 398 * cycle.period
+    assert np.max(motion.v) < 1.02 * cycle.amplitude
+    assert set(motion.phase[late]) == {Phase.SLIP_BACK, Phase.SLIP_FORWARD}
+    assert ss.stick_slip_cycle(law, osc) is None
+    assert ss.classify(law, osc) is Motion.PURE_SLIP
+    assert ss.classify(law, osc, x0=0.0, v0=3.0) is Motion.PURE_SLIP
+
+
+def test_negative_damping_may_grow_without_bound():
+    law = ss.laws.exponential.typical()
+    found = ss.regime(law, paper_oscillator(-0.5))
+    assert found.unbounded
+    assert names(found) == ["stick-slip"]
+    assert ss.classify(law, paper_oscillator(-0.5)) is Motion.STICK_SLIP
+    assert ss.classify(law, paper_oscillator(-0.5), x0=-3.0, v0=-2.0) is Motion.UNBOUNDED
+    assert not ss.regime(ss.laws.polynomial.typical(), paper_oscillator(-0.5)).unbounded  # mu grows as v^3
+
+
+def test_rest_is_a_start_too(law):
+    for c, expected in ((5.0, Motion.DAMPED_SLIP), (1.0, Motion.UNDECIDED)):
+        osc = paper_oscillator(c)
+        assert ss.classify(law, osc, x0=ss.regime(law, osc).rest.x, v0=0.0) is expected
+
+
+def test_the_rate_of_rest_is_the_eigenvalue(law):
+    for c in (1.0, 2.5, 30.0, 200.0):
+        osc = paper_oscillator(c)
+        matrix = [[0, 1], [-osc.k / osc.m, -(osc.c + osc.N * law.slope(osc.V)) / osc.m]]
+        assert ss.regime(law, osc).rest.rate == pytest.approx(np.linalg.eigvals(matrix).real.max(), rel=1e-9)
+
+
+def test_a_free_oscillator_is_neutral():
+    osc = paper_oscillator(0.0, N=0.0)
+    assert "neither grow nor shrink" in " ".join(ss.regime(ss.laws.exponential.typical(), osc).undecided)
+    assert ss.classify(ss.laws.exponential.typical(), osc, x0=0.01, v0=0.0) is Motion.PURE_SLIP
+
+
+def test_wrong_input(law):
+    with pytest.raises(ss.InputError, match="not finite"):
+        ss.classify(law, paper_oscillator(1.0), x0=np.nan)
+    with pytest.raises(ss.InputError, match="rtol"):
+        ss.regime(law, paper_oscillator(1.0), rtol=0)
+    with pytest.raises(ss.InputError, match="bind them first"):
+        ss.regime(ss.laws.exponential, paper_oscillator(1.0))
+
+
+def test_the_scene_of_a_trough_turns_there(law):
+    from stickslip_sym.slip_orbits import trough
+
+    scene = Scene.of(law, paper_oscillator(3.1))
+    for amplitude in (0.1, 0.7):
+        point = trough(scene, amplitude)
+        assert scene.acceleration(point.q, point.w, 1) == pytest.approx(0.0, abs=1e-15)
