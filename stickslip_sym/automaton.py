@@ -1,7 +1,7 @@
 """The event-driven stick/slip automaton.
 
 Three states: stick, slip slower than the belt, slip faster than the belt. Slip is integrated
-(`slip.follow`); stick is not, as it is known: x' = V exactly, until static friction gives way.
+(`slip.follow`, or another engine); stick is not, as it is known: x' = V exactly, until static friction gives way.
 """
 
 from dataclasses import dataclass
@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip_sym.engines import follower
 from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, check_rtol, real
-from stickslip_sym.slip import Point, SlipPhase, follow
+from stickslip_sym.slip import Point, SlipPhase
 
 __all__ = ["Event", "Phase", "Trajectory", "simulate"]
 
@@ -72,6 +73,7 @@ def simulate(
     x0: float = 0.0,
     v0: float | None = None,
     rtol: float = 1e-10,
+    engine: str = "scipy",
 ) -> Trajectory:
     """Integrate m x'' + c x' + k x = friction from x(0) = x0, x'(0) = v0, events included.
 
@@ -88,6 +90,9 @@ def simulate(
         Initial velocity in m/s; the belt speed if not given.
     rtol : float
         Relative tolerance of a step, 1e-13 to 1e-3.
+    engine : {"scipy", "heyoka"}
+        What integrates the slip phases. "heyoka" is faster, for smooth laws that are not stiff; it needs
+        ``pip install 'stickslip_sym[fast]'``.
 
     Returns
     -------
@@ -96,10 +101,11 @@ def simulate(
     Raises
     ------
     InputError
-        For unusable numbers or an unbound law.
+        For unusable numbers, an unbound law, or an engine that is not there or cannot take the law.
     NotConverged
         When the bound on the work is reached.
     """
+    follow = follower(engine)
     t_end, x0, v0 = real("t_end", t_end), real("x0", x0), real("v0", osc.V if v0 is None else v0)
     if t_end <= 0:
         raise InputError(f"t_end = {t_end:g} must be positive")

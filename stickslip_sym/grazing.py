@@ -21,7 +21,9 @@ _TIGHTEST = 1e-13
 _COARSE = 1e-5  # tolerance of a first root, whose orbits cost little
 
 
-def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> tuple[float, float]:
+def grazing_damping(
+    law: FrictionLaw, osc: Oscillator, *, rtol: float, engine: str = "scipy"
+) -> tuple[float, float]:
     """Return the damping c in kg/s at which the orbit from P comes down to w = 0 and no further.
 
     Parameters
@@ -32,6 +34,8 @@ def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> tuple[
         Its own c is not used.
     rtol : float
         Relative tolerance of the root, 1e-13 to 1e-3; the steps of the integration are held to a tenth of it.
+    engine : {"scipy", "heyoka"}
+        What integrates the slip, as for `simulate`.
 
     Returns
     -------
@@ -54,7 +58,7 @@ def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> tuple[
 
     @cache
     def lowest(c: float, tolerance: float) -> float:
-        found = lowest_slip_speed(replace(scene, zeta=c / (2 * osc.impedance)), tolerance)
+        found = lowest_slip_speed(replace(scene, zeta=c / (2 * osc.impedance)), tolerance, engine)
         found = 1.0 if found is None else found  # creeping to rest, it does not return
         return found / (1 + abs(found))  # where the graze is a canard, w jumps by orders of magnitude
 

@@ -147,6 +147,10 @@ class Scene:
         mu(V w) for w > 0, and NaN where it cannot be computed, so that an integrator takes a shorter step.
         For w <= 0 it is mu(0+): the one step that crosses 0 reaches there in its trials, and where it
         crosses is refined from the side of w > 0.
+    law : FrictionLaw
+        The law of mu, bound.
+    speed : float
+        V in m/s, the unit of the law's slip speed.
     w_max : float
         The slip speed up to which the law is known.
     """
@@ -155,6 +159,8 @@ class Scene:
     zeta: float
     static: float
     mu: Callable[[float], float]
+    law: FrictionLaw
+    speed: float
     w_max: float = math.inf
 
     @classmethod
@@ -178,7 +184,7 @@ class Scene:
                 return math.nan
 
         w_max = math.inf if law.v_max is None else float(law.v_max) / speed
-        return cls(osc.eta, osc.zeta, static, continued, w_max)
+        return cls(osc.eta, osc.zeta, static, continued, law, speed, w_max)
 
     def acceleration(self, q: float, w: float, side: int) -> float:
         """Return w', the rate at which the slip speed grows."""

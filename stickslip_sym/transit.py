@@ -9,10 +9,11 @@ and if that slip does not end in stick either, the motion lies outside its first
 
 from dataclasses import dataclass
 
+from stickslip_sym.engines import follower
 from stickslip_sym.errors import NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, check_rtol
-from stickslip_sym.slip import Point, follow
+from stickslip_sym.slip import Point
 
 __all__ = ["StickSlipCycle", "lowest_slip_speed", "peak_velocity", "stick_slip_cycle"]
 
@@ -46,7 +47,9 @@ class StickSlipCycle:
     v_max: float
 
 
-def stick_slip_cycle(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> StickSlipCycle | None:
+def stick_slip_cycle(
+    law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, engine: str = "scipy"
+) -> StickSlipCycle | None:
     """Return the stick-slip cycle of an oscillator, or None if it has none.
 
     Parameters
@@ -56,14 +59,17 @@ def stick_slip_cycle(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) 
     osc : Oscillator
     rtol : float
         Relative tolerance of an integration step, 1e-13 to 1e-3.
+    engine : {"scipy", "heyoka"}
+        What integrates the slip, as for `simulate`.
 
     Raises
     ------
     InputError
-        For an unbound law or an unusable tolerance.
+        For an unbound law, an unusable tolerance, or an engine that is not there or cannot take the law.
     NotConverged
         When the bound on the work is reached.
     """
+    follow = follower(engine)
     check_rtol(rtol)
     scene = Scene.of(law, osc)
     slips = [follow(scene, _P, 1, horizon=_horizon(scene), rtol=rtol, until="turn")]
@@ -77,7 +83,8 @@ def stick_slip_cycle(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) 
         return None
     # The mass stands still where its slip speed is the belt's, w = 1.
     rests = [point.q for point in slips[0].crossings(1.0)]
-    places = [osc.onset(law) + osc.length * q for q in (0.0, end.q, slips[0].last.q, *rests)]
+    onset = osc.onset(law)
+    places = [onset + osc.length * q for q in (0.0, end.q, slips[0].last.q, *rests)]
     speeds = [slip.side * point.w for slip in slips for point in slip.extrema]
     return StickSlipCycle(
         period=(end.tau - end.q) / osc.omega,
@@ -94,7 +101,7 @@ def _horizon(scene: Scene) -> float:
     return _LONGEST * max(1.0, 2 * abs(scene.zeta))
 
 
-def peak_velocity(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> float:
+def peak_velocity(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, engine: str = "scipy") -> float:
     """Return the velocity in m/s at the peak that follows the slip from P, above V where the mass returns.
 
     The mass that misses the belt's speed has its peak below. One that returns, with the velocity V and an
@@ -109,16 +116,18 @@ def peak_velocity(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> 
     osc : Oscillator
     rtol : float
         Relative tolerance of an integration step, 1e-13 to 1e-3.
+    engine : {"scipy", "heyoka"}
+        What integrates the slip, as for `simulate`.
 
     Raises
     ------
     InputError
-        For an unbound law or an unusable tolerance.
+        For an unbound law, an unusable tolerance, or an engine that is not there or cannot take the law.
     NotConverged
         If the motion has no peak, since the mass creeps to rest, or when the bound on the work is reached.
     """
     check_rtol(rtol)
-    lowest = lowest_slip_speed(Scene.of(law, osc), rtol)
+    lowest = lowest_slip_speed(Scene.of(law, osc), rtol, engine)
     if lowest is None:
         raise NotConverged(
             f"the velocity has no peak after the slip from P, the mass creeps to rest: the damping ratio is "
@@ -127,12 +136,12 @@ def peak_velocity(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> 
     return osc.V * (1 - lowest)
 
 
-def lowest_slip_speed(scene: Scene, rtol: float) -> float | None:
+def lowest_slip_speed(scene: Scene, rtol: float, engine: str = "scipy") -> float | None:
     """Return the first minimum of w after P, or -w'^2/2 at a return; None if the mass creeps to rest.
 
     At a graze w'' = 1, so -w'^2/2 continues the minimum through 0 with its value and its slope.
     """
-    slip = follow(scene, _P, 1, horizon=_horizon(scene), rtol=rtol, until="turn")
+    slip = follower(engine)(scene, _P, 1, horizon=_horizon(scene), rtol=rtol, until="turn")
     if slip.end == "return":
         return -(scene.acceleration(slip.last.q, 0.0, 1) ** 2) / 2
     return slip.last.w if slip.end == "minimum" else None

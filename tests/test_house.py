@@ -19,7 +19,7 @@ LAYERS = [
     "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",
     "evaluate", "arguments", "dialects", "c_text", "python_text", "code_text", "averages", "closed_form",
     "trees", "keeping",
-    "oscillator", "slip", "automaton", "transit", "grazing",
+    "oscillator", "slip", "taylor", "engines", "automaton", "transit", "grazing",
     "perturbation", "orbit", "cycles", "rungs", "threshold", "transition", "crosscheck",
     "slip_orbits", "regimes", "classification", "newmark", "tradeoff", "tradeoff_thresholds",
     "cli_reading", "cli_laws", "cli_derive", "cli_damping", "cli_tradeoff", "cli",
@@ -72,6 +72,7 @@ def test_using_the_package_imports_no_extra():
         "import stickslip_sym as ss, sys\n"
         "for name in ss.__all__: getattr(ss, name)\n"
         "ss.derive(ss.laws.polynomial)\n"
+        "ss.stick_slip_cycle(ss.laws.polynomial.typical(), ss.Oscillator(m=1, k=100, V=0.5, N=9.81))\n"
         "print(*sys.modules)"
     )
     assert not {"matplotlib", "typer", "heyoka", "dask"} & set(run(code).split())
