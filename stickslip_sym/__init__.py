@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stickslip_sym import criteria, laws, quadrature, symbols
-    from stickslip_sym.automaton import Phase, Trajectory, simulate
+    from stickslip_sym.automaton import simulate
     from stickslip_sym.averages import SlopeAverage, slope_average
     from stickslip_sym.classification import Motion, classify
     from stickslip_sym.closed_form import ClosedForm, derive
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from stickslip_sym.proving import Status, Verdict
     from stickslip_sym.regimes import Regime, Rest, Separatrix, regime
     from stickslip_sym.threshold import Threshold, pure_slip_damping
+    from stickslip_sym.trajectory import Event, EventKind, Outcome, Phase, Trajectory
     from stickslip_sym.transit import StickSlipCycle, peak_velocity, stick_slip_cycle
     from stickslip_sym.transition import TransitionSpeed, transition_speed
 
@@ -40,7 +41,8 @@ _HOME = {
     "Oscillator": "oscillator",
     "Status": "proving", "Verdict": "proving",
     "SlopeAverage": "averages", "slope_average": "averages",
-    "Phase": "automaton", "Trajectory": "automaton", "simulate": "automaton",
+    "Event": "trajectory", "EventKind": "trajectory", "Outcome": "trajectory", "Phase": "trajectory",
+    "Trajectory": "trajectory", "simulate": "automaton",
     "LimitCycle": "cycles", "limit_cycles": "cycles",
     "Threshold": "threshold", "pure_slip_damping": "threshold",
     "TransitionSpeed": "transition", "transition_speed": "transition",
@@ -50,9 +52,9 @@ _HOME = {
 
 __all__ = [  # noqa: RUF022  # modules first
     "criteria", "laws", "quadrature", "symbols",
-    "ClosedForm", "Derivation", "FrictionLaw", "InputError", "LimitCycle", "Motion", "NoClosedForm",
-    "NoThreshold", "NotConverged", "Oscillator", "Parameter", "Phase", "Regime", "Rest", "Separatrix",
-    "SlopeAverage", "Status", "Step", "StickSlipCycle", "StickSlipError", "Threshold", "Trajectory",
+    "ClosedForm", "Derivation", "Event", "EventKind", "FrictionLaw", "InputError", "LimitCycle", "Motion",
+    "NoClosedForm", "NoThreshold", "NotConverged", "Oscillator", "Outcome", "Parameter", "Phase", "Regime", "Rest",
+    "Separatrix", "SlopeAverage", "Status", "Step", "StickSlipCycle", "StickSlipError", "Threshold", "Trajectory",
     "TransitionSpeed", "Verdict", "classify", "derive", "limit_cycles", "load", "peak_velocity",
     "pure_slip_damping", "regime", "save", "simulate", "slope_average", "stick_slip_cycle", "transition_speed",
 ]  # fmt: skip

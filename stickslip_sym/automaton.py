@@ -4,65 +4,22 @@ Three states: stick, slip slower than the belt, slip faster than the belt. Slip 
 (`slip.follow`, or another engine); stick is not, as it is known: x' = V exactly, until static friction gives way.
 """
 
-from dataclasses import dataclass
-from enum import Enum
+import math
+import time
 from typing import Any
 
 import numpy as np
 
 from stickslip_sym.engines import follower
-from stickslip_sym.errors import InputError, NotConverged
+from stickslip_sym.errors import InputError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, check_rtol, real
 from stickslip_sym.slip import Point, SlipPhase
+from stickslip_sym.trajectory import Event, EventKind, Outcome, Phase, Stretch, Trajectory
 
-__all__ = ["Event", "Phase", "Trajectory", "simulate"]
+__all__ = ["simulate"]
 
-_MOST_PHASES = 100_000
-
-
-class Phase(Enum):
-    """What the contact does."""
-
-    STICK = "stick"
-    SLIP_BACK = "slip, slower than the belt"
-    SLIP_FORWARD = "slip, faster than the belt"
-
-
-@dataclass(frozen=True)
-class Event:
-    """A change of phase: the time in s, the state in m and m/s, and the phase that begins."""
-
-    t: float
-    x: float
-    v: float
-    begins: Phase
-
-
-@dataclass(frozen=True)
-class Trajectory:
-    """A motion of the mass.
-
-    Attributes
-    ----------
-    t : numpy.ndarray
-        Times in s, ascending, at the integrator's steps and at every event.
-    x, v : numpy.ndarray
-        Displacement in m and velocity in m/s at these times.
-    phase : numpy.ndarray of Phase
-        The phase in which each sample lies; a sample at an event belongs to the phase that ends there.
-    events : tuple of Event
-    """
-
-    t: Any
-    x: Any
-    v: Any
-    phase: Any
-    events: tuple[Event, ...]
-
-    def starts_of(self, phase: Phase) -> Any:
-        """Return the times at which a phase began."""
-        return np.array([event.t for event in self.events if event.begins is phase])
+_ENDS = {"rest": Outcome.AT_REST, "steps": Outcome.STEP_LIMIT, "deadline": Outcome.TIME_LIMIT}
 
 
 def simulate(
@@ -74,6 +31,8 @@ def simulate(
     v0: float | None = None,
     rtol: float = 1e-10,
     engine: str = "scipy",
+    max_steps: int = 200_000,
+    time_limit: float | None = None,
 ) -> Trajectory:
     """Integrate m x'' + c x' + k x = friction from x(0) = x0, x'(0) = v0, events included.
 
@@ -93,31 +52,40 @@ def simulate(
     engine : {"scipy", "heyoka"}
         What integrates the slip phases. "heyoka" is faster, for smooth laws that are not stiff; it needs
         ``pip install 'stickslip_sym[fast]'``.
+    max_steps : int
+        Integration steps after which the simulation ends as it is; a cycle of stick and slip takes about 30.
+    time_limit : float, optional
+        Seconds of computation after which it ends as it is.
 
     Returns
     -------
     Trajectory
+        Its `outcome` says whether `t_end`, a limit, or a rest that goes on for ever was reached.
 
     Raises
     ------
     InputError
         For unusable numbers, an unbound law, or an engine that is not there or cannot take the law.
     NotConverged
-        When the bound on the work is reached.
+        When the motion grows beyond all bounds, or mu cannot be computed on it.
     """
     follow = follower(engine)
     t_end, x0, v0 = real("t_end", t_end), real("x0", x0), real("v0", osc.V if v0 is None else v0)
     if t_end <= 0:
         raise InputError(f"t_end = {t_end:g} must be positive")
     check_rtol(rtol)
+    if not real("max_steps", max_steps) >= 1:
+        raise InputError(f"max_steps = {max_steps} must be at least 1")
+    if time_limit is not None and not real("time_limit", time_limit) > 0:
+        raise InputError(f"time_limit = {time_limit:g} s must be positive")
+    deadline = math.inf if time_limit is None else time.monotonic() + time_limit
     scene = Scene.of(law, osc)
     recorder = _Recorder(law, osc)
     horizon = t_end * osc.omega
     tau, q, w = 0.0, recorder.q_of(x0), (osc.V - v0) / osc.V
     side = 1 if w > 0 else -1
-    for _ in range(_MOST_PHASES):
-        if tau >= horizon:
-            return recorder.trajectory()
+    steps = 0
+    while tau < horizon:
         if w == 0 and scene.sticks(q) and q < 0:
             end = min(horizon, tau - q)
             recorder.stick(tau, q, end)
@@ -125,13 +93,18 @@ def simulate(
             continue
         if w == 0:  # at P, or beyond what static friction holds on either side
             side = 1 if q >= 0 else -1
-        phase = follow(scene, Point(tau, q, abs(w)), side, horizon=horizon, rtol=rtol)
+        phase = follow(
+            scene, Point(tau, q, abs(w)), side,
+            horizon=horizon, rtol=rtol, max_steps=max_steps - steps, deadline=deadline,
+        )  # fmt: skip
         recorder.slip(phase)
         if phase.end == "rest":
             recorder.rest(horizon, osc.N * float(law.mu(osc.V)) / osc.k)
-            return recorder.trajectory()
+        if phase.end in _ENDS:
+            return recorder.trajectory(_ENDS[phase.end])
+        steps += len(phase.pieces)
         tau, q, w = phase.last.tau, phase.last.q, phase.last.w
-    raise NotConverged(f"over {_MOST_PHASES} phases before t_end = {t_end:g} s; simulate a shorter time")
+    return recorder.trajectory(Outcome.FINISHED)
 
 
 class _Recorder:
@@ -141,8 +114,9 @@ class _Recorder:
         self.osc = osc
         self.length = osc.length
         self.x_onset = osc.onset(law)
-        self.samples: list[tuple[Any, Any, Any, Phase]] = []
+        self.samples: list[tuple[Any, Any, Any]] = []
         self.events: list[Event] = []
+        self.stretches: list[Stretch] = []
 
     def q_of(self, x: float) -> float:
         return (x - self.x_onset) / self.length
@@ -150,26 +124,54 @@ class _Recorder:
     def stick(self, tau: float, q: float, end: float) -> None:
         # Two samples hold all there is to a straight line.
         times = np.array([tau, end])
-        self._add(times, q + times - tau, np.zeros(2), 1, Phase.STICK)
+        x, t_start = self._x(q), tau / self.osc.omega
+
+        def course(t: Any) -> tuple[Any, Any]:
+            return x + self.osc.V * (t - t_start), np.full(t.shape, self.osc.V)
+
+        self._add(times, q + times - tau, np.zeros(2), 1, Phase.STICK, course)
 
     def slip(self, phase: SlipPhase) -> None:
-        start = phase.pieces[0].t_old
-        ends = [piece.t for piece in phase.pieces if piece.t < phase.last.tau]
-        times = np.array([start, *ends, phase.last.tau])
-        q, w = phase.at(times)
-        q[-1], w[-1] = phase.last.q, phase.last.w
-        self._add(times, q, w, phase.side, Phase.SLIP_BACK if phase.side > 0 else Phase.SLIP_FORWARD)
+        tau, q, w = np.array([(point.tau, point.q, point.w) for point in phase.points]).T
+
+        def course(t: Any) -> tuple[Any, Any]:
+            q, w = phase.at(t * self.osc.omega)
+            return self._x(q), self._v(w, phase.side)
+
+        self._add(tau, q, w, phase.side, Phase.SLIP_BACK if phase.side > 0 else Phase.SLIP_FORWARD, course)
 
     def rest(self, end: float, x: float) -> None:
         """Prolong a slip phase that came to rest at x, which is known better than integrated."""
-        self.samples.append((np.array([end / self.osc.omega]), np.array([x]), np.zeros(1), self.samples[-1][3]))
+        before = self.stretches[-1]
+        t = np.array([end / self.osc.omega])
+        self.samples.append((t, np.array([x]), np.zeros(1)))
 
-    def _add(self, tau: Any, q: Any, w: Any, side: int, phase: Phase) -> None:
-        t, x, v = tau / self.osc.omega, self.x_onset + self.length * q, self.osc.V * (1 - side * w)
-        self.samples.append((t, x, v, phase))
-        self.events.append(Event(float(t[0]), float(x[0]), float(v[0]), phase))
+        def course(t: Any) -> tuple[Any, Any]:
+            return np.full(t.shape, x), np.zeros(t.shape)
 
-    def trajectory(self) -> Trajectory:
-        t, x, v = (np.concatenate(parts) for parts in list(zip(*self.samples, strict=True))[:3])
-        phase = np.concatenate([np.full(part[0].size, part[3], dtype=object) for part in self.samples])
-        return Trajectory(t, x, v, phase, tuple(self.events))
+        self.stretches.append(Stretch(before.phase, before.end, float(t[0]), course))
+
+    def _x(self, q: Any) -> Any:
+        return self.x_onset + self.length * q
+
+    def _v(self, w: Any, side: int) -> Any:
+        return self.osc.V * (1 - side * w)
+
+    def _add(self, tau: Any, q: Any, w: Any, side: int, phase: Phase, course: Any) -> None:
+        t, x, v = tau / self.osc.omega, self._x(q), self._v(w, side)
+        kind = EventKind.START
+        if self.events:
+            slipped = self.events[-1].begins is not Phase.STICK
+            kind = EventKind.CROSSES if slipped else EventKind.SLIPS
+            kind = EventKind.STICKS if phase is Phase.STICK else kind
+        self.samples.append((t, x, v))
+        self.events.append(Event(float(t[0]), float(x[0]), float(v[0]), phase, kind))
+        self.stretches.append(Stretch(phase, float(t[0]), float(t[-1]), course))
+
+    def trajectory(self, outcome: Outcome) -> Trajectory:
+        t, x, v = (np.concatenate(parts) for parts in zip(*self.samples, strict=True))
+        counts = [part[0].size for part in self.samples]
+        phases = np.empty(len(counts), dtype=object)
+        phases[:] = [stretch.phase for stretch in self.stretches]
+        events, stretches = tuple(self.events), tuple(self.stretches)
+        return Trajectory(t, x, v, np.repeat(phases, counts), events, outcome, stretches)

@@ -17,7 +17,7 @@ from stickslip_sym.codegen import Backend, function_of
 from stickslip_sym.errors import InputError
 from stickslip_sym.formula import read_formula
 from stickslip_sym.parameters import Parameter
-from stickslip_sym.pieces import places
+from stickslip_sym.pieces import branch_from, places
 from stickslip_sym.samples import SampledCurve, read_csv
 from stickslip_sym.values import Number, exact_values, suggestion, to_mpf
 
@@ -321,6 +321,29 @@ class FrictionLaw:
             if not place.is_real:
                 raise InputError(f"{self._label()} has a kink at v = {str(place)[:40]}, which is not real")
         return sorted(place for place in found if place > 0)
+
+    def branches(self) -> list[tuple[float, Callable[[float], float]]]:
+        """Return where each smooth piece of mu begins, ascending from 0, and its bare function of a float.
+
+        A piece goes on smoothly beyond its ends, where it is another one that holds.
+        """
+        if self.curve is not None:
+            return self.curve.branches
+        starts = [sp.Integer(0), *self.kinks()]
+        if len(starts) == 1:
+            return [(0.0, self.function("math"))]
+        return [(float(start), self._branch(start)) for start in starts]
+
+    def _branch(self, start: Any) -> Callable[[float], float]:
+        expr = branch_from(
+            self.expr, {self.parameters[key].symbol: value for key, value in self.values.items()}, start
+        )
+        if expr not in self._compiled:
+            self._compiled[expr] = function_of(
+                [symbols.v, *(p.symbol for p in self.parameters.values())], expr, "math"
+            )
+        compiled, values = self._compiled[expr], [float(self.values[name]) for name in self.parameters]
+        return lambda v: float(compiled(v, *values))
 
     def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
         speed = np.asarray(v, dtype=np.float64)

@@ -11,6 +11,10 @@ from stickslip_sym.friction import FrictionLaw, limit_at_rest
 
 __all__ = ["Oscillator", "Scene", "check_rtol", "real"]
 
+_NO_BELT = (
+    "on a belt that stands still nothing drives the mass, so take a small speed such as 1e-6 instead",
+    "x counts along the belt, so where it runs backward mirror the scene: V, x0 and v0 with their signs changed",
+)
 _SMALL = 1e-6  # slip speed, relative, over which a slope of mu is taken
 
 
@@ -66,7 +70,9 @@ class Oscillator:
             value = real(name, getattr(self, name))
             object.__setattr__(self, name, value)
             meaning = symbols.QUANTITIES[name].meaning
-            if name in ("m", "k", "V") and value <= 0:
+            if name == "V" and value <= 0:
+                raise InputError(f"V = {value:g} must be positive: it is the belt speed; {_NO_BELT[value < 0]}")
+            if name in ("m", "k") and value <= 0:
                 raise InputError(f"{name} = {value:g} must be positive: it is the {meaning}")
             if name == "N" and value < 0:
                 raise InputError(f"N = {value:g} must not be negative: it is the {meaning}")
@@ -127,6 +133,36 @@ def _static(law: FrictionLaw) -> float:
 
 
 @dataclass(frozen=True)
+class Branch:
+    """A smooth piece of mu(V w), which holds from `low` to `high`."""
+
+    low: float
+    high: float
+    mu: Callable[[float], float]
+
+
+def _of_w(
+    mu: Callable[[float], float], speed: float, onset: float, low: float = 0.0, high: float = math.inf
+) -> Callable[[float], float]:
+    """Return mu(V w) as a function of w that a step may try anywhere; a piece holds from `low` to `high`."""
+
+    def value(w: float) -> float:
+        try:
+            return float(mu(speed * w))
+        except (ArithmeticError, TypeError, ValueError):  # a TypeError is a complex coefficient
+            return math.nan
+
+    def continued(w: float) -> float:
+        found = value(w)
+        if math.isfinite(found) or low < w < high:
+            return found
+        # A piece such as sqrt(v) has no value beyond its end: it goes on with its last one.
+        return value(min(max(w, low), high)) if w > 0 else onset
+
+    return continued
+
+
+@dataclass(frozen=True)
 class Scene:
     """An oscillator with its law, free of units.
 
@@ -145,14 +181,16 @@ class Scene:
         The coefficient that limits sticking.
     mu : callable
         mu(V w) for w > 0, and NaN where it cannot be computed, so that an integrator takes a shorter step.
-        For w <= 0 it is mu(0+): the one step that crosses 0 reaches there in its trials, and where it
-        crosses is refined from the side of w > 0.
+        For w <= 0 it goes on smoothly, with mu(0+) where it cannot: the one step that crosses 0 reaches there in
+        its trials, and where it crosses is refined from the side of w > 0.
     law : FrictionLaw
         The law of mu, bound.
     speed : float
         V in m/s, the unit of the law's slip speed.
     w_max : float
         The slip speed up to which the law is known.
+    branches : tuple of Branch
+        The smooth pieces of mu, between the slip speeds at which it has a kink.
     """
 
     eta: float
@@ -162,6 +200,7 @@ class Scene:
     law: FrictionLaw
     speed: float
     w_max: float = math.inf
+    branches: tuple[Branch, ...] = ()
 
     @classmethod
     def of(cls, law: FrictionLaw, osc: Oscillator) -> "Scene":
@@ -173,18 +212,15 @@ class Scene:
             If a parameter has no value, mu(0+) is not finite, or the static coefficient is below mu(0+).
         """
         static, onset = _static(law), _onset(law)
-        mu, speed = law.function("math"), osc.V
-
-        def continued(w: float) -> float:
-            if w <= 0:
-                return onset
-            try:
-                return float(mu(speed * w))
-            except (ArithmeticError, TypeError, ValueError):  # a TypeError is a complex coefficient
-                return math.nan
-
+        speed, pieces = osc.V, law.branches()
         w_max = math.inf if law.v_max is None else float(law.v_max) / speed
-        return cls(osc.eta, osc.zeta, static, continued, law, speed, w_max)
+        mu = _of_w(law.function("math"), speed, onset)
+        levels = [start / speed for start, _ in pieces] + [math.inf]
+        branches = tuple(
+            Branch(low, high, _of_w(piece, speed, onset, low, high))
+            for low, high, (_, piece) in zip(levels, levels[1:], pieces, strict=False)
+        )
+        return cls(osc.eta, osc.zeta, static, mu, law, speed, w_max, branches)
 
     def acceleration(self, q: float, w: float, side: int) -> float:
         """Return w', the rate at which the slip speed grows."""

@@ -4,7 +4,7 @@ Abs, Min and Max of functions that are linear in v become pieces when a law is r
 later (closed forms, quadrature, fast functions) knows one kind of kink only, and knows exactly where it is.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import sympy as sp
@@ -12,7 +12,7 @@ import sympy as sp
 from stickslip_sym import symbols
 from stickslip_sym.errors import InputError
 
-__all__ = ["absolute", "jumps", "larger", "pieces_of", "piecewise", "places", "smaller"]
+__all__ = ["absolute", "branch_from", "jumps", "larger", "pieces_of", "piecewise", "places", "smaller"]
 
 
 _MOST_UNORDERED = 6  # SymPy compares all pairs of what stands in a Max, at length
@@ -107,6 +107,23 @@ def places(expr: Any) -> list[Any]:
             relations = sp.ordered(condition.atoms(sp.StrictLessThan, sp.StrictGreaterThan))
             found += [relation.gts for relation in relations if relation.lts == symbols.v]
     return list(dict.fromkeys(found))
+
+
+def branch_from(expr: Any, values: Mapping[Any, Any], start: Any) -> Any:
+    """Return an expression with each kink replaced by the branch that holds just above a place.
+
+    Parameters
+    ----------
+    expr : sympy.Expr
+    values : mapping of symbols to numbers
+        Of the parameters; the result keeps its symbols.
+    start : sympy number
+        A slip speed. Conditions read v < place, so the branch that holds there holds above.
+    """
+    known = {**values, symbols.v: start}
+    kinked = [node for node in expr.atoms(sp.Piecewise) if node.has(symbols.v)]
+    chosen = {node: next(part for part, holds in node.args if holds.xreplace(known)) for node in kinked}
+    return expr.xreplace(chosen)
 
 
 def jumps(expr: Any) -> list[tuple[Any, Any]]:

@@ -201,7 +201,7 @@ def _separatrices(
     onset = osc.onset(law)
 
     def curve(slip: SlipPhase, kind: str, forward: int = 1) -> Separatrix:
-        q, w = slip.at(np.linspace(slip.pieces[0].t_old, slip.last.tau, _SAMPLES))
+        q, w = slip.at(np.linspace(slip.pieces[0].start.tau, slip.last.tau, _SAMPLES))
         return Separatrix(onset + osc.length * forward * q, osc.V * (1 - w), kind)
 
     for cycle in orbits.cycles:

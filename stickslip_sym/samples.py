@@ -118,6 +118,11 @@ class SampledCurve:
 
         return at_working_precision
 
+    @cached_property
+    def branches(self) -> list[tuple[float, Callable[[float], float]]]:
+        """Where each piece begins, and its function of a float."""
+        return [(place, _cubic(place, *row)) for place, row in zip(*self._tables(float, False), strict=True)]
+
     def _over_arrays(self, derivative: bool) -> Callable[[Any], Any]:
         places, rows = self._tables(float, derivative)
         starts, columns = np.array(places), np.array(rows).T
@@ -140,6 +145,14 @@ class SampledCurve:
     @cached_property
     def _slopes(self) -> tuple[tuple[Any, ...], ...]:
         return tuple(tuple(j * cubic[j] for j in (1, 2, 3)) for cubic in self.cubics)
+
+
+def _cubic(start: float, a: float, b: float, c: float, d: float) -> Callable[[float], float]:
+    def evaluate(v: float) -> float:
+        distance = v - start
+        return ((d * distance + c) * distance + b) * distance + a
+
+    return evaluate
 
 
 def _by_bisection(places: list[Any], rows: list[list[Any]]) -> Callable[[Any], Any]:

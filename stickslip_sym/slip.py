@@ -1,4 +1,4 @@
-"""One slip phase: integrated from its onset, watched for extrema of the slip speed and for its end.
+"""One slip phase: integrated from its onset, watched for extrema of the slip speed, for kinks and for its end.
 
 A return to the belt's speed may graze it: w touches 0 and turns within one step, and no sign change
 of w is left to see. So the extrema of w are located first, as simple roots of w'; between two of them
@@ -6,39 +6,38 @@ w is monotone and can cross 0 only once, and where it does is then a simple root
 
 The ends of a step are enough to see the extrema: from a minimum of w, which lies below w = 1, to a maximum,
 which lies above, the motion takes about half a period, longer than any explicit step.
+
+Where mu has a kink, each of its smooth pieces is integrated as if it held everywhere. Where w leaves the piece
+is located as a return is, which is the same thing at w = 0, and the integration begins anew on the next piece.
+So no step has a kink in it. Where mu jumps up, the rates on both sides may point at each other: the mass then
+slides at the slip speed of the jump, w is constant, and q a straight line, until one of them turns (Filippov).
 """
 
 import math
+import time
+from bisect import bisect_right
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
-from scipy.integrate import DOP853, Radau
 from scipy.optimize import brentq
 
 from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.oscillator import Scene
+from stickslip_sym.steppers import Explicit, Implicit, Piece, Point, Rates
 
-__all__ = ["Point", "SlipPhase", "follow"]
+__all__ = ["Point", "SlipPhase", "exhausted", "follow"]
 
-_LONGEST_STEP = 0.5  # explicit, of dimensionless time; a period is about 2 pi
-_MOST_STEPS = 10_000  # and, on the way to a given horizon, 20 more for every unit of time
+_LONGEST_STEP = 0.25  # explicit, of dimensionless time; at twice that what a step is off shows in thresholds
+_MOST_STEPS = 10_000  # and, on the way to a given horizon, 20 more for every unit of time and piece of mu
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _PATIENCE = 15  # steps held short by stability before the method changes
 _LEVEL = 1e-13  # of the terms of w', below which it may be nothing but rounding
 _RUNAWAY = 1e100  # times the belt's speed
+_JUMP = 1e-12  # of mu, relative, below which it is rounding
 _ROOT = float(4 * np.finfo(np.float64).eps)
-
-
-@dataclass(frozen=True)
-class Point:
-    """A state (q, w) at a time tau."""
-
-    tau: float
-    q: float
-    w: float
 
 
 @dataclass
@@ -51,45 +50,49 @@ class SlipPhase:
         1 where the mass is slower than the belt, -1 where it is faster.
     end : str
         "return": w came down to 0; "minimum": w turned before; "rest": the mass came to rest, within the
-        tolerance; "horizon": the time was over.
+        tolerance; "horizon": the time was over; "steps", "deadline": the bounds on the work were reached.
     last : Point
         The state at the end.
     extrema : list of Point
         The maxima and minima of w, in order.
-    pieces : list
-        Interpolants of (q, w), one a step, each with its `t_old` and `t`.
+    pieces : list of Piece
+        Interpolants of (q, w), one a step.
     """
 
     side: int
     end: str
     last: Point
     extrema: list[Point] = field(default_factory=list)
-    pieces: list[Any] = field(default_factory=list)
+    pieces: list[Piece] = field(default_factory=list)
+
+    @property
+    def points(self) -> list[Point]:
+        """The states at the ends of the steps, from the beginning of the phase to its end."""
+        return [*(piece.start for piece in self.pieces), self.last]
 
     def at(self, tau: Any) -> Any:
-        """Return the rows q and w at ascending times within the phase."""
+        """Return the rows q and w at times within the phase."""
         tau = np.asarray(tau, dtype=np.float64)
-        ends = np.array([piece.t for piece in self.pieces])
-        index = np.minimum(np.searchsorted(ends, tau), len(self.pieces) - 1)
-        result = np.empty((2, tau.size))
-        for i in np.unique(index):
+        index = np.searchsorted([piece.start.tau for piece in self.pieces[1:]], tau, side="right")
+        result = np.empty((2, *tau.shape))
+        result[0], result[1] = self.last.q, self.last.w  # all there is of a phase without steps
+        for i in np.unique(index) if self.pieces else ():
             chosen = index == i
             result[:, chosen] = self.pieces[i](tau[chosen])
         return result
 
     def crossings(self, level: float) -> list[Point]:
-        """Return the points where w passes a level between the ends of two steps, from interpolation."""
-        times = np.array([piece.t_old for piece in self.pieces] + [self.last.tau])
-        offset = self.at(times)[1] - level
+        """Return the points where w comes to a level or passes it between the ends of two steps."""
         found = []
-        for (left, before), (right, after) in pairwise(zip(times.tolist(), offset.tolist(), strict=True)):
-            if before * after < 0:
-                tau = brentq(lambda s: float(self.at([s])[1, 0]) - level, left, right, rtol=_ROOT)
-                found.append(Point(tau, *self.at([tau])[:, 0].tolist()))
+        for piece, (before, after) in zip(self.pieces, pairwise(self.points), strict=True):
+            if after.w == level:  # as where mu has a kink there
+                found.append(after)
+            elif (before.w - level) * (after.w - level) < 0:
+                tau = _passage(piece, level, before.tau, after.tau)
+                found.append(Point(tau, *map(float, piece(tau))))
         return found
 
 
-@np.errstate(all="ignore")  # a step into what is not finite is refused, and tried again shorter
 def follow(
     scene: Scene,
     start: Point,
@@ -98,6 +101,8 @@ def follow(
     horizon: float,
     rtol: float,
     until: Literal["return", "turn"] = "return",
+    max_steps: int | None = None,
+    deadline: float = math.inf,
 ) -> SlipPhase:
     """Integrate a slip phase from `start`.
 
@@ -111,10 +116,14 @@ def follow(
     horizon : float
         Time at which to stop in any case.
     rtol : float
-        Relative tolerance of a step (absolute: the same, all states being of order one).
+        Relative tolerance of a step.
     until : str
         "return": go on until w = 0; "turn": stop also at a minimum of w above 0, after which an orbit
         that left P never returns, since orbits in a plane do not cross.
+    max_steps : int, optional
+        A number of steps after which the phase ends as it is. Without it there is a bound that is an error.
+    deadline : float
+        Of `time.monotonic`, after which the phase ends as it is.
 
     Raises
     ------
@@ -123,159 +132,245 @@ def follow(
     NotConverged
         When the number of steps runs out, the motion grows beyond all bounds, or mu cannot be computed on it.
     """
-    method = _Method(scene, side, rtol)
-    initial = method.rates(start.tau, np.array((start.q, start.w)))[1]
-    if not math.isfinite(initial):
-        raise InputError(f"mu cannot be computed at a slip speed of {start.w:g} V, where the motion starts")
     phase = SlipPhase(side, "horizon", start)
-    solver = method.solver(start, horizon)
-    rising = start.w == 0 or initial > 0
-    terms = scene.eta * scene.static, start.q, 2 * scene.zeta * start.w
-    if abs(initial) <= _LEVEL * max(map(abs, terms)) and start.w < side:  # from a minimum w rises
-        rising = True
-    steps = 0
-    while solver.status == "running":
-        steps += 1
-        if steps > _MOST_STEPS + (20 * (phase.last.tau - start.tau) if until == "return" else 0):
-            raise NotConverged(
-                f"one slip phase took over {steps - 1} steps up to {phase.last.tau - start.tau:.3g}/omega, and "
-                f"advances by {solver.step_size:.1e}/omega a step: mu may jump or be too rough; try a larger rtol"
-            )
+    method = _Method(scene, side, rtol, horizon)
+    rising = method.begin(phase)
+    while phase.last.tau < horizon:
+        if (end := exhausted(phase, max_steps, deadline)) is not None:
+            phase.end = end
+            return phase
+        if max_steps is None:
+            method.check_work(phase, start, until)
         before = phase.last
-        piece = method.step(solver)
+        piece = method.step()
         phase.pieces.append(piece)
-        phase.last = _point(solver.t, solver.y)
+        phase.last = method.solver.now
         turn = method.turn(piece, rising)
-        if turn is not None:
-            extremum = method.refine(before, turn, lambda state: float(method.rates(0.0, state)[1]))
+        left = method.leaves(piece, before, phase.last if turn is None else turn, rising)
+        if left is None and turn is not None:
+            phase.extrema.append(turn)
             rising = not rising
-            if rising and extremum.w <= 0:
-                return _returned(phase, before, extremum.tau, method)
-            phase.extrema.append(extremum)
             if rising and until == "turn":
-                phase.end, phase.last = "minimum", extremum
+                phase.end, phase.last = "minimum", turn
                 return phase
-        if phase.last.w <= 0 and not rising:
-            return _returned(phase, before, phase.last.tau, method)
-        if method.rests(phase.last):
+            left = method.leaves(piece, turn, phase.last, rising)
+        if left is not None:
+            phase.last = left
+            if left.w == 0:
+                phase.end = "return"
+                return phase
+            entered = method.enter(phase, rising)
+            if until == "turn" and entered and not rising:
+                phase.end = "minimum"
+                return phase
+            rising = entered
+        elif method.rests(phase.last):
             phase.end = "rest"
             return phase
-        if method.changes(phase.last, solver.t - before.tau):
-            solver = method.solver(phase.last, horizon)
+        else:
+            method.choose(phase.last, phase.last.tau - before.tau)
     return phase
 
 
-def _point(tau: float, state: Any) -> Point:
-    return Point(float(tau), *state.tolist())
+def exhausted(phase: SlipPhase, max_steps: int | None, deadline: float) -> str | None:
+    """Return which bound on the work is reached, as `SlipPhase.end` has it; None if there is some left."""
+    if max_steps is not None and len(phase.pieces) >= max_steps:
+        return "steps"
+    return "deadline" if time.monotonic() > deadline else None
 
 
-def _returned(phase: SlipPhase, before: Point, latest: float, method: "_Method") -> SlipPhase:
-    """End a phase where w crosses 0 in the falling stretch of a step that ends at `latest`."""
-    piece = phase.pieces[-1]
-    earliest = max([before.tau, *(point.tau for point in phase.extrema)])
-    height = piece(np.array((earliest, latest)))[1]
-    tau = latest
-    if height[0] > 0 > height[1]:
-        tau = brentq(lambda s: piece(s)[1], earliest, latest, rtol=_ROOT)
-    end = method.refine(before, tau, lambda state: float(state[1]))
-    phase.end, phase.last = "return", Point(end.tau, end.q, 0.0)
-    return phase
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    return float(brentq(function, low, high, rtol=_ROOT))
+
+
+def _passage(piece: Piece, level: float, low: float, high: float) -> float:
+    """Return when w passes a level between two times of a step."""
+    return _root(lambda tau: float(piece(tau)[1]) - level, low, high)
+
+
+@dataclass
+class _Slide:
+    """A stretch of constant slip speed."""
+
+    start: Point
+    t: float
+    rate: float
+
+    def __call__(self, tau: Any) -> Any:
+        return self.start.q + self.rate * (tau - self.start.tau), self.start.w + 0 * tau
 
 
 class _Method:
-    """How one phase is integrated: explicitly, or implicitly while a fast decay of w holds the steps short."""
+    """How one phase is integrated: piece of mu by piece, explicitly, or implicitly in a fast decay of w."""
 
-    def __init__(self, scene: Scene, side: int, rtol: float) -> None:
-        self.scene, self.side, self.rtol = scene, side, rtol
+    def __init__(self, scene: Scene, side: int, rtol: float, horizon: float) -> None:
+        self.scene, self.side, self.rtol, self.horizon = scene, side, rtol, horizon
+        self.pieces = [replace(scene, mu=branch.mu) for branch in scene.branches]
         self.stiff = False
         self.held = 0
         self.rest = scene.rest if side > 0 and scene.decay(1.0) > 0 else None
+        self.solver: Explicit | Implicit
 
-    def rates(self, _: float, state: Any) -> Any:
-        q, w = state.tolist()
-        return np.array((1 - self.side * w, self.scene.acceleration(q, w, self.side)))
+    # -- pieces of mu --------------------------------------------------------------------------------
 
-    def _jacobian(self, _: float, state: Any) -> Any:
-        return np.array(((0.0, -self.side), (self.side, -self.scene.decay(max(float(state[1]), 0.0)))))
+    def begin(self, phase: SlipPhase) -> bool:
+        """Choose the piece of mu at the start, and return whether w rises."""
+        start, branches = phase.last, self.scene.branches
+        self.index = bisect_right([branch.low for branch in branches], start.w) - 1
+        slope = self._slope(self.index, start)
+        if not math.isfinite(slope):
+            raise InputError(f"mu cannot be computed at a slip speed of {start.w:g} V, where the motion starts")
+        terms = self.scene.eta * self.scene.static, start.q, 2 * self.scene.zeta * start.w
+        level = abs(slope) <= _LEVEL * max(map(abs, terms)) and start.w < self.side  # at a minimum of w
+        if slope < 0 and not level and self.index and start.w == branches[self.index].low:
+            return self.enter(phase, rising=False)
+        self.solver = self._solver(start, self.horizon)
+        return start.w == 0 or level or slope > 0
 
-    def solver(self, start: Point, end: float, **options: Any) -> Any:
-        state = np.array((start.q, start.w))
-        if not self.stiff:
-            return DOP853(
-                self.rates, start.tau, state, end,
-                rtol=self.rtol, atol=self.rtol, **({"max_step": _LONGEST_STEP} | options),
-            )  # fmt: skip
-        # Radau's estimate is of order 3, its solution of order 5.
-        loose = self.rtol ** (2 / 3)
-        return Radau(self.rates, start.tau, state, end, rtol=loose, atol=loose, jac=self._jacobian, **options)
+    def enter(self, phase: SlipPhase, rising: bool) -> bool:
+        """Go on from a level at which mu has a kink, and return whether w rises there."""
+        step = self.solver.length if phase.pieces else None
+        now, beyond = phase.last, self.index + (1 if rising else -1)
+        onward = (self._slope(beyond, now) >= 0) == rising
+        if onward or not self._jumps(now.w, self.index, beyond):
+            self.index = beyond
+        else:
+            rising = self._slide(phase, min(self.index, beyond))
+        self.solver = self._solver(phase.last, self.horizon, step=step)
+        return rising
 
-    def step(self, solver: Any) -> Any:
+    def _slope(self, index: int, now: Point) -> float:
+        return self.pieces[index].acceleration(now.q, now.w, self.side)
+
+    def _jumps(self, w: float, *indices: int) -> bool:
+        one, other = (self.scene.branches[index].mu(w) for index in indices)
+        return abs(one - other) > _JUMP * max(abs(one), abs(other))
+
+    def _slide(self, phase: SlipPhase, lower: int) -> bool:
+        """Slide at the slip speed of a jump, and return whether the mass leaves it upward."""
+        start, side = phase.last, self.side
+        rate = 1 - side * start.w  # of q; both slopes of w change by side times as much
+        upward = side * rate > 0
+        self.index = lower + 1 if upward else lower
+        # Where the slope of w on the side of the exit is 0.
+        distance = -side * self._slope(self.index, start) / rate if rate else math.inf
+        tau = min(self.horizon, start.tau + max(distance, 0.0))
+        phase.pieces.append(_Slide(start, tau, rate))
+        phase.last = Point(tau, start.q + rate * (tau - start.tau), start.w)
+        return upward
+
+    # -- steps ---------------------------------------------------------------------------------------
+
+    @property
+    def rates(self) -> Rates:
+        # Of this piece for good: an interpolant may ask for more of them when the mass is on another one.
+        scene, side = self.pieces[self.index], self.side
+        return lambda q, w: (1 - side * w, scene.acceleration(q, w, side))
+
+    def _solver(self, start: Point, end: float, *, step: float | None = None) -> Explicit | Implicit:
+        if self.stiff:
+            decay = self.pieces[self.index].decay
+            return Implicit(self.rates, start, end, self.rtol, side=self.side, decay=decay, step=step)
+        return Explicit(self.rates, start, end, self.rtol, step=step, longest=_LONGEST_STEP)
+
+    def check_work(self, phase: SlipPhase, start: Point, until: str) -> None:
+        steps, elapsed = len(phase.pieces), phase.last.tau - start.tau
+        if steps >= _MOST_STEPS + (20 * len(self.pieces) * elapsed if until == "return" else 0):
+            raise NotConverged(
+                f"one slip phase took over {steps} steps up to {elapsed:.3g}/omega: mu may be too rough, with "
+                f"steps of {self.solver.length:.1e}/omega; try a larger rtol"
+            )
+
+    def step(self) -> Piece:
         """Take one step and return its interpolant."""
-        try:
-            message = solver.step()
-        except ValueError as error:  # from the linear algebra of a state that is not finite
-            solver.status, message = "failed", str(error)
-        w = float(solver.y[1])
+        piece = self.solver.step()
+        w = self.solver.now.w
         if w > self.scene.w_max:
             raise InputError(
-                f"the motion reaches a slip speed of {w:g} V, the law is measured up to {self.scene.w_max:g} V; "
-                "measure further, or hold the last coefficient: extrapolate=True, or --extrapolate"
+                f"the motion reaches a slip speed of {w:.6g} V, the law is measured up to "
+                f"{self.scene.w_max:.6g} V; measure further, or hold the last coefficient: extrapolate=True"
             )
         if not abs(w) < _RUNAWAY:
             raise NotConverged("the motion grows without bound; a negative damping feeds it: try a shorter t_end")
-        if solver.status == "failed":
+        if piece is None:
             raise NotConverged(
                 f"the slip phase cannot be integrated at rtol = {self.rtol:g} beyond a slip speed of {w:.6g} V: "
-                f"{message} mu may have no finite value there; try a larger rtol or another law"
+                "mu may have no finite value there; try a larger rtol or another law"
             )
-        return solver.dense_output()
+        return piece
 
-    def turn(self, piece: Any, rising: bool) -> float | None:
-        """Locate an extremum of w within one step on its interpolant."""
+    def turn(self, piece: Piece, rising: bool) -> Point | None:
+        """Locate an extremum of w within one step."""
+        start, now = piece.start, self.solver.now
+        # In a fast decay w' is a small difference, and its sign the sign of an error of w.
+        noise = self.rtol ** (2 / 3) * self.pieces[self.index].decay(max(now.w, 0.0)) if self.stiff else 0.0
+        if (self.solver.slope >= -noise) if rising else (self.solver.slope <= noise):
+            return None
+
+        rates = self.rates
 
         def slope(tau: float) -> float:
-            return float(self.rates(tau, piece(tau))[1])
+            return rates(*map(float, piece(tau)))[1]
 
-        # In a fast decay w' is a small difference, and its sign the sign of an error of w.
-        noise = self.rtol ** (2 / 3) * self.scene.decay(max(float(piece(piece.t)[1]), 0.0)) if self.stiff else 0.0
-        last = slope(piece.t)
-        if (last >= -noise) if rising else (last <= noise):
-            return None
-        # Right at an onset or an extremum the slope at the beginning may have either sign.
-        settled = (slope(piece.t_old) > 0) == rising
+        # Right at an onset or an extremum the slope at the beginning may have either sign, and so may that at the
+        # end on the interpolant.
+        before, after = ((slope(tau) > 0) == rising for tau in (start.tau, piece.t))
         try:
-            tau = float(brentq(slope, piece.t_old, piece.t, rtol=_ROOT)) if settled else float(piece.t_old)
+            tau = _root(slope, start.tau, piece.t) if before and not after else piece.t if before else start.tau
         except ValueError as error:  # within the step an interpolant may leave where mu can be computed
             raise NotConverged(
                 f"the slip phase cannot be followed at rtol = {self.rtol:g} from a slip speed of "
-                f"{float(piece(piece.t_old)[1]):.6g} V on: {error}; try another rtol"
+                f"{start.w:.6g} V on: {error}; try another rtol"
             ) from None
         # Where w' = 0, w'' = side - w whatever mu is: any other turn is an error of the integration.
-        return tau if (piece(tau)[1] < self.side) != rising else None
+        if (float(piece(tau)[1]) < self.side) == rising:
+            return None
+        return self._refined(start, tau, lambda q, w: (self.rates(q, w)[1], self.side - w))
 
-    def refine(self, before: Point, tau: float, value: Callable[[Any], float]) -> Point:
-        """Improve a root near tau, found on an interpolant, to the accuracy of the integration itself."""
-        state = self._state(before, tau)
+    def leaves(self, piece: Piece, first: Point, last: Point, rising: bool) -> Point | None:
+        """Locate where w leaves the range of the piece of mu in a monotone stretch of one step."""
+        branch = self.scene.branches[self.index]
+        level = branch.high if rising else branch.low
+        if (last.w < level) if rising else (last.w > level):
+            return None
+        height = [float(piece(point.tau)[1]) - level for point in (first, last)]
+        if (height[0] < 0) != rising:
+            tau = first.tau
+        elif (height[1] < 0) == rising:
+            tau = last.tau
+        else:
+            tau = _passage(piece, level, first.tau, last.tau)
+        end = self._refined(piece.start, tau, lambda q, w: (w - level, self.rates(q, w)[1]))
+        return Point(end.tau, end.q, level)
+
+    def _refined(self, before: Point, tau: float, value: Callable[[float, float], tuple[float, float]]) -> Point:
+        """Improve a root near tau, found on an interpolant, to the accuracy of the integration itself.
+
+        `value` gives what vanishes at the root, and its rate.
+        """
+        now = self._state(before, tau)
         for _ in range(2):
-            speed = self.rates(tau, state)
-            size = 1e-6
-            slope = (value(state + size * speed) - value(state - size * speed)) / (2 * size)
-            shift = -value(state) / slope if slope else math.inf
-            if not abs(shift) < 1e-6 or tau + shift <= before.tau:
+            offset, rate = value(now.q, now.w)
+            shift = -offset / rate if rate else math.inf
+            if not abs(shift) < 1e-6 or now.tau + shift <= before.tau:
                 break  # a grazing root: the interpolant's is as good as any
-            tau += shift
-            state = self._state(before, tau)
-        return _point(tau, state)
+            if abs(shift) < 1e-9:  # what is left after a straight line is below rounding
+                dq, dw = self.rates(now.q, now.w)
+                return Point(now.tau + shift, now.q + shift * dq, now.w + shift * dw)
+            now = self._state(before, now.tau + shift)
+        return now
 
-    def _state(self, before: Point, tau: float) -> Any:
+    def _state(self, before: Point, tau: float) -> Point:
         """Integrate afresh from the beginning of the step."""
-        length = tau - before.tau
-        if length <= 0:
-            return np.array((before.q, before.w))
-        solver = self.solver(before, tau, first_step=length, max_step=math.inf)
-        while solver.status == "running":
-            self.step(solver)
-        return solver.y
+        if tau <= before.tau:
+            return before
+        kept, self.solver = self.solver, self._solver(before, tau, step=tau - before.tau)
+        while self.solver.now.tau < tau:
+            self.step()
+        fresh, self.solver = self.solver, kept
+        return fresh.now
+
+    # -- ends ----------------------------------------------------------------------------------------
 
     def rests(self, now: Point) -> bool:
         """Whether the mass is as close to a rest that attracts it as the errors of steps let it come."""
@@ -285,14 +380,16 @@ class _Method:
         close = 10 * self.rtol
         return abs(now.w - w) <= close and abs(now.q - q) <= close * max(1.0, abs(q))
 
-    def changes(self, now: Point, step: float) -> bool:
-        """Choose the method of the next step, and tell whether it is another one."""
-        decay = self.scene.decay(now.w)
+    def choose(self, now: Point, step: float) -> None:
+        """Choose the method of the next step."""
+        decay = self.pieces[self.index].decay(now.w)
         if self.stiff:
             self.held = 0
-            self.stiff = decay > _STIFF / 3
-            return not self.stiff
-        # The explicit method is stable up to about 6 decay times a step.
-        self.held = self.held + 1 if decay > _STIFF and decay * step > 2.5 else 0
-        self.stiff = self.held >= _PATIENCE
-        return self.stiff
+            stiff = decay > _STIFF / 3
+        else:
+            # The explicit method is stable up to about 6 decay times a step.
+            self.held = self.held + 1 if decay > _STIFF and decay * step > 2.5 else 0
+            stiff = self.held >= _PATIENCE
+        if stiff != self.stiff:
+            self.stiff = stiff
+            self.solver = self._solver(now, self.horizon)

@@ -22,7 +22,7 @@ from scipy.optimize import brentq
 from stickslip_sym import symbols
 from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.oscillator import Scene
-from stickslip_sym.slip import Point, SlipPhase
+from stickslip_sym.slip import Point, SlipPhase, exhausted
 
 __all__ = ["Series", "follow"]
 
@@ -51,6 +51,11 @@ class Series:
     t_old: float
     t: float
     coefficients: Any
+
+    @property
+    def start(self) -> Point:
+        """The state at the beginning."""
+        return Point(self.t_old, *self.coefficients[0].tolist())
 
     def __call__(self, tau: Any) -> Any:
         """Return (q, w) at a time, or rows of q and w at several."""
@@ -88,12 +93,14 @@ def follow(
     horizon: float,
     rtol: float,
     until: Literal["return", "turn"] = "return",
+    max_steps: int | None = None,
+    deadline: float = math.inf,
 ) -> SlipPhase:
     """Integrate a slip phase from `start`.
 
     Parameters
     ----------
-    scene, start, side, horizon, until
+    scene, start, side, horizon, until, max_steps, deadline
         As for `slip.follow`.
     rtol : float
         How close to a rest that attracts it the mass is at rest.
@@ -116,6 +123,9 @@ def follow(
     longest = math.inf
     tries = 0
     while phase.last.tau < horizon:
+        if (end := exhausted(phase, max_steps, deadline)) is not None:
+            phase.end = end
+            return phase
         tries += 1
         before = phase.last
         if tries > _MOST_TRIES + (30 * (before.tau - start.tau) if until == "return" else 0):

@@ -19,10 +19,10 @@ LAYERS = [
     "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",
     "evaluate", "arguments", "dialects", "c_text", "python_text", "code_text", "averages", "closed_form",
     "trees", "keeping",
-    "oscillator", "slip", "taylor", "engines", "automaton", "transit", "grazing",
+    "oscillator", "steppers", "slip", "taylor", "engines", "trajectory", "automaton", "transit", "grazing",
     "perturbation", "orbit", "cycles", "rungs", "threshold", "transition", "crosscheck",
     "slip_orbits", "regimes", "classification", "newmark", "tradeoff", "tradeoff_thresholds",
-    "cli_reading", "cli_laws", "cli_derive", "cli_damping", "cli_tradeoff", "cli",
+    "cli_reading", "cli_laws", "cli_derive", "cli_damping", "cli_simulate", "cli_tradeoff", "cli",
 ]  # fmt: skip
 """The modules of the package in the order in which they may import: each only from those before it."""
 

@@ -284,7 +284,6 @@ def simulated(formula, static=None, *, x0=0.0, v0=None, t_end=10.0, c=0.0):
         (ss.InputError, "cannot be computed at a slip speed of 3 V", {"formula": "0.5*sqrt(1-v)", "v0": -1.0}),
         (ss.InputError, "cannot be computed", {"formula": "0.5+0.001*exp(800*v)", "v0": -3.0}),
         (ss.NotConverged, "grows without bound", {"formula": "0.5", "c": -30.0}),
-        (ss.NotConverged, "mu may jump", {"formula": "Piecewise((0.3, v < 0.2), 0.5)"}),
         (ss.InputError, "v0 = 'a' is not a number", {"formula": "0.5", "v0": "a"}),
         (ss.InputError, "t_end = 'None' is not a number", {"formula": "0.5", "t_end": None}),
     ],
@@ -385,7 +384,7 @@ def test_the_error_of_a_threshold_is_honest(law, changes):
         loose = simulated_threshold(law, rtol=rtol, **changes)
         assert abs(loose.value - exact) < loose.error * exact
     if changes == {"V": 10.0}:  # where the graze is flat, the error is more than the tolerance
-        assert abs(simulated_threshold(law, rtol=1e-6, **changes).value - exact) > 1e-6 * exact
+        assert abs(simulated_threshold(law, rtol=1e-10, **changes).value - exact) > 1e-10 * exact
 
 
 def test_results_are_plain_floats(law):

@@ -1,0 +1,234 @@
+"""`Trajectory`: a motion of the mass, its events, and its course between them."""
+
+import csv
+import io
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stickslip_sym import files
+from stickslip_sym.errors import InputError
+
+__all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Trajectory"]
+
+_ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
+_DRAWN = 8  # points drawn for each step of the integration
+
+
+class Phase(Enum):
+    """What the contact does."""
+
+    STICK = "stick"
+    SLIP_BACK = "slip, slower than the belt"
+    SLIP_FORWARD = "slip, faster than the belt"
+
+
+class EventKind(Enum):
+    """What happens at an event."""
+
+    START = "start"
+    STICKS = "slip ends in stick"
+    SLIPS = "static friction gives way"
+    CROSSES = "passes the belt's speed without sticking"
+
+
+class Outcome(Enum):
+    """How a simulation ended."""
+
+    FINISHED = "finished"
+    AT_REST = "at rest"
+    STEP_LIMIT = "step limit"
+    TIME_LIMIT = "time limit"
+
+
+@dataclass(frozen=True)
+class Event:
+    """A change of phase: the time in s, the state in m and m/s, the phase that begins, and how it comes about."""
+
+    t: float
+    x: float
+    v: float
+    begins: Phase
+    kind: EventKind
+
+
+class State(NamedTuple):
+    """Displacement in m, velocity in m/s and phase, each an array of the shape of the times."""
+
+    x: Any
+    v: Any
+    phase: Any
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """One phase of a motion, from `start` to `end` in s; `course` gives x and v at times within."""
+
+    phase: Phase
+    start: float
+    end: float
+    course: Callable[[Any], tuple[Any, Any]]
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A motion of the mass.
+
+    Attributes
+    ----------
+    t : numpy.ndarray
+        Times in s, ascending, at the integrator's steps and at every event.
+    x, v : numpy.ndarray
+        Displacement in m and velocity in m/s at these times.
+    phase : numpy.ndarray of Phase
+        The phase in which each sample lies; a sample at an event belongs to the phase that ends there.
+    events : tuple of Event
+    outcome : Outcome
+        Whether the end was reached; after a limit the trajectory is what was computed so far.
+    stretches : tuple of Stretch
+        The phases in order, as functions of time.
+    """
+
+    t: Any = field(repr=False)
+    x: Any = field(repr=False)
+    v: Any = field(repr=False)
+    phase: Any = field(repr=False)
+    events: tuple[Event, ...] = field(repr=False)
+    outcome: Outcome
+    stretches: tuple[Stretch, ...] = field(repr=False)
+
+    def starts_of(self, phase: Phase) -> Any:
+        """Return the times at which a phase began."""
+        return np.array([event.t for event in self.events if event.begins is phase])
+
+    def at(self, t: Any) -> State:
+        """Return the state at any times of the motion.
+
+        Stick is exact, and slip as accurate as the samples; only where a fast decay called for the implicit
+        method, which interpolates by cubics, the error between samples is about rtol^(2/3).
+
+        Parameters
+        ----------
+        t : float or array
+            Times in s. At an event the state is that of the phase that ends there.
+
+        Raises
+        ------
+        InputError
+            For a time that is no number, or before the start, or after the end of what was computed.
+        """
+        try:
+            times = np.asarray(t, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError(f"t = {str(t)[:60]!r} is not a time in s; give a float or an array") from None
+        first, last = float(self.t[0]), float(self.t[-1])
+        slack = _ROUNDING * (last - first)
+        wrong = ~((times >= first - slack) & (times <= last + slack))
+        if wrong.any():
+            raise InputError(
+                f"t = {times[wrong].flat[0]:g} s is outside the motion, which was computed from {first:g} s to "
+                f"{last:g} s ({self.outcome.value}); simulate with a larger t_end or limit"
+            )
+        times = np.clip(times, first, last)
+        index = np.searchsorted([stretch.end for stretch in self.stretches], times)
+        x, v, phase = np.empty(times.shape), np.empty(times.shape), np.empty(times.shape, dtype=object)
+        for i in np.unique(index):
+            chosen = index == i
+            x[chosen], v[chosen] = self.stretches[i].course(times[chosen])
+            phase[chosen] = self.stretches[i].phase
+        return State(x, v, phase)
+
+    def to_csv(self, path: str | Path, t: Any = None) -> None:
+        """Write times, displacements, velocities and phases to a file, with units in its header.
+
+        Parameters
+        ----------
+        path : str or Path
+        t : array, optional
+            Times in s; those of the samples if not given.
+
+        Raises
+        ------
+        InputError
+            For times outside the motion, or a file that cannot be written.
+        """
+        times = self.t if t is None else np.atleast_1d(t)
+        state = State(self.x, self.v, self.phase) if t is None else self.at(times)
+        stream = io.StringIO()
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(["t (s)", "x (m)", "v (m/s)", "phase"])
+        columns = (np.asarray(part, dtype=np.float64).tolist() for part in (times, state.x, state.v))
+        writer.writerows(zip(*columns, [phase.name.lower() for phase in state.phase], strict=True))
+        files.write_text(Path(path), stream.getvalue())
+
+    def plot(self, path: str | Path | None = None) -> Any:
+        """Draw the time history and the phase plane, stick and slip told apart.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            A file to draw to: SVG, PNG or PDF, by its ending.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not installed, or cannot write the file.
+        """
+        try:
+            from matplotlib import rc_context
+            from matplotlib.figure import Figure
+        except ImportError:
+            raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
+        figure = Figure(figsize=(8.4, 4.2), layout="constrained")
+        panels = figure.subplot_mosaic("xp;vp", width_ratios=(3, 2))
+        panels["x"].sharex(panels["v"])
+        for phase, style in _STYLES.items():
+            t, x, v = self._drawn(phase)
+            if t.size:
+                panels["x"].plot(t, x, **style)
+                panels["v"].plot(t, v, **style)
+                panels["p"].plot(x, v, label=phase.value, **style)
+        panels["x"].set(ylabel="displacement $x$ (m)")
+        panels["x"].tick_params(labelbottom=False)
+        panels["v"].set(xlabel="time $t$ (s)", ylabel="velocity $\\dot x$ (m/s)")
+        panels["p"].locator_params(axis="x", nbins=5)
+        panels["p"].set(xlabel="displacement $x$ (m)", ylabel="velocity $\\dot x$ (m/s)")
+        for panel in panels.values():
+            panel.grid(alpha=0.25)
+        figure.align_ylabels([panels["x"], panels["v"]])
+        figure.legend(loc="outside upper center", ncols=len(_STYLES), frameon=False)
+        if path is not None:
+            target = Path(path)
+            try:
+                with rc_context({"svg.fonttype": "none"}):
+                    figure.savefig(target, dpi=160, metadata={"Date": None} if target.suffix == ".svg" else None)
+            except (OSError, ValueError) as error:
+                raise InputError(f"cannot draw to {str(path)!r}: {error}; try a name such as motion.png") from None
+        return figure
+
+    def _drawn(self, phase: Phase) -> tuple[Any, Any, Any]:
+        """Return t, x and v of all stretches of a phase, with NaN between two of them."""
+        parts = [np.empty((3, 0))]
+        for stretch in self.stretches:
+            if stretch.phase is phase:
+                inner = self.t[(self.t > stretch.start) & (self.t < stretch.end)]
+                ends = np.array([stretch.start, *inner, stretch.end])
+                t = np.interp(np.arange(_DRAWN * (ends.size - 1) + 1) / _DRAWN, np.arange(ends.size), ends)
+                parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]
+        return tuple(np.concatenate(parts, axis=1))
+
+
+_STYLES: dict[Phase, dict[str, Any]] = {
+    Phase.STICK: {"color": "black", "linewidth": 2.6},
+    Phase.SLIP_BACK: {"color": "tab:blue", "linewidth": 1.1},
+    Phase.SLIP_FORWARD: {"color": "tab:orange", "linewidth": 1.4, "linestyle": (0, (3, 1))},
+}
+"""In grey they are told apart by weight and by dashes."""
