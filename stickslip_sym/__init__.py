@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from stickslip_sym import criteria, laws, quadrature, symbols
     from stickslip_sym.automaton import simulate
     from stickslip_sym.averages import SlopeAverage, slope_average
+    from stickslip_sym.basins import BasinMap, basin_map
     from stickslip_sym.classification import Motion, classify
     from stickslip_sym.closed_form import ClosedForm, derive
     from stickslip_sym.cycles import LimitCycle, limit_cycles
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from stickslip_sym.errors import InputError, NoClosedForm, NotConverged, NoThreshold, StickSlipError
     from stickslip_sym.friction import FrictionLaw, Parameter
     from stickslip_sym.keeping import load, save
+    from stickslip_sym.maps import MotionMap, motion_map
     from stickslip_sym.oscillator import Oscillator
     from stickslip_sym.proving import Status, Verdict
     from stickslip_sym.regimes import Regime, Rest, Separatrix, regime
@@ -38,6 +40,7 @@ _HOME = {
     "NotConverged": "errors", "StickSlipError": "errors",
     "FrictionLaw": "friction", "Parameter": "friction",
     "load": "keeping", "save": "keeping",
+    "BasinMap": "basins", "basin_map": "basins", "MotionMap": "maps", "motion_map": "maps",
     "Oscillator": "oscillator",
     "Status": "proving", "Verdict": "proving",
     "SlopeAverage": "averages", "slope_average": "averages",
@@ -52,11 +55,12 @@ _HOME = {
 
 __all__ = [  # noqa: RUF022  # modules first
     "criteria", "laws", "quadrature", "symbols",
-    "ClosedForm", "Derivation", "Event", "EventKind", "FrictionLaw", "InputError", "LimitCycle", "Motion",
-    "NoClosedForm", "NoThreshold", "NotConverged", "Oscillator", "Outcome", "Parameter", "Phase", "Regime", "Rest",
-    "Separatrix", "SlopeAverage", "Status", "Step", "StickSlipCycle", "StickSlipError", "Threshold", "Trajectory",
-    "TransitionSpeed", "Verdict", "classify", "derive", "limit_cycles", "load", "peak_velocity",
-    "pure_slip_damping", "regime", "save", "simulate", "slope_average", "stick_slip_cycle", "transition_speed",
+    "BasinMap", "ClosedForm", "Derivation", "Event", "EventKind", "FrictionLaw", "InputError", "LimitCycle",
+    "Motion", "MotionMap", "NoClosedForm", "NoThreshold", "NotConverged", "Oscillator", "Outcome", "Parameter",
+    "Phase", "Regime", "Rest", "Separatrix", "SlopeAverage", "Status", "Step", "StickSlipCycle", "StickSlipError",
+    "Threshold", "Trajectory", "TransitionSpeed", "Verdict", "basin_map", "classify", "derive", "limit_cycles",
+    "load", "motion_map", "peak_velocity", "pure_slip_damping", "regime", "save", "simulate", "slope_average",
+    "stick_slip_cycle", "transition_speed",
 ]  # fmt: skip
 
 

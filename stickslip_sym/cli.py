@@ -10,6 +10,7 @@ import typer
 from stickslip_sym.cli_damping import damping
 from stickslip_sym.cli_derive import derive
 from stickslip_sym.cli_laws import laws
+from stickslip_sym.cli_map import motion_map
 from stickslip_sym.cli_simulate import simulate
 from stickslip_sym.cli_tradeoff import tradeoff
 from stickslip_sym.errors import InputError, StickSlipError
@@ -34,6 +35,7 @@ app.command()(laws)
 app.command()(derive)
 app.command()(damping)
 app.command()(simulate)
+app.command("map")(motion_map)
 app.command()(tradeoff)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from stickslip_sym.errors import InputError
 
-__all__ = ["write_text"]
+__all__ = ["write_bytes", "write_text"]
 
 
 def write_text(path: Path, content: str) -> None:
@@ -19,6 +19,11 @@ def write_text(path: Path, content: str) -> None:
     InputError
         If the file cannot be written.
     """
+    write_bytes(path, content.encode())
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write bytes to a file, as `write_text` does."""
     try:
         # Before links are followed: /dev/stdout leads to a name such as pipe:[42] that no file has.
         if path.exists() and not path.is_file():
@@ -44,13 +49,13 @@ def _own_output(path: Path) -> int | None:
     return None
 
 
-def _write_into(target: Path | int, content: str) -> None:
+def _write_into(target: Path | int, content: bytes) -> None:
     """Write to a stream, a device or a pipe, which cannot be replaced; a directory refuses by itself."""
-    with open(target, "w", encoding="utf-8") as stream:
+    with open(target, "wb") as stream:
         stream.write(content)
 
 
-def _replace(target: Path, content: str) -> None:
+def _replace(target: Path, content: bytes) -> None:
     if target.is_symlink():  # no link is left after following all, except in a loop
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
     exists = target.exists()
@@ -61,7 +66,7 @@ def _replace(target: Path, content: str) -> None:
     # A fixed prefix: with the target's own name the longest names would become too long.
     descriptor, temporary = tempfile.mkstemp(dir=target.parent, prefix=".stickslip-")
     try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
+        with os.fdopen(descriptor, "wb") as stream:
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())

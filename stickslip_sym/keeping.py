@@ -13,11 +13,9 @@ from stickslip_sym import criteria, files, printing
 from stickslip_sym.closed_form import ClosedForm, verify
 from stickslip_sym.derivation import Derivation, Step
 from stickslip_sym.errors import InputError, NoClosedForm
-from stickslip_sym.friction import FrictionLaw, Parameter
+from stickslip_sym.law_content import law_in, law_out
 from stickslip_sym.proving import Status, Verdict
-from stickslip_sym.samples import SampledCurve
 from stickslip_sym.trees import from_tree, to_tree
-from stickslip_sym.values import exact
 
 __all__ = ["load", "save"]
 
@@ -46,7 +44,7 @@ def save(form: ClosedForm, path: str | Path) -> None:
         "criterion": form.criterion.name,
         "formula": to_tree(form.expr),
         "gate": _verdict_out(form.gate),
-        "law": _law_out(form.law),
+        "law": law_out(form.law),
         "derivation": {
             "name": form.derivation.name,
             "title": form.derivation.title,
@@ -114,7 +112,7 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _form_in(content: dict[str, Any]) -> ClosedForm:
-    law = _law_in(content["law"])
+    law = law_in(content["law"])
     names = {name: parameter.symbol for name, parameter in law.parameters.items()}
     expr = from_tree(content["formula"], names)
     criterion = criteria.find(content["criterion"])
@@ -136,62 +134,6 @@ def _verified(form: ClosedForm) -> ClosedForm:
     if gate.status is Status.REFUTED:
         raise NoClosedForm(f"the formula in the file is refuted, so it is not returned: {gate.evidence}")
     return ClosedForm(form.law, form.criterion, form.expr, form.derivation, gate)
-
-
-# -- laws ------------------------------------------------------------------------------------------
-
-
-def _law_out(law: FrictionLaw) -> dict[str, Any]:
-    content = {
-        "name": law.name,
-        "source": law.source,
-        "validity": law.validity,
-        "parameters": [
-            {
-                "name": parameter.name,
-                "meaning": parameter.meaning,
-                "unit": parameter.unit,
-                "typical": parameter.typical,
-                "positive": parameter.positive,
-            }
-            for parameter in law.parameters.values()
-        ],
-        "values": {name: str(value) for name, value in law.values.items()},
-    }
-    if law.curve is not None:
-        cubics = [[str(coefficient) for coefficient in cubic] for cubic in law.curve.cubics]
-        end = None if law.curve.end is None else str(law.curve.end)
-        return content | {"places": [str(place) for place in law.curve.places], "cubics": cubics, "end": end}
-    return content | {
-        "formula": to_tree(law.expr),
-        "static": None if law.static is None else to_tree(law.static),
-    }
-
-
-def _law_in(content: dict[str, Any]) -> FrictionLaw:
-    about = {key: content[key] for key in ("name", "source", "validity")}
-    if any(not isinstance(value, str | None) for value in about.values()):
-        raise InputError("the name, source and validity of a law are texts")
-    if "places" in content:
-        end = content["end"]
-        curve = SampledCurve(
-            tuple(exact(place, "a place") for place in content["places"]),
-            tuple(tuple(exact(number, "a coefficient") for number in cubic) for cubic in content["cubics"]),
-            None if end is None else exact(end, "the end"),
-        )
-        return FrictionLaw.from_curve(curve, **about)
-    parameters = [Parameter(**described) for described in content["parameters"]]
-    if any(type(parameter.positive) is not bool for parameter in parameters):
-        raise InputError("a parameter is positive or not")
-    names = {parameter.name: parameter.symbol for parameter in parameters}
-    static = content["static"]
-    law = FrictionLaw(
-        from_tree(content["formula"], names),
-        static=None if static is None else from_tree(static, names),
-        parameters=parameters,
-        **about,
-    )
-    return law.bind(**content["values"])
 
 
 # -- derivations -----------------------------------------------------------------------------------

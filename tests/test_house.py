@@ -18,11 +18,13 @@ LAYERS = [
     "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
     "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",
     "evaluate", "arguments", "dialects", "c_text", "python_text", "code_text", "averages", "closed_form",
-    "trees", "keeping",
+    "trees", "law_content", "keeping",
     "oscillator", "steppers", "slip", "taylor", "engines", "trajectory", "automaton", "transit", "grazing",
     "perturbation", "orbit", "cycles", "rungs", "threshold", "transition", "crosscheck",
-    "slip_orbits", "regimes", "classification", "newmark", "tradeoff", "tradeoff_thresholds",
-    "cli_reading", "cli_laws", "cli_derive", "cli_damping", "cli_simulate", "cli_tradeoff", "cli",
+    "slip_orbits", "regimes", "classification",
+    "workers", "checkpoint", "archive", "axes", "columns", "map_plot", "maps", "basins",
+    "newmark", "tradeoff", "tradeoff_thresholds",
+    "cli_reading", "cli_laws", "cli_derive", "cli_damping", "cli_simulate", "cli_map", "cli_tradeoff", "cli",
 ]  # fmt: skip
 """The modules of the package in the order in which they may import: each only from those before it."""
 

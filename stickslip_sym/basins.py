@@ -1,0 +1,155 @@
+"""`basin_map`: which motion each start leads to."""
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip_sym import archive
+from stickslip_sym.axes import read_values, require_few
+from stickslip_sym.checkpoint import Progress, collect
+from stickslip_sym.classification import Motion, classify
+from stickslip_sym.columns import MOTIONS
+from stickslip_sym.errors import NotConverged, StickSlipError
+from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.law_content import law_of_text, text_of_law
+from stickslip_sym.oscillator import Oscillator, check_rtol
+from stickslip_sym.regimes import Regime, regime
+from stickslip_sym.workers import Workers
+
+__all__ = ["BasinMap", "basin_map"]
+
+
+@dataclass(frozen=True)
+class BasinMap:
+    """The motions that starts lead to.
+
+    Attributes
+    ----------
+    x0, v0 : numpy.ndarray
+        Initial displacements in m and velocities in m/s.
+    law : FrictionLaw
+    oscillator : Oscillator
+    motion : numpy.ndarray of Motion
+        A row for each v0, a column for each x0.
+    regime : Regime
+        The attractors, and the separatrices of their basins.
+    notes : dict of (int, int) to str
+        By row and column, why a start failed.
+    """
+
+    x0: Any
+    v0: Any
+    law: FrictionLaw
+    oscillator: Oscillator
+    motion: Any
+    regime: Regime
+    notes: dict[tuple[int, int], str]
+
+    def count(self) -> dict[Motion, int]:
+        """Return the number of starts of each motion, where there are any."""
+        return {motion: n for motion in Motion if (n := int((self.motion == motion).sum()))}
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write a line for each start: x0, v0 and the motion.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        X, Y = np.meshgrid(self.x0, self.v0)
+        archive.write_csv(Path(path), {"x0": X, "v0": Y, "motion": archive.texts(self.motion)})
+
+    def to_npz(self, path: str | Path) -> None:
+        """Write plain arrays, which ``numpy.load`` reads with ``allow_pickle=False``.
+
+        They are "x0", "v0", "motion" as text, "law" as text, and the oscillator's m, k, c, V and N.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        arrays = {"x0": self.x0, "v0": self.v0, "motion": archive.texts(self.motion)}
+        arrays |= {"law": np.array(text_of_law(self.law))}
+        arrays |= {name: np.array(value) for name, value in asdict(self.oscillator).items()}
+        archive.write_npz(Path(path), arrays)
+
+    def plot(self, path: str | Path) -> None:
+        """Draw the basins, told apart by colour and hatching, and the separatrices (PNG, SVG or PDF).
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not installed, or the file cannot be written.
+        """
+        from stickslip_sym.map_plot import draw_basins
+
+        draw_basins(self, Path(path))
+
+
+def basin_map(
+    law: FrictionLaw,
+    osc: Oscillator,
+    *,
+    x0: Iterable[float],
+    v0: Iterable[float],
+    rtol: float = 1e-10,
+    workers: Workers = 1,
+    checkpoint: str | Path | None = None,
+    progress: Progress | None = None,
+) -> BasinMap:
+    """Return the motion that each start leads to, also starts faster than the belt.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound.
+    osc : Oscillator
+    x0, v0 : array_like
+        Initial displacements in m and velocities in m/s, each ascending.
+    rtol : float
+        Relative tolerance of an integration step, 1e-13 to 1e-3.
+    workers, checkpoint, progress
+        As for `motion_map`.
+
+    Returns
+    -------
+    BasinMap
+
+    Raises
+    ------
+    InputError
+        For an unusable value, law, `workers` or `checkpoint`.
+    NotConverged
+        If the attractors are not found, or every start fails.
+    """
+    check_rtol(rtol)
+    places, speeds = read_values("x0", x0), read_values("v0", v0)
+    require_few(places.size, speeds.size)
+    found = regime(law, osc, rtol=rtol)
+    request = {"law": text_of_law(law), "oscillator": asdict(osc), "x0": places.tolist(), "rtol": rtol}
+    tasks = [request | {"v0": speed} for speed in speeds.tolist()]
+    lines = collect(classify_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
+    motion = np.array([[MOTIONS[entry] for entry in line["motion"]] for line in lines], dtype=object)
+    notes = {(row, column): text for row, line in enumerate(lines) for column, text in line["notes"]}
+    if len(notes) == motion.size:
+        raise NotConverged(f"every start failed, the first one since {notes[0, 0]}")
+    return BasinMap(places, speeds, law, osc, motion, found, notes)
+
+
+def classify_line(task: dict[str, Any]) -> dict[str, Any]:
+    """Classify the starts of one line of a basin map: plain content in, plain content out."""
+    law, osc = law_of_text(task["law"]), Oscillator(**task["oscillator"])
+    motion, notes = [], []
+    for column, x0 in enumerate(task["x0"]):
+        try:
+            found = classify(law, osc, x0=x0, v0=task["v0"], rtol=task["rtol"])
+        except StickSlipError as error:
+            found = Motion.UNDECIDED
+            notes.append([column, str(error)])
+        motion.append(MOTIONS.index(found))
+    return {"motion": motion, "notes": notes}

@@ -1,0 +1,151 @@
+"""``stickslip map``: the motions over a plane of two quantities."""
+
+import contextlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from stickslip_sym.cli_reading import LawName, Values, assignments, check_size, read_law
+from stickslip_sym.errors import InputError
+
+__all__ = ["motion_map"]
+
+_AXIS = "NAME=START:STOP:COUNT"
+_MOST_VALUES = 1_000_000
+_WIDTH, _HEIGHT = 60, 20  # of the picture in text
+
+
+def motion_map(
+    law: LawName,
+    x: Annotated[str, typer.Option("--x", metavar=_AXIS, help="Horizontal axis: V, c, N, m, k or a parameter.")],
+    y: Annotated[str, typer.Option("--y", metavar=_AXIS, help="Vertical axis.")],
+    parameter: Values = None,
+    speed: Annotated[str | None, typer.Option("-V", metavar="M/S", help="Belt speed (0.5).")] = None,
+    force: Annotated[str | None, typer.Option("-N", metavar="N", help="Normal force (9.81).")] = None,
+    mass: Annotated[str | None, typer.Option("-m", metavar="KG", help="Mass (1).")] = None,
+    stiffness: Annotated[str | None, typer.Option("-k", metavar="N/M", help="Stiffness (100).")] = None,
+    damping: Annotated[
+        str | None, typer.Option("-c", metavar="KG/S", help="Damping, unless it is an axis.")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", metavar="FILE", help="Draw the map (PNG, SVG or PDF).")
+    ] = None,
+    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write a line for each cell.")] = None,
+    npz: Annotated[Path | None, typer.Option("--npz", metavar="FILE", help="Write NumPy arrays.")] = None,
+    workers: Annotated[int, typer.Option("--workers", metavar="N", help="Processes; -1 for all processors.")] = 1,
+    checkpoint: Annotated[
+        Path | None, typer.Option("--checkpoint", metavar="FILE", help="Keep what is done; go on from it.")
+    ] = None,
+) -> None:
+    """Map the motions that exist, and the three thresholds, over a plane.
+
+    Example: stickslip map exponential --x V=0.01:1:100 --y c=0:6:100 --plot map.png
+    """
+    from stickslip_sym.maps import motion_map as compute
+    from stickslip_sym.values import exact
+
+    axes = _axis("--x", x), _axis("--y", y)
+    names = [name for name, _ in axes]
+    given = assignments(parameter or [])
+    for name in given:
+        if name in names:
+            raise InputError(f"{name} is an axis, and given by -p too; leave one of the two out")
+    bound = read_law(law, None, extrapolate=False).typical(**given)
+    options = {"V": speed, "N": force, "m": mass, "k": stiffness, "c": damping}
+    scene: dict[str, Any] = {}
+    for name, text in (_SCENE | {name: text for name, text in options.items() if text is not None}).items():
+        if name in names and options[name] is None:
+            continue
+        value = exact(text, name)
+        check_size(name, value)
+        scene[name] = float(value)
+    with _progress() as progress:
+        found = compute(
+            bound, x=axes[0], y=axes[1], **scene, workers=workers, checkpoint=checkpoint, progress=progress
+        )
+    for write, path in ((found.to_csv, csv), (found.to_npz, npz), (found.plot, plot)):
+        if path is not None:
+            write(path)
+    typer.echo(_report(found))
+
+
+_SCENE = {"V": "0.5", "N": "9.81", "m": "1", "k": "100"}
+
+
+def _axis(option: str, text: str) -> tuple[str, Any]:
+    """Read NAME=START:STOP:COUNT."""
+    import numpy as np
+
+    from stickslip_sym.values import exact
+
+    name, equals, range_text = text.partition("=")
+    parts = range_text.split(":")
+    if not equals or len(parts) != 3:
+        raise InputError(f"{option} {text[:60]!r} is not {_AXIS}; write for example {option} V=0.01:1:100")
+    start, stop = exact(parts[0], f"the start of {name}"), exact(parts[1], f"the stop of {name}")
+    for value in (start, stop):
+        check_size(name, value)
+    count = int(parts[2]) if parts[2].isdecimal() and len(parts[2]) <= 7 else 0
+    if not 1 <= count <= _MOST_VALUES:
+        raise InputError(f"{option}: the count {parts[2][:30]!r} is no whole number from 1 to {_MOST_VALUES}")
+    if (start > stop) or (start == stop) != (count == 1):
+        raise InputError(
+            f"{option} {text[:60]!r}: the start must lie below the stop, or equal it with a count of 1"
+        )
+    return name.strip(), np.linspace(float(start), float(stop), count)
+
+
+def _report(found: Any) -> str:
+    """Return a picture of the map in letters, and the number of cells of each kind."""
+    import numpy as np
+
+    from stickslip_sym.map_plot import regions_of
+    from stickslip_sym.tables import table
+
+    place, kinds = regions_of(found)
+    rows, columns = (
+        np.linspace(0, size - 1, min(size, most)).round().astype(int)
+        for size, most in zip(place.shape, (_HEIGHT, _WIDTH), strict=True)
+    )
+    picture = ["".join(kinds[place[row, column]].letter for column in columns) for row in rows[::-1]]
+    edge = f"{found.y.name} = {found.y.values[0]:g} to {found.y.values[-1]:g} upwards"
+    below = f"{found.x.name} = {found.x.values[0]:g} to {found.x.values[-1]:g} to the right"
+    cells = place.size
+    counts = [
+        [kind.letter, kind.name, str(n), f"{100 * n / cells:.1f} %"]
+        for i, kind in enumerate(kinds)
+        if (n := int((place == i).sum()))
+    ]
+    reasons = [
+        [reason.value, str(n)]
+        for reason in dict.fromkeys(found.reason.ravel().tolist())
+        if (n := int((found.reason == reason).sum()))
+    ]
+    parts = [
+        "\n".join([*picture, f"{edge}, {below}"]),
+        table(["", "attractors", "cells", ""], counts),
+        table(
+            ["from x = 0 with the belt's speed", "cells"], [[m.value, str(n)] for m, n in found.count().items()]
+        ),
+        table(["decided", "cells"], reasons),
+    ]
+    if found.notes:
+        (row, column), text = next(iter(found.notes.items()))
+        where = f"{found.x.name} = {found.x.values[column]:g}, {found.y.name} = {found.y.values[row]:g}"
+        parts.append(f"{len(found.notes)} cells have a note; the first, at {where}: {text}")
+    return "\n\n".join(parts)
+
+
+@contextlib.contextmanager
+def _progress() -> Iterator[Callable[[int, int], None]]:
+    """Show on a terminal how much is done; elsewhere show nothing."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    columns = TextColumn("lines of cells"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
+        task = shown.add_task("", total=None)
+        yield lambda done, total: shown.update(task, completed=done, total=total)

@@ -1,0 +1,340 @@
+"""Motions for many dampings in one scene, decided by comparisons where that is possible.
+
+Damping rotates the field of directions in the plane of x and x' one way, and moves P, where every forward stick
+phase ends, inwards. So the slip that leaves P returns, and there is stick-slip, exactly where c lies below the
+exact threshold. The damping d(A) that a slip orbit of amplitude A V needs (`cycles`) gives every slip cycle as a
+root of d(A) = c, stable where d falls; d(0) is the equilibrium's threshold, below which rest is unstable. Which of
+these c lies above and which below tells all attractors, for all c at once.
+
+Where the law is not smooth, d is not known. But it has one value for each A. So where the motion from P comes to
+rest there is no slip cycle, nor is there with more damping; and where the motion from beside rest comes to
+stick-slip, there is none with less. That leaves few cells, and these are simulated one by one.
+"""
+
+from bisect import bisect_left
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from enum import Enum, IntFlag
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from stickslip_sym.classification import Motion, classify
+from stickslip_sym.cycles import needed_damping
+from stickslip_sym.errors import InputError, NotConverged, NoThreshold, StickSlipError
+from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.grazing import grazing_damping
+from stickslip_sym.law_content import law_of_text
+from stickslip_sym.orbit import obstacle, orbits
+from stickslip_sym.oscillator import Oscillator, Scene
+from stickslip_sym.regimes import Regime, regime
+from stickslip_sym.rungs import Scenes, average, numerical_averages
+from stickslip_sym.transit import stick_slip_cycle
+
+__all__ = ["Attractor", "Cells", "Reason", "decide", "decide_line"]
+
+MOTIONS = tuple(Motion)
+_KNOWN = 1e-8  # of the largest threshold, to which all of them are known
+_FINER = 1e-2  # tolerance of simulations over that of thresholds
+_TIGHTEST = 1e-13
+_BESIDE_REST = 1e-3  # velocity over the belt's of a motion that begins beside rest
+
+
+class Attractor(IntFlag):
+    """A motion that others come to; a cell holds any number of them."""
+
+    STICK_SLIP = 1
+    REST = 2
+    PURE_SLIP = 4
+
+
+class Reason(Enum):
+    """How a cell was decided."""
+
+    ABOVE = "above every threshold and fold"
+    BELOW = "below every threshold and fold"
+    BETWEEN = "between thresholds or folds: by the damping that slip orbits need"
+    ALONG = "beyond a simulated cell of the same line from which on there is no slip cycle"
+    SIMULATED = "simulated"
+    TOLERANCE = "within tolerance of a threshold or a fold"
+    FAILED = "failed"
+
+
+REASONS = tuple(Reason)
+
+
+@dataclass
+class Cells:
+    """What is known of the cells of one scene, one for each damping.
+
+    Attributes
+    ----------
+    motion, reason : list of int
+        Places in `MOTIONS` and `REASONS`.
+    attractors : list of int
+        Values of `Attractor`.
+    equilibrium, least_squares, exact : float or None
+        Thresholds in kg/s; None where one was not found, or no c >= 0 is one.
+    notes : dict of int to str
+        Of cells that failed or stayed undecided: why.
+    """
+
+    motion: list[int]
+    attractors: list[int]
+    reason: list[int]
+    equilibrium: float | None = None
+    least_squares: float | None = None
+    exact: float | None = None
+    notes: dict[int, str] = field(default_factory=dict)
+
+
+def decide_line(task: dict[str, Any]) -> dict[str, Any]:
+    """Decide the cells along one line of a map: plain content in, plain content out.
+
+    Parameters
+    ----------
+    task : dict
+        "law": a law as text; "fixed": values of quantities and parameters; "along": the name of another one, and
+        its "values"; "rtol".
+
+    Returns
+    -------
+    dict
+        Lists by the names in `Cells`; thresholds have one entry if the line is along c, else one a cell.
+    """
+    along, values = task["along"], task["values"]
+    if along == "c":
+        parts = [_scene(task, task["fixed"], values)]
+    else:
+        parts = [_scene(task, task["fixed"] | {along: value}, [task["fixed"]["c"]]) for value in values]
+    line: dict[str, Any] = {
+        name: [entry for cells in parts for entry in getattr(cells, name)]
+        for name in ("motion", "attractors", "reason")
+    }
+    for name in ("equilibrium", "least_squares", "exact"):
+        line[name] = [getattr(cells, name) for cells in parts]
+    starts = np.cumsum([0, *(len(cells.motion) for cells in parts)]).tolist()
+    notes = [
+        (start + i, text) for start, cells in zip(starts, parts, strict=False) for i, text in cells.notes.items()
+    ]
+    return line | {"notes": [[i, text] for i, text in notes]}
+
+
+def _scene(task: dict[str, Any], values: dict[str, float], c: list[float]) -> Cells:
+    law = law_of_text(task["law"])
+    V, N, m, k = (values[name] for name in "VNmk")
+    try:
+        law = law.bind(**{name: value for name, value in values.items() if name in law.parameters})
+        return decide(law, Oscillator(V=V, N=N, m=m, k=k), c, rtol=task["rtol"])
+    except StickSlipError as error:
+        return _failed(len(c), error)
+
+
+def _failed(count: int, error: StickSlipError) -> Cells:
+    motion, reason = MOTIONS.index(Motion.UNDECIDED), REASONS.index(Reason.FAILED)
+    return Cells([motion] * count, [0] * count, [reason] * count, notes=dict.fromkeys(range(count), str(error)))
+
+
+def decide(law: FrictionLaw, osc: Oscillator, c: Any, *, rtol: float) -> Cells:
+    """Return the motion from x = 0, x' = V, and every attractor, for each damping.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound.
+    osc : Oscillator
+        Its own c is not used.
+    c : array_like
+        In kg/s.
+    rtol : float
+        A damping that is closer to a threshold or a fold, relative to the largest of them, is not decided.
+
+    Raises
+    ------
+    InputError
+        For a law that no oscillator can have.
+    """
+    return _Column(law, osc, np.asarray(c, dtype=np.float64), rtol).cells()
+
+
+class _Column:
+    """All dampings in one scene."""
+
+    def __init__(self, law: FrictionLaw, osc: Oscillator, c: Any, rtol: float) -> None:
+        self.law, self.osc, self.c, self.rtol = law, osc, c, rtol
+        self.fine = max(rtol * _FINER, _TIGHTEST)
+        self.static = Scene.of(law, osc).static
+        self.smooth = obstacle(law, osc.V, jump=False) is None
+        self.equilibrium = self._equilibrium()
+        self.turns = self._turns()
+        self.exact, self.doubt = self._exact()
+
+    # -- thresholds --------------------------------------------------------------------------------
+
+    def _equilibrium(self) -> float | None:
+        if any(abs(float(place) / self.osc.V - 1) <= _KNOWN for place in self.law.kinks()):
+            return None
+        return float(-self.osc.N * self.law.slope(self.osc.V))
+
+    def _turns(self) -> Any | None:
+        """Return the damping that orbits need at rest, at each fold and at the graze; None if unknown."""
+        if not self.smooth:
+            return None
+        try:
+            need = needed_damping(self.law, self.osc)
+        except (InputError, NotConverged):
+            return None
+        graze = orbits(self.law, self.osc.V, self.osc.N / self.osc.impedance)
+        if not graze.relative_error[0] < _KNOWN and not graze.error[0] * graze.scale[0] < _KNOWN:
+            return None
+        inner = need.at(need.folds) * self.osc.impedance
+        return np.array([self.equilibrium, *inner, graze.d[0] * self.osc.impedance])
+
+    def _exact(self) -> tuple[float, float]:
+        """Return the exact threshold and its error: -inf if no c >= 0 is one, NaN if it is not found."""
+        if self.turns is not None and obstacle(self.law, self.osc.V) is None:
+            return float(self.turns[-1]), 0.0
+        try:
+            value, error = grazing_damping(self.law, self.osc, rtol=max(self.fine, 1e-10))
+        except NoThreshold:
+            return -np.inf, 0.0
+        except NotConverged:
+            return np.nan, 0.0
+        return value, value * error
+
+    def _least_squares(self) -> float | None:
+        scenes = Scenes.of(self.law, V=self.osc.V, N=self.osc.N)
+        try:
+            if self.smooth:
+                return float(numerical_averages(scenes)["least_squares"][0])
+            return float(average(scenes, "least_squares")[0])
+        except StickSlipError:
+            return None
+
+    # -- cells -------------------------------------------------------------------------------------
+
+    def cells(self) -> Cells:
+        c = self.c
+        edges = [self.exact, *([] if self.equilibrium is None else [self.equilibrium]), *self._folded()]
+        edges = [edge for edge in edges if np.isfinite(edge)]
+        margin = max(self.rtol, _KNOWN) * max(map(abs, edges), default=0.0) + self.doubt
+        near = (np.abs(c[:, None] - np.array(edges)) <= margin).any(axis=1)
+        sticks = c < self.exact
+        reason = np.full(c.shape, REASONS.index(Reason.BETWEEN))
+        if self.turns is None:
+            reason[:] = REASONS.index(Reason.ALONG)
+        else:
+            reason[c > max(edges)] = REASONS.index(Reason.ABOVE)
+            reason[c < min(edges)] = REASONS.index(Reason.BELOW)
+        reason[near] = REASONS.index(Reason.TOLERANCE)
+        slips, stable = self._cycles()
+        motion = np.select(
+            [near, sticks, slips],
+            [MOTIONS.index(one) for one in (Motion.UNDECIDED, Motion.STICK_SLIP, Motion.PURE_SLIP)],
+            MOTIONS.index(Motion.DAMPED_SLIP),
+        )
+        rest = c > (np.nan if self.equilibrium is None else self.equilibrium)
+        attractors = Attractor.STICK_SLIP * sticks + Attractor.REST * rest + Attractor.PURE_SLIP * stable
+        attractors[near] = 0
+        exact = self.exact if np.isfinite(self.exact) else None
+        least_squares = self._least_squares()
+        cells = Cells(
+            motion.tolist(), attractors.tolist(), reason.tolist(), self.equilibrium, least_squares, exact
+        )
+        for i in np.flatnonzero(near):
+            cells.notes[int(i)] = f"c = {c[i]:.12g} is within {margin:.1e} kg/s of a threshold or a fold"
+        for i in np.flatnonzero(~near & ~self._comparable(~near)):
+            self._simulate(cells, int(i))
+        return cells
+
+    def _folded(self) -> tuple[float, ...]:
+        return () if self.turns is None else tuple(self.turns.tolist())
+
+    def _cycles(self) -> tuple[Any, Any]:
+        """Tell where there are slip cycles, and where stable ones."""
+        c = self.c
+        slips, stable = np.zeros(c.shape, dtype=bool), np.zeros(c.shape, dtype=bool)
+        for before, after in pairwise(self._folded()):
+            falls = (after < c) & (c < before)
+            slips |= falls | ((before < c) & (c < after))
+            stable |= falls
+        return slips, stable
+
+    def _comparable(self, clear: Any) -> Any:
+        """Tell which cells, of those clear of thresholds, comparisons decide."""
+        c = self.c
+        if self.static == 0 or self.equilibrium is None or np.isnan(self.exact):
+            return np.zeros(c.shape, dtype=bool)
+        held = np.abs(c) * self.osc.V <= self.static * self.osc.N
+        below = np.unique(c[clear & held & (c < self.exact)])
+        # With less damping the slip from P returns further back: it is one side of one place.
+        below = below[_first(below, self._sticks_at_once) :]
+        # With enough damping, a start beyond what static friction holds comes to where the slip from P comes.
+        above = np.unique(c[clear & (c > self.exact) & (c >= 0)])
+        if self.turns is None:
+            below = below[below < self.equilibrium]
+            below = below[: _first(below, lambda one: not self._leaves_rest(one))]
+            above = above[above > self.equilibrium]
+            above = above[_first(above, self._comes_to_rest) :]
+        return np.isin(c, below) | np.isin(c, above)
+
+    def _sticks_at_once(self, c: float) -> bool:
+        """Tell whether the slip from P ends in stick, and not beyond what static friction holds."""
+        try:
+            cycle = stick_slip_cycle(self.law, replace(self.osc, c=c), rtol=self.fine)
+        except StickSlipError:
+            return False
+        return cycle is not None and cycle.v_max <= self.osc.V
+
+    def _leaves_rest(self, c: float) -> bool:
+        x0 = self.osc.N * float(self.law.mu(self.osc.V)) / self.osc.k
+        return self._motion(c, x0, _BESIDE_REST * self.osc.V) is Motion.STICK_SLIP
+
+    def _comes_to_rest(self, c: float) -> bool:
+        return self._motion(c, replace(self.osc, c=c).onset(self.law), self.osc.V) is Motion.DAMPED_SLIP
+
+    def _motion(self, c: float, x0: float, v0: float) -> Motion:
+        try:
+            found: Motion = classify(self.law, replace(self.osc, c=c), x0=x0, v0=v0, rtol=self.fine)
+        except StickSlipError:
+            return Motion.UNDECIDED
+        return found
+
+    def _simulate(self, cells: Cells, i: int) -> None:
+        """Decide one cell by following motions."""
+        osc = replace(self.osc, c=float(self.c[i]))
+        cells.reason[i] = REASONS.index(Reason.SIMULATED)
+        try:
+            found = regime(self.law, osc, rtol=self.fine)
+            motion = _only(found) or classify(self.law, osc, rtol=self.fine)
+        except StickSlipError as error:
+            failed = _failed(1, error)
+            cells.motion[i], cells.attractors[i], cells.reason[i] = failed.motion[0], 0, failed.reason[0]
+            cells.notes[i] = failed.notes[0]
+            return
+        cells.motion[i] = MOTIONS.index(motion)
+        cells.attractors[i] = int(
+            Attractor.STICK_SLIP * (found.stick_slip is not None)
+            + Attractor.REST * found.rest.stable
+            + Attractor.PURE_SLIP * any(cycle.stable for cycle in found.cycles)
+        )
+        if found.undecided or motion is Motion.UNDECIDED:
+            cells.motion[i], cells.attractors[i] = MOTIONS.index(Motion.UNDECIDED), 0
+            cells.notes[i] = "; ".join(found.undecided or ["the start is within tolerance of a separatrix"])
+
+
+def _only(found: Regime) -> Motion | None:
+    """Return the one motion that all others come to, or None if the start may decide."""
+    if len(found.attractors) != 1 or found.unbounded or found.undecided:
+        return None
+    if found.stick_slip is not None:
+        return Motion.STICK_SLIP
+    return Motion.DAMPED_SLIP if found.rest.stable else Motion.PURE_SLIP
+
+
+def _first(values: Any, holds: Callable[[float], bool]) -> int:
+    """Return the place of the first of ascending values for which something holds, as it does for all after it."""
+    if values.size and holds(float(values[0])):
+        return 0
+    return bisect_left(range(values.size), True, lo=min(1, values.size), key=lambda i: holds(float(values[i])))

@@ -1,0 +1,85 @@
+"""A friction law as plain content that JSON holds, exact, and back: for files, and for other processes."""
+
+import json
+from functools import lru_cache
+from typing import Any
+
+from stickslip_sym.errors import InputError
+from stickslip_sym.friction import FrictionLaw, Parameter
+from stickslip_sym.samples import SampledCurve
+from stickslip_sym.trees import from_tree, to_tree
+from stickslip_sym.values import exact
+
+__all__ = ["law_in", "law_of_text", "law_out", "text_of_law"]
+
+
+def law_out(law: FrictionLaw) -> dict[str, Any]:
+    """Return a law as nested dictionaries and lists of text."""
+    content = {
+        "name": law.name,
+        "source": law.source,
+        "validity": law.validity,
+        "parameters": [
+            {
+                "name": parameter.name,
+                "meaning": parameter.meaning,
+                "unit": parameter.unit,
+                "typical": parameter.typical,
+                "positive": parameter.positive,
+            }
+            for parameter in law.parameters.values()
+        ],
+        "values": {name: str(value) for name, value in law.values.items()},
+    }
+    if law.curve is not None:
+        cubics = [[str(coefficient) for coefficient in cubic] for cubic in law.curve.cubics]
+        end = None if law.curve.end is None else str(law.curve.end)
+        return content | {"places": [str(place) for place in law.curve.places], "cubics": cubics, "end": end}
+    return content | {
+        "formula": to_tree(law.expr),
+        "static": None if law.static is None else to_tree(law.static),
+    }
+
+
+def law_in(content: dict[str, Any]) -> FrictionLaw:
+    """Return the law that `law_out` wrote.
+
+    Raises
+    ------
+    InputError, KeyError, TypeError, ValueError, AttributeError
+        For content that is no law.
+    """
+    about = {key: content[key] for key in ("name", "source", "validity")}
+    if any(not isinstance(value, str | None) for value in about.values()):
+        raise InputError("the name, source and validity of a law are texts")
+    if "places" in content:
+        end = content["end"]
+        curve = SampledCurve(
+            tuple(exact(place, "a place") for place in content["places"]),
+            tuple(tuple(exact(number, "a coefficient") for number in cubic) for cubic in content["cubics"]),
+            None if end is None else exact(end, "the end"),
+        )
+        return FrictionLaw.from_curve(curve, **about)
+    parameters = [Parameter(**described) for described in content["parameters"]]
+    if any(type(parameter.positive) is not bool for parameter in parameters):
+        raise InputError("a parameter is positive or not")
+    names = {parameter.name: parameter.symbol for parameter in parameters}
+    static = content["static"]
+    law = FrictionLaw(
+        from_tree(content["formula"], names),
+        static=None if static is None else from_tree(static, names),
+        parameters=parameters,
+        **about,
+    )
+    return law.bind(**content["values"])
+
+
+def text_of_law(law: FrictionLaw) -> str:
+    """Return a law as one text, the same for the same law: compiled functions do not go between processes."""
+    return json.dumps(law_out(law), sort_keys=True)
+
+
+@lru_cache(maxsize=16)
+def law_of_text(text: str) -> FrictionLaw:
+    """Return the law of such a text; the same object again, with all that it has compiled."""
+    return law_in(json.loads(text))

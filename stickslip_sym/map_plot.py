@@ -1,0 +1,209 @@
+"""Drawings of maps: regions told apart by colour and hatching, and thresholds as curves."""
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip_sym.classification import Motion
+from stickslip_sym.columns import Reason
+from stickslip_sym.errors import InputError
+from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.symbols import QUANTITIES
+
+__all__ = ["Region", "draw_basins", "draw_map", "regions_of"]
+
+
+@dataclass(frozen=True)
+class Region:
+    """A kind of cell: what it is called, how it is drawn, and its letter in text."""
+
+    name: str
+    color: str
+    hatch: str
+    letter: str
+
+
+# Colours of Okabe and Ito, which colour-blind people tell apart, lightened.
+_STICK, _BOTH, _REST = "#E69F00", "#F0E442", "#BFE0F5"
+_SLIP, _SLIP_STICK, _SLIP_REST, _ALL = "#009E73", "#CC79A7", "#56B4E9", "#D55E00"
+_REGIONS = {
+    (True, False, False): Region("stick-slip", _STICK, "", "S"),
+    (True, True, False): Region("stick-slip or rest, by the start", _BOTH, "////", "b"),
+    (False, True, False): Region("rest", _REST, "", "."),
+    (False, False, True): Region("pure-slip cycle", _SLIP, "....", "p"),
+    (True, False, True): Region("stick-slip or pure-slip cycle, by the start", _SLIP_STICK, "xxxx", "x"),
+    (False, True, True): Region("rest or pure-slip cycle, by the start", _SLIP_REST, "oo", "o"),
+    (True, True, True): Region("stick-slip, pure-slip cycle or rest, by the start", _ALL, "++", "*"),
+}
+_UNBOUNDED = Region("grows without bound", "#000000", "", "^")
+_UNDECIDED = Region("undecided", "#FFFFFF", "", "?")
+_FAILED = Region("failed", "#999999", "||", "!")
+_MOTIONS = {
+    Motion.STICK_SLIP: Region("comes to stick-slip", _STICK, "", "S"),
+    Motion.PURE_SLIP: Region("comes to a pure-slip cycle", _SLIP, "....", "p"),
+    Motion.DAMPED_SLIP: Region("comes to rest", _REST, "", "."),
+    Motion.UNBOUNDED: _UNBOUNDED,
+    Motion.UNDECIDED: _UNDECIDED,
+}
+_CURVES = {
+    "exact": ("exact threshold", "-", "black"),
+    "equilibrium": ("threshold of the equilibrium", ":", "black"),
+    "least_squares": ("least-squares criterion", "--", "#0072B2"),
+}
+_LOGARITHMIC = 30.0  # ratio of an axis's ends from which equal ratios are drawn as equal steps
+
+
+def regions_of(found: Any) -> tuple[Any, list[Region]]:
+    """Return for each cell the place of its region in a list of those that occur."""
+    kinds = [*_REGIONS.values(), _UNBOUNDED, _UNDECIDED, _FAILED]
+    index = np.full(found.motion.shape, kinds.index(_UNDECIDED))
+    for key, region in _REGIONS.items():
+        same = (found.stick_slip == key[0]) & (found.rest == key[1]) & (found.pure_slip == key[2])
+        index[same] = kinds.index(region)
+    index[found.motion == Motion.UNBOUNDED] = kinds.index(_UNBOUNDED)
+    index[found.motion == Motion.UNDECIDED] = kinds.index(_UNDECIDED)
+    index[found.reason == Reason.FAILED] = kinds.index(_FAILED)
+    present, places = np.unique(index, return_inverse=True)
+    return places.reshape(index.shape), [kinds[i] for i in present]
+
+
+def draw_map(found: Any, path: Path) -> None:
+    """Draw a map of motions."""
+    figure, axes = _figure()
+    place, kinds = regions_of(found)
+    handles = _paint(axes, found.x.values, found.y.values, place, kinds)
+    handles += _draw_curves(axes, found)
+    axes.set(xlabel=found.x.label, ylabel=found.y.label)
+    _title(axes, found.law, found.fixed)
+    _finish(figure, handles, path)
+
+
+def draw_basins(found: Any, path: Path) -> None:
+    """Draw the motions that starts lead to."""
+    from matplotlib.lines import Line2D
+
+    figure, axes = _figure()
+    present = [motion for motion in _MOTIONS if (found.motion == motion).any()]
+    place = np.zeros(found.motion.shape, dtype=int)
+    for i, motion in enumerate(present):
+        place[found.motion == motion] = i
+    handles = _paint(axes, found.x0, found.v0, place, [_MOTIONS[motion] for motion in present])
+    for curve in found.regime.separatrices:
+        axes.plot(curve.x, curve.v, "k-", linewidth=1.6)
+    if found.regime.separatrices:
+        handles.append(Line2D([], [], color="black", linewidth=1.6, label="separatrix"))
+    axes.axhline(found.oscillator.V, color="black", linestyle=":", linewidth=1.0)
+    handles.append(Line2D([], [], color="black", linestyle=":", linewidth=1.0, label="belt speed"))
+    axes.set(xlabel="initial displacement x (m)", ylabel="initial velocity x' (m/s)")
+    _title(axes, found.law, asdict(found.oscillator))
+    _finish(figure, handles, path)
+
+
+def _title(axes: Any, law: FrictionLaw, values: dict[str, float]) -> None:
+    scene = ", ".join(f"{name} = {value:g} {QUANTITIES[name].unit}" for name, value in values.items())
+    axes.set_title(f"{law.name or 'friction law'}: {scene}", fontsize=10)
+
+
+def _figure() -> tuple[Any, Any]:
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
+    figure = Figure(figsize=(7.2, 5.6), layout="constrained")
+    return figure, figure.add_subplot()
+
+
+def _paint(axes: Any, x: Any, y: Any, place: Any, kinds: list[Region]) -> list[Any]:
+    """Fill cells with colours and hatching; return the handles of the legend."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    x_edges, y_edges = _edges(x), _edges(y)
+    axes.pcolormesh(
+        x_edges, y_edges, place, cmap=ListedColormap([kind.color for kind in kinds]),
+        vmin=-0.5, vmax=len(kinds) - 0.5, rasterized=True,
+    )  # fmt: skip
+    for i, kind in enumerate(kinds):
+        if kind.hatch:
+            inside = np.pad((place == i).astype(float), 1, mode="edge")
+            X, Y = (
+                np.concatenate([edges[:1], values, edges[-1:]]) for edges, values in ((x_edges, x), (y_edges, y))
+            )
+            axes.contourf(X, Y, inside, levels=[0.5, 1.5], colors="none", hatches=[kind.hatch])
+    for name, values in (("x", x), ("y", y)):
+        if _is_logarithmic(values):
+            axes.set(**{f"{name}scale": "log"})
+    axes.set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
+    return [
+        Patch(facecolor=kind.color, hatch=kind.hatch, edgecolor="0.25", linewidth=0.5, label=kind.name)
+        for kind in kinds
+    ]
+
+
+def _is_logarithmic(values: Any) -> bool:
+    """Whether the values are spread by equal ratios rather than equal steps."""
+    if values.size < 3 or values[0] <= 0 or values[-1] / values[0] < _LOGARITHMIC:
+        return False
+    return bool(np.ptp(np.diff(np.log(values))) < 0.1 * np.diff(np.log(values)).mean())
+
+
+def _edges(values: Any) -> Any:
+    """Return the places half way between the values, and as far beyond the first and the last."""
+    if values.size == 1:
+        return values[0] + np.array([-0.5, 0.5]) * (abs(values[0]) or 1.0) * 0.1
+    if _is_logarithmic(values):
+        return np.exp(_edges(np.log(values)))
+    middle = (values[1:] + values[:-1]) / 2
+    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
+
+
+def _draw_curves(axes: Any, found: Any) -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    handles = []
+    for name, (label, style, color) in _CURVES.items():
+        curve = found.thresholds[name]
+        if not np.isfinite(curve).any():
+            continue
+        look: dict[str, Any] = {"linestyle": style, "color": color, "linewidth": 1.6}
+        if found.y.name == "c":
+            axes.plot(found.x.values, curve[0], **look)
+        elif found.x.name == "c":
+            axes.plot(curve[:, 0], found.y.values, **look)
+        elif min(curve.shape) > 1:
+            beyond = curve - found.fixed["c"]
+            if np.nanmin(beyond) < 0 < np.nanmax(beyond):
+                axes.contour(
+                    found.x.values, found.y.values, beyond, levels=[0], colors=color, linestyles=[style],
+                    linewidths=1.6,
+                )  # fmt: skip
+            else:
+                continue
+        handles.append(Line2D([], [], label=label, **look))
+    return handles
+
+
+def _finish(figure: Any, handles: list[Any], path: Path) -> None:
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6
+    )
+    _save(figure, path)
+
+
+def _save(figure: Any, path: Path) -> None:
+    """Write a drawing to a file, in the format of its name.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written, or matplotlib does not know its format.
+    """
+    from matplotlib import rc_context
+
+    try:
+        with rc_context({"svg.fonttype": "none", "svg.hashsalt": "stickslip", "hatch.linewidth": 0.6}):
+            figure.savefig(path, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)
+    except (ValueError, OSError) as error:
+        raise InputError(f"cannot draw to {path.name!r}: {error}") from None

@@ -1,0 +1,32 @@
+"""What other processes are asked to do in tests."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+
+def square(number):
+    return number * number
+
+
+def slow_square(number):
+    time.sleep(number)
+    return number * number
+
+
+def slow_line(task):
+    """Decide a line of a map, slowly enough to be killed at it."""
+    from stickslip_sym.columns import decide_line
+
+    time.sleep(0.1)
+    return decide_line(task)
+
+
+def die_once(task):
+    """Kill the process that this runs in, the first time it comes to task 3."""
+    path, number = task
+    if number == 3 and not Path(path).exists():
+        Path(path).write_text(str(os.getpid()))
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
