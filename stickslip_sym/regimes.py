@@ -165,7 +165,7 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
 def graze(scene: Scene, rtol: float) -> float:
     """Return the least slip speed, over V, after the slip from P: negative if it returns, 0 if none can tell.
 
-    It is counted as 0 if it changes by more than half of it when the tolerance is ten times wider.
+    It is counted as 0 up to the tolerance, or if it changes by more than half of it when that is ten times wider.
     """
     lowest = lowest_slip_speed(scene, rtol)
     if lowest is None:
@@ -173,7 +173,8 @@ def graze(scene: Scene, rtol: float) -> float:
     if abs(lowest) > _CLOSE:
         return lowest
     loose = lowest_slip_speed(scene, 10 * rtol)
-    return 0.0 if loose is None or abs(loose - lowest) >= abs(lowest) / 2 else lowest
+    lost = loose is None or abs(loose - lowest) >= abs(lowest) / 2
+    return 0.0 if lost or abs(lowest) <= rtol else lowest
 
 
 def _rest(law: FrictionLaw, osc: Oscillator, growth: float) -> Rest:
