@@ -1,12 +1,13 @@
 """The exponential law (3): from (16) to the closed form (17)."""
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym import Derivation, FrictionLaw, derive, laws
+from stickslip_sym import ClosedForm, Derivation, FrictionLaw, derive, laws
 from stickslip_sym.symbols import c, mu, u, v
 
 
@@ -26,9 +27,15 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     return d
 
 
+@cache
+def closed_form(law: FrictionLaw) -> ClosedForm:
+    """Integrate a law, once: equations that replace the paper's do not enter."""
+    return derive(law, "least_squares")
+
+
 def integrate_law(d: Derivation, law: FrictionLaw, printed: Mapping[str, Any], label: str) -> Any:
     """Add the steps from (16) to the closed form for the law printed under `label`, and return the form."""
-    form = derive(law, "least_squares")
+    form = closed_form(law)
     d.equal(
         f"take the law {label}",
         "it is the catalogue's",

@@ -1,57 +1,69 @@
-"""The fixture that turns evidence into a verdict, and the table of verdicts at the end of the run."""
+"""The fixture that turns evidence into a verdict; the table of verdicts and the report at the end of the run."""
 
+import importlib.util
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from paper_checks.claims import CLAIMS, Claim, Outcome
-from stickslip_sym import FrictionLaw, Oscillator, laws
-from stickslip_sym.tables import table
-
-
-@dataclass(frozen=True)
-class Finding:
-    """What a check found: our value, the verdict that its evidence gives, and the evidence in words."""
-
-    claim: Claim
-    ours: str
-    outcome: Outcome
-    evidence: str
-
-
-FINDING = "finding"
+from paper_checks.findings import FINDING, Finding, collect
+from paper_checks.printed import PRINTED
+from paper_checks.terminal import print_verdicts
 
 Find = Callable[..., None]
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Declare where the report goes."""
+    parser.addoption(
+        "--report",
+        metavar="DIR",
+        type=Path,
+        help="write report.html and claims.json, all claims and figures, to DIR",
+    )
+
+
 def pytest_configure(config: pytest.Config) -> None:
-    """Declare the marker that ties a test to its claim."""
-    config.addinivalue_line("markers", "claim(id): the claim of the paper that this test checks")
+    """Refuse a report that could not be written before anything is computed."""
+    folder = config.getoption("--report", None)
+    if folder is None:
+        return
+    if importlib.util.find_spec("matplotlib") is None:
+        raise pytest.UsageError("the report's figures need matplotlib: pip install 'stickslip_sym[plot]'")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise pytest.UsageError(f"--report {folder}: {error.strerror}; give a folder that can be made") from None
 
 
 @pytest.fixture
 def find(request: pytest.FixtureRequest) -> Find:
     """Take the evidence of a check and hold it against the verdict on record.
 
-    Called as ``find(ours=..., evidence=..., reproduced=bool, qualified=bool)``: both are conditions that
-    the check computed.
+    Called as ``find(ours=..., evidence=..., reproduced=bool, qualified=bool, difference=...)``: the two are
+    conditions that the check computed; the difference from the paper's value is a text, and optional.
     """
     claim = claim_of(request.node)
 
-    def record(*, ours: str, evidence: str, reproduced: bool, qualified: bool = False) -> None:
-        outcome = Outcome.NOT_REPRODUCED
-        if reproduced:
-            outcome = Outcome.REPRODUCED
-        elif qualified:
-            outcome = Outcome.QUALIFIED
-        # With the report, it also reaches the process that prints the table when tests run in several.
-        request.node.user_properties.append((FINDING, (claim.id, ours, outcome.value, evidence)))
+    def record(
+        *, ours: str, evidence: str, reproduced: bool, qualified: bool = False, difference: str = ""
+    ) -> None:
+        outcome = Outcome.of(reproduced, qualified)
+        finding = Finding(claim.id, ours, outcome, evidence, difference)
+        # With the report of a test, it also reaches the process that prints the table when tests run in several.
+        request.node.user_properties.append((FINDING, finding.pack()))
         expected = claim.outcome.value
-        assert outcome is claim.outcome, f"{claim.id} is {outcome.value}, on record: {expected}\n{evidence}"
+        assert finding.as_recorded, f"{claim.id} is {outcome.value}, on record: {expected}\n{evidence}"
 
     return record
+
+
+@pytest.fixture
+def printed(request: pytest.FixtureRequest) -> dict[str, Any]:
+    """Return what the paper prints of the claim that a test checks."""
+    return dict(PRINTED[claim_of(request.node).id])
 
 
 def claim_of(node: Any) -> Claim:
@@ -68,40 +80,13 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Print the table of verdicts."""
-    reports = [report for some in terminalreporter.stats.values() for report in some if hasattr(report, "when")]
-    found = {
-        value[0]: Finding(CLAIMS[value[0]], value[1], Outcome(value[2]), value[3])
-        for report in reports
-        for name, value in report.user_properties
-        if name == FINDING
-    }
-    findings = [found[claim] for claim in CLAIMS if claim in found]
-    if not findings:
-        return
-    terminalreporter.section("claims of the paper")
-    rows = [[f.claim.id, f.claim.says, f.claim.paper, f.ours, f.outcome.value] for f in findings]
-    terminalreporter.write_line(table(["id", "claim", "paper", "ours", "verdict"], rows))
-    terminalreporter.write_line("")
-    for finding in findings:
-        if finding.outcome is not Outcome.REPRODUCED:
-            terminalreporter.write_line(f"{finding.claim.id}: {finding.evidence}")
-    counts = {outcome: sum(f.outcome is outcome for f in findings) for outcome in Outcome}
-    terminalreporter.write_line(", ".join(f"{count} {outcome.value}" for outcome, count in counts.items()))
+    """Print the table of verdicts, and write the report if one was asked for."""
+    findings = collect(report for some in terminalreporter.stats.values() for report in some)
+    if findings:
+        print_verdicts(terminalreporter, findings)
+    folder = terminalreporter.config.getoption("--report", None)
+    if folder is not None:
+        from paper_checks.report import write
 
-
-@pytest.fixture
-def exponential() -> FrictionLaw:
-    """Return the law (3) with the parameters of the paper's section 3."""
-    return laws.exponential.bind(mu_s="0.5", mu_m="0.2", alpha="3")
-
-
-@pytest.fixture
-def polynomial() -> FrictionLaw:
-    """Return the law (4) with the parameters of the paper's section 3."""
-    return laws.polynomial.bind(mu_s="0.5", mu_m="0.2", v_m="1")
-
-
-def oscillator(c: float = 0.0, V: float = 0.5) -> Oscillator:
-    """Return the oscillator of the paper's section 3."""
-    return Oscillator(m=1.0, k=100.0, c=c, V=V, N=9.81)
+        terminalreporter.write("report: ", flush=True)
+        terminalreporter.write_line(str(write(folder, findings)))

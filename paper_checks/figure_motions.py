@@ -1,0 +1,180 @@
+"""Figures 3, 4, 5, 8 and 9: motions of the mass, computed with every event resolved."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from paper_checks.figure_style import BLUE, LEFT_OUT, ORANGE, PAPER, finish, new_figure, panel_letters
+from paper_checks.scene import law as paper_law
+from paper_checks.scene import oscillator, threshold
+from stickslip_sym import (
+    FrictionLaw,
+    LimitCycle,
+    Oscillator,
+    Phase,
+    Trajectory,
+    limit_cycles,
+    simulate,
+)
+
+__all__ = ["histories", "phase_plots"]
+
+_SHOWN, _LONG = 5.0, 25.0  # s
+_RTOL = 1e-9  # of a step; finer than any line is wide
+_SAME = 1e-2  # of V, below which P and Q are one point to the eye
+_FINE = 12  # points drawn for one step of the integrator
+_STICK = {"color": "black", "linewidth": 2.6, "solid_capstyle": "butt"}
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A phase of a motion, sampled finely enough to be drawn."""
+
+    phase: Phase
+    t: Any
+    x: Any
+    v: Any
+
+
+def pieces(law: FrictionLaw, osc: Oscillator, motion: Trajectory) -> list[Piece]:
+    """Split a motion at its events; between the integrator's steps, x and v are cubic with the right slopes."""
+    cuts = np.flatnonzero(np.diff(motion.t) == 0) + 1
+    found = []
+    for part in np.split(np.arange(motion.t.size), cuts):
+        t, x, v = motion.t[part], motion.x[part], motion.v[part]
+        phase = motion.phase[part[-1]]
+        if t[-1] <= t[0]:
+            continue
+        if phase is not Phase.STICK:
+            sign = 1.0 if phase is Phase.SLIP_BACK else -1.0
+            friction = sign * osc.N * law.mu(np.abs(osc.V - v))
+            rate = (friction - osc.c * v - osc.k * x) / osc.m
+            steps = np.arange((t.size - 1) * _FINE + 1) / _FINE
+            fine = np.interp(steps, np.arange(t.size), t)
+            t, x, v = fine, CubicHermiteSpline(t, x, v)(fine), CubicHermiteSpline(t, v, rate)(fine)
+        found.append(Piece(phase, t, x, v))
+    return found
+
+
+def peaks(parts: list[Piece], V: float) -> tuple[Any, Any]:
+    """Return the times and heights of the peaks of the velocity; a stick phase counts with its end."""
+    times, heights = [], []
+    for part in parts:
+        if part.phase is Phase.STICK:
+            times.append(part.t[-1])
+            heights.append(V)
+            continue
+        inner = np.flatnonzero((part.v[1:-1] > part.v[:-2]) & (part.v[1:-1] >= part.v[2:])) + 1
+        times.extend(part.t[inner])
+        heights.extend(part.v[inner])
+    return np.array(times), np.array(heights)
+
+
+def fate(parts: list[Piece], V: float, cycles: tuple[LimitCycle, ...]) -> str:
+    """Say what becomes of a motion in the long run."""
+    times, heights = peaks(parts, V)
+    last = heights[times > _LONG * 0.9]
+    if (last == V).any():
+        return "sticks and slips for ever"
+    stable = [cycle.amplitude for cycle in cycles if cycle.stable]
+    if stable:
+        return f"tends to a slip cycle, {stable[-1]:.4f} m/s"
+    half = times[np.argmax(heights < V / 2)]
+    return f"comes to rest, half way at {half:.1f} s"
+
+
+def histories(name: str, dampings: tuple[float, ...]) -> Any:
+    """Draw the velocity over time for several dampings: as in the paper, and what comes later."""
+    law, V = paper_law(name), oscillator().V
+    figure, axes = new_figure(
+        7.2, 8.6, len(dampings), 2, sharex="col", sharey=True, gridspec_kw={"width_ratios": (2, 1)}
+    )
+    for (left, right), c in zip(axes, dampings, strict=True):
+        osc = oscillator(c, V)
+        parts = pieces(law, osc, simulate(law, osc, t_end=_LONG, rtol=_RTOL))
+        for part in parts:
+            if part.t[0] < _SHOWN:
+                left.plot(part.t, part.v, **(_STICK if part.phase is Phase.STICK else PAPER))
+        right.plot(*peaks(parts, V), color=BLUE, linewidth=1.3, marker=".", markersize=2.5, linestyle="none")
+        finish(left, xlim=(0, _SHOWN), ylim=(-1.0, 0.75), ylabel=r"$\dot{x}$ (m/s)")
+        finish(right, xlim=(0, _LONG))
+        right.text(
+            0.04, 0.06, fate(parts, V, limit_cycles(law, osc)), transform=right.transAxes, color=BLUE, fontsize=8.5
+        )
+    panel_letters(axes[:, 0], [f"$c$ = {c:g} kg/s" for c in dampings])
+    axes[0, 1].set_title("left out: peaks in the long run", loc="left", pad=4, color=BLUE)
+    for ax in axes[-1]:
+        ax.set_xlabel("$t$ (s)")
+    return figure
+
+
+def phase_plots(name: str, scenes: tuple[tuple[str, float, float], ...]) -> Any:
+    """Draw phase plots of a law for scenes of a title, c in kg/s and V in m/s."""
+    law = paper_law(name)
+    figure, axes = new_figure(7.2, 2.9 if len(scenes) == 3 else 3.5, 1, len(scenes), sharex=True, sharey=True)
+    titles = []
+    for position, (ax, (title, c, V)) in enumerate(zip(axes[0], scenes, strict=True)):
+        osc = oscillator(c, V)
+        parts = pieces(law, osc, simulate(law, osc, t_end=_SHOWN, rtol=_RTOL))
+        for part in parts:
+            ax.plot(part.x, part.v, **(_STICK if part.phase is Phase.STICK else PAPER | {"linewidth": 0.9}))
+        onset = osc.onset(law)
+        speed = _after_a_cycle(parts, onset)
+        same = V - speed < _SAME * V
+        for place, v in [("$P$, $Q$", V)] if same else [("$P$", V), ("$Q$", speed)]:
+            ax.plot(onset, v, "o", color="black", markersize=4)
+            ax.annotate(place, (onset, v), xytext=(2, -10 if v < V else 4), textcoords="offset points")
+        _left_out(ax, law, osc, threshold(name, V))
+        finish(ax, xlabel="$x$ (m)")
+        titles.append(f"{title}\n$c$ = {c:g} kg/s, $V$ = {V:g} m/s")
+        if position == 0:
+            ax.set_ylabel(r"$\dot{x}$ (m/s)")
+    fastest = max(V for _, _, V in scenes)
+    ax.set_ylim(-2.0 * fastest, 1.8 * fastest)  # room for words above and below
+    panel_letters(axes[0], titles)
+    return figure
+
+
+def _after_a_cycle(parts: list[Piece], onset: float) -> float:
+    """Return the velocity at Q: when the mass, after its first slip, next comes forward through x_P."""
+    slip = next(part for part in parts if part.phase is Phase.SLIP_BACK)
+    forward = np.flatnonzero((slip.x[:-1] < onset) & (slip.x[1:] >= onset) & (slip.t[:-1] > slip.t[0]))
+    if not forward.size:
+        return float(slip.v[-1])  # it sticks before, and moves to P with the belt
+    return float(np.interp(onset, slip.x[forward[0] :][:2], slip.v[forward[0] :][:2]))
+
+
+def _left_out(ax: Any, law: FrictionLaw, osc: Oscillator, needed: float) -> None:
+    """Add the equilibrium and the pure-slip limit cycles, and say what is stable."""
+    rest = osc.N * float(law.mu(osc.V)) / osc.k
+    holds = -osc.N * float(law.slope(osc.V)) < osc.c
+    ax.plot(rest, 0, marker="+", markersize=8, markeredgewidth=1.4, color=BLUE)
+    cycles = limit_cycles(law, osc)
+    for cycle in cycles:
+        start = _crest(law, osc, cycle)
+        for part in pieces(law, osc, start):
+            style = LEFT_OUT if not cycle.stable else LEFT_OUT | {"linestyle": "-"}
+            ax.plot(part.x, part.v, **style)
+    words = [f"rest {'stable' if holds else 'unstable'}"]
+    words += [f"slip cycle {'stable' if cycle.stable else 'unstable'}" for cycle in cycles]
+    words.append(f"threshold {needed:.4f} kg/s")
+    ax.text(0.03, 0.03, "\n".join(words), transform=ax.transAxes, color=BLUE, fontsize=8.5)
+    if holds and osc.c < needed:
+        ax.text(
+            0.03,
+            0.96,
+            "rest or stick–slip by the start",
+            transform=ax.transAxes,
+            color=ORANGE,
+            va="top",
+            fontsize=8.5,
+        )
+
+
+def _crest(law: FrictionLaw, osc: Oscillator, cycle: LimitCycle) -> Trajectory:
+    """Simulate one period of a limit cycle from its highest velocity, where the forces balance."""
+    v = cycle.amplitude
+    x = (osc.N * float(law.mu(osc.V - v)) - osc.c * v) / osc.k
+    return simulate(law, osc, t_end=cycle.period, x0=x, v0=v)

@@ -1,0 +1,75 @@
+"""What a check found, on its way from the test to the terminal and the report."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import astuple, dataclass
+from typing import Any
+
+from paper_checks.claims import CLAIMS, Claim, Outcome
+
+__all__ = ["FINDING", "Finding", "collect", "summary"]
+
+FINDING = "finding"
+"""Name of the property of a test under which its finding travels to the process that collects them."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a check found.
+
+    Attributes
+    ----------
+    id : str
+        Of the claim.
+    ours : str
+        Our value.
+    outcome : Outcome
+        The verdict that the evidence gives.
+    evidence : str
+        In a sentence.
+    difference : str
+        Between the paper's value and ours; empty where the claim is no number.
+    """
+
+    id: str
+    ours: str
+    outcome: Outcome
+    evidence: str
+    difference: str = ""
+
+    @property
+    def claim(self) -> Claim:
+        """The claim it is about."""
+        return CLAIMS[self.id]
+
+    @property
+    def as_recorded(self) -> bool:
+        """Whether the verdict is the one on record."""
+        return self.outcome is self.claim.outcome
+
+    def pack(self) -> tuple[str, ...]:
+        """Return it as texts, which survive the way between processes."""
+        return tuple(field.value if isinstance(field, Outcome) else field for field in astuple(self))
+
+    @classmethod
+    def unpack(cls, texts: Sequence[str]) -> "Finding":
+        """Return the finding that was packed."""
+        id, ours, outcome, *rest = texts
+        return cls(id, ours, Outcome(outcome), *rest)
+
+
+def collect(reports: Iterable[Any]) -> list[Finding]:
+    """Return the findings of all reports of tests, in the order of the claims."""
+    found = {
+        value[0]: Finding.unpack(value)
+        for report in reports
+        for name, value in getattr(report, "user_properties", ())
+        if name == FINDING
+    }
+    return [found[id] for id in CLAIMS if id in found]
+
+
+def summary(findings: Sequence[Finding]) -> dict[Outcome, int]:
+    """Return how many findings there are of each outcome."""
+    counts = Counter(finding.outcome for finding in findings)
+    return {outcome: counts[outcome] for outcome in Outcome}

@@ -1,0 +1,136 @@
+"""The report of a run: ``report.html`` to be read, ``claims.json`` to be computed with."""
+
+import json
+import platform
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from paper_checks.claims import CLAIMS, Claim, Outcome
+from paper_checks.figure_style import svg_uri
+from paper_checks.figures import FIGURES
+from paper_checks.findings import Finding, summary
+from paper_checks.formulas import EQUATIONS
+from paper_checks.scene import LAWS, law
+from paper_checks.terminal import SHORT
+from stickslip_sym.tradeoff import Way
+from stickslip_sym.tradeoff_thresholds import SPEEDS, threshold_tradeoff
+
+__all__ = ["SCENE", "Report", "write"]
+
+SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+_PACKAGES = ("stickslip_sym", "sympy", "mpmath", "numpy", "scipy", "matplotlib")
+_FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that a report tells.
+
+    Attributes
+    ----------
+    findings : dict
+        By the identifiers of claims; a claim that was not checked in this run has none.
+    pictures : dict
+        Numbers of figures to data URIs.
+    ladder : dict
+        Names of laws to the ways to a threshold, measured.
+    versions : dict
+    time : str
+    """
+
+    findings: dict[str, Finding]
+    pictures: dict[int, str]
+    ladder: dict[str, list[Way]]
+    versions: dict[str, str]
+    time: str
+
+    def verdict(self, claim: Claim) -> Outcome | None:
+        """Return the outcome of a claim in this run."""
+        return self.findings[claim.id].outcome if claim.id in self.findings else None
+
+
+def write(folder: Path, findings: Sequence[Finding]) -> Path:
+    """Write the report to a folder; returns the file to be opened."""
+    from paper_checks.report_page import page
+
+    report = Report(
+        {finding.id: finding for finding in findings},
+        {figure.number: svg_uri(figure.draw()) for figure in FIGURES},
+        {name: threshold_tradeoff(law(name), SCENE) for name in LAWS},
+        versions(),
+        datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+    )
+    (folder / "claims.json").write_text(
+        json.dumps(as_json(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
+    )
+    target = folder / "report.html"
+    target.write_text(page(report), encoding="utf-8")
+    return target
+
+
+def versions() -> dict[str, str]:
+    """Return what computed the report."""
+    python = {"python": platform.python_version()}
+    machine = {"platform": platform.platform(), "machine": platform.machine()}
+    return python | {name: version(name) for name in _PACKAGES} | machine
+
+
+def as_json(report: Report) -> dict[str, Any]:
+    """Return the report for machines; pictures are in the page only."""
+    counts = summary(list(report.findings.values()))
+    return {
+        "format": _FORMAT,
+        "time": report.time,
+        "versions": report.versions,
+        "summary": {SHORT[outcome]: count for outcome, count in counts.items()}
+        | {"not checked": len(CLAIMS) - len(report.findings)},
+        "claims": [_claim(claim, report.findings.get(claim.id)) for claim in CLAIMS.values()],
+        "equations": [
+            {"number": e.number, "about": e.about, "claims": list(e.claims), "mathml": e.mathml()}
+            for e in EQUATIONS
+        ],
+        "figures": [
+            {
+                "number": f.number,
+                "title": f.title,
+                "shown": f.shown,
+                "left_out": f.left_out,
+                "claims": list(f.claims),
+            }
+            for f in FIGURES
+        ],
+        "ladder": {
+            "scene": SCENE,
+            "speeds": SPEEDS.tolist(),
+            "laws": {
+                name: [
+                    {
+                        "method": way.name,
+                        "seconds": way.seconds,
+                        "relative_error": way.error,
+                        "largest_relative_error": way.largest if way.largest == way.largest else None,
+                    }
+                    for way in ways
+                ]
+                for name, ways in report.ladder.items()
+            },
+        },
+    }
+
+
+def _claim(claim: Claim, finding: Finding | None) -> dict[str, Any]:
+    return {
+        "id": claim.id,
+        "where": claim.where,
+        "says": claim.says,
+        "paper": claim.paper,
+        "ours": finding.ours if finding else None,
+        "difference": (finding.difference or None) if finding else None,
+        "verdict": finding.outcome.value if finding else None,
+        "on_record": claim.outcome.value,
+        "evidence": finding.evidence if finding else None,
+    }

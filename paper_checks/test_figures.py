@@ -1,0 +1,202 @@
+"""Checks F3 to F10: the paper's figures."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paper_checks.conftest import Find
+from paper_checks.scene import (
+    LAWS,
+    SPEEDS,
+    is_criterion,
+    law,
+    oscillator,
+    over_speeds,
+    response,
+    threshold,
+    thresholds,
+)
+from paper_checks.wording import listed
+from stickslip_sym import limit_cycles
+
+CONSTANT = 1e-3  # change of an amplitude or a period, relative, that counts as none
+WELL = 0.05  # relative deviation that counts as good agreement, and
+LARGE = 0.10  # as a large difference
+READABLE = 0.06  # kg/s, a hundredth of the height of Figs. 6 and 7
+THOMSEN = "Thomsen & Fidlin"
+STIFFNESSES = (*np.geomspace(100, 1000, 41).tolist(), 1e4, 1e5, 1e6)  # N/m
+FALLS = {"falls": True, "fall": True, "rises": False, "rise": False}
+
+
+def deviation(found: Any, name: str) -> Any:
+    """Return how far damping coefficients at `SPEEDS` are from the exact thresholds, relative."""
+    return found / thresholds(name) - 1
+
+
+@pytest.mark.claim("F3")
+def test_F3_exponential_law(find: Find, printed: dict[str, Any]) -> None:
+    """Five motions of the exponential law, from simulation."""
+    check_motions(find, "exponential", printed)
+
+
+@pytest.mark.claim("F4")
+def test_F4_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
+    """Five motions of the polynomial law, from simulation."""
+    check_motions(find, "polynomial", printed)
+
+
+def check_motions(find: Find, name: str, printed: dict[str, Any]) -> None:
+    """Simulate the five motions of a figure, and compare their kinds, stick intervals, periods and peaks."""
+    runs = [response(name, float(c)) for c in printed["dampings"]]
+    cycles = [run for run in runs if run.kind == "stick-slip"]
+    sticks = [float(run.sticks[-1]) for run in cycles] + [0.0]
+    periods = [run.period for run in cycles] + [float(np.diff(runs[3].times)[0])]
+    steady = all(np.ptp(np.diff(run.times)) < CONSTANT * run.period for run in cycles)
+    slip = runs[3]
+    lasting = limit_cycles(law(name), oscillator(float(printed["dampings"][3])))
+    end = f"a limit cycle of {lasting[0].amplitude:.4f} m/s" if lasting else "rest, as there is no limit cycle"
+    as_shown = (
+        tuple(run.kind for run in runs) == printed["motions"]
+        and steady == (printed["amplitude"] == "constant")
+        and bool((np.diff(sticks) < 0).all()) == FALLS[printed["stick"]]
+        and bool((np.diff(periods) < 0).all()) == FALLS[printed["period"]]
+    )
+    find(
+        ours=", ".join(run.kind for run in runs),
+        evidence=f"for c = {' '.join(printed['dampings'][:4])} kg/s stick lasts {listed(sticks)} s and the period "
+        f"is {listed(periods)} s; at {printed['dampings'][3]} the peaks of the velocity are "
+        f"{listed(slip.peaks[:6])} m/s, and the motion tends to {end}; at {printed['dampings'][4]} they are "
+        f"{listed(runs[4].peaks[:6])} m/s",
+        difference=f"peak after {slip.times[-1]:.0f} s: {slip.peaks[-1]:.3f} m/s",
+        reproduced=as_shown and any(cycle.stable for cycle in lasting),
+        qualified=as_shown,
+    )
+
+
+@pytest.mark.claim("F5")
+def test_F5_phase_plots(find: Find, printed: dict[str, Any]) -> None:
+    """Q has the place of P one cycle later; its velocity is V or it is not."""
+    runs = {c: response("exponential", float(c)) for c in printed["coincide"]}
+    V = oscillator().V
+    lack = {c: 1 - run.after_a_cycle / V for c, run in runs.items()}
+    swings = np.array([run.swing for run in runs.values()])
+    find(
+        ours="V_Q/V = " + ", ".join(f"{1 - value:.4f}" for value in lack.values()),
+        evidence="; ".join(
+            f"c = {c}: V_Q = {run.after_a_cycle:.5f} m/s, x and x' swing by {listed(run.swing)} m and m/s"
+            for c, run in runs.items()
+        ),
+        difference=f"{lack['2.574']:.1e} of V at c = 2.574",
+        reproduced={c: value < CONSTANT for c, value in lack.items()} == printed["coincide"]
+        and bool((np.diff(swings, axis=0) < 0).all()) == FALLS[printed["amplitudes"]],
+    )
+
+
+@pytest.mark.claim("F6")
+def test_F6_exponential_law(find: Find, printed: dict[str, Any]) -> None:
+    """(17) and the criterion of the equilibrium against the exact threshold, V from 0.01 to 1 m/s."""
+    off = {
+        name: deviation(over_speeds(printed[name], "exponential"), "exponential")
+        for name in ("(17)", "equilibrium")
+    }
+    worst = {name: int(np.argmax(abs(values))) for name, values in off.items()}
+    sizes = {name: float(abs(values).max()) for name, values in off.items()}
+    find(
+        ours=f"(17) within {sizes['(17)']:.1%}, equilibrium {sizes['equilibrium']:.0%}",
+        evidence="largest deviation from the exact threshold: "
+        + "; ".join(f"{name} {100 * off[name][i]:+.2f} % at V = {SPEEDS[i]:g} m/s" for name, i in worst.items())
+        + f"; at V = 0.5 m/s they are {100 * off['(17)'][49]:+.2f} % and {100 * off['equilibrium'][49]:+.2f} %",
+        difference=f"{100 * off['(17)'][worst['(17)']]:+.2f} % at most",
+        reproduced=min(sizes, key=lambda name: sizes[name]) == printed["closer"]
+        and is_criterion(printed["equilibrium"], "exponential", "equilibrium")
+        and sizes["(17)"] < WELL
+        and sizes["equilibrium"] > LARGE,
+    )
+
+
+@pytest.mark.claim("F7")
+def test_F7_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
+    """Where (18) is closer to the exact threshold than Thomsen & Fidlin, at this stiffness and at others."""
+    values = {name: over_speeds(printed[name], "polynomial") for name in ("(18)", "equilibrium", THOMSEN)}
+    off = {name: abs(value - thresholds("polynomial")) for name, value in values.items()}
+    sizes = {name: float(value.max()) for name, value in off.items()}
+    theirs = is_criterion(printed["equilibrium"], "polynomial", "equilibrium") and is_criterion(
+        printed[THOMSEN], "polynomial", "harmonic"
+    )
+    beats_equilibrium = bool((off["(18)"] < off["equilibrium"]).all())
+
+    def closer(k: float) -> Any:
+        exact = thresholds("polynomial", k=k)
+        return abs(values["(18)"] - exact) < abs(values[THOMSEN] - exact)
+
+    here = closer(100.0)
+    first = f"V >= {SPEEDS[np.argmax(here)]:g} m/s"
+    some = [k for k in STIFFNESSES if closer(k).any()]
+    stiff = f"up to k = {some[-1]:.0f} N/m; stiffer, at none" if some else "at no k from 100 N/m on"
+    find(
+        ours=f"closer than Thomsen & Fidlin for {first} only",
+        evidence=f"largest deviations {', '.join(f'{name} {size:.4f}' for name, size in sizes.items())} kg/s; "
+        f"(18) is closer than Thomsen & Fidlin at {here.sum()} of {here.size} speeds, {first}, and than "
+        f"Galvanetto & Bishop {'everywhere' if beats_equilibrium else 'not everywhere'}; as k grows, it is "
+        f"closer than Thomsen & Fidlin at some V <= 1 m/s {stiff} (tried to 1e6 N/m): theirs is the limit of "
+        "weak friction",
+        difference=f"{100 * (values['(18)'] / thresholds('polynomial') - 1)[49]:+.2f} % at V = 0.5 m/s, "
+        f"Thomsen & Fidlin {100 * (values[THOMSEN] / thresholds('polynomial') - 1)[49]:+.2f} %",
+        reproduced=theirs and bool(here.all()) and beats_equilibrium,
+        qualified=theirs
+        and min(sizes, key=lambda name: sizes[name]) == printed["closest"]
+        and beats_equilibrium
+        and bool(here.any())
+        and sizes["(18)"] < READABLE,
+    )
+
+
+@pytest.mark.claim("F8")
+def test_F8_points_A_and_B(find: Find, printed: dict[str, Any]) -> None:
+    """The motions of the exponential law at the points A and B of Fig. 6."""
+    check_points(find, "exponential", printed)
+
+
+@pytest.mark.claim("F9")
+def test_F9_points_C_and_D(find: Find, printed: dict[str, Any]) -> None:
+    """The motions of the polynomial law at the points C and D of Fig. 7."""
+    check_points(find, "polynomial", printed)
+
+
+def check_points(find: Find, name: str, printed: dict[str, Any]) -> None:
+    """Simulate the motions at two points, and tell on which side of the exact threshold they lie."""
+    c = float(printed["c"])
+    points = {point: stated for point, stated in printed.items() if point != "c"}
+    runs = {point: response(name, c, float(V)) for point, (V, _) in points.items()}
+    exact = {point: threshold(name, float(V)) for point, (V, _) in points.items()}
+    find(
+        ours=", ".join(run.kind for run in runs.values()),
+        evidence="; ".join(
+            f"{point} (V = {V} m/s): {runs[point].kind}, the threshold there is {exact[point]:.4f} kg/s"
+            for point, (V, _) in points.items()
+        )
+        + f"; c = {c:g} kg/s",
+        difference="none",
+        reproduced=all(run.kind == points[point][1] for point, run in runs.items())
+        and all((c < exact[point]) == (motion == "stick-slip") for point, (_, motion) in points.items()),
+    )
+
+
+@pytest.mark.claim("F10")
+def test_F10_friction_parameters(find: Find, printed: dict[str, Any]) -> None:
+    """The exact threshold for three mu_m: at every belt speed where it is positive, and as an area."""
+    regions = {
+        name: np.array([np.maximum(thresholds(name, mu_m), 0) for mu_m in printed["mu_m"]]) for name in LAWS
+    }
+    areas = {name: [float(area) for area in region.mean(axis=1)] for name, region in regions.items()}
+    shrinks = [bool((np.diff(region[:, region.max(axis=0) > 0], axis=0) < 0).all()) for region in regions.values()]
+    grows = [bool((np.diff(region[:, region.max(axis=0) > 0], axis=0) > 0).all()) for region in regions.values()]
+    find(
+        ours="; ".join(" > ".join(f"{area:.3f}" for area in areas[name]) for name in LAWS) + " kg m/s^2",
+        evidence=f"area under the exact threshold for V up to 1 m/s and mu_m = {', '.join(printed['mu_m'])}: "
+        + "; ".join(f"{name} {' '.join(f'{area:.4f}' for area in areas[name])} kg m/s^2" for name in LAWS)
+        + f"; it falls at every single V: {all(shrinks)}",
+        difference="none",
+        reproduced=all(shrinks if FALLS[printed["region"]] else grows),
+    )
