@@ -24,8 +24,8 @@ def to_digits(expr: Any, point: Mapping[Any, Any], digits: int) -> Any:
 
     The working precision doubles until two results agree. It starts beyond what powers of the inputs can
     cancel: two results may agree and both miss a term like 1 - exp(-V) that has rounded to 0. A zero is
-    believed only where an input, or a difference of inputs, is exactly 0, or where it is exact for the pieces
-    of a law that apply: everywhere else it is a sign that all digits cancelled.
+    believed only where an input, or a difference of inputs, is exactly 0, or where the arithmetic of rationals
+    gives it: everywhere else it is a sign that all digits cancelled.
 
     Raises
     ------
@@ -55,7 +55,10 @@ def to_digits(expr: Any, point: Mapping[Any, Any], digits: int) -> Any:
             break
         before, precision = result, 2 * precision
     else:
-        raise NotConverged(f"{digits} digits are out of reach of {_MOST_DIGITS} digits of working precision")
+        value = expr.xreplace(dict(point))
+        if not value.is_Rational:
+            raise NotConverged(f"{digits} digits are out of reach of {_MOST_DIGITS} digits of working precision")
+        result = to_mpf(value)  # a sum of rationals that cancels for good
     with mpmath.workdps(digits):
         return +result
 

@@ -2,9 +2,10 @@
 
 Every forward stick phase ends at the same point P, at the belt's speed. So the slip phase that leaves P
 either comes back to the belt's speed, and is the whole cycle together with the stick phase that follows,
-or never does: orbits in a plane do not cross, so an orbit that misses once stays inside. Where friction is weak
-or damping feeds energy in, it can come back beyond what static friction holds. The mass then overtakes the belt,
-and if that slip does not end in stick either, the motion lies outside its first round and never sticks again.
+or never does: orbits in a plane do not cross, so an orbit that misses once stays inside. Where damping and
+friction are weak, or damping feeds energy in, it can come back beyond what static friction holds. The mass then
+overtakes the belt, and if that slip does not end in stick either, the motion lies outside its first round from
+then on: it never sticks again, and slips on both sides of the belt's speed.
 """
 
 from dataclasses import dataclass
@@ -25,8 +26,8 @@ _P = Point(0.0, 0.0, 0.0)
 class StickSlipCycle:
     """The periodic motion of stick and slip.
 
-    One stick phase, one slip slower than the belt, and, where negative damping throws the mass back beyond
-    what static friction holds, one slip faster than the belt.
+    One stick phase, one slip slower than the belt, and, where the mass returns beyond what static friction
+    holds, one slip faster than the belt.
 
     Attributes
     ----------

@@ -215,6 +215,11 @@ def test_the_polynomial_law_by_its_closed_forms():
     assert ss.transition_speed(law, c=3.0, N=9.81, method="least_squares") == ()
 
 
+def test_a_slope_that_is_exactly_zero_needs_no_damping():
+    law = ss.laws.polynomial.bind(mu_s="0.5", mu_m="0.2", v_m="1")
+    assert ss.pure_slip_damping(law, V=1.0, N=9.81, method="equilibrium").value == 0
+
+
 def test_the_asymptotes_as_the_damping_vanishes(exponential):
     """least_squares: c = (5/2) N D/(alpha V^2); harmonic: c = N D sqrt(2/(pi alpha)) V^-3/2."""
     ND, alpha = 9.81 * 0.3, 3.0
