@@ -6,9 +6,12 @@ import re
 import shlex
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
+
+from paper_checks.claims import CLAIMS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
@@ -61,3 +64,12 @@ def test_the_readme_has_what_the_tests_run():
     assert len(setups) == 2
     assert setups[0].endswith("stickslip derive exponential")
     assert setups[1].endswith("pytest")
+
+
+def test_the_claim_table_says_what_is_on_record():
+    rows = re.findall(r"^\| ([A-Z]\d[^|]*) \| ([^|]*) \|", README, re.M)
+    told = {claim: verdict for ids, verdict in rows for claim in ids.split(", ")}
+    on_record = {claim.id: claim.outcome.value.split(" with a ")[-1] for claim in CLAIMS.values()}
+    assert told == {claim: verdict.replace("qualification", "qualified") for claim, verdict in on_record.items()}
+    counts = Counter(told.values())
+    assert f"{len(told)} of them, of which {counts['reproduced']} are reproduced" in README
