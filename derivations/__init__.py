@@ -23,6 +23,7 @@ CHAPTERS = {
     "units": "d7_units",
     "second_order": "d8_second_order",
     "hopf": "d9_hopf",
+    "one_threshold": "d10_one_threshold",
 }
 """Name of a chapter to the module that holds it, in reading order."""
 

@@ -7,7 +7,7 @@ from derivations import CHAPTERS, chapter, paper
 from derivations.d8_second_order import law_4
 from stickslip_sym import Status
 from stickslip_sym.proving import prove_equal, prove_positive
-from stickslip_sym.symbols import N, V, a, b, c, m, mu, s, u
+from stickslip_sym.symbols import N, V, a, b, c, k, m, mu, s, u
 from stickslip_sym.theorems import Antiderivative, ChangeOfVariable
 
 PRINTED = paper.equations()
@@ -72,6 +72,8 @@ TAMPERED = [
     ("exponential_law", "(3)", mu_m + (mu_s - mu_m) * sp.exp(-2 * alpha * u)),
     ("polynomial_law", "(4)", PRINTED["(4)"].subs(v_m, 2 * v_m)),
     ("second_order", "(4)", PRINTED["(4)"].subs(v_m, 2 * v_m)),
+    ("one_threshold", "field", paper.velocity**2 / m),
+    ("one_threshold", "P", (mu_s * N + c * V) / k),
     ("second_order", "second order", law_4() - 2 * (law_4() - law_4().subs(m, sp.oo))),
     ("second_order", "second order", law_4().subs(m, 2 * m)),
     ("hopf", "(4)", -PRINTED["(4)"]),

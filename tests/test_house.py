@@ -116,7 +116,7 @@ def test_derivations_list_and_print():
 
     listed = derivations()
     assert listed.returncode == 0
-    assert [line.split()[1] for line in listed.stdout.splitlines()] == ["PROVED"] * 9
+    assert [line.split()[1] for line in listed.stdout.splitlines()] == ["PROVED"] * 10
     steps = derivations("slope_average")
     assert "c = -N*Integral((5/8 - 5*s**4/8)*mu'(V*(s + 1)), (s, -1, 1))" in steps.stdout
     assert "\\begin{equation*}" in derivations("units", "--latex").stdout
