@@ -1,10 +1,10 @@
 """Figures 3, 4, 5, 8 and 9: motions of the mass, computed with every event resolved."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from paper_checks.figure_style import BLUE, LEFT_OUT, ORANGE, PAPER, finish, new_figure, panel_letters
 from paper_checks.scene import law as paper_law
@@ -24,7 +24,7 @@ __all__ = ["histories", "phase_plots"]
 _SHOWN, _LONG = 5.0, 25.0  # s
 _RTOL = 1e-9  # of a step; finer than any line is wide
 _SAME = 1e-2  # of V, below which P and Q are one point to the eye
-_FINE = 12  # points drawn for one step of the integrator
+_APART = 0.005  # s between points drawn, of a period of 0.63 s
 _STICK = {"color": "black", "linewidth": 2.6, "solid_capstyle": "butt"}
 
 
@@ -38,23 +38,14 @@ class Piece:
     v: Any
 
 
-def pieces(law: FrictionLaw, osc: Oscillator, motion: Trajectory) -> list[Piece]:
-    """Split a motion at its events; between the integrator's steps, x and v are cubic with the right slopes."""
-    cuts = np.flatnonzero(np.diff(motion.t) == 0) + 1
+def pieces(motion: Trajectory) -> list[Piece]:
+    """Split a motion into its phases."""
     found = []
-    for part in np.split(np.arange(motion.t.size), cuts):
-        t, x, v = motion.t[part], motion.x[part], motion.v[part]
-        phase = motion.phase[part[-1]]
-        if t[-1] <= t[0]:
-            continue
-        if phase is not Phase.STICK:
-            sign = 1.0 if phase is Phase.SLIP_BACK else -1.0
-            friction = sign * osc.N * law.mu(np.abs(osc.V - v))
-            rate = (friction - osc.c * v - osc.k * x) / osc.m
-            steps = np.arange((t.size - 1) * _FINE + 1) / _FINE
-            fine = np.interp(steps, np.arange(t.size), t)
-            t, x, v = fine, CubicHermiteSpline(t, x, v)(fine), CubicHermiteSpline(t, v, rate)(fine)
-        found.append(Piece(phase, t, x, v))
+    for stretch in motion.stretches:
+        if stretch.end > stretch.start:
+            steps = 1 if stretch.phase is Phase.STICK else math.ceil((stretch.end - stretch.start) / _APART)
+            t = np.linspace(stretch.start, stretch.end, steps + 1)
+            found.append(Piece(stretch.phase, t, *stretch.course(t)))
     return found
 
 
@@ -93,7 +84,7 @@ def histories(name: str, dampings: tuple[float, ...]) -> Any:
     )
     for (left, right), c in zip(axes, dampings, strict=True):
         osc = oscillator(c, V)
-        parts = pieces(law, osc, simulate(law, osc, t_end=_LONG, rtol=_RTOL))
+        parts = pieces(simulate(law, osc, t_end=_LONG, rtol=_RTOL))
         for part in parts:
             if part.t[0] < _SHOWN:
                 left.plot(part.t, part.v, **(_STICK if part.phase is Phase.STICK else PAPER))
@@ -117,7 +108,7 @@ def phase_plots(name: str, scenes: tuple[tuple[str, float, float], ...]) -> Any:
     titles = []
     for position, (ax, (title, c, V)) in enumerate(zip(axes[0], scenes, strict=True)):
         osc = oscillator(c, V)
-        parts = pieces(law, osc, simulate(law, osc, t_end=_SHOWN, rtol=_RTOL))
+        parts = pieces(simulate(law, osc, t_end=_SHOWN, rtol=_RTOL))
         for part in parts:
             ax.plot(part.x, part.v, **(_STICK if part.phase is Phase.STICK else PAPER | {"linewidth": 0.9}))
         onset = osc.onset(law)
@@ -154,7 +145,7 @@ def _left_out(ax: Any, law: FrictionLaw, osc: Oscillator, needed: float) -> None
     cycles = limit_cycles(law, osc)
     for cycle in cycles:
         start = _crest(law, osc, cycle)
-        for part in pieces(law, osc, start):
+        for part in pieces(start):
             style = LEFT_OUT if not cycle.stable else LEFT_OUT | {"linestyle": "-"}
             ax.plot(part.x, part.v, **style)
     words = [f"rest {'stable' if holds else 'unstable'}"]

@@ -15,7 +15,7 @@ from stickslip_sym.newmark import Scan, pure_slip_by_scan
 __all__ = ["friction_laws", "plane", "several_minima"]
 
 _HIGHEST = 6.0  # kg/s, the paper's axis
-_SCANNED = (0.25, 0.75)  # m/s, on both sides of the speed at which the paper prints the number
+_SCANNED = (0.2, 0.4, 0.6, 0.8)  # m/s, on both sides of the speed at which the paper prints the number
 _AROUND = 0.05  # kg/s about the exact threshold, scanned
 _EXACT = {"color": BLUE, "linewidth": 3.6, "alpha": 0.55, "solid_capstyle": "butt", "zorder": 1.5}
 _NUMBER = {"exponential": "(17)", "polynomial": "(18)"}

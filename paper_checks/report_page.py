@@ -1,5 +1,6 @@
 """The page of a report: well-formed HTML that needs no script and nothing from elsewhere."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -103,7 +104,7 @@ def exceptions(report: "Report") -> Html:
                 ": ",
                 _badge(finding.outcome),
             ),
-            element("p", prose(finding.evidence), ".", class_="note"),
+            element("p", prose(_sentence(finding.evidence)), class_="note"),
         )
         for finding in found
     ]
@@ -137,7 +138,7 @@ def claim_rows(claim: Claim, finding: Finding | None) -> Html:
     verdict = _badge(finding.outcome if finding else None)
     if finding and not finding.as_recorded:
         verdict = raw(verdict + element("span", f" (on record: {SHORT[claim.outcome]})", class_="note"))
-    evidence = f"{finding.evidence}." if finding else "No finding in this run."
+    evidence = _sentence(finding.evidence) if finding else "No finding in this run."
     where = element("td", prose(claim.where))
     return element(
         "tbody",
@@ -150,7 +151,10 @@ def claim_rows(claim: Claim, finding: Finding | None) -> Html:
 
 def equations(report: "Report") -> Html:
     """Return the printed equations with the verdicts on them."""
-    note = "As they stand in the paper, from the expressions that the checks use."
+    note = (
+        "As they stand in the paper but for the order of terms and factors, from the expressions that the checks "
+        "use; in (12) and (13), (8) is put in."
+    )
     items = [
         element(
             "div",
@@ -206,7 +210,7 @@ def ladder(report: "Report") -> Html:
         rows = []
         for way in ways:
             largest = "not measured" if way.largest != way.largest else f"{way.largest:.1e}"
-            cells = (duration(way.seconds), f"{way.error:.1e}", largest)
+            cells = (duration(way.seconds).replace("us", "μs"), f"{way.error:.1e}", largest)
             numbers = [element("td", cell, class_="number") for cell in cells]
             rows.append(element("tr", element("td", way.name.replace("_", " ")), *numbers))
         table = element("table", head, element("tbody", *rows))
@@ -219,6 +223,11 @@ def footer(report: "Report") -> Html:
     """Say what computed all this."""
     words = "; ".join(f"{name} {text}" for name, text in report.versions.items())
     return element("footer", element("p", f"Computed {report.time} by {words}."), id="versions")
+
+
+def _sentence(evidence: str) -> str:
+    """Return evidence with a capital, unless it begins with a symbol, and a stop."""
+    return re.sub(r"^[a-z]{2,} ", lambda word: word[0].capitalize(), evidence) + "."
 
 
 def _verdicts(report: "Report", ids: tuple[str, ...]) -> Iterator[Html]:

@@ -186,10 +186,13 @@ class Orbit:
         In m/s, at equispaced times of one period.
     distortion : float
         Root of the sum of squares of the velocity's overtones, over its fundamental.
+    gap : float
+        How much the velocity in m/s changes over the period.
     """
 
     velocity: Any
     distortion: float
+    gap: float
 
 
 @cache
@@ -198,7 +201,8 @@ def orbit(name: str) -> Orbit:
     run = response(name, threshold(name) + _HAIR)
     v = run.slip(np.linspace(run.times[0], run.times[1], _PHASES, endpoint=False), 1)
     sizes = abs(np.fft.rfft(v))
-    return Orbit(v, float(np.linalg.norm(sizes[2:]) / sizes[1]))
+    gap = float(run.peaks[1] - run.peaks[0])
+    return Orbit(v, float(np.linalg.norm(sizes[2:]) / sizes[1]), gap)
 
 
 @cache

@@ -42,10 +42,11 @@ def print_verdicts(reporter: pytest.TerminalReporter, findings: Sequence[Finding
     for finding in findings:
         if finding.outcome is not Outcome.REPRODUCED:
             reporter.write_line(_paragraph(f"{finding.id}: {finding.evidence}", width))
-    parts = summary(findings)
-    for position, (outcome, count) in enumerate(parts.items()):
-        reporter.write(", " if position else "")
-        reporter.write(f"{count} {SHORT[outcome]}", **(MARKUP[outcome] if count else {}))
+    parts = {outcome: f"{count} {SHORT[outcome]}" for outcome, count in summary(findings).items()}
+    between = ", " if len(", ".join(parts.values())) < width else ",\n"
+    for position, (outcome, part) in enumerate(parts.items()):
+        reporter.write(between if position else "")
+        reporter.write(part, **({} if part.startswith("0 ") else MARKUP[outcome]))
     reporter.write_line("")
 
 

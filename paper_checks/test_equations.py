@@ -17,7 +17,7 @@ from paper_checks.scene import LAWS, law, oscillator
 from stickslip_sym import Derivation, Phase, Status, Trajectory, simulate
 from stickslip_sym.normal_form import normal_form
 from stickslip_sym.proving import Verdict, prove_positive
-from stickslip_sym.symbols import N, V, c, k, m, u
+from stickslip_sym.symbols import N, V, c, k, m, u, v
 
 DAMPINGS = (0.0, 1.0, 2.0)
 FORCE_TOLERANCE = 1e-9  # of the friction force, relative to mu_s N; the integration runs at 1e-12
@@ -97,7 +97,8 @@ def integrated(
     state: tuple[float, float],
 ) -> Any:
     """Integrate an acceleration for one sign of v_r by a multistep method."""
-    mu, belt = law(name).mu, oscillator().V
+    # The law from its formula, not from `FrictionLaw.mu`, which the simulation uses.
+    mu, belt = sp.lambdify(v, law(name).substitute(law(name).expr), "math"), oscillator().V
 
     def rates(_: float, y: Any) -> list[float]:
         slip = min(max(side * (y[1] - belt), 0.0), FASTEST)

@@ -5,17 +5,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import minimize_scalar
 
 from paper_checks.conftest import Find
 from paper_checks.scene import LAWS, law, needed, orbit, oscillator, response, sticks_and_slips, threshold
 from paper_checks.wording import listed, percent
-from stickslip_sym import simulate
+from stickslip_sym import Oscillator, simulate
 from stickslip_sym.orbit import orbits
 from stickslip_sym.symbols import V
 
 NONE = 1e-6  # a relative change that may be the error of what is computed
 SLIGHT = 0.01  # one that no figure of the paper shows
-HARMONIC = 0.10  # overtones, over the fundamental, that "close to harmonic" allows
+HARMONIC = (
+    0.05  # total harmonic distortion below which a wave is taken for a sine, as of a mains voltage (IEEE 519)
+)
+CLOSED = 1e-6  # of V, between the ends of a period of the orbit at the threshold
+SAME_RATE = 0.02  # the printed damping is 0.001 kg/s off the orbit's own
 SCALES = np.array([0.1, 0.5, 2.0, 10.0])  # of the natural frequency
 STIFFNESSES = 10.0 ** np.arange(7)  # N/m
 SCANNED = np.linspace(0.0, 6.0, 61)  # kg/s
@@ -24,27 +30,60 @@ SCANNED = np.linspace(0.0, 6.0, 61)  # kg/s
 @pytest.mark.claim("S2")
 def test_S2_natural_frequency(find: Find, printed: dict[str, Any]) -> None:
     """The exact threshold at other frequencies with the same k m, and over k from 1 to 1e6 N/m at m = 1 kg."""
-    alone, with_k = [], {}
+    off, with_k = [], {}
     for name in LAWS:
         here = threshold(name)
-        found = np.array([threshold(name, m=1 / scale, k=100 * scale) for scale in SCALES])
-        alone.append(found / (here * SCALES ** float(printed["power of the frequency"])) - 1)
+        # Thresholds are computed without units, where this holds by construction; so it is integrated in SI units.
+        dampings = here * SCALES ** float(printed["power of the frequency"])
+        off += [
+            next_peak(name, oscillator(c, m=1 / scale, k=100 * scale)) / oscillator().V - 1
+            for c, scale in zip(dampings.tolist(), SCALES.tolist(), strict=True)
+        ]
         found = np.array([threshold(name, k=k) for k in STIFFNESSES])
         with_k[name] = found / (here * (STIFFNESSES / 100) ** float(printed["power of k"])) - 1
-    by_frequency = float(np.abs(alone).max())
+    by_frequency = float(np.abs(off).max())
     by_k = float(np.abs(list(with_k.values())).max())
     stiff = max(float(abs(change[STIFFNESSES >= 100]).max()) for change in with_k.values())
     find(
         ours=f"none at fixed k m; {100 * by_k:.1f} % with k",
-        evidence=f"with k m fixed, 0.1 to 10 times the frequency changes the threshold by {by_frequency:.0e} "
-        "relative, as it must by the scaling of time; k alone, at 1, 10, ... 1e6 N/m, changes it from that at "
-        "100 N/m by "
+        evidence="with k m fixed, at 0.1 to 10 times the frequency the same damping makes the slip from P graze "
+        f"the belt's speed to {by_frequency:.0e} of it, integrated in SI units; k alone, at 1, 10, ... 1e6 N/m, "
+        "changes it from that at 100 N/m by "
         + "; ".join(f"{percent(*change)} ({name})" for name, change in with_k.items())
         + f"; from 100 N/m on by {100 * stiff:.2f} % at most: not sqrt(k/m) matters, but sqrt(k m), and little",
         difference=f"{100 * by_k:.1f} % for k from 1 to 1e6 N/m",
         reproduced=max(by_frequency, by_k) < NONE,
         qualified=by_frequency < NONE and stiff < SLIGHT,
     )
+
+
+def next_peak(name: str, osc: Oscillator) -> float:
+    """Return the velocity in m/s at the peak after the slip from P, from (2) integrated as it stands."""
+    mu, start = law(name).mu, (0.5 * osc.N - osc.c * osc.V) / osc.k
+
+    def acceleration(_: float, y: Any) -> float:
+        return float(osc.N * mu(max(osc.V - y[1], 0.0)) - osc.c * y[1] - osc.k * y[0]) / osc.m
+
+    period = 2 * np.pi / osc.omega
+    motion = solve_ivp(
+        lambda t, y: [y[1], acceleration(t, y)],
+        (0.0, 1.3 * period),
+        (start, osc.V),
+        method="DOP853",
+        rtol=1e-11,
+        atol=1e-13,
+        dense_output=True,
+    )
+    times = np.linspace(0.8, 1.2, 41) * period
+    late = motion.sol(times)[1]
+    best = int(np.argmax(late))
+    found = minimize_scalar(
+        lambda t: -motion.sol(t)[1],
+        bounds=(times[max(best - 1, 0)], times[min(best + 1, 40)]),
+        method="bounded",
+        options={"xatol": 1e-7 * period},
+    )
+    return float(-found.fun)
 
 
 @pytest.mark.claim("S3")
@@ -54,14 +93,20 @@ def test_S3_pure_slip_motion(find: Find, printed: dict[str, Any]) -> None:
     bound = float(printed["lowest"].subs(V, belt))
     lowest = np.array([orbit(name).velocity.min() for name in LAWS])
     overtones = np.array([orbit(name).distortion for name in LAWS])
-    as_stated = ("harmonic" if (overtones < HARMONIC).all() else "far from harmonic") == printed["motion"]
+    holds = {"harmonic": overtones < HARMONIC, "far from harmonic": overtones > 1}[printed["motion"]]
+    closed = max(abs(orbit(name).gap) for name in LAWS) < CLOSED * belt
     find(
         ours=f"lowest {listed(lowest, 5)} m/s",
         evidence=f"the orbits of the two laws that reach V = {belt:g} m/s come down to {listed(lowest, 5)} "
-        f"m/s; their overtones are {percent(*overtones)} of the fundamental of the velocity",
+        "m/s; the total harmonic distortion of the velocity is "
+        + " and ".join(
+            f"{100 * part:.2f} % ({name} law: {'a' if part < HARMONIC else 'not a'} sine by the usual limit of "
+            f"{HARMONIC:.0%})"
+            for name, part in zip(LAWS, overtones, strict=True)
+        ),
         difference=f"{percent(*(bound - lowest) / belt)} of V below -V",
-        reproduced=as_stated and bool(((lowest >= bound) & (lowest < bound + SLIGHT * belt)).all()),
-        qualified=as_stated and bool((abs(lowest - bound) < SLIGHT * belt).all()),
+        reproduced=closed and bool((holds & (lowest >= bound) & (lowest < bound + SLIGHT * belt)).all()),
+        qualified=closed and bool(holds.any()) and bool((abs(lowest - bound) < SLIGHT * belt).all()),
     )
 
 
@@ -70,7 +115,13 @@ def test_S7_one_value_separates(find: Find, printed: dict[str, Any]) -> None:
     """Stick-slip cycles over c from 0 to 6 kg/s, and the band of c in which pure slip attracts."""
     impedance = oscillator().impedance
     graze, hopf = ({name: impedance * float(needed(name).at(A)) for name in LAWS} for A in (1.0, 0.0))
-    separates = all(
+    # The graze by collocation of one orbit, the Hopf point from the slope of mu: ends of one interpolation here.
+    agree_at_ends = all(
+        abs(graze[name] - threshold(name)) < NONE
+        and abs(hopf[name] + oscillator().N * float(law(name).slope(oscillator().V))) < NONE
+        for name in LAWS
+    )
+    separates = agree_at_ends and all(
         ("stick-slip" if sticks_and_slips(name, c) else "slip") == printed["below" if c < graze[name] else "above"]
         for name in LAWS
         for c in SCANNED.tolist()
@@ -82,12 +133,13 @@ def test_S7_one_value_separates(find: Find, printed: dict[str, Any]) -> None:
     both = comes_to_rest(between) and sticks_and_slips("exponential", between)
     find(
         ours=f"pure slip attracts over {listed(widths, 3)} kg/s",
-        evidence=f"one damping separates stick-slip from slip, for c = 0 to 6 kg/s in steps of 0.1: {separates}; "
+        evidence=f"{'one' if separates else 'no single'} damping separates stick-slip from slip, for c = 0 to 6 "
+        "kg/s in steps of 0.1; "
         f"polynomial law: a stable pure-slip cycle for every c from {graze['polynomial']:.4f} to "
         f"{hopf['polynomial']:.4f} kg/s, so two values separate three motions; exponential law: an unstable "
         f"one for every c from {hopf['exponential']:.4f} to {graze['exponential']:.4f} kg/s, and the start "
-        f"decides: at {between:.3f} kg/s a mass near rest comes to rest, and from the paper's start it sticks "
-        f"and slips: {both}",
+        f"decides: at {between:.3f} kg/s a mass near rest and one from the paper's start "
+        + ("do not part" if not both else "part, the first comes to rest and the other sticks and slips"),
         difference=f"{listed(widths, 3)} kg/s",
         reproduced=separates and all(agree),
         qualified=separates and any(agree) and both,
@@ -110,13 +162,20 @@ def test_S8_amplitude_at_the_threshold(find: Find, printed: dict[str, Any]) -> N
     run = response("exponential", float(printed["c"]))
     exponent = osc.omega * float(orbits(law("exponential"), osc.V, osc.N / osc.impedance).exponent[0])
     change = float(abs(np.diff(run.peaks[:6])).max()) / osc.V
+    # In simulation, what the peaks lose from one period to the next grows at the rate of the orbit's exponent.
+    losses = -np.diff(run.peaks[:5])
+    rate = (
+        float(np.mean(np.log(losses[1:] / losses[:-1]) / np.diff(run.times[1:5]))) if (losses > 0).all() else 0.0
+    )
+    as_drawn = run.kind == "pure slip" and abs(rate - exponent) < SAME_RATE * abs(exponent)
     half = float(run.times[np.argmax(run.peaks < osc.V / 2)])
     find(
         ours=f"{100 * change:.2f} % of V a period, at most in five",
         evidence=f"the peaks of the velocity are {listed(run.peaks[:6], 5)} m/s; but the grazing orbit has the "
-        f"Floquet exponent {exponent:+.3f} 1/s: it is unstable, deviations grow e-fold in {1 / exponent:.2f} "
-        f"s, and the peak is below V/2 after {half:.1f} s",
+        f"Floquet exponent {exponent:+.3f} 1/s, and what the peaks lose grows at {rate:+.3f} 1/s: the orbit is "
+        f"{'unstable' if exponent > 0 else 'stable'}, deviations change e-fold in {abs(1 / exponent):.2f} s, and "
+        f"the peak is below V/2 after {half:.1f} s",
         difference=f"{100 * change:.2f} % of V a period",
-        reproduced=run.kind == "pure slip" and exponent < 0 and abs(change - printed["change in a period"]) < NONE,
-        qualified=run.kind == "pure slip" and abs(change - printed["change in a period"]) < SLIGHT,
+        reproduced=as_drawn and exponent < 0 and abs(change - printed["change in a period"]) < NONE,
+        qualified=as_drawn and abs(change - printed["change in a period"]) < SLIGHT,
     )

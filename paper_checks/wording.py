@@ -6,8 +6,8 @@ __all__ = ["listed", "percent"]
 
 
 def listed(numbers: Iterable[float], digits: int = 4) -> str:
-    """Write numbers to a number of decimals, one after the other."""
-    return " ".join(f"{number:.{digits}f}" for number in numbers)
+    """Write numbers to a number of decimals, with commas."""
+    return ", ".join(f"{number:.{digits}f}" for number in numbers)
 
 
 def percent(*fractions: float, digits: int = 2) -> str:

@@ -26,45 +26,29 @@ def integral(kernel, upper=2 * V):
     return sp.Integral(mu(u) * kernel, (u, 0, upper))
 
 
-def law_17(bracket, power=5):
-    return 5 * N * (mu_s - mu_m) * sp.exp(-aV) * bracket / (V**power * alpha**4)
+def law_17(bracket):
+    return 5 * N * (mu_s - mu_m) * sp.exp(-aV) * bracket / (V**5 * alpha**4)
 
 
 COSH, SINH = sp.cosh(aV), sp.sinh(aV)
 
+# More of each equation than the mutations of the paper's checks alter, and the points at which each fails.
 TAMPERED = [
-    ("energy_balance", "(5)", -PRINTED["(5)"]),
-    ("energy_balance", "(5)", 2 * PRINTED["(5)"]),
-    ("linearised_force", "(9)", N * (a * (paper.velocity + V) + b)),
+    ("energy_balance", "(5)", PRINTED["(5)"] / 3),
     ("linearised_force", "(9)", -PRINTED["(9)"]),
     ("linearised_force", "(10)", PRINTED["(10)"].subs(c, -c)),
     ("linearised_force", "(11)", -a * N),
-    ("linearised_force", "(11)", 2 * a * N),
-    ("least_squares", "(13)", sp.Integral((mu(u) + a * u - b) ** 2 * (V - u) ** 2, (u, 0, V))),
-    ("least_squares", "(13)", sp.Integral((mu(u) + a * u - b) ** 2 * (V + u) ** 2, (u, 0, 2 * V))),
-    ("least_squares", "(13)", sp.Integral((mu(u) - a * u - b) ** 2 * (V - u) ** 2, (u, 0, 2 * V))),
     ("least_squares", "(13)", sp.Integral((mu(u) + a * u - b) ** 2 * (V - u), (u, 0, 2 * V))),
     ("least_squares", "(15) a", -PRINTED["(15) a"]),
-    ("least_squares", "(15) a", 2 * PRINTED["(15) a"]),
-    ("least_squares", "(15) a", 5 / (2 * V**5) * integral((V - u) ** 3, V)),
     ("least_squares", "(15) a", 5 / (2 * V**5) * integral((V - u) ** 2)),
-    ("least_squares", "(15) a", 5 / (2 * V**4) * integral((V - u) ** 3)),
     ("least_squares", "(15) b", -PRINTED["(15) b"]),
-    ("least_squares", "(15) b", integral((V - u) ** 2 * (8 * V + 5 * u)) / (2 * V**4)),
     ("least_squares", "(15) b", integral((V - u) ** 2 * (8 * V - 5 * u), V) / (2 * V**4)),
-    ("least_squares", "(15) b", integral((V - u) ** 2 * (5 * V - 8 * u)) / (2 * V**4)),
     ("least_squares", "(15) b", integral((V - u) ** 3 * (8 * V - 5 * u)) / (2 * V**4)),
     ("least_squares", "(16)", 5 * N / (2 * V**5) * integral((u - V) ** 3)),
     ("exponential_law", "(17)", law_17((6 * aV + aV**3) * COSH + (6 + 3 * aV**2) * SINH)),
-    ("exponential_law", "(17)", law_17((6 * aV - aV**3) * COSH - (6 + 3 * aV**2) * SINH)),
-    ("exponential_law", "(17)", law_17((6 * aV + aV**3) * COSH - (6 + 2 * aV**2) * SINH)),
     ("exponential_law", "(17)", law_17((6 * aV + aV**3) * SINH - (6 + 3 * aV**2) * COSH)),
-    ("exponential_law", "(17)", law_17((6 * aV + aV**3) * COSH - (6 + 3 * aV**2) * SINH, power=4)),
     ("exponential_law", "(17)", PRINTED["(17)"] * sp.exp(2 * aV)),
     ("exponential_law", "(17)", PRINTED["(17)"] / 2),
-    ("polynomial_law", "(18)", (mu_s - mu_m) * N * (21 * v_m**2 + 26 * V**2) / (14 * v_m**3)),
-    ("polynomial_law", "(18)", (mu_s - mu_m) * N * (26 * v_m**2 - 21 * V**2) / (14 * v_m**3)),
-    ("polynomial_law", "(18)", (mu_s - mu_m) * N * (21 * v_m**2 - 26 * V**2) / (7 * v_m**3)),
     ("polynomial_law", "(18)", (mu_s + mu_m) * N * (21 * v_m**2 - 26 * V**2) / (14 * v_m**3)),
     ("polynomial_law", "(18)", (mu_m - mu_s) * N * (21 * v_m**2 - 26 * V**2) / (14 * v_m**3)),
     ("polynomial_law", "(18)", (mu_s - mu_m) * N * (21 * v_m**2 - 24 * V**2) / (14 * v_m**3)),
