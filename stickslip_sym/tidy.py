@@ -3,6 +3,7 @@
 from typing import Any
 
 import sympy as sp
+from sympy.core.random import rng
 
 __all__ = ["tidy"]
 
@@ -39,20 +40,31 @@ def _outermost(expr: Any) -> dict[Any, Any]:
     walk = sp.preorder_traversal(expr)
     for node in walk:
         if isinstance(node, _OPAQUE):
-            found.setdefault(node, sp.Dummy("f", real=True))
+            # Each a name of its own: the order of variables decides how long factoring takes.
+            found.setdefault(node, sp.Dummy(f"f{len(found)}", real=True))
             walk.skip()
     return found
 
 
 def _factored(expr: Any, functions: list[Any], model: Any, small: Any) -> Any:
     sign, factors = 1, []
-    for factor in sp.Mul.make_args(sp.factor(expr)):
+    for factor in sp.Mul.make_args(_factor(expr)):
         if factor.is_Add and _should_flip(factor, model, small):
             sign, factor = -sign, -factor
         if factor.is_Add and factor.has(*functions):
-            factor = sp.collect(factor, functions, sp.factor)
+            factor = sp.collect(factor, functions, _factor)
         factors.append(factor)
     return sp.Mul(sign, *factors)
+
+
+def _factor(expr: Any) -> Any:
+    """Factor a polynomial with the same random numbers every time: by bad luck with them it takes minutes."""
+    before = rng.getstate()
+    rng.seed(0)
+    try:
+        return sp.factor(expr)
+    finally:
+        rng.setstate(before)
 
 
 def _should_flip(factor: Any, model: Any, small: Any) -> bool:
