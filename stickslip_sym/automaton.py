@@ -14,12 +14,20 @@ from stickslip_sym.engines import follower
 from stickslip_sym.errors import InputError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, check_rtol, real
-from stickslip_sym.slip import Point, SlipPhase
+from stickslip_sym.slip_phase import SlipPhase
+from stickslip_sym.steppers import Point
 from stickslip_sym.trajectory import Event, EventKind, Outcome, Phase, Stretch, Trajectory
 
 __all__ = ["simulate"]
 
-_ENDS = {"rest": Outcome.AT_REST, "steps": Outcome.STEP_LIMIT, "deadline": Outcome.TIME_LIMIT}
+_ENDS = {
+    "rest": Outcome.AT_REST,
+    "steps": Outcome.STEP_LIMIT,
+    "deadline": Outcome.TIME_LIMIT,
+    "unbounded": Outcome.UNBOUNDED,
+    "undefined": Outcome.UNDEFINED,
+}
+_GROWS = "damping and friction feed the motion: try a shorter t_end, or a larger c"
 
 
 def simulate(
@@ -60,14 +68,15 @@ def simulate(
     Returns
     -------
     Trajectory
-        Its `outcome` says whether `t_end`, a limit, or a rest that goes on for ever was reached.
+        Its `outcome` says whether `t_end`, a limit, or a rest that goes on for ever was reached, or that the
+        motion grows without bound, or comes to where mu has no value; then `note` says more.
 
     Raises
     ------
     InputError
         For unusable numbers, an unbound law, or an engine that is not there or cannot take the law.
     NotConverged
-        When the motion grows beyond all bounds, or mu cannot be computed on it.
+        When the engine cannot go on, as heyoka's in a fast decay.
     """
     follow = follower(engine)
     t_end, x0, v0 = real("t_end", t_end), real("x0", x0), real("v0", osc.V if v0 is None else v0)
@@ -99,9 +108,12 @@ def simulate(
         )  # fmt: skip
         recorder.slip(phase)
         if phase.end == "rest":
-            recorder.rest(horizon, osc.N * float(law.mu(osc.V)) / osc.k)
+            # Where rest is isolated it is known better than integrated; a jump of mu at V holds the mass anywhere.
+            held = phase.last.w == 1 and any(branch.low == 1 for branch in scene.branches)
+            recorder.rest(horizon, None if held else osc.N * float(law.mu(osc.V)) / osc.k)
         if phase.end in _ENDS:
-            return recorder.trajectory(_ENDS[phase.end])
+            note = str(phase.error or "") if phase.end != "unbounded" else _GROWS
+            return recorder.trajectory(_ENDS[phase.end], note)
         steps += len(phase.pieces)
         tau, q, w = phase.last.tau, phase.last.q, phase.last.w
     return recorder.trajectory(Outcome.FINISHED)
@@ -140,9 +152,10 @@ class _Recorder:
 
         self._add(tau, q, w, phase.side, Phase.SLIP_BACK if phase.side > 0 else Phase.SLIP_FORWARD, course)
 
-    def rest(self, end: float, x: float) -> None:
-        """Prolong a slip phase that came to rest at x, which is known better than integrated."""
+    def rest(self, end: float, known: float | None) -> None:
+        """Prolong a slip phase that came to rest, where x is known or is as it was integrated."""
         before = self.stretches[-1]
+        x = float(self.samples[-1][1][-1]) if known is None else known
         t = np.array([end / self.osc.omega])
         self.samples.append((t, np.array([x]), np.zeros(1)))
 
@@ -168,10 +181,10 @@ class _Recorder:
         self.events.append(Event(float(t[0]), float(x[0]), float(v[0]), phase, kind))
         self.stretches.append(Stretch(phase, float(t[0]), float(t[-1]), course))
 
-    def trajectory(self, outcome: Outcome) -> Trajectory:
+    def trajectory(self, outcome: Outcome, note: str = "") -> Trajectory:
         t, x, v = (np.concatenate(parts) for parts in zip(*self.samples, strict=True))
         counts = [part[0].size for part in self.samples]
         phases = np.empty(len(counts), dtype=object)
         phases[:] = [stretch.phase for stretch in self.stretches]
         events, stretches = tuple(self.events), tuple(self.stretches)
-        return Trajectory(t, x, v, np.repeat(phases, counts), events, outcome, stretches)
+        return Trajectory(t, x, v, np.repeat(phases, counts), events, outcome, stretches, note)

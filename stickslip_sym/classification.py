@@ -11,8 +11,10 @@ from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, check_rtol, real
 from stickslip_sym.regimes import graze
-from stickslip_sym.slip import Point, SlipPhase, follow
+from stickslip_sym.slip import follow
 from stickslip_sym.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits
+from stickslip_sym.slip_phase import SlipPhase
+from stickslip_sym.steppers import Point
 from stickslip_sym.transit import stick_slip_cycle
 
 __all__ = ["Motion", "classify"]
@@ -98,6 +100,8 @@ class _Course:
                 return Motion.DAMPED_SLIP
             if slip.end == "horizon":
                 return Motion.UNDECIDED
+            if slip.end == "unbounded":
+                return Motion.UNBOUNDED
             if slip.end == "minimum":
                 return self._inside(1 - slip.last.w)
             point = Point(0.0, slip.last.q, slip.last.w)

@@ -43,6 +43,7 @@ def motion_map(
 
     Example: stickslip map exponential --x V=0.01:1:100 --y c=0:6:100 --plot map.png
     """
+    from stickslip_sym.map_plot import require_matplotlib
     from stickslip_sym.maps import motion_map as compute
     from stickslip_sym.values import exact
 
@@ -61,14 +62,24 @@ def motion_map(
         value = exact(text, name)
         check_size(name, value)
         scene[name] = float(value)
+    _require_writable(csv, npz, plot)
+    if plot is not None:
+        require_matplotlib()
     with _progress() as progress:
         found = compute(
             bound, x=axes[0], y=axes[1], **scene, workers=workers, checkpoint=checkpoint, progress=progress
         )
+    typer.echo(_report(found))
     for write, path in ((found.to_csv, csv), (found.to_npz, npz), (found.plot, plot)):
         if path is not None:
             write(path)
-    typer.echo(_report(found))
+
+
+def _require_writable(*paths: Path | None) -> None:
+    """Refuse a file in a folder that is not there, before a long computation rather than after it."""
+    for path in paths:
+        if path is not None and not path.parent.is_dir():
+            raise InputError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}; make it first")
 
 
 _SCENE = {"V": "0.5", "N": "9.81", "m": "1", "k": "100"}

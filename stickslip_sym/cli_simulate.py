@@ -90,6 +90,7 @@ def _report(motion: Any, osc: Any) -> str:
     if (more := len(motion.events) - _MOST_ROWS) > 0:
         lines.append(f"and {more} more events")
     lines += ["", f"outcome: {motion.outcome.value}, at t = {motion.t[-1]:.9g} s, {len(motion.events)} events"]
+    lines += [motion.note] if motion.note else []
     lines.append(_periods(motion))
     return "\n".join(lines)
 

@@ -9,6 +9,7 @@ interpolated by a Chebyshev polynomial, whose roots are all found and then impro
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -89,7 +90,10 @@ def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
     InputError, NotConverged
         As `limit_cycles` does.
     """
-    return NeededDamping(_interpolated(_solver(law, osc)))
+    found = _needed(law, osc.V, osc.N / osc.impedance)
+    if isinstance(found, NeededDamping):
+        return found
+    raise found
 
 
 def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
@@ -113,8 +117,8 @@ def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
     NotConverged
         If the orbits are not found, since friction is too strong, or vary too fast with the amplitude.
     """
-    solve = _solver(law, osc)
-    need = NeededDamping(_interpolated(solve))
+    need = needed_damping(law, osc)
+    solve = _solver(law, osc.V, osc.N / osc.impedance)
     damping = 2 * osc.zeta
     roots = need.amplitudes(damping)
     if not roots.size:
@@ -137,21 +141,29 @@ def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
     )
 
 
-def _solver(law: FrictionLaw, osc: Oscillator) -> Callable[[Any], Orbits]:
+@lru_cache(maxsize=64)
+def _needed(law: FrictionLaw, V: float, e: float) -> NeededDamping | InputError | NotConverged:
+    """Return the damping that orbits need, or why it is not found: either takes long, and is asked for again."""
+    try:
+        return NeededDamping(_interpolated(_solver(law, V, e)))
+    except (InputError, NotConverged) as error:
+        return error.with_traceback(None)
+
+
+def _solver(law: FrictionLaw, V: float, e: float) -> Callable[[Any], Orbits]:
     """Return the function that finds the orbits of given amplitudes."""
-    if reason := obstacle(law, osc.V, jump=False):
+    if reason := obstacle(law, V, jump=False):
         raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
-    e = osc.N / osc.impedance
 
     def solve(A: Any) -> Orbits:
-        found = orbits(law, osc.V, e, A)
+        found = orbits(law, V, e, A)
         if not np.isfinite(found.error).all():
             lost = np.atleast_1d(A)[~np.isfinite(found.error)][0]
             raise NotConverged(
-                f"no slip orbit of amplitude {lost * osc.V:g} m/s was found: friction is too strong, or its law "
+                f"no slip orbit of amplitude {lost * V:g} m/s was found: friction is too strong, or its law "
                 "not smooth enough at v = 0, for the bound on work; try simulate()"
             )
-        if reason := obstacle(law, osc.V, float(found.lowest.min()), jump=False):
+        if reason := obstacle(law, V, float(found.lowest.min()), jump=False):
             raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
         return found
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from stickslip_sym import slip, taylor
-from stickslip_sym.slip import SlipPhase
+from stickslip_sym.slip_phase import SlipPhase
 from stickslip_sym.values import lookup
 
 __all__ = ["ENGINES", "follower"]

@@ -371,6 +371,18 @@ class FrictionLaw:
         expr = self.substitute(self.slope_expr if derivative else self.expr)
         return limit_at_rest(expr)
 
+    def _content(self) -> tuple[Any, ...]:
+        described = tuple((p.symbol, p.meaning, p.unit, p.typical) for p in self.parameters.values())
+        about = self.name, self.source, self.validity, self.curve
+        return self.expr, self.static, *about, described, frozenset(self.values.items())
+
+    def __eq__(self, other: object) -> bool:
+        """Whether two laws are the same in formula, values and description."""
+        return isinstance(other, FrictionLaw) and self._content() == other._content()
+
+    def __hash__(self) -> int:
+        return hash(self._content())
+
     def _label(self) -> str:
         return f"the law {self.name!r}" if self.name else "the law"
 

@@ -3,6 +3,7 @@
 Nothing here knows a closed form, so the threshold is a check of every criterion.
 """
 
+import math
 from dataclasses import replace
 from functools import cache
 
@@ -60,7 +61,8 @@ def grazing_damping(
     def lowest(c: float, tolerance: float) -> float:
         found = lowest_slip_speed(replace(scene, zeta=c / (2 * osc.impedance)), tolerance, engine)
         found = 1.0 if found is None else found  # creeping to rest, it does not return
-        return found / (1 + abs(found))  # where the graze is a canard, w jumps by orders of magnitude
+        # Where the graze is a canard, w jumps by orders of magnitude.
+        return found / (1 + abs(found)) if found > -math.inf else -1.0
 
     tight = max(rtol / 10, _TIGHTEST)
     if lowest(0.0, tight) >= 0:

@@ -12,7 +12,7 @@ from stickslip_sym.errors import InputError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.symbols import QUANTITIES
 
-__all__ = ["Region", "draw_basins", "draw_map", "regions_of"]
+__all__ = ["Region", "draw_basins", "draw_map", "regions_of", "require_matplotlib"]
 
 
 @dataclass(frozen=True)
@@ -106,11 +106,18 @@ def _title(axes: Any, law: FrictionLaw, values: dict[str, float]) -> None:
     axes.set_title(f"{law.name or 'friction law'}: {scene}", fontsize=10)
 
 
-def _figure() -> tuple[Any, Any]:
+def require_matplotlib() -> None:
+    """Refuse to draw without matplotlib."""
     try:
-        from matplotlib.figure import Figure
+        import matplotlib.figure  # noqa: F401
     except ImportError:
         raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
+
+
+def _figure() -> tuple[Any, Any]:
+    require_matplotlib()
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(7.2, 5.6), layout="constrained")
     return figure, figure.add_subplot()
 

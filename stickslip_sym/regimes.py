@@ -16,8 +16,10 @@ import numpy as np
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, check_rtol
-from stickslip_sym.slip import Point, SlipPhase, follow
+from stickslip_sym.slip import follow
 from stickslip_sym.slip_orbits import SlipOrbits, next_peak, overtaking_cycle, slip_orbits
+from stickslip_sym.slip_phase import SlipPhase
+from stickslip_sym.steppers import Point
 from stickslip_sym.transit import StickSlipCycle, lowest_slip_speed, stick_slip_cycle
 
 __all__ = ["Regime", "Rest", "Separatrix", "graze", "regime"]
@@ -26,6 +28,7 @@ _SAMPLES = 257  # of a separatrix
 _LONGEST = 1e3  # of dimensionless time, for a separatrix
 _CLOSE = 1e-6  # slip speed over the belt's at a graze, below which its error is measured
 _ROUNDING = 1e-14  # of a damping coefficient's terms
+_SAME = 1e-12  # relative, of speeds and of coefficients of friction
 
 
 @dataclass(frozen=True)
@@ -37,14 +40,18 @@ class Rest:
     x : float
         Displacement N mu(V)/k in m.
     rate : float
-        Growth rate of small motions in 1/s, the larger real part of the two eigenvalues.
+        Growth rate of small motions in 1/s, the larger real part of the two eigenvalues. Where mu has a kink at
+        V it is the mean over the two halves of a swing, and infinite where mu jumps.
     stable : bool
         Whether it is negative, c > -N mu'(V).
+    one_sided : bool
+        Whether slower or faster motions come to it, though it is not stable: mu has a kink at V.
     """
 
     x: float
     rate: float
     stable: bool
+    one_sided: bool = False
 
     def __str__(self) -> str:
         return f"rest at x = {self.x:.6g} m"
@@ -79,9 +86,10 @@ class Regime:
     cycles : tuple of LimitCycle
         All pure-slip limit cycles by ascending amplitude, unstable ones too; the last may overtake the belt.
     separatrices : tuple of Separatrix
-        From inside out. With a negative damping that of motions without bound is not among them.
+        From inside out. That of motions without bound, where there are any, is not among them.
     unbounded : bool
-        Whether motions far out grow without bound: a negative damping that friction does not outdo.
+        Whether motions far out grow without bound: a negative damping that friction does not outdo, or a
+        coefficient of friction that falls below 0 for good.
     undecided : tuple of str
         What lies within the tolerance of a boundary, in words; empty as a rule.
     """
@@ -108,7 +116,7 @@ class Regime:
     def __str__(self) -> str:
         lines = [_in_words(attractor) for attractor in self.attractors]
         if self.unbounded:
-            lines.append("motions far out grow without bound: the damping is negative")
+            lines.append("motions far out grow without bound: damping and friction feed them")
         return "\n".join([*(lines or ["no attractor"]), *(f"undecided: {text}" for text in self.undecided)])
 
 
@@ -145,15 +153,17 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
     undecided = []
     if height == 0:
         undecided.append("the slip from P grazes the belt's speed within the error of the integration")
-    growth = -(osc.c + osc.N * law.slope(osc.V)) / (2 * osc.m)
+    rest = _rest(law, osc, scene)
     if 0 in orbits.growth:
         undecided.append("slip orbits neither grow nor shrink")
-    elif abs(2 * osc.m * growth) <= _ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
+    elif abs(rest.rate) * 2 * osc.m <= _ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
         undecided.append("rest neither attracts nor repels to first order")
+    if rest.one_sided:
+        undecided.append("rest attracts motions on one side of it, and repels those on the other")
     cycle = stick_slip_cycle(law, osc, rtol=rtol) if height < 0 else None
     overtaking = overtaking_cycle(law, osc, rtol=rtol) if height < 0 and cycle is None else None
     return Regime(
-        rest=_rest(law, osc, growth),
+        rest=rest,
         stick_slip=cycle,
         cycles=orbits.cycles if overtaking is None else (*orbits.cycles, overtaking),
         separatrices=tuple(_separatrices(scene, osc, law, orbits, cycle is not None, rtol)),
@@ -163,7 +173,9 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
 
 
 def graze(scene: Scene, rtol: float) -> float:
-    """Return the least slip speed, over V, after the slip from P: negative if it returns, 0 if none can tell.
+    """Return the least slip speed, over V, after the slip from P: 0 if none can tell.
+
+    It is negative if the mass returns, and -infinity if it moves away for ever.
 
     It is counted as 0 up to the tolerance, or if it changes by more than half of it when that is ten times wider.
     """
@@ -177,21 +189,40 @@ def graze(scene: Scene, rtol: float) -> float:
     return 0.0 if lost or abs(lowest) <= rtol else lowest
 
 
-def _rest(law: FrictionLaw, osc: Oscillator, growth: float) -> Rest:
-    swing = growth**2 - osc.omega**2
-    if swing <= 0:
-        rate = growth
-    else:
-        rate = growth + math.sqrt(swing) if growth > 0 else osc.omega**2 / (growth - math.sqrt(swing))
-    return Rest(osc.N * float(law.mu(osc.V)) / osc.k, rate, growth < 0)
+def _rest(law: FrictionLaw, osc: Oscillator, scene: Scene) -> Rest:
+    x = osc.N * float(law.mu(osc.V)) / osc.k
+    kink = next((i for i, branch in enumerate(scene.branches) if abs(branch.low - 1) <= _SAME), None)
+    if kink is None:
+        rate, _ = _swing(osc, law.slope(osc.V))
+        return Rest(x, rate, rate < 0)
+    before, after = (scene.branches[i].mu(1.0) for i in (kink - 1, kink))
+    sides = [_swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
+    ends_here = any(rate < 0 and math.isinf(time) for rate, time in sides)
+    if abs(after - before) > _SAME * max(abs(before), abs(after)) and osc.N > 0:
+        # Where mu jumps up it holds the mass as static friction does; where it jumps down it drives it off.
+        return Rest(x, math.copysign(math.inf, before - after), after > before, before > after and ends_here)
+    aperiodic = [rate for rate, time in sides if math.isinf(time)]
+    if aperiodic:  # motions on that side do not come back from it
+        rate = max(aperiodic)
+        return Rest(x, rate, rate < 0, rate >= 0 and ends_here)
+    rate = sum(rate * time for rate, time in sides) / sum(time for _, time in sides)
+    return Rest(x, rate, rate < 0)
+
+
+def _swing(osc: Oscillator, slope: float) -> tuple[float, float]:
+    """Return the growth rate of small motions where mu has a slope, and how long half a swing takes."""
+    growth = -(osc.c + osc.N * slope) / (2 * osc.m)
+    excess = (growth - osc.omega) * (growth + osc.omega)
+    if excess < 0:
+        return growth, math.pi / math.sqrt(-excess)
+    root = math.sqrt(excess)
+    return (growth + root if growth > 0 else osc.omega**2 / (growth - root)), math.inf
 
 
 def _unbounded(law: FrictionLaw, osc: Oscillator) -> bool:
-    """Whether a negative damping outdoes friction at all high speeds."""
-    if osc.c >= 0:
-        return False
+    """Whether damping and friction together feed motions at all high speeds."""
     if law.v_max is not None:
-        return True
+        return osc.c < 0
     fast = osc.V * np.logspace(6, 12, 3)
     return bool(np.all(osc.c + osc.N * law.mu(fast) / fast < 0))
 
@@ -212,4 +243,6 @@ def _separatrices(
         # With time reversed and q mirrored the equations keep their form; friction and damping change sign.
         fold = scene.eta * (scene.static - scene.mu(0.0))
         backward = replace(scene, eta=-scene.eta, zeta=-scene.zeta)
-        yield curve(follow(backward, Point(0.0, fold, 0.0), 1, horizon=_LONGEST, rtol=rtol), "graze", -1)
+        slip = follow(backward, Point(0.0, fold, 0.0), 1, horizon=_LONGEST, rtol=rtol)
+        if slip.end != "unbounded":
+            yield curve(slip, "graze", -1)

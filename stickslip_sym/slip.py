@@ -14,83 +14,24 @@ slides at the slip speed of the jump, w is constant, and q a straight line, unti
 """
 
 import math
-import time
 from bisect import bisect_right
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-import numpy as np
-from scipy.optimize import brentq
-
-from stickslip_sym.errors import InputError, NotConverged
+from stickslip_sym.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.oscillator import Scene
+from stickslip_sym.slip_phase import RUNAWAY, SlipPhase, exhausted, passage, root
 from stickslip_sym.steppers import Explicit, Implicit, Piece, Point, Rates
 
-__all__ = ["Point", "SlipPhase", "exhausted", "follow"]
+__all__ = ["follow"]
 
 _LONGEST_STEP = 0.25  # explicit, of dimensionless time; at twice that what a step is off shows in thresholds
 _MOST_STEPS = 10_000  # and, on the way to a given horizon, 20 more for every unit of time and piece of mu
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _PATIENCE = 15  # steps held short by stability before the method changes
 _LEVEL = 1e-13  # of the terms of w', below which it may be nothing but rounding
-_RUNAWAY = 1e100  # times the belt's speed
 _JUMP = 1e-12  # of mu, relative, below which it is rounding
-_ROOT = float(4 * np.finfo(np.float64).eps)
-
-
-@dataclass
-class SlipPhase:
-    """The course of one slip phase.
-
-    Attributes
-    ----------
-    side : int
-        1 where the mass is slower than the belt, -1 where it is faster.
-    end : str
-        "return": w came down to 0; "minimum": w turned before; "rest": the mass came to rest, within the
-        tolerance; "horizon": the time was over; "steps", "deadline": the bounds on the work were reached.
-    last : Point
-        The state at the end.
-    extrema : list of Point
-        The maxima and minima of w, in order.
-    pieces : list of Piece
-        Interpolants of (q, w), one a step.
-    """
-
-    side: int
-    end: str
-    last: Point
-    extrema: list[Point] = field(default_factory=list)
-    pieces: list[Piece] = field(default_factory=list)
-
-    @property
-    def points(self) -> list[Point]:
-        """The states at the ends of the steps, from the beginning of the phase to its end."""
-        return [*(piece.start for piece in self.pieces), self.last]
-
-    def at(self, tau: Any) -> Any:
-        """Return the rows q and w at times within the phase."""
-        tau = np.asarray(tau, dtype=np.float64)
-        index = np.searchsorted([piece.start.tau for piece in self.pieces[1:]], tau, side="right")
-        result = np.empty((2, *tau.shape))
-        result[0], result[1] = self.last.q, self.last.w  # all there is of a phase without steps
-        for i in np.unique(index) if self.pieces else ():
-            chosen = index == i
-            result[:, chosen] = self.pieces[i](tau[chosen])
-        return result
-
-    def crossings(self, level: float) -> list[Point]:
-        """Return the points where w comes to a level or passes it between the ends of two steps."""
-        found = []
-        for piece, (before, after) in zip(self.pieces, pairwise(self.points), strict=True):
-            if after.w == level:  # as where mu has a kink there
-                found.append(after)
-            elif (before.w - level) * (after.w - level) < 0:
-                tau = _passage(piece, level, before.tau, after.tau)
-                found.append(Point(tau, *map(float, piece(tau))))
-        return found
 
 
 def follow(
@@ -121,32 +62,56 @@ def follow(
         "return": go on until w = 0; "turn": stop also at a minimum of w above 0, after which an orbit
         that left P never returns, since orbits in a plane do not cross.
     max_steps : int, optional
-        A number of steps after which the phase ends as it is. Without it there is a bound that is an error.
+        A number of steps after which the phase ends as it is, as it then does where mu has no value. Without it
+        either is an error.
     deadline : float
         Of `time.monotonic`, after which the phase ends as it is.
 
     Raises
     ------
     InputError
-        If mu cannot be computed at the start.
+        If mu cannot be computed at the start, or is measured up to a lower slip speed than the motion's.
     NotConverged
-        When the number of steps runs out, the motion grows beyond all bounds, or mu cannot be computed on it.
+        When the number of steps runs out, or mu cannot be computed on the motion.
     """
     phase = SlipPhase(side, "horizon", start)
     method = _Method(scene, side, rtol, horizon)
     rising = method.begin(phase)
-    while phase.last.tau < horizon:
+    try:
+        return _advanced(phase, method, rising, horizon, until, max_steps, deadline)
+    except StickSlipError as error:
+        if max_steps is None:
+            raise
+        phase.end, phase.error = "undefined", error
+        return phase
+
+
+def _advanced(
+    phase: SlipPhase,
+    method: "_Method",
+    rising: bool,
+    horizon: float,
+    until: str,
+    max_steps: int | None,
+    deadline: float,
+) -> SlipPhase:
+    """Integrate a phase from where it is to its end."""
+    start = phase.last
+    while phase.last.tau < horizon and phase.end != "rest":
         if (end := exhausted(phase, max_steps, deadline)) is not None:
             phase.end = end
             return phase
         if max_steps is None:
             method.check_work(phase, start, until)
         before = phase.last
-        piece = method.step()
-        phase.pieces.append(piece)
-        phase.last = method.solver.now
+        piece, last = method.step(), method.solver.now
+        if not max(abs(last.q), abs(last.w)) < RUNAWAY:
+            phase.end = "unbounded"
+            return phase
         turn = method.turn(piece, rising)
-        left = method.leaves(piece, before, phase.last if turn is None else turn, rising)
+        left = method.leaves(piece, before, last if turn is None else turn, rising)
+        phase.pieces.append(piece)
+        phase.last = last
         if left is None and turn is not None:
             phase.extrema.append(turn)
             rising = not rising
@@ -160,6 +125,8 @@ def follow(
                 phase.end = "return"
                 return phase
             entered = method.enter(phase, rising)
+            if phase.end == "rest":
+                return phase
             if until == "turn" and entered and not rising:
                 phase.end = "minimum"
                 return phase
@@ -170,22 +137,6 @@ def follow(
         else:
             method.choose(phase.last, phase.last.tau - before.tau)
     return phase
-
-
-def exhausted(phase: SlipPhase, max_steps: int | None, deadline: float) -> str | None:
-    """Return which bound on the work is reached, as `SlipPhase.end` has it; None if there is some left."""
-    if max_steps is not None and len(phase.pieces) >= max_steps:
-        return "steps"
-    return "deadline" if time.monotonic() > deadline else None
-
-
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    return float(brentq(function, low, high, rtol=_ROOT))
-
-
-def _passage(piece: Piece, level: float, low: float, high: float) -> float:
-    """Return when w passes a level between two times of a step."""
-    return _root(lambda tau: float(piece(tau)[1]) - level, low, high)
 
 
 @dataclass
@@ -216,6 +167,7 @@ class _Method:
     def begin(self, phase: SlipPhase) -> bool:
         """Choose the piece of mu at the start, and return whether w rises."""
         start, branches = phase.last, self.scene.branches
+        self.require_known(start.w)
         self.index = bisect_right([branch.low for branch in branches], start.w) - 1
         slope = self._slope(self.index, start)
         if not math.isfinite(slope):
@@ -236,7 +188,10 @@ class _Method:
             self.index = beyond
         else:
             rising = self._slide(phase, min(self.index, beyond))
-        self.solver = self._solver(phase.last, self.horizon, step=step)
+        if self.stiff and self.pieces[self.index].decay(now.w) <= _STIFF / 3:
+            self.stiff, step = False, None  # where w grows, a long implicit step would take it for a decay
+        if phase.last.tau < self.horizon:
+            self.solver = self._solver(phase.last, self.horizon, step=step)
         return rising
 
     def _slope(self, index: int, now: Point) -> float:
@@ -250,10 +205,13 @@ class _Method:
         """Slide at the slip speed of a jump, and return whether the mass leaves it upward."""
         start, side = phase.last, self.side
         rate = 1 - side * start.w  # of q; both slopes of w change by side times as much
+        if rate == 0:  # a jump at the belt's speed holds the mass, wherever it is
+            phase.end = "rest"
+            return True
         upward = side * rate > 0
         self.index = lower + 1 if upward else lower
         # Where the slope of w on the side of the exit is 0.
-        distance = -side * self._slope(self.index, start) / rate if rate else math.inf
+        distance = -side * self._slope(self.index, start) / rate
         tau = min(self.horizon, start.tau + max(distance, 0.0))
         phase.pieces.append(_Slide(start, tau, rate))
         phase.last = Point(tau, start.q + rate * (tau - start.tau), start.w)
@@ -285,19 +243,21 @@ class _Method:
         """Take one step and return its interpolant."""
         piece = self.solver.step()
         w = self.solver.now.w
-        if w > self.scene.w_max:
-            raise InputError(
-                f"the motion reaches a slip speed of {w:.6g} V, the law is measured up to "
-                f"{self.scene.w_max:.6g} V; measure further, or hold the last coefficient: extrapolate=True"
-            )
-        if not abs(w) < _RUNAWAY:
-            raise NotConverged("the motion grows without bound; a negative damping feeds it: try a shorter t_end")
+        self.require_known(w)
         if piece is None:
             raise NotConverged(
                 f"the slip phase cannot be integrated at rtol = {self.rtol:g} beyond a slip speed of {w:.6g} V: "
                 "mu may have no finite value there; try a larger rtol or another law"
             )
         return piece
+
+    def require_known(self, w: float) -> None:
+        """Refuse a slip speed beyond the last measured one."""
+        if w > self.scene.w_max:
+            raise InputError(
+                f"the motion reaches a slip speed of {w:.6g} V, the law is measured up to "
+                f"{self.scene.w_max:.6g} V; measure further, or hold the last coefficient: extrapolate=True"
+            )
 
     def turn(self, piece: Piece, rising: bool) -> Point | None:
         """Locate an extremum of w within one step."""
@@ -316,7 +276,7 @@ class _Method:
         # end on the interpolant.
         before, after = ((slope(tau) > 0) == rising for tau in (start.tau, piece.t))
         try:
-            tau = _root(slope, start.tau, piece.t) if before and not after else piece.t if before else start.tau
+            tau = root(slope, start.tau, piece.t) if before and not after else piece.t if before else start.tau
         except ValueError as error:  # within the step an interpolant may leave where mu can be computed
             raise NotConverged(
                 f"the slip phase cannot be followed at rtol = {self.rtol:g} from a slip speed of "
@@ -339,7 +299,7 @@ class _Method:
         elif (height[1] < 0) == rising:
             tau = last.tau
         else:
-            tau = _passage(piece, level, first.tau, last.tau)
+            tau = passage(piece, level, first.tau, last.tau)
         end = self._refined(piece.start, tau, lambda q, w: (w - level, self.rates(q, w)[1]))
         return Point(end.tau, end.q, level)
 

@@ -10,6 +10,7 @@ import math
 from bisect import bisect
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +20,9 @@ from stickslip_sym.cycles import LimitCycle, limit_cycles, needed_damping
 from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene
-from stickslip_sym.slip import Point, SlipPhase, follow
+from stickslip_sym.slip import follow
+from stickslip_sym.slip_phase import SlipPhase
+from stickslip_sym.steppers import Point
 
 __all__ = ["SlipOrbits", "next_peak", "overtaking_cycle", "round_from", "slip_orbits", "trough"]
 
@@ -62,6 +65,7 @@ class SlipOrbits:
         return self.cycles[place - 1] if place else 0.0
 
 
+@lru_cache(maxsize=256)  # the maps and the basins of one scene ask again and again
 def slip_orbits(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> SlipOrbits:
     """Return the limit cycles of an oscillator in slip, up to the belt's speed.
 
@@ -98,13 +102,15 @@ def next_peak(scene: Scene, amplitude: float, rtol: float) -> tuple[float, SlipP
     """Return the next peak of the velocity over V, and the slip phase that leads there.
 
     Where the mass meets the belt before, with an acceleration a, it is 1 + a^2/2 in units of omega V: the peak to
-    which the spring alone would pull it. At rest it is 0.
+    which the spring alone would pull it. At rest it is 0; of a motion without bound it is very large.
     """
     slip = follow(
         scene, trough(scene, amplitude), 1, horizon=_LONGEST * (1 + abs(scene.zeta)), rtol=rtol, until="turn"
     )
     if slip.end == "return":
         return 1 + scene.acceleration(slip.last.q, 0.0, 1) ** 2 / 2, slip
+    if slip.end == "unbounded":
+        return _ESCAPED, slip
     return (1 - slip.last.w if slip.end == "minimum" else 0.0), slip
 
 
@@ -165,14 +171,19 @@ def round_from(scene: Scene, q: float, rtol: float) -> tuple[float, float, float
     -------
     q, tau, speed : float
         Where slip slower than the belt begins again, the time it took, and the highest velocity above the belt's,
-        over V. If the mass sticks q is NaN; if it stays slower than the belt, 0.
+        over V. If the mass sticks q is NaN; if it stays slower than the belt, 0; if it moves away
+        for ever, infinity.
     """
     slow = _phase(scene, q, 1, rtol)
+    if slow.end == "unbounded":
+        return math.inf, slow.last.tau, 0.0
     if slow.end != "return":
         return 0.0, slow.last.tau, 0.0
     if scene.sticks(slow.last.q):
         return math.nan, slow.last.tau, 0.0
     fast = _phase(scene, slow.last.q, -1, rtol)
+    if fast.end == "unbounded":
+        return math.inf, slow.last.tau + fast.last.tau, 0.0
     stuck = fast.end != "return" or scene.sticks(fast.last.q)
     speed = max((point.w for point in fast.extrema), default=0.0)
     return (math.nan if stuck else fast.last.q), slow.last.tau + fast.last.tau, speed

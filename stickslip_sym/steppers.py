@@ -82,8 +82,10 @@ class Explicit:
         self.rates, self.now, self.end, self.rtol, self.longest = rates, start, end, rtol, longest
         self._first = rates(start.q, start.w)
         fast = max(1.0, abs(self._first[0]), abs(self._first[1]))
-        # States are of order one, and so is what the error of order 8 is relative to.
-        self.length = step if step is not None else rtol**-_EXPONENT / fast
+        # As a rule states are of order one, and so is what the error of order 8 is relative to; in a motion that
+        # grows without bound they are not, and no step is shorter than the rounding of the time.
+        first = max(rtol**-_EXPONENT / fast, 100 * math.ulp(start.tau))
+        self.length = step if step is not None else first
 
     @property
     def slope(self) -> float:
@@ -194,10 +196,11 @@ class Implicit:
     ) -> None:  # fmt: skip
         # Radau's estimate is of order 3, its solution of order 5.
         loose = rtol ** (2 / 3)
+        first = None if step is None else min(step, end - start.tau)
         self._solver = Radau(
             lambda _, state: np.array(rates(*state.tolist())),
             start.tau, np.array((start.q, start.w)), end,
-            rtol=loose, atol=loose, first_step=step,
+            rtol=loose, atol=loose, first_step=first,
             jac=lambda _, state: np.array(((0.0, -side), (side, -decay(max(float(state[1]), 0.0))))),
         )  # fmt: skip
         self.now, self.end = start, end

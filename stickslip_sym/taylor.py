@@ -22,13 +22,13 @@ from scipy.optimize import brentq
 from stickslip_sym import symbols
 from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.oscillator import Scene
-from stickslip_sym.slip import Point, SlipPhase, exhausted
+from stickslip_sym.slip_phase import RUNAWAY, SlipPhase, exhausted
+from stickslip_sym.steppers import Point
 
 __all__ = ["Series", "follow"]
 
 _MOST_TRIES = 20_000  # of a step; and, on the way to a given horizon, 100 more for every unit of time
 _MOST_COMPILED = 32  # laws whose integrators are kept
-_RUNAWAY = 1e100  # times the belt's speed
 _ROOT = float(4 * np.finfo(np.float64).eps)
 _TINY = float(np.finfo(np.float64).tiny)
 _DEFECT = 1e-13  # how far a step may miss, in units of its state
@@ -110,8 +110,7 @@ def follow(
     InputError
         If heyoka is not installed, the law is not one that it can expand, or mu cannot be computed at the start.
     NotConverged
-        When the number of steps runs out, as in a stiff scene, the motion grows beyond all bounds, or mu cannot
-        be computed on it.
+        When the number of steps runs out, as in a stiff scene, or mu cannot be computed on the motion.
     """
     if not math.isfinite(scene.acceleration(start.q, start.w, side)):
         raise InputError(f"mu cannot be computed at a slip speed of {start.w:g} V, where the motion starts")
@@ -136,8 +135,11 @@ def follow(
         integrator.time, integrator.state[:] = before.tau, (before.q, before.w)
         outcome, length = integrator.step(min(longest, horizon - before.tau), write_tc=True)
         now = Point(integrator.time, *integrator.state.tolist())
-        if not abs(now.w) < _RUNAWAY:
-            raise _lost(before)
+        if not max(abs(now.q), abs(now.w)) < RUNAWAY:
+            phase.end, phase.error = _lost(before)
+            if phase.error is not None and max_steps is None:
+                raise phase.error
+            return phase
         piece = Series(before.tau, now.tau, integrator.tc.T.copy())
         crosses = now.w <= 0 and not rising
         if crosses:
@@ -177,11 +179,11 @@ def _holds(scene: Scene, piece: Series, length: float, now: Point, side: int) ->
     return error <= _DEFECT * max(1.0, abs(now.q), abs(now.w), length * scene.eta)
 
 
-def _lost(before: Point) -> NotConverged:
+def _lost(before: Point) -> tuple[str, NotConverged | None]:
     """Tell a motion that grows for ever from one that comes to where mu has no value."""
-    if before.w > math.sqrt(_RUNAWAY):
-        return NotConverged("the motion grows without bound; a negative damping feeds it: try a shorter t_end")
-    return NotConverged(
+    if max(abs(before.q), abs(before.w)) > math.sqrt(RUNAWAY):
+        return "unbounded", None
+    return "undefined", NotConverged(
         f"the slip phase cannot be expanded in a Taylor series beyond a slip speed of {before.w:.6g} V; mu may "
         f"have no finite value there; {_OTHERWISE}, or another law"
     )

@@ -43,6 +43,8 @@ class Outcome(Enum):
     AT_REST = "at rest"
     STEP_LIMIT = "step limit"
     TIME_LIMIT = "time limit"
+    UNBOUNDED = "grows without bound"
+    UNDEFINED = "mu has no value there"
 
 
 @dataclass(frozen=True)
@@ -88,9 +90,11 @@ class Trajectory:
         The phase in which each sample lies; a sample at an event belongs to the phase that ends there.
     events : tuple of Event
     outcome : Outcome
-        Whether the end was reached; after a limit the trajectory is what was computed so far.
+        Whether the end was reached; else the trajectory is what was computed so far.
     stretches : tuple of Stretch
         The phases in order, as functions of time.
+    note : str
+        What kept the motion from going on, and what to try; empty as a rule.
     """
 
     t: Any = field(repr=False)
@@ -100,6 +104,7 @@ class Trajectory:
     events: tuple[Event, ...] = field(repr=False)
     outcome: Outcome
     stretches: tuple[Stretch, ...] = field(repr=False)
+    note: str = field(default="", repr=False)
 
     def starts_of(self, phase: Phase) -> Any:
         """Return the times at which a phase began."""
@@ -129,9 +134,10 @@ class Trajectory:
         slack = _ROUNDING * (last - first)
         wrong = ~((times >= first - slack) & (times <= last + slack))
         if wrong.any():
+            advice = self.note or "simulate with a larger t_end or limit"
             raise InputError(
                 f"t = {times[wrong].flat[0]:g} s is outside the motion, which was computed from {first:g} s to "
-                f"{last:g} s ({self.outcome.value}); simulate with a larger t_end or limit"
+                f"{last:g} s ({self.outcome.value}); {advice}"
             )
         times = np.clip(times, first, last)
         index = np.searchsorted([stretch.end for stretch in self.stretches], times)

@@ -8,13 +8,14 @@ overtakes the belt, and if that slip does not end in stick either, the motion li
 then on: it never sticks again, and slips on both sides of the belt's speed.
 """
 
+import math
 from dataclasses import dataclass
 
 from stickslip_sym.engines import follower
 from stickslip_sym.errors import NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, check_rtol
-from stickslip_sym.slip import Point
+from stickslip_sym.steppers import Point
 
 __all__ = ["StickSlipCycle", "lowest_slip_speed", "peak_velocity", "stick_slip_cycle"]
 
@@ -129,6 +130,8 @@ def peak_velocity(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, eng
     """
     check_rtol(rtol)
     lowest = lowest_slip_speed(Scene.of(law, osc), rtol, engine)
+    if lowest == -math.inf:
+        raise NotConverged("the velocity has no peak after the slip from P, it falls for ever; try a larger c")
     if lowest is None:
         raise NotConverged(
             f"the velocity has no peak after the slip from P, the mass creeps to rest: the damping ratio is "
@@ -140,9 +143,12 @@ def peak_velocity(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, eng
 def lowest_slip_speed(scene: Scene, rtol: float, engine: str = "scipy") -> float | None:
     """Return the first minimum of w after P, or -w'^2/2 at a return; None if the mass creeps to rest.
 
+    Where it neither turns nor returns, but moves away for ever, it is -infinity, as after the hardest return.
     At a graze w'' = 1, so -w'^2/2 continues the minimum through 0 with its value and its slope.
     """
     slip = follower(engine)(scene, _P, 1, horizon=_horizon(scene), rtol=rtol, until="turn")
     if slip.end == "return":
         return -(scene.acceleration(slip.last.q, 0.0, 1) ** 2) / 2
+    if slip.end == "unbounded":
+        return -math.inf
     return slip.last.w if slip.end == "minimum" else None

@@ -13,6 +13,7 @@ import stickslip_sym as ss
 from stickslip_sym import EventKind, Outcome, Phase
 from tests import motions
 from tests.conftest import paper_oscillator
+from tests.test_engines import needs_heyoka
 
 SAMPLE = list(motions.scenes(48, seed=6))
 IMPLICIT = 1e-7  # of w between the steps of the implicit method, whose interpolant is of order 3
@@ -203,6 +204,12 @@ def test_a_jump_is_the_limit_of_a_steep_change(first, second, place, side):
 def test_a_jump_at_the_belt_speed_holds_the_mass_at_rest():
     motion = jump(0.3, 0.5, 0.5, paper_oscillator(0.0), 3.0)
     assert np.all(motion.at(np.linspace(1.5, 3, 9)).v == 0)
+    assert motion.outcome is Outcome.AT_REST
+    law = ss.FrictionLaw("Piecewise((0.3, v < 0.5), 0.5)")
+    assert np.all(motion.x[motion.t > 1.5] == motion.x[-1])
+    assert 0.3 <= motion.x[-1] * 100 / 9.81 <= 0.5  # anywhere between: by the jump, friction is what holds it
+    for c in (0.0, 5.0, 50.0):  # with 50 it creeps there
+        assert ss.classify(law, paper_oscillator(c), x0=0.1, v0=0.4) is ss.Motion.DAMPED_SLIP
 
 
 # -- smoothed, stiff and overdamped ----------------------------------------------------------------
@@ -275,6 +282,34 @@ def test_a_motion_that_comes_to_rest_says_so(law):
     assert motion.outcome is Outcome.AT_REST
     assert motion.at(99.0).v == 0
     assert motion.at(99.0).x == pytest.approx(osc.N * law.mu(osc.V) / osc.k, rel=1e-15)
+
+
+@pytest.mark.parametrize("engine", ["scipy", pytest.param("heyoka", marks=needs_heyoka)])
+@pytest.mark.parametrize("c", [-50.0, -5.0])
+def test_a_motion_that_grows_for_ever_says_so_and_is_kept(engine, c):
+    """At c = -50 it creeps away from the belt, at c = -5 it swings ever farther; both as far as numbers go."""
+    law, osc = ss.FrictionLaw("0.3"), paper_oscillator(c)
+    motion = ss.simulate(law, osc, t_end=1e3, engine=engine)
+    assert motion.outcome is Outcome.UNBOUNDED
+    assert "a larger c" in motion.note
+    assert 1e90 < np.abs(motion.v).max() < 1e101
+    # Friction is soon nothing beside damping, whose growth rate is the larger eigenvalue's.
+    rate = max(np.roots([osc.m, c, osc.k]).real)
+    late = np.abs(motion.v) > 1e50
+    envelope = np.hypot(motion.v, motion.x * osc.omega)[late]
+    assert np.log(envelope[-1] / envelope[0]) / np.ptp(motion.t[late]) == pytest.approx(rate, rel=0.02)
+    assert ss.classify(law, osc) is ss.Motion.UNBOUNDED
+    assert ss.regime(law, osc).unbounded
+    with pytest.raises(ss.InputError, match=r"grows without bound.*a larger c"):
+        motion.at(1e3)
+
+
+def test_a_motion_that_comes_to_where_mu_has_no_value_is_kept():
+    motion = ss.simulate(ss.FrictionLaw("0.5*sqrt(1 - v)"), paper_oscillator(), t_end=10.0)
+    assert motion.outcome is Outcome.UNDEFINED
+    assert "beyond a slip speed of 2 V" in motion.note
+    assert motion.v[-1] == pytest.approx(-0.5, abs=1e-9)
+    assert motion.at(motion.t[-1] / 2).v < 0.5
 
 
 def test_a_start_beyond_the_static_limit_slips_at_once(law):

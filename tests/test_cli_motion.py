@@ -1,25 +1,11 @@
 """``stickslip simulate``."""
 
 import re
+import sys
 
 import pytest
 
-from stickslip_sym import cli
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch, capsys):
-    """Run the command in this process, in an empty folder; return its exit code and what it printed."""
-    monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        monkeypatch.setattr("sys.argv", ["stickslip", *arguments])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        printed = capsys.readouterr()
-        return end.value.code or 0, printed.out, printed.err
-
-    return call
+from stickslip_sym import maps
 
 
 def test_simulate_prints_events_and_a_summary(run):
@@ -85,3 +71,27 @@ def test_help_has_an_example(run):
     code, out, _ = run("simulate", "--help")
     assert code == 0
     assert "Example: stickslip simulate " in out
+
+
+@pytest.mark.parametrize(
+    ("file", "message"),
+    [
+        (["--plot", "map.png"], "plots need matplotlib"),
+        (["--csv", "none/map.csv"], "there is no folder 'none'"),
+        (["--npz", "none/map.npz"], "there is no folder 'none'"),
+    ],
+)
+def test_a_map_that_cannot_be_written_is_not_computed(run, monkeypatch, file, message):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    monkeypatch.setattr(maps, "motion_map", lambda *args, **kwargs: pytest.fail("computed in vain"))
+    code, out, err = run("map", "exponential", "--x", "V=0.1:1:100", "--y", "c=0:6:100", *file)
+    assert (code, out) == (2, "")
+    assert message in err
+
+
+def test_a_motion_that_grows_without_bound_is_written(run, tmp_path):
+    code, out, err = run("simulate", "exponential", "-c", "-50", "--t-end", "100", "--csv", "a.csv")
+    assert (code, err) == (0, "")
+    assert "outcome: grows without bound, at t = 4.8" in out
+    assert "a larger c" in out
+    assert len((tmp_path / "a.csv").read_text().splitlines()) > 100

@@ -268,3 +268,20 @@ def test_catalogue_laws_are_pure_numbers_with_described_parameters(name):
     assert law.name == name
     assert law.source
     assert law.typical().mu(0.5) > 0
+
+
+def test_laws_are_equal_if_formula_values_and_description_are():
+    law = ss.FrictionLaw("a - b*v", name="linear").bind(a="0.5", b="0.1")
+    same = ss.FrictionLaw("a - b*v", name="linear").bind(a="0.5", b="0.1")
+    assert law == same
+    assert hash(law) == hash(same)
+    others = [
+        law.bind(b="0.2"),
+        ss.FrictionLaw("a - b*v").bind(a="0.5", b="0.1"),
+        ss.FrictionLaw("a - b*v", static="a"),
+    ]
+    assert len({law, same, *others}) == 4
+    v, mu = [0, 1, 2, 3], [0.5, 0.4, 0.3, 0.25]
+    measured, held = (ss.FrictionLaw.from_samples(v, mu, extrapolate=held) for held in (False, True))
+    assert measured != held
+    assert measured == ss.FrictionLaw.from_samples(v, mu)

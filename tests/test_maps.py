@@ -11,7 +11,6 @@ import stickslip_sym as ss
 from stickslip_sym import Motion, cli_map
 from stickslip_sym.columns import Reason
 from tests.conftest import paper_oscillator
-from tests.test_cli import stickslip
 from tests.test_limit_cycles import TWO
 
 SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}
@@ -258,19 +257,18 @@ def test_basins_keep_what_is_done(tmp_path):
 # -- command line ----------------------------------------------------------------------------------
 
 
-def test_the_command_prints_a_picture_and_writes_files(tmp_path):
-    done = stickslip(
+def test_the_command_prints_a_picture_and_writes_files(run, tmp_path):
+    code, out, err = run(
         "map", "exponential", "--x", "V=0.1:1:10", "--y", "c=0.1:6:12", "--plot", "m.png", "--csv", "m.csv",
-        "--npz", "m.npz", cwd=tmp_path,
+        "--npz", "m.npz",
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
-    picture = done.stdout.splitlines()[:12]
+    assert (code, err) == (0, "")
+    picture = out.splitlines()[:12]
     assert all(re.fullmatch(r"[Sb.]{10}", line) for line in picture)
     assert (picture[0][0], picture[0][-1], picture[-1]) == ("S", ".", "S" * 10)
     count = Counter("".join(picture))
-    assert re.search(rf"^S +stick-slip +{count['S']} ", done.stdout, re.M)
-    assert re.search(rf"^b +stick-slip or rest, by the start +{count['b']} ", done.stdout, re.M)
+    assert re.search(rf"^S +stick-slip +{count['S']} ", out, re.M)
+    assert re.search(rf"^b +stick-slip or rest, by the start +{count['b']} ", out, re.M)
     assert (tmp_path / "m.png").read_bytes().startswith(b"\x89PNG")
     assert len((tmp_path / "m.csv").read_text().splitlines()) == 121
     assert (tmp_path / "m.npz").exists()

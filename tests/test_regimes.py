@@ -1,10 +1,12 @@
 """Regimes and classification, against thresholds found otherwise and against simulations that know neither."""
 
+import math
+
 import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import Motion, Phase
+from stickslip_sym import Motion, Phase, cycles, orbit
 from stickslip_sym.oscillator import Scene
 from stickslip_sym.slip_orbits import _by_simulation
 from tests.conftest import paper_oscillator
@@ -134,6 +136,69 @@ def test_negative_damping_may_grow_without_bound():
     assert ss.classify(law, paper_oscillator(-0.5)) is Motion.STICK_SLIP
     assert ss.classify(law, paper_oscillator(-0.5), x0=-3.0, v0=-2.0) is Motion.UNBOUNDED
     assert not ss.regime(ss.laws.polynomial.typical(), paper_oscillator(-0.5)).unbounded  # mu grows as v^3
+
+
+FALLING = "Piecewise((0.5 - 0.3*v, v < 0.5), 0.35 - 0.1*(v - 0.5))"
+
+
+@pytest.mark.parametrize(
+    ("formula", "c", "stable"),
+    [
+        # Small motions feel either slope for half a swing each: 0.2 on the mean, and 1.962 kg/s are needed.
+        (FALLING, 1.9, False),
+        (FALLING, 2.0, True),
+        ("Piecewise((0.5 - 0.6*v, v < 0.5), 0.2 + 0.2*(v - 0.5))", 1.9, False),
+        ("Piecewise((0.5 - 0.6*v, v < 0.5), 0.2 + 0.2*(v - 0.5))", 2.0, True),
+        ("Piecewise((0.5 - 0.3*v, v < 0.5), 0.25)", 10.0, False),  # a jump down drives the mass off, a jump up
+        ("Piecewise((0.3 - 0.1*v, v < 0.5), 0.4)", -1.0, True),  # holds it, whatever the damping
+    ],
+)
+def test_rest_at_a_kink_or_a_jump_of_mu(formula, c, stable):
+    law, osc = ss.FrictionLaw(formula), paper_oscillator(c)
+    rest = ss.regime(law, osc).rest
+    assert (rest.stable, rest.rate < 0) == (stable, stable)
+    motion = ss.simulate(law, osc, t_end=5.0, x0=rest.x, v0=1e-4 * osc.V)
+    assert (np.abs(motion.v[motion.t > 4.0]).max() < 1e-4 * osc.V) == stable
+    if math.isfinite(rest.rate):  # and by so much it grows or falls in a second
+        swings = [np.abs(motion.at(np.linspace(t, t + 0.63, 400)).v).max() for t in (1.0, 2.0)]
+        assert np.log(swings[1] / swings[0]) == pytest.approx(rest.rate, rel=0.3)
+
+
+def test_rest_that_attracts_on_one_side_only_is_undecided():
+    found = ss.regime(ss.FrictionLaw(FALLING), paper_oscillator(1.0, m=1e-7, k=1e-3))
+    assert not found.rest.stable
+    assert "on one side" in found.undecided[0]
+
+
+def test_friction_below_zero_may_drive_a_motion_without_bound():
+    law, osc = ss.FrictionLaw(FALLING), paper_oscillator(0.0)
+    assert ss.classify(law, osc, x0=1e3) is Motion.UNBOUNDED
+    assert ss.regime(law, osc).unbounded
+    assert not ss.regime(law, paper_oscillator(1.0)).unbounded
+
+
+def test_the_cycle_of_a_kinked_law_without_inertia():
+    """The mass jumps from one branch of the law to the other, and the implicit steps must not skip the jump.
+
+    From x = (4.905 - 0.5)/100 it creeps on mu = 0.29, x' = 2.8449 - 100 x, down to where the slip speed is 0.7;
+    there it jumps to the belt's speed, and sticks.
+    """
+    law, osc = ss.FrictionLaw("Piecewise((0.5 - 0.3*v, v < 0.7), 0.29)"), paper_oscillator(1.0, m=1e-9)
+    begin, end = 0.04405, 0.030449
+    expected = math.log((100 * begin - 2.8449) / 0.2) / 100 + (begin - end) / 0.5
+    assert ss.stick_slip_cycle(law, osc).period == pytest.approx(expected, rel=1e-5)
+    assert ss.classify(law, osc) is Motion.STICK_SLIP
+
+
+def test_orbits_that_are_not_found_are_looked_for_once(monkeypatch):
+    """That takes long, and every question to the same scene would find it out anew."""
+    calls = []
+    monkeypatch.setattr(cycles, "orbits", lambda *args: calls.append(args) or orbit.orbits(*args))
+    for c in (0.5, 0.6):
+        law, osc = ss.FrictionLaw("tanh(1234*v)*(0.2 + 0.3*exp(-3*v))"), paper_oscillator(c)
+        with pytest.raises(ss.NotConverged, match="try simulate"):
+            ss.limit_cycles(law, osc)
+    assert len(calls) == 1
 
 
 def test_rest_is_a_start_too(law):

@@ -1,5 +1,6 @@
 """Laws through measured points: the curve, its criteria, and every refusal."""
 
+import re
 import time
 
 import mpmath
@@ -88,10 +89,17 @@ def test_half_the_last_speed_is_as_fast_as_a_criterion_goes(law, form):
             call()
 
 
-def test_a_motion_beyond_the_last_speed_is_refused(law):
+def test_a_motion_beyond_the_last_speed_ends_there(law):
     osc = ss.Oscillator(m=1.0, k=100.0, c=0.0, V=0.62, N=9.81)
-    with pytest.raises(ss.InputError, match=r"reaches a slip speed of .* V, the law is measured up to 1\.93548 V"):
-        ss.simulate(law, osc, t_end=10.0)
+    refusal = r"reaches a slip speed of .* V, the law is measured up to 1\.93548 V"
+    motion = ss.simulate(law, osc, t_end=10.0)
+    assert motion.outcome is ss.Outcome.UNDEFINED
+    assert re.search(refusal, motion.note)
+    assert 1.1 < osc.V - motion.v[-1] <= 1.2
+    with pytest.raises(ss.InputError, match=refusal):
+        ss.simulate(law, osc, t_end=10.0, v0=-0.7)
+    with pytest.raises(ss.InputError, match=refusal):
+        ss.stick_slip_cycle(law, osc)
     held = ss.FrictionLaw.from_samples(SPEEDS, COEFFICIENTS, extrapolate=True)
     assert ss.stick_slip_cycle(held, osc) is not None
 
