@@ -10,7 +10,7 @@ import numpy as np
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, check_rtol, real
-from stickslip_sym.regimes import graze
+from stickslip_sym.regimes import graze, grows_far_out
 from stickslip_sym.slip import follow
 from stickslip_sym.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits
 from stickslip_sym.slip_phase import SlipPhase
@@ -101,7 +101,7 @@ class _Course:
             if slip.end == "horizon":
                 return Motion.UNDECIDED
             if slip.end == "unbounded":
-                return Motion.UNBOUNDED
+                return self._beyond_all
             if slip.end == "minimum":
                 return self._inside(1 - slip.last.w)
             point = Point(0.0, slip.last.q, slip.last.w)
@@ -112,7 +112,7 @@ class _Course:
             return Motion.PURE_SLIP
         if now > before:
             farther = now * 4.0 ** np.arange(1, _ROUNDS)
-            return Motion.UNBOUNDED if all(self._grows(q) for q in farther) else Motion.PURE_SLIP
+            return self._beyond_all if all(self._grows(q) for q in farther) else Motion.PURE_SLIP
         # It may be a long way in: if no round there grows, it ends where P's orbit does.
         nearer = now * np.linspace(0.0, 1.0, _ROUNDS + 1)[1:-1]
         return Motion.PURE_SLIP if any(self._grows(q) for q in nearer) else self.from_onset()
@@ -145,7 +145,12 @@ class _Course:
         if stick_slip_cycle(self.law, self.osc, rtol=self.rtol) is not None:
             return Motion.STICK_SLIP
         overtaking = overtaking_cycle(self.law, self.osc, rtol=self.rtol)
-        return Motion.UNBOUNDED if overtaking is None else Motion.PURE_SLIP
+        return self._beyond_all if overtaking is None else Motion.PURE_SLIP
+
+    @property
+    def _beyond_all(self) -> Motion:
+        """What becomes of a motion for which no attractor was found further out."""
+        return Motion.UNBOUNDED if grows_far_out(self.law, self.osc) else Motion.UNDECIDED
 
     @cached_property
     def _orbits(self) -> SlipOrbits:

@@ -22,7 +22,7 @@ from stickslip_sym.slip_phase import SlipPhase
 from stickslip_sym.steppers import Point
 from stickslip_sym.transit import StickSlipCycle, lowest_slip_speed, stick_slip_cycle
 
-__all__ = ["Regime", "Rest", "Separatrix", "graze", "regime"]
+__all__ = ["Regime", "Rest", "Separatrix", "graze", "grows_far_out", "regime"]
 
 _SAMPLES = 257  # of a separatrix
 _LONGEST = 1e3  # of dimensionless time, for a separatrix
@@ -167,7 +167,7 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
         stick_slip=cycle,
         cycles=orbits.cycles if overtaking is None else (*orbits.cycles, overtaking),
         separatrices=tuple(_separatrices(scene, osc, law, orbits, cycle is not None, rtol)),
-        unbounded=_unbounded(law, osc),
+        unbounded=grows_far_out(law, osc),
         undecided=tuple(undecided),
     )
 
@@ -219,7 +219,7 @@ def _swing(osc: Oscillator, slope: float) -> tuple[float, float]:
     return (growth + root if growth > 0 else osc.omega**2 / (growth - root)), math.inf
 
 
-def _unbounded(law: FrictionLaw, osc: Oscillator) -> bool:
+def grows_far_out(law: FrictionLaw, osc: Oscillator) -> bool:
     """Whether damping and friction together feed motions at all high speeds."""
     if law.v_max is not None:
         return osc.c < 0

@@ -201,6 +201,13 @@ def test_orbits_that_are_not_found_are_looked_for_once(monkeypatch):
     assert len(calls) == 1
 
 
+def test_positive_damping_bounds_every_motion():
+    """Next to no mass, and rest right at a kink: it attracts from one side only, and that is said."""
+    law, osc = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.3)"), paper_oscillator(1.0, m=1e-9)
+    assert "one side" in ss.regime(law, osc).undecided[0]
+    assert ss.classify(law, osc, x0=0.3, v0=1.5) is Motion.UNDECIDED
+
+
 def test_rest_is_a_start_too(law):
     for c, expected in ((5.0, Motion.DAMPED_SLIP), (1.0, Motion.UNDECIDED)):
         osc = paper_oscillator(c)
