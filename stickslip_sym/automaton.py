@@ -6,6 +6,7 @@ Three states: stick, slip slower than the belt, slip faster than the belt. Slip 
 
 import math
 import time
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -119,6 +120,31 @@ def simulate(
     return recorder.trajectory(Outcome.FINISHED)
 
 
+@dataclass(frozen=True)
+class _Straight:
+    """The course of a mass that moves with one velocity: in stick, or at rest."""
+
+    start: float
+    x: float
+    v: float
+
+    def __call__(self, t: Any) -> tuple[Any, Any]:
+        return self.x + self.v * (t - self.start), np.full(t.shape, self.v)
+
+
+@dataclass(frozen=True)
+class _Slip:
+    """The course of a slip phase, in units."""
+
+    phase: SlipPhase
+    osc: Oscillator
+    x_onset: float
+
+    def __call__(self, t: Any) -> tuple[Any, Any]:
+        q, w = self.phase.at(t * self.osc.omega)
+        return self.x_onset + self.osc.length * q, self.osc.V * (1 - self.phase.side * w)
+
+
 class _Recorder:
     """Collects phases and gives them their units back."""
 
@@ -136,21 +162,13 @@ class _Recorder:
     def stick(self, tau: float, q: float, end: float) -> None:
         # Two samples hold all there is to a straight line.
         times = np.array([tau, end])
-        x, t_start = self._x(q), tau / self.osc.omega
-
-        def course(t: Any) -> tuple[Any, Any]:
-            return x + self.osc.V * (t - t_start), np.full(t.shape, self.osc.V)
-
+        course = _Straight(tau / self.osc.omega, self._x(q), self.osc.V)
         self._add(times, q + times - tau, np.zeros(2), 1, Phase.STICK, course)
 
     def slip(self, phase: SlipPhase) -> None:
         tau, q, w = np.array([(point.tau, point.q, point.w) for point in phase.points]).T
-
-        def course(t: Any) -> tuple[Any, Any]:
-            q, w = phase.at(t * self.osc.omega)
-            return self._x(q), self._v(w, phase.side)
-
-        self._add(tau, q, w, phase.side, Phase.SLIP_BACK if phase.side > 0 else Phase.SLIP_FORWARD, course)
+        kind = Phase.SLIP_BACK if phase.side > 0 else Phase.SLIP_FORWARD
+        self._add(tau, q, w, phase.side, kind, _Slip(phase, self.osc, self.x_onset))
 
     def rest(self, end: float, known: float | None) -> None:
         """Prolong a slip phase that came to rest, where x is known or is as it was integrated."""
@@ -158,11 +176,7 @@ class _Recorder:
         x = float(self.samples[-1][1][-1]) if known is None else known
         t = np.array([end / self.osc.omega])
         self.samples.append((t, np.array([x]), np.zeros(1)))
-
-        def course(t: Any) -> tuple[Any, Any]:
-            return np.full(t.shape, x), np.zeros(t.shape)
-
-        self.stretches.append(Stretch(before.phase, before.end, float(t[0]), course))
+        self.stretches.append(Stretch(before.phase, before.end, float(t[0]), _Straight(before.end, x, 0.0)))
 
     def _x(self, q: Any) -> Any:
         return self.x_onset + self.length * q

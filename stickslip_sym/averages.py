@@ -27,7 +27,7 @@ class SlopeAverage:
     """
 
     def __init__(self, law: FrictionLaw, criterion: Criterion, exact: Exact | None = None) -> None:
-        self.law, self.criterion = law, criterion
+        self.law, self.criterion, self._exact = law, criterion, exact
         parameters = {name: parameter.symbol for name, parameter in law.parameters.items()}
         self.arguments = {"V": symbols.V, "N": symbols.N, **parameters}
         self.function = StableFunction(
@@ -69,6 +69,9 @@ class SlopeAverage:
         check_names(self.arguments, given)
         check_reach(self.law, self.criterion, given["V"])
         return call(self.function, self.arguments, given, on_invalid)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return SlopeAverage, (self.law, self.criterion, self._exact)
 
     def __repr__(self) -> str:
         return f"SlopeAverage: {self.law.name or self.law.text}, {self.criterion.name}"

@@ -3,14 +3,18 @@
 import errno
 import os
 import sys
+from collections.abc import Callable
+from typing import Annotated, Any
 
 import typer
 
 # Everything that needs SymPy is imported by the command that uses it: help must come at once.
+from stickslip_sym import __version__
 from stickslip_sym.cli_damping import damping
 from stickslip_sym.cli_derive import derive
 from stickslip_sym.cli_laws import laws
 from stickslip_sym.cli_map import motion_map
+from stickslip_sym.cli_reading import Command
 from stickslip_sym.cli_simulate import simulate
 from stickslip_sym.cli_tradeoff import tradeoff
 from stickslip_sym.errors import InputError, StickSlipError
@@ -24,19 +28,37 @@ app = typer.Typer(
 BAD_INPUT, NOT_FOUND, INTERRUPTED = 2, 1, 130
 
 
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"stickslip_sym {__version__}")
+        raise typer.Exit
+
+
 @app.callback(invoke_without_command=True)
-def start(context: typer.Context) -> None:
-    """How much damping does a mass on a moving belt need so that it does not stick and slip?"""
+def start(
+    context: typer.Context,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """How much damping does a mass on a moving belt need so that it does not stick and slip?
+
+    Example: stickslip damping exponential -V 0.5 -N 9.81
+    """
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())
 
 
-app.command()(laws)
-app.command()(derive)
-app.command()(damping)
-app.command()(simulate)
-app.command("map")(motion_map)
-app.command()(tradeoff)
+COMMANDS: dict[str, Callable[..., None]] = {
+    "laws": laws,
+    "derive": derive,
+    "damping": damping,
+    "simulate": simulate,
+    "map": motion_map,
+    "tradeoff": tradeoff,
+}
+for name, command in COMMANDS.items():
+    app.command(name, cls=Command)(command)
 
 
 def main() -> None:
@@ -57,8 +79,21 @@ def main() -> None:
         # What typer raises for a wrong command line differs between its versions in class, not in this.
         if not hasattr(error, "format_message"):
             raise
-        typer.echo(f"error: {error.format_message()} See: stickslip --help", err=True)
+        typer.echo(f"error: {_explained(error)}", err=True)
         sys.exit(BAD_INPUT)
+
+
+def _explained(error: Any) -> str:
+    """Return the message of a wrong command line as sentences, the last one where to look."""
+    message = error.format_message()
+    context = getattr(error, "ctx", None)
+    options = [name for option in (context.command.params if context else []) for name in option.opts]
+    other_case = getattr(error, "option_name", "").swapcase()
+    if not message.endswith(("?", ".", ")")):
+        message += "."
+    if other_case in options:
+        message += f" Did you mean {other_case}?"
+    return f"{message} See: {context.command_path if context else 'stickslip'} --help"
 
 
 def _drop_output() -> None:

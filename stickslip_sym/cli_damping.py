@@ -1,9 +1,11 @@
 """``stickslip damping``: the threshold to a tolerance, or every rung of the ladder."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from stickslip_sym import cli_json
+from stickslip_sym.cli_names import complete_method
 from stickslip_sym.cli_reading import LawName, Values, assignments, check_size, read_law
 from stickslip_sym.errors import StickSlipError
 
@@ -18,38 +20,77 @@ def damping(
     mass: Annotated[str | None, typer.Option("-m", metavar="KG", help="Mass; goes with -k.")] = None,
     stiffness: Annotated[str | None, typer.Option("-k", metavar="N/M", help="Stiffness; goes with -m.")] = None,
     method: Annotated[
-        str, typer.Option("--method", metavar="NAME", help="A rung of the ladder, or auto.")
+        str,
+        typer.Option(
+            "--method", metavar="NAME", help="A rung of the ladder, or auto.", autocompletion=complete_method
+        ),
     ] = "auto",
     rtol: Annotated[float, typer.Option("--rtol", help="Relative error that is good enough.")] = 1e-3,
     everything: Annotated[bool, typer.Option("--all", help="Print every rung of the ladder.")] = False,
+    as_json: cli_json.AsJson = False,
 ) -> None:
     """Print the pure-slip damping, the method that gave it, and its error.
 
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
-    import time
-
     from stickslip_sym.tables import duration, table
-    from stickslip_sym.threshold import LADDER, pure_slip_damping
+    from stickslip_sym.threshold import LADDER
     from stickslip_sym.values import exact
 
     bound = read_law(law, None, extrapolate=False).typical(**assignments(parameter or []))
-    given = {"V": speed, "N": force, "m": mass, "k": stiffness}
-    numbers = {name: exact(value, name) for name, value in given.items() if value is not None}
+    options = {"V": speed, "N": force, "m": mass, "k": stiffness}
+    given = {name: text for name, text in options.items() if text is not None}
+    numbers = {name: exact(value, name) for name, value in given.items()}
     for name, value in numbers.items():
         check_size(name, value)
     scene = {name: float(value) for name, value in numbers.items()}
-    if not everything:
-        typer.echo(str(pure_slip_damping(bound, **scene, method=method, rtol=rtol)))
-        return
-    rows = []
-    for rung in LADDER if "m" in scene else LADDER[:3]:
-        begin = time.perf_counter()
-        try:
-            found = pure_slip_damping(bound, **scene, method=rung, rtol=min(rtol, 1e-10))
-        except StickSlipError as error:
-            rows.append([rung, f"none: {error}", "", ""])
-            continue
-        error_text = "unknown" if found.error is None else f"{found.error:.1e}"
-        rows.append([rung, f"{found.value:.12g}", error_text, duration(time.perf_counter() - begin)])
-    typer.echo(table(["method", "c in kg/s", "relative error", "time"], rows))
+    if everything:
+        rungs = LADDER if "m" in scene else LADDER[:3]
+        found = {rung: _threshold(bound, scene, rung, min(rtol, 1e-10)) for rung in rungs}
+    else:
+        found = {method: _threshold(bound, scene, method, rtol)}
+        if isinstance(error := found[method][0], StickSlipError):
+            raise error
+    if as_json:
+        thresholds = [_as_json(method, *result) for method, result in found.items()]
+        cli_json.echo("damping", law=cli_json.law(bound), scene=cli_json.values(given), thresholds=thresholds)
+    elif everything:
+        rows = [
+            [method, f"none: {threshold}", "", ""]
+            if isinstance(threshold, StickSlipError)
+            else [
+                method,
+                f"{threshold.value:.12g}",
+                "unknown" if threshold.error is None else f"{threshold.error:.1e}",
+                duration(seconds),
+            ]
+            for method, (threshold, seconds) in found.items()
+        ]
+        typer.echo(table(["method", "c in kg/s", "relative error", "time"], rows))
+    else:
+        typer.echo(str(found[method][0]))
+
+
+def _threshold(law: Any, scene: dict[str, float], method: str, rtol: float) -> tuple[Any, float]:
+    """Return a threshold, or the error that says why there is none, and the seconds it took."""
+    import time
+
+    from stickslip_sym.threshold import pure_slip_damping
+
+    begin = time.perf_counter()
+    try:
+        found: Any = pure_slip_damping(law, **scene, method=method, rtol=rtol)
+    except StickSlipError as error:
+        found = error
+    return found, time.perf_counter() - begin
+
+
+def _as_json(method: str, threshold: Any, seconds: float) -> dict[str, Any]:
+    if isinstance(threshold, StickSlipError):
+        return {"method": method, "c": cli_json.missing("kg/s", str(threshold))}
+    return {
+        "method": threshold.method,
+        "c": cli_json.quantity(threshold.value, "kg/s"),
+        "relative_error": cli_json.number(threshold.error),
+        "seconds": seconds,
+    }

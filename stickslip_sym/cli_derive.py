@@ -1,13 +1,16 @@
 """``stickslip derive``: a law's criteria in closed form, with a table that cross-checks each."""
 
 import contextlib
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym.cli_reading import assignments, check_size, once, read_law
+from stickslip_sym import cli_json
+from stickslip_sym.cli_names import complete_criterion_or_all, complete_law
+from stickslip_sym.cli_reading import Values, assignments, check_size, read_law
 from stickslip_sym.errors import InputError, NoClosedForm
 
 __all__ = ["derive"]
@@ -16,57 +19,59 @@ __all__ = ["derive"]
 def derive(
     law: Annotated[
         str | None,
-        typer.Argument(metavar="LAW", help="Name of a law (see: stickslip laws), or a formula in v."),
+        typer.Argument(
+            metavar="LAW",
+            help="Name of a law (see: stickslip laws), or a formula in v.",
+            autocompletion=complete_law,
+        ),
     ] = None,
     from_csv: Annotated[
-        list[Path] | None,
+        Path | None,
         typer.Option("--from-csv", metavar="FILE", help="Measured points instead: a header, then v,mu a line."),
     ] = None,
     extrapolate: Annotated[
         bool, typer.Option("--extrapolate", help="Hold the first and the last measured coefficient.")
     ] = False,
     criterion: Annotated[
-        list[str] | None,
+        str,
         typer.Option(
-            "--criterion", metavar="NAME", help="least_squares (default), harmonic, equilibrium, or all."
+            "--criterion",
+            metavar="NAME",
+            help="least_squares, harmonic, equilibrium, or all.",
+            autocompletion=complete_criterion_or_all,
         ),
-    ] = None,
-    parameter: Annotated[
-        list[str] | None,
-        typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="Value for the table; may be repeated."),
-    ] = None,
-    speed: Annotated[list[str] | None, typer.Option("-V", metavar="M/S", help="Belt speed (0.5).")] = None,
-    force: Annotated[list[str] | None, typer.Option("-N", metavar="N", help="Normal force (9.81).")] = None,
-    mass: Annotated[list[str] | None, typer.Option("-m", metavar="KG", help="Mass (1).")] = None,
-    stiffness: Annotated[list[str] | None, typer.Option("-k", metavar="N/M", help="Stiffness (100).")] = None,
+    ] = "least_squares",
+    parameter: Values = None,
+    speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = "0.5",
+    force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = "9.81",
+    mass: Annotated[str, typer.Option("-m", metavar="KG", help="Mass.")] = "1",
+    stiffness: Annotated[str, typer.Option("-k", metavar="N/M", help="Stiffness.")] = "100",
     steps: Annotated[bool, typer.Option("--steps", help="Print every step of the derivation.")] = False,
     latex: Annotated[
-        list[Path] | None, typer.Option("--latex", metavar="FILE", help="Write the formula as LaTeX.")
+        Path | None, typer.Option("--latex", metavar="FILE", help="Write the formula as LaTeX.")
     ] = None,
     save: Annotated[
-        list[Path] | None, typer.Option("--save", metavar="FILE", help="Keep the form, for stickslip_sym.load.")
+        Path | None, typer.Option("--save", metavar="FILE", help="Keep the form, for stickslip_sym.load.")
     ] = None,
     time_limit: Annotated[
         float, typer.Option("--time-limit", metavar="S", help="Seconds for SymPy's integrator.")
     ] = 20.0,
+    as_json: cli_json.AsJson = False,
 ) -> None:
     """Derive the closed form of a criterion, prove it, and cross-check its value.
 
     Example: stickslip derive "mu_m + (mu_s - mu_m)*exp(-alpha*v)" -p mu_s=0.5 -p mu_m=0.2 -p alpha=3
     """
-    from stickslip_sym import criteria, crosscheck, files, keeping
+    from stickslip_sym import criteria, files, keeping
     from stickslip_sym.oscillator import Oscillator
     from stickslip_sym.values import exact
 
-    asked = once("criterion", criterion or ["least_squares"]) or ""
-    chosen = list(criteria.catalogue.values()) if asked == "all" else [criteria.find(asked)]
-    latex_file, kept = once("latex", latex), once("save", save)
-    if kept is not None and len(chosen) > 1:
+    chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]
+    if save is not None and len(chosen) > 1:
         raise InputError("--save keeps one closed form; name one criterion instead of all")
-    friction = read_law(law, once("from-csv", from_csv), extrapolate=extrapolate)
+    friction = read_law(law, from_csv, extrapolate=extrapolate)
     bound = friction.typical(**assignments(parameter or []))
-    given = {"V": once("V", speed), "N": once("N", force), "m": once("m", mass), "k": once("k", stiffness)}
-    scene = crosscheck.SCENE | {name: value for name, value in given.items() if value is not None}
+    scene = {"V": speed, "N": force, "m": mass, "k": stiffness}
     # Refuse what the table cannot be computed for before anything is derived or written.
     numbers = {name: exact(value, name) for name, value in scene.items()}
     for name, value in (numbers | bound.values).items():
@@ -76,13 +81,18 @@ def derive(
         bound.require_speed(numbers["V"] * (1 if one.weight is None else 2))
     found = [_derived(bound, one, time_limit) for one in chosen]
     forms = [form for form in found if not isinstance(form, NoClosedForm)]
-    if latex_file is not None and forms:
-        files.write_text(latex_file, "\n".join(_latex(form, steps) for form in forms))
-    if kept is not None and forms:
-        keeping.save(forms[0], kept)
-    typer.echo(f"mu(v) = {bound.text}")
-    for one, form in zip(chosen, found, strict=True):
-        typer.echo(f"\n{_report(bound, one, form, scene, steps)}")
+    if latex is not None and forms:
+        files.write_text(latex, "\n".join(_latex(form, steps) for form in forms))
+    if save is not None and forms:
+        keeping.save(forms[0], save)
+    checks = [_checks(bound, one, form, scene) for one, form in zip(chosen, found, strict=True)]
+    if as_json:
+        results = [_as_json(*result, steps) for result in zip(chosen, found, checks, strict=True)]
+        cli_json.echo("derive", law=cli_json.law(bound), scene=cli_json.values(scene), criteria=results)
+    else:
+        typer.echo(f"mu(v) = {bound.text}")
+        for result in zip(chosen, found, checks, strict=True):
+            typer.echo(f"\n{_report(bound, *result, steps)}")
     if bound.missing and forms:
         names = ", ".join(bound.missing)
         typer.echo(f"\nno value for {names}: give -p {bound.missing[0]}=... for a table of values", err=True)
@@ -102,7 +112,52 @@ def _derived(law: Any, criterion: Any, time_limit: float) -> Any:
             return error
 
 
-def _report(law: Any, criterion: Any, form: Any, scene: dict[str, str], steps: bool) -> str:
+def _checks(law: Any, criterion: Any, form: Any, scene: dict[str, str]) -> list[Any]:
+    """Return the ways to the number, of a law that has all its values."""
+    from stickslip_sym.crosscheck import crosscheck
+
+    closed = None if isinstance(form, NoClosedForm) else form
+    return [] if law.missing else crosscheck(law, criterion, scene, closed)
+
+
+def _as_json(criterion: Any, form: Any, checks: list[Any], steps: bool) -> dict[str, Any]:
+    from stickslip_sym import printing
+
+    if isinstance(form, NoClosedForm):
+        known: dict[str, Any] = {"formula": None, "reason": str(form)}
+    else:
+        known = {
+            "formula": printing.text(form.expr),
+            "unit": "kg/s",
+            "status": form.verdict.status.value,
+            "evidence": form.verdict.evidence,
+        }
+        if steps:
+            known["steps"] = [
+                {
+                    "operation": step.operation,
+                    "reason": step.reason,
+                    "result": printing.text(step.statement),
+                    "status": step.verdict.status.value,
+                    "evidence": step.verdict.evidence,
+                }
+                for step in form.derivation.steps
+            ]
+    return {"criterion": criterion.name} | known | {"checks": [_check(check) for check in checks]}
+
+
+def _check(check: Any) -> dict[str, Any]:
+    if check.difference is None:
+        return {"method": check.method, "c": cli_json.missing("kg/s", check.value)}
+    return {
+        "method": check.method,
+        "c": cli_json.quantity(float(check.value), "kg/s", text=check.value),
+        "relative_difference": cli_json.number(check.difference),
+        "seconds": check.seconds,
+    }
+
+
+def _report(law: Any, criterion: Any, form: Any, checks: list[Any], steps: bool) -> str:
     from stickslip_sym import crosscheck, printing
 
     if isinstance(form, NoClosedForm):
@@ -114,8 +169,7 @@ def _report(law: Any, criterion: Any, form: Any, scene: dict[str, str], steps: b
         lines = [repr(form), "", f"  c = {formula}", "", form.gate.evidence]
         if steps:
             lines += ["", form.derivation.text()]
-    if not law.missing:
-        checks = crosscheck.crosscheck(law, criterion, scene, None if isinstance(form, NoClosedForm) else form)
+    if checks:
         lines += ["", crosscheck.report(checks)]
     return "\n".join(lines)
 
@@ -141,9 +195,9 @@ def _progress(time_limit: float) -> Iterator[Callable[[str], None]]:
             return Text(f"at most {max(time_limit - (task.elapsed or 0.0), 0.0):.0f} s left")
 
     console = Console(stderr=True)
+    # Rich takes FORCE_COLOR for a terminal, and would draw into a file.
+    drawn = console.is_terminal and sys.stderr.isatty()
     words = TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, ratio=1))
-    with Progress(
-        SpinnerColumn(), words, TimeLeft(), console=console, transient=True, disable=not console.is_terminal
-    ) as shown:
+    with Progress(SpinnerColumn(), words, TimeLeft(), console=console, transient=True, disable=not drawn) as shown:
         task = shown.add_task("reading the law", total=None)
         yield lambda text: shown.update(task, description=text)

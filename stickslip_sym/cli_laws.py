@@ -4,11 +4,19 @@ from typing import Annotated, Any
 
 import typer
 
+from stickslip_sym import cli_json
+from stickslip_sym.cli_names import complete_law
+from stickslip_sym.errors import NoClosedForm
+
 __all__ = ["laws"]
 
 
 def laws(
-    name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="A law of the catalogue, in full.")] = None,
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[NAME]", help="A law of the catalogue, in full.", autocompletion=complete_law),
+    ] = None,
+    as_json: cli_json.AsJson = False,
 ) -> None:
     """List the friction laws of the catalogue, or tell all about one.
 
@@ -18,13 +26,20 @@ def laws(
     from stickslip_sym.tables import table
 
     if name is not None:
-        typer.echo(_about(find(name)))
-        return
-    rows = [
-        [name, law.text, ", ".join(_described(parameter) for parameter in law.parameters.values())]
-        for name, law in catalogue.items()
-    ]
-    typer.echo(table(["law", "mu(v)", "parameters"], rows))
+        law, forms = find(name), _forms(find(name))
+        if as_json:
+            criteria = {criterion: _described_form(form) for criterion, form in forms.items()}
+            cli_json.echo("laws", laws=[cli_json.law(law) | {"criteria": criteria}])
+        else:
+            typer.echo(_about(law, forms))
+    elif as_json:
+        cli_json.echo("laws", laws=[cli_json.law(law) for law in catalogue.values()])
+    else:
+        rows = [
+            [name, law.text, ", ".join(_described(parameter) for parameter in law.parameters.values())]
+            for name, law in catalogue.items()
+        ]
+        typer.echo(table(["law", "mu(v)", "parameters"], rows))
 
 
 def _described(parameter: Any) -> str:
@@ -32,11 +47,31 @@ def _described(parameter: Any) -> str:
     return f"{parameter.name} = {parameter.typical}{unit}" if parameter.typical else str(parameter.name)
 
 
-def _about(law: Any) -> str:
-    """Return a law's formula, parameters, source and criteria as text."""
-    from stickslip_sym import criteria, printing
+def _forms(law: Any) -> dict[str, Any]:
+    """Return the closed form of every criterion, or the `NoClosedForm` that says why there is none."""
+    from stickslip_sym import criteria
     from stickslip_sym.closed_form import derive
-    from stickslip_sym.errors import NoClosedForm
+
+    forms: dict[str, Any] = {}
+    for criterion in criteria.catalogue:
+        try:
+            forms[criterion] = derive(law, criterion)
+        except NoClosedForm as error:
+            forms[criterion] = error
+    return forms
+
+
+def _described_form(form: Any) -> dict[str, Any]:
+    from stickslip_sym import printing
+
+    if isinstance(form, NoClosedForm):
+        return {"formula": None, "reason": str(form)}
+    return {"formula": printing.text(form.expr), "unit": "kg/s", "status": form.verdict.status.value}
+
+
+def _about(law: Any, forms: dict[str, Any]) -> str:
+    """Return a law's formula, parameters, source and criteria as text."""
+    from stickslip_sym import printing
     from stickslip_sym.tables import table
 
     rows = [[p.name, p.typical or "", p.unit or "", p.meaning] for p in law.parameters.values()]
@@ -48,11 +83,9 @@ def _about(law: Any) -> str:
         f"validity: {law.validity}",
         f"source: {law.source}",
     ]
-    for criterion in criteria.catalogue:
-        try:
-            form = derive(law, criterion)
-        except NoClosedForm as error:
-            lines += ["", f"{criterion}: no closed form. {error}"]
+    for criterion, form in forms.items():
+        if isinstance(form, NoClosedForm):
+            lines += ["", f"{criterion}: no closed form. {form}"]
         else:
             lines += ["", f"{criterion}, {form.verdict.status.value}", f"  c = {printing.text(form.expr)}"]
     return "\n".join(lines)

@@ -4,20 +4,49 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 import typer
+from typer.core import TyperCommand
 
+from stickslip_sym.cli_names import complete_criterion, complete_law
 from stickslip_sym.errors import InputError
 
-__all__ = ["LawName", "Values", "assignments", "check_size", "once", "read_law"]
+__all__ = ["Command", "CriterionName", "LawName", "Values", "assignments", "check_size", "once", "read_law"]
 
 T = TypeVar("T")
 LawName = Annotated[
-    str, typer.Argument(metavar="LAW", help="Name of a law (see: stickslip laws), or a formula in v.")
+    str,
+    typer.Argument(
+        metavar="LAW",
+        help="Name of a law (see: stickslip laws), or a formula in v.",
+        autocompletion=complete_law,
+    ),
+]
+CriterionName = Annotated[
+    str,
+    typer.Option(
+        "--criterion",
+        metavar="NAME",
+        help="least_squares, harmonic or equilibrium.",
+        autocompletion=complete_criterion,
+    ),
 ]
 Values = Annotated[
     list[str] | None,
     typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="Value of a parameter; may be repeated."),
 ]
 LARGEST = 10**20  # of a number in SI units, and its inverse the smallest: the table needs time and doubles
+
+
+class Command(TyperCommand):
+    """A command that takes an option once. Otherwise the last value would win without a word."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Refuse options that are given twice, but for flags and those that may be repeated."""
+        _, _, order = self.make_parser(ctx).parse_args(args=list(args))
+        for option in order:
+            single = not (getattr(option, "is_flag", True) or option.multiple)
+            if single and order.count(option) > 1:
+                raise InputError(f"{option.opts[0]} is given twice; give it once")
+        return super().parse_args(ctx, args)
 
 
 def read_law(text: str | None, csv: Path | None, *, extrapolate: bool) -> Any:

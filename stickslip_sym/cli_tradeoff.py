@@ -1,18 +1,19 @@
 """``stickslip tradeoff``: what each way to a number costs, and how far it is off."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym.cli_reading import LawName, Values, assignments, read_law
+from stickslip_sym import cli_json
+from stickslip_sym.cli_reading import CriterionName, LawName, Values, assignments, check_size, read_law
 
 __all__ = ["tradeoff"]
 
 
 def tradeoff(
     law: LawName = "exponential",
-    criterion: Annotated[str, typer.Option("--criterion", metavar="NAME")] = "least_squares",
+    criterion: CriterionName = "least_squares",
     parameter: Values = None,
     speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = "0.05",
     force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = "9.81",
@@ -24,30 +25,47 @@ def tradeoff(
     plot: Annotated[
         Path | None, typer.Option("--plot", metavar="FILE", help="Draw error against time (SVG, PNG or PDF).")
     ] = None,
+    as_json: cli_json.AsJson = False,
 ) -> None:
     """Measure what each way to the number costs, and how far it is off.
 
     Example: stickslip tradeoff exponential -V 0.01 --plot trade.svg
     """
     from stickslip_sym import tradeoff as measured
+    from stickslip_sym import tradeoff_thresholds
     from stickslip_sym.closed_form import derive as derive_form
+    from stickslip_sym.values import exact
 
     bound = read_law(law, None, extrapolate=False).typical(**assignments(parameter or []))
+    given = {"V": speed, "N": force} | ({"m": mass, "k": stiffness} if thresholds else {})
+    numbers = {name: exact(value, name) for name, value in given.items()}
+    for name, value in numbers.items():
+        check_size(name, value)
     if thresholds:
-        from stickslip_sym import tradeoff_thresholds
-        from stickslip_sym.values import exact
-
-        given = {"V": speed, "N": force, "m": mass, "k": stiffness}
-        ways = tradeoff_thresholds.threshold_tradeoff(
-            bound, {name: float(exact(value, name)) for name, value in given.items()}
+        scene = {name: float(value) for name, value in numbers.items()}
+        ways = tradeoff_thresholds.threshold_tradeoff(bound, scene)
+        title = f"thresholds of {bound.name or law}, {', '.join(f'{n} = {text}' for n, text in given.items())}"
+        text = f"{title}\n\n{tradeoff_thresholds.threshold_report(ways)}"
+    else:
+        form = derive_form(bound, criterion)
+        ways = measured.tradeoff(form, given)
+        title = f"{form.law.name or law}, {form.criterion.name}, V = {speed} m/s"
+        text = f"{form!r}, V = {speed} m/s, N = {force} N\n\n{measured.report(ways)}"
+    if as_json:
+        what = {"thresholds": True} if thresholds else {"criterion": criterion}
+        cli_json.echo(
+            "tradeoff", law=cli_json.law(bound), scene=cli_json.values(given), **what, ways=[*map(_way, ways)]
         )
-        scene = ", ".join(f"{name} = {value}" for name, value in given.items())
-        typer.echo(f"thresholds of {bound.name or law}, {scene}\n\n{tradeoff_thresholds.threshold_report(ways)}")
-        if plot is not None:
-            measured.plot(ways, plot, f"thresholds of {bound.name or law}, {scene}")
-        return
-    form = derive_form(bound, criterion)
-    ways = measured.tradeoff(form, {"V": speed, "N": force})
-    typer.echo(f"{form!r}, V = {speed} m/s, N = {force} N\n\n{measured.report(ways)}")
+    else:
+        typer.echo(text)
     if plot is not None:
-        measured.plot(ways, plot, f"{form.law.name or law}, {form.criterion.name}, V = {speed} m/s")
+        measured.plot(ways, plot, title)
+
+
+def _way(way: Any) -> dict[str, Any]:
+    return {
+        "way": way.name,
+        "seconds": cli_json.number(way.seconds),
+        "relative_error": cli_json.number(way.error),
+        "largest_relative_error": cli_json.number(way.largest),
+    }

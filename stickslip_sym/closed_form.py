@@ -1,7 +1,7 @@
 """`derive`: from a friction law and a criterion to a proved closed form."""
 
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -9,7 +9,7 @@ import mpmath
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from stickslip_sym import printing, quadrature, symbols
+from stickslip_sym import html_text, printing, quadrature, symbols
 from stickslip_sym.arguments import OnInvalid, check_names, check_reach
 from stickslip_sym.averages import SlopeAverage
 from stickslip_sym.code_text import c_code, python_code
@@ -142,6 +142,14 @@ class ClosedForm:
         It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
         """
         return c_code(self._average.function, repr(self))
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What is compiled cannot be pickled, and is made again when it is needed.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def _repr_html_(self) -> str:
+        where = f"{self.law.name or self.law.text}, {self.criterion.name}: damping coefficient in kg/s"
+        return html_text.block(where, html_text.formula(f"\\displaystyle {self.latex()}"), str(self.verdict))
 
     def _repr_latex_(self) -> str:
         return f"$\\displaystyle {self.latex()}$"

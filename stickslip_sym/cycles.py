@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from stickslip_sym import html_text
 from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import Orbits, obstacle, orbits
@@ -50,6 +51,22 @@ class LimitCycle:
     period: float
     floquet: float
     stable: bool
+
+    def __str__(self) -> str:
+        return f"pure slip with a highest velocity of {self.amplitude:.6g} m/s, period {self.period:.6g} s"
+
+    def __repr__(self) -> str:
+        kind = "stable" if self.stable else "unstable"
+        return f"LimitCycle: {self}, {kind}, Floquet exponent {self.floquet:.6g} 1/s"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ["highest velocity", f"{self.amplitude:.9g}", "m/s"],
+            ["period", f"{self.period:.9g}", "s"],
+            ["Floquet exponent", f"{self.floquet:.9g}", "1/s"],
+        ]
+        kind = "stable" if self.stable else "unstable"
+        return html_text.table(["quantity", "value", "unit"], rows, caption=f"{kind} pure-slip limit cycle")
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,18 @@
 """`Derivation`: a list of steps, each with its operation, its reason, its result and a computed verdict."""
 
 from dataclasses import dataclass, field
+from textwrap import shorten
 from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import printing
+from stickslip_sym import html_text, printing
 from stickslip_sym.proving import Status, Verdict, prove_equal, prove_positive
 from stickslip_sym.theorems import By
 
 __all__ = ["Derivation", "Step"]
+
+_LONGEST = 200  # characters of a result in a line of text
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,14 @@ class Step:
     statement: Any
     verdict: Verdict
     label: str = ""
+
+    def __repr__(self) -> str:
+        label = f" {self.label}" if self.label else ""
+        result = shorten(printing.text(self.statement), _LONGEST, placeholder=" ...")
+        return f"Step{label}: {self.operation}: {result}, {self.verdict.status.value}"
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {printing.latex(self.statement)}$"
 
 
 @dataclass
@@ -123,6 +134,20 @@ class Derivation:
                 f"% {step.verdict.status.value}"
             )
         return "\n\n".join(parts) + "\n"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [
+                f"{number} {step.label}".strip(),
+                step.operation,
+                step.reason,
+                html_text.formula(f"\\displaystyle {printing.latex(step.statement)}"),
+                str(step.verdict),
+            ]
+            for number, step in enumerate(self.steps, 1)
+        ]
+        header = ["step", "what is done", "because", "result", "verdict"]
+        return html_text.table(header, rows, caption=f"{self.title} [{self.status.value}]")
 
     def _repr_latex_(self) -> str:
         rows = " \\\\\n".join(printing.latex(step.statement).replace("=", "&=", 1) for step in self.steps)

@@ -12,14 +12,15 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from stickslip_sym import printing, symbols
-from stickslip_sym.codegen import Backend, function_of
+from stickslip_sym import html_text, printing, symbols
+from stickslip_sym.codegen import Backend
+from stickslip_sym.compiled import Compiled
 from stickslip_sym.errors import InputError
 from stickslip_sym.formula import read_formula
-from stickslip_sym.parameters import Parameter
+from stickslip_sym.parameters import Parameter, parameter_table
 from stickslip_sym.pieces import branch_from, places
 from stickslip_sym.samples import SampledCurve, read_csv
-from stickslip_sym.values import Number, exact_values, suggestion, to_mpf
+from stickslip_sym.values import Number, exact_values, suggestion
 
 __all__ = ["FrictionLaw", "Parameter", "limit_at_rest"]
 
@@ -89,13 +90,13 @@ class FrictionLaw:
         self.validity = validity
         self._values: dict[str, Any] = {}
         self.curve: SampledCurve | None = None
-        self._compiled: dict[Any, Callable[..., Any]] = {}
         if self.static is not None and self.static.has(symbols.v):
             raise InputError("the static coefficient is one number; it cannot depend on v")
         used = {symbol.name for symbol in self._all_symbols()}
         for unused in described.keys() - used:
             raise InputError(f"the parameter {unused!r} does not occur in the formula {printing.text(self.expr)}")
         self._parameters = {key: table[key] for key in table if key in used}
+        self._compiled = Compiled([parameter.symbol for parameter in self._parameters.values()])
 
     @classmethod
     def from_samples(
@@ -301,18 +302,8 @@ class FrictionLaw:
         self._require_values()
         if self.curve is not None:
             return self.curve.function(backend, derivative=derivative)
-        key = backend, derivative
-        if key not in self._compiled:
-            # Values go in as arguments, not into the expression: SymPy would factor powers of fractions, and the
-            # compiled function serves the law with all other values too.
-            expr = self.slope_expr if derivative else self.expr
-            arguments = [symbols.v, *(parameter.symbol for parameter in self.parameters.values())]
-            self._compiled[key] = function_of(arguments, expr, backend)
-        compiled, exact = self._compiled[key], [self.values[name] for name in self.parameters]
-        if backend == "mpmath":
-            return lambda v: compiled(v, *(to_mpf(value) for value in exact))
-        values = [float(value) for value in exact]
-        return lambda v: compiled(v, *values)
+        expr = self.slope_expr if derivative else self.expr
+        return self._compiled.at(expr, [self.values[name] for name in self.parameters], backend)
 
     def kinks(self) -> list[Any]:
         """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
@@ -338,12 +329,8 @@ class FrictionLaw:
         expr = branch_from(
             self.expr, {self.parameters[key].symbol: value for key, value in self.values.items()}, start
         )
-        if expr not in self._compiled:
-            self._compiled[expr] = function_of(
-                [symbols.v, *(p.symbol for p in self.parameters.values())], expr, "math"
-            )
-        compiled, values = self._compiled[expr], [float(self.values[name]) for name in self.parameters]
-        return lambda v: float(compiled(v, *values))
+        function = self._compiled.at(expr, [self.values[name] for name in self.parameters], "math")
+        return lambda v: float(function(v))
 
     def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
         speed = np.asarray(v, dtype=np.float64)
@@ -393,4 +380,15 @@ class FrictionLaw:
     def _repr_latex_(self) -> str:
         if self.curve is not None:
             return f"$\\mu(v)$: {self.text}"
-        return f"$\\displaystyle \\mu(v) = {printing.latex(self.expr)}$"
+        return f"$\\displaystyle {self._latex()}$"
+
+    def _latex(self) -> str:
+        return f"\\mu(v) = {printing.latex(self.expr)}"
+
+    def _repr_html_(self) -> str:
+        head = self.text if self.curve is not None else html_text.formula(self._latex())
+        static = None if self.static is None else printing.text(self.static)
+        known = {"static coefficient": static, "validity": self.validity, "source": self.source}
+        notes = [f"{kind}: {text}" for kind, text in known.items() if text]
+        tables = [parameter_table(self.parameters, self.values)] if self.parameters else []
+        return html_text.block(self.name or "friction law", head, *tables, *notes)

@@ -1,16 +1,18 @@
 """`Parameter`: a named number of a friction law, with its meaning, unit and typical value."""
 
 import keyword
+from collections.abc import Mapping
+from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import symbols
+from stickslip_sym import html_text, printing, symbols
 from stickslip_sym.errors import InputError
 from stickslip_sym.parsing import CONSTANTS, FUNCTIONS, KINKED, NAME
 from stickslip_sym.units import parse_unit
 from stickslip_sym.values import exact
 
-__all__ = ["Parameter"]
+__all__ = ["Parameter", "parameter_table"]
 
 
 class Parameter:
@@ -56,6 +58,21 @@ class Parameter:
 
     def __repr__(self) -> str:
         return f"Parameter({self.name!r}, {self.meaning!r}, unit={self.unit!r}, typical={self.typical!r})"
+
+
+def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> html_text.Markup:
+    """Return the parameters of a law, with the values that they have, as HTML."""
+    rows = [
+        [
+            html_text.formula(printing.latex(parameter.symbol)),
+            f"{float(values[name]):g}" if name in values else "",
+            parameter.typical or "",
+            parameter.unit or "",
+            parameter.meaning,
+        ]
+        for name, parameter in parameters.items()
+    ]
+    return html_text.table(["parameter", "value", "typical", "unit", "meaning"], rows)
 
 
 def _check_name(name: str) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from stickslip_sym import html_text
 from stickslip_sym.normal_form import normal_form
 from stickslip_sym.theorems import By
 
@@ -52,6 +53,12 @@ class Verdict:
 
     def __str__(self) -> str:
         return f"{self.status.value}: {self.evidence}"
+
+    def __repr__(self) -> str:
+        return f"Verdict: {self}"
+
+    def _repr_html_(self) -> str:
+        return html_text.block(str(self))
 
 
 def prove_equal(lhs: Any, rhs: Any, by: By | None = None) -> Verdict:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip_sym import html_text
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, check_rtol
@@ -56,6 +57,9 @@ class Rest:
     def __str__(self) -> str:
         return f"rest at x = {self.x:.6g} m"
 
+    def __repr__(self) -> str:
+        return f"Rest: {self}, {'stable' if self.stable else 'unstable'}, growth rate {self.rate:.6g} 1/s"
+
 
 @dataclass(frozen=True)
 class Separatrix:
@@ -73,6 +77,9 @@ class Separatrix:
     x: Any
     v: Any
     kind: str
+
+    def __repr__(self) -> str:
+        return f"Separatrix: {self.kind}, {len(self.x)} points"
 
 
 @dataclass(frozen=True)
@@ -114,18 +121,20 @@ class Regime:
         return len(self.attractors) > 1
 
     def __str__(self) -> str:
-        lines = [_in_words(attractor) for attractor in self.attractors]
+        lines = [str(attractor) for attractor in self.attractors]
         if self.unbounded:
             lines.append("motions far out grow without bound: damping and friction feed them")
         return "\n".join([*(lines or ["no attractor"]), *(f"undecided: {text}" for text in self.undecided)])
 
+    def __repr__(self) -> str:
+        return f"Regime: {'; '.join(str(self).splitlines())}"
 
-def _in_words(motion: Rest | LimitCycle | StickSlipCycle) -> str:
-    if isinstance(motion, Rest):
-        return str(motion)
-    if isinstance(motion, LimitCycle):
-        return f"pure slip with a highest velocity of {motion.amplitude:.6g} m/s, period {motion.period:.6g} s"
-    return f"stick-slip of period {motion.period:.6g} s, of which stick {motion.stick_time:.6g} s"
+    def _repr_html_(self) -> str:
+        motions = [self.rest, *self.cycles, *([] if self.stick_slip is None else [self.stick_slip])]
+        attracting = self.attractors
+        rows = [[str(motion), "attracts" if motion in attracting else "does not attract"] for motion in motions]
+        notes = [*(["motions far out grow without bound"] if self.unbounded else []), *self.undecided]
+        return html_text.block(html_text.table(["motion", "neighbours"], rows, caption="motions"), *notes)
 
 
 def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:

@@ -151,6 +151,10 @@ class _Course:
         self.rates, self.start, self.length, self.dq, self.dw, self.last = rates, start, length, dq, dw, last
         self.t = last.tau
 
+    def __getstate__(self) -> dict[str, Any]:
+        # The rates cannot be pickled, and are for the rows only.
+        return {"start": self.start, "length": self.length, "t": self.t, "_rows": self._rows}
+
     @cached_property
     def _rows(self) -> tuple[list[float], list[float]]:
         h, start, last = self.length, self.start, self.last

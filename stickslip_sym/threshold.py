@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym import symbols
+from stickslip_sym import html_text, symbols
 from stickslip_sym.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import obstacle
@@ -57,12 +57,40 @@ class Threshold:
     error: Any
 
     def __str__(self) -> str:
-        if np.ndim(self.value):
-            return (
-                f"{np.size(self.value)} thresholds from {np.min(self.value):.6g} to {np.max(self.value):.6g} kg/s"
-            )
-        accuracy = "unknown" if self.error is None else f"{self.error:.0e}"
-        return f"{self.value:.10g} kg/s ({self.method}, relative error {accuracy})"
+        if not np.ndim(self.value):
+            return f"{self.value:.10g} kg/s ({self.method}, relative error {_accuracy(self.error)})"
+        if not np.size(self.value):
+            return "0 thresholds"
+        low, high, methods = np.min(self.value), np.max(self.value), ", ".join(np.unique(self.method))
+        worst = _accuracy(None if self.error is None else np.max(self.error))
+        return (
+            f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s ({methods}, relative error {worst})"
+        )
+
+    def __repr__(self) -> str:
+        return f"Threshold: {self}"
+
+    def _repr_html_(self) -> str:
+        value, method = np.atleast_1d(self.value), np.atleast_1d(self.method)
+        error = np.broadcast_to(np.inf if self.error is None else self.error, value.shape)
+        rows = [
+            ["..."] * 4
+            if place is None
+            else [
+                ", ".join(map(str, place)),
+                f"{value[place]:.10g}",
+                str(method[place]),
+                _accuracy(error[place]),
+            ]
+            for place in html_text.shortened(list(np.ndindex(value.shape)))
+        ]
+        header = ["scene", "c in kg/s", "method", "relative error"]
+        start = 0 if np.ndim(self.value) else 1
+        return html_text.table(header[start:], [row[start:] for row in rows], caption="pure-slip damping")
+
+
+def _accuracy(error: float | None) -> str:
+    return "unknown" if error is None or not np.isfinite(error) else f"{error:.0e}"
 
 
 def pure_slip_damping(

@@ -3,14 +3,14 @@
 import csv
 import io
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from stickslip_sym import files
+from stickslip_sym import files, html_text
 from stickslip_sym.errors import InputError
 
 __all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Trajectory"]
@@ -97,14 +97,30 @@ class Trajectory:
         What kept the motion from going on, and what to try; empty as a rule.
     """
 
-    t: Any = field(repr=False)
-    x: Any = field(repr=False)
-    v: Any = field(repr=False)
-    phase: Any = field(repr=False)
-    events: tuple[Event, ...] = field(repr=False)
+    t: Any
+    x: Any
+    v: Any
+    phase: Any
+    events: tuple[Event, ...]
     outcome: Outcome
-    stretches: tuple[Stretch, ...] = field(repr=False)
-    note: str = field(default="", repr=False)
+    stretches: tuple[Stretch, ...]
+    note: str = ""
+
+    def __repr__(self) -> str:
+        return (
+            f"Trajectory: {len(self.t)} samples from t = {self.t[0]:.6g} to {self.t[-1]:.6g} s, "
+            f"x from {self.x.min():.6g} to {self.x.max():.6g} m, v from {self.v.min():.6g} to "
+            f"{self.v.max():.6g} m/s, {len(self.events)} changes of phase, {self.outcome.value}"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ["..."] * 4
+            if event is None
+            else [f"{event.t:.9g}", f"{event.x:.9g}", f"{event.v:.9g}", event.begins.value]
+            for event in html_text.shortened(self.events)
+        ]
+        return html_text.block(repr(self), html_text.table(["t in s", "x in m", "v in m/s", "begins"], rows))
 
     def starts_of(self, phase: Phase) -> Any:
         """Return the times at which a phase began."""

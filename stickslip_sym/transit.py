@@ -9,8 +9,9 @@ then on: it never sticks again, and slips on both sides of the belt's speed.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
+from stickslip_sym import html_text
 from stickslip_sym.engines import follower
 from stickslip_sym.errors import NotConverged
 from stickslip_sym.friction import FrictionLaw
@@ -47,6 +48,20 @@ class StickSlipCycle:
     x_max: float
     v_min: float
     v_max: float
+
+    def __str__(self) -> str:
+        return f"stick-slip of period {self.period:.6g} s, of which stick {self.stick_time:.6g} s"
+
+    def __repr__(self) -> str:
+        return (
+            f"StickSlipCycle: {self}; x from {self.x_min:.6g} to {self.x_max:.6g} m, "
+            f"v from {self.v_min:.6g} to {self.v_max:.6g} m/s"
+        )
+
+    def _repr_html_(self) -> str:
+        units = {"period": "s", "stick_time": "s", "slip_time": "s", "x_min": "m", "x_max": "m"}
+        rows = [[f.name, f"{getattr(self, f.name):.9g}", units.get(f.name, "m/s")] for f in fields(self)]
+        return html_text.table(["quantity", "value", "unit"], rows, caption="stick-slip cycle")
 
 
 def stick_slip_cycle(

@@ -13,7 +13,7 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import brentq, minimize_scalar
 
-from stickslip_sym import symbols
+from stickslip_sym import html_text, symbols
 from stickslip_sym.criteria import catalogue
 from stickslip_sym.errors import InputError, NotConverged, NoThreshold
 from stickslip_sym.friction import FrictionLaw
@@ -60,6 +60,12 @@ class TransitionSpeed:
     def __str__(self) -> str:
         accuracy = "unknown" if self.error is None else f"{self.error:.0e}"
         return f"{self.value:.10g} m/s ({self.method}, relative error {accuracy})"
+
+    def __repr__(self) -> str:
+        return f"TransitionSpeed: {self}"
+
+    def _repr_html_(self) -> str:
+        return html_text.block(f"transition speed: {self}")
 
 
 def transition_speed(

@@ -12,7 +12,7 @@ import stickslip_sym as ss
 PACKAGE = Path(ss.__file__).parent
 LAYERS = [
     "errors", "values", "symbols", "pieces", "parsing", "units", "printing", "special",
-    "codegen", "tables", "files",
+    "codegen", "compiled", "tables", "html_text", "files",
     "parameters", "formula", "samples", "friction", "laws", "criteria", "quadrature",
     "normal_form", "theorems", "proving", "derivation",
     "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
@@ -25,7 +25,8 @@ LAYERS = [
     "slip_orbits", "regimes", "classification",
     "workers", "checkpoint", "archive", "axes", "columns", "map_plot", "maps", "basins",
     "newmark", "tradeoff", "tradeoff_thresholds",
-    "cli_reading", "cli_laws", "cli_derive", "cli_damping", "cli_simulate", "cli_map", "cli_tradeoff", "cli",
+    "cli_names", "cli_reading", "cli_json",
+    "cli_laws", "cli_derive", "cli_damping", "cli_simulate", "cli_map", "cli_tradeoff", "cli",
 ]  # fmt: skip
 """The modules of the package in the order in which they may import: each only from those before it."""
 
@@ -34,7 +35,7 @@ def imported_modules(path):
     """Names of this package's modules that a file imports anywhere."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.ImportFrom) and node.module == "stickslip_sym":
-            yield from (alias.name for alias in node.names)
+            yield from (alias.name for alias in node.names if alias.name != "__version__")
         elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("stickslip_sym."):
             yield node.module.split(".")[1]
 

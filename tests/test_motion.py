@@ -6,7 +6,7 @@ from dataclasses import astuple
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import solve_ivp, trapezoid
 from scipy.optimize import brentq
 
 import stickslip_sym as ss
@@ -105,7 +105,7 @@ def test_energy_balance_over_cycles(law):
 
     speed = CubicHermiteSpline(t, v, acceleration)(dense)
     power = (osc.N * law.mu(np.maximum(osc.V - speed, 0.0)) - osc.c * speed) * speed
-    work = np.trapezoid(power, dense)
+    work = trapezoid(power, dense)
     energy = osc.m * v**2 / 2 + osc.k * x**2 / 2
     assert work == pytest.approx(energy[-1] - energy[0], abs=2e-6 * energy.max())
 

@@ -75,7 +75,7 @@ def test_events_say_what_happens(motion):
     for before, event in zip(motion.events, motion.events[1:], strict=False):
         expected = EventKind.SLIPS if before.begins is Phase.STICK else EventKind.CROSSES
         assert event.kind is (EventKind.STICKS if event.begins is Phase.STICK else expected)
-    assert repr(motion) == f"Trajectory(outcome={Outcome.FINISHED!r})"
+    assert repr(motion).endswith(", 14 changes of phase, finished")
 
 
 def test_the_file_has_units_and_every_digit(motion, tmp_path):

@@ -1,0 +1,68 @@
+"""What the commands print with ``--json``: one object, valid JSON, of a shape that stays.
+
+    {"format": 1, "version": "0.1.0", "command": "damping", ...what the command has to say...}
+
+A number with a unit is an object {"value": 2.5, "unit": "kg/s"}. "text" beside it is the same number with more
+digits than a double holds, or exactly. "value" is null where there is no number, and "reason" says why. Times
+are in "seconds", relative errors plain numbers. "format" grows when a name goes or changes its meaning; names
+may be added without.
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+import typer
+
+__all__ = ["AsJson", "echo", "law", "missing", "number", "quantity", "values"]
+
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+FORMAT = 1
+UNITS = {"V": "m/s", "N": "N", "m": "kg", "k": "N/m", "c": "kg/s"}
+
+
+def echo(command: str, **content: Any) -> None:
+    """Print the object of a command."""
+    from stickslip_sym import __version__
+
+    head = {"format": FORMAT, "version": __version__, "command": command}
+    typer.echo(json.dumps(head | content, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def number(value: float | None) -> float | None:
+    """Return a number as JSON can hold it: none for NaN and infinity."""
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def quantity(value: float, unit: str | None, *, text: str | None = None) -> dict[str, Any]:
+    """Return a number with its unit, and as text where that says more."""
+    return {"value": number(value), "unit": unit} | ({} if text is None else {"text": text})
+
+
+def missing(unit: str, reason: str) -> dict[str, Any]:
+    """Return what stands for a number that there is none of."""
+    return {"value": None, "unit": unit, "reason": reason}
+
+
+def values(given: Mapping[str, str]) -> dict[str, Any]:
+    """Return V, N, m and k with their units, and as they were given."""
+    from stickslip_sym.values import exact
+
+    return {name: quantity(float(exact(text, name)), UNITS[name], text=text) for name, text in given.items()}
+
+
+def law(friction: Any) -> dict[str, Any]:
+    """Return a law: its name, its formula, and its parameters with their bound values."""
+    parameters = {
+        name: {
+            "value": number(float(friction.values[name])) if name in friction.values else None,
+            "text": str(friction.values[name]) if name in friction.values else None,
+            "typical": parameter.typical,
+            "unit": parameter.unit,
+            "meaning": parameter.meaning,
+        }
+        for name, parameter in friction.parameters.items()
+    }
+    known = {"name": friction.name, "formula": friction.text, "parameters": parameters}
+    return known | {"validity": friction.validity, "source": friction.source}
