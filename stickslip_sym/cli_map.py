@@ -7,7 +7,20 @@ from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym.cli_reading import LawName, Values, assignments, check_size, read_law
+from stickslip_sym import cli_json
+from stickslip_sym.cli_reading import (
+    SCENE,
+    Force,
+    LawName,
+    Mass,
+    Speed,
+    Stiffness,
+    Values,
+    assignments,
+    check_size,
+    read_law,
+    read_numbers,
+)
 from stickslip_sym.errors import InputError
 
 __all__ = ["motion_map"]
@@ -22,10 +35,10 @@ def motion_map(
     x: Annotated[str, typer.Option("--x", metavar=_AXIS, help="Horizontal axis: V, c, N, m, k or a parameter.")],
     y: Annotated[str, typer.Option("--y", metavar=_AXIS, help="Vertical axis.")],
     parameter: Values = None,
-    speed: Annotated[str | None, typer.Option("-V", metavar="M/S", help="Belt speed (0.5).")] = None,
-    force: Annotated[str | None, typer.Option("-N", metavar="N", help="Normal force (9.81).")] = None,
-    mass: Annotated[str | None, typer.Option("-m", metavar="KG", help="Mass (1).")] = None,
-    stiffness: Annotated[str | None, typer.Option("-k", metavar="N/M", help="Stiffness (100).")] = None,
+    speed: Speed = None,
+    force: Force = None,
+    mass: Mass = None,
+    stiffness: Stiffness = None,
     damping: Annotated[
         str | None, typer.Option("-c", metavar="KG/S", help="Damping, unless it is an axis.")
     ] = None,
@@ -38,6 +51,7 @@ def motion_map(
     checkpoint: Annotated[
         Path | None, typer.Option("--checkpoint", metavar="FILE", help="Keep what is done; go on from it.")
     ] = None,
+    as_json: cli_json.AsJson = False,
 ) -> None:
     """Map the motions that exist, and the three thresholds, over a plane.
 
@@ -45,23 +59,18 @@ def motion_map(
     """
     from stickslip_sym.map_plot import require_matplotlib
     from stickslip_sym.maps import motion_map as compute
-    from stickslip_sym.values import exact
 
     axes = _axis("--x", x), _axis("--y", y)
     names = [name for name, _ in axes]
-    given = assignments(parameter or [])
-    for name in given:
+    values = assignments(parameter or [])
+    for name in values:
         if name in names:
             raise InputError(f"{name} is an axis, and given by -p too; leave one of the two out")
-    bound = read_law(law, None, extrapolate=False).typical(**given)
+    bound = read_law(law, None, extrapolate=False).typical(**values)
     options = {"V": speed, "N": force, "m": mass, "k": stiffness, "c": damping}
-    scene: dict[str, Any] = {}
-    for name, text in (_SCENE | {name: text for name, text in options.items() if text is not None}).items():
-        if name in names and options[name] is None:
-            continue
-        value = exact(text, name)
-        check_size(name, value)
-        scene[name] = float(value)
+    given = {name: text for name, text in options.items() if text is not None}
+    given |= {name: text for name, text in SCENE.items() if name not in names and name not in given}
+    scene: dict[str, Any] = read_numbers(given)
     _require_writable(csv, npz, plot)
     if plot is not None:
         require_matplotlib()
@@ -69,7 +78,11 @@ def motion_map(
         found = compute(
             bound, x=axes[0], y=axes[1], **scene, workers=workers, checkpoint=checkpoint, progress=progress
         )
-    typer.echo(_report(found))
+    if as_json:
+        known = {"law": cli_json.law(bound), "scene": cli_json.values(given)}
+        cli_json.echo("map", **known, **_as_json(found))
+    else:
+        typer.echo(_report(found))
     for write, path in ((found.to_csv, csv), (found.to_npz, npz), (found.plot, plot)):
         if path is not None:
             write(path)
@@ -80,9 +93,6 @@ def _require_writable(*paths: Path | None) -> None:
     for path in paths:
         if path is not None and not path.parent.is_dir():
             raise InputError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}; make it first")
-
-
-_SCENE = {"V": "0.5", "N": "9.81", "m": "1", "k": "100"}
 
 
 def _axis(option: str, text: str) -> tuple[str, Any]:
@@ -106,6 +116,18 @@ def _axis(option: str, text: str) -> tuple[str, Any]:
             f"{option} {text[:60]!r}: the start must lie below the stop, or equal it with a count of 1"
         )
     return name.strip(), np.linspace(float(start), float(stop), count)
+
+
+def _as_json(found: Any) -> dict[str, Any]:
+    """Return the axes, and motion, attractors and reason of each cell, in rows along the horizontal axis."""
+    axes = {
+        name: {"quantity": axis.name, "unit": axis.unit, "values": axis.values.tolist()}
+        for name, axis in (("x", found.x), ("y", found.y))
+    }
+    attractors = {name: getattr(found, name).tolist() for name in ("stick_slip", "rest", "pure_slip")}
+    cells = {"motion": found.motion, "reason": found.reason}
+    in_words = {name: [[cell.value for cell in row] for row in array] for name, array in cells.items()}
+    return axes | in_words | attractors
 
 
 def _report(found: Any) -> str:

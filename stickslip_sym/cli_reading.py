@@ -1,7 +1,8 @@
 """What the commands read from their arguments: laws, values and sizes. Each refusal says what to write."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand
@@ -9,9 +10,11 @@ from typer.core import TyperCommand
 from stickslip_sym.cli_names import complete_criterion, complete_law
 from stickslip_sym.errors import InputError
 
-__all__ = ["Command", "CriterionName", "LawName", "Values", "assignments", "check_size", "once", "read_law"]
+__all__ = [
+    "SCENE", "Command", "CriterionName", "Force", "LawName", "Mass", "Speed", "Stiffness", "Values",
+    "assignments", "check_size", "read_law", "read_numbers",
+]  # fmt: skip
 
-T = TypeVar("T")
 LawName = Annotated[
     str,
     typer.Argument(
@@ -33,6 +36,13 @@ Values = Annotated[
     list[str] | None,
     typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="Value of a parameter; may be repeated."),
 ]
+Speed = Annotated[str | None, typer.Option("-V", metavar="M/S", help="Belt speed (0.5).")]
+Force = Annotated[str | None, typer.Option("-N", metavar="N", help="Normal force (9.81).")]
+Mass = Annotated[str | None, typer.Option("-m", metavar="KG", help="Mass (1).")]
+Stiffness = Annotated[str | None, typer.Option("-k", metavar="N/M", help="Stiffness (100).")]
+SCENE = {"V": "0.5", "N": "9.81", "m": "1", "k": "100"}
+"""What the paper's section 3 takes, and a command where nothing is given."""
+
 LARGEST = 10**20  # of a number in SI units, and its inverse the smallest: the table needs time and doubles
 
 
@@ -80,13 +90,14 @@ def assignments(texts: list[str]) -> dict[str, str]:
     return values
 
 
-def once(name: str, values: list[T] | None) -> T | None:
-    """Return the one value of an option, or None if it was not given."""
-    if not values:
-        return None
-    if len(values) > 1:
-        raise InputError(f"{name} is given twice, as {' and '.join(map(str, values))}; give it once")
-    return values[0]
+def read_numbers(given: Mapping[str, str | None]) -> dict[str, float]:
+    """Read numbers as floats of a possible size; those that were not given are left out."""
+    from stickslip_sym.values import exact
+
+    numbers = {name: exact(text, name) for name, text in given.items() if text is not None}
+    for name, value in numbers.items():
+        check_size(name, value)
+    return {name: float(value) for name, value in numbers.items()}
 
 
 def check_size(name: str, value: Any) -> None:

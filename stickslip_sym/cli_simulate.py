@@ -1,11 +1,25 @@
 """``stickslip simulate``: the motion from a start, its events, and how it ends."""
 
+import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym.cli_reading import LawName, Values, assignments, check_size, once, read_law
+from stickslip_sym import cli_json
+from stickslip_sym.cli_reading import (
+    SCENE,
+    Force,
+    LawName,
+    Mass,
+    Speed,
+    Stiffness,
+    Values,
+    assignments,
+    read_law,
+    read_numbers,
+)
 
 __all__ = ["simulate"]
 
@@ -16,69 +30,71 @@ _PERIODS = 10  # natural periods, the duration if none is given
 def simulate(
     law: LawName,
     parameter: Values = None,
-    speed: Annotated[list[str] | None, typer.Option("-V", metavar="M/S", help="Belt speed (0.5).")] = None,
-    force: Annotated[list[str] | None, typer.Option("-N", metavar="N", help="Normal force (9.81).")] = None,
-    mass: Annotated[list[str] | None, typer.Option("-m", metavar="KG", help="Mass (1).")] = None,
-    stiffness: Annotated[list[str] | None, typer.Option("-k", metavar="N/M", help="Stiffness (100).")] = None,
-    damping: Annotated[list[str] | None, typer.Option("-c", metavar="KG/S", help="Damping (0).")] = None,
-    x0: Annotated[list[str] | None, typer.Option("--x0", metavar="M", help="Initial displacement (0).")] = None,
-    v0: Annotated[
-        list[str] | None, typer.Option("--v0", metavar="M/S", help="Initial velocity (the belt speed).")
-    ] = None,
+    speed: Speed = None,
+    force: Force = None,
+    mass: Mass = None,
+    stiffness: Stiffness = None,
+    damping: Annotated[str, typer.Option("-c", metavar="KG/S", help="Damping.")] = "0",
+    x0: Annotated[str, typer.Option("--x0", metavar="M", help="Initial displacement.")] = "0",
+    v0: Annotated[str | None, typer.Option("--v0", metavar="M/S", help="Initial velocity (belt speed).")] = None,
     t_end: Annotated[
-        list[str] | None, typer.Option("--t-end", metavar="S", help="Duration (ten natural periods).")
+        str | None, typer.Option("--t-end", metavar="S", help="Duration (ten natural periods).")
     ] = None,
-    rtol: Annotated[list[str] | None, typer.Option("--rtol", help="Relative tolerance of a step (1e-10).")] = None,
-    engine: Annotated[list[str] | None, typer.Option("--engine", metavar="NAME", help="scipy or heyoka.")] = None,
+    rtol: Annotated[str, typer.Option("--rtol", help="Relative tolerance of a step.")] = "1e-10",
+    engine: Annotated[str, typer.Option("--engine", metavar="NAME", help="scipy or heyoka.")] = "scipy",
     time_limit: Annotated[
-        list[str] | None, typer.Option("--time-limit", metavar="S", help="Seconds of computation.")
+        str | None, typer.Option("--time-limit", metavar="S", help="Seconds of computation.")
     ] = None,
     plot: Annotated[
-        list[Path] | None, typer.Option("--plot", metavar="FILE", help="Draw the motion (SVG, PNG or PDF).")
+        Path | None, typer.Option("--plot", metavar="FILE", help="Draw the motion (SVG, PNG or PDF).")
     ] = None,
-    csv: Annotated[list[Path] | None, typer.Option("--csv", metavar="FILE", help="Write the samples.")] = None,
+    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the samples.")] = None,
+    as_json: cli_json.AsJson = False,
 ) -> None:
     """Simulate the mass from a start, and print its events and its periods.
 
     Example: stickslip simulate exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 -c 1 --t-end 5 --plot motion.png
     """
-    import math
-
     from stickslip_sym import automaton
     from stickslip_sym.oscillator import Oscillator
-    from stickslip_sym.values import exact
 
     bound = read_law(law, None, extrapolate=False).typical(**assignments(parameter or []))
-    given = {
-        "V": once("V", speed) or "0.5",
-        "N": once("N", force) or "9.81",
-        "m": once("m", mass) or "1",
-        "k": once("k", stiffness) or "100",
-        "c": once("c", damping) or "0",
-    }
-    options = {
-        "x0": once("x0", x0),
-        "v0": once("v0", v0),
-        "t_end": once("t-end", t_end),
-        "rtol": once("rtol", rtol),
-        "time_limit": once("time-limit", time_limit),
-    }
-    plot_file, csv_file, integrator = once("plot", plot), once("csv", csv), once("engine", engine) or "scipy"
-    numbers = {name: exact(value, name) for name, value in (given | options).items() if value is not None}
-    for name, value in numbers.items():
-        check_size(name, value)
-    values: dict[str, Any] = {name: float(value) for name, value in numbers.items()}
-    osc = Oscillator(**{name: values.pop(name) for name in given})
+    options = {"V": speed, "N": force, "m": mass, "k": stiffness, "c": damping}
+    given = SCENE | {name: text for name, text in options.items() if text is not None}
+    osc = Oscillator(**read_numbers(given))
+    values: dict[str, Any] = read_numbers(
+        {"x0": x0, "v0": v0, "t_end": t_end, "rtol": rtol, "time_limit": time_limit}
+    )
     values.setdefault("t_end", _PERIODS * 2 * math.pi / osc.omega)
-    motion = automaton.simulate(bound, osc, **values, engine=integrator)
-    typer.echo(_report(motion, osc))
-    if csv_file is not None:
-        motion.to_csv(csv_file)
-    if plot_file is not None:
-        motion.plot(plot_file)
+    motion = automaton.simulate(bound, osc, **values, engine=engine)
+    if as_json:
+        scene = {"law": cli_json.law(bound), "scene": cli_json.values(given)}
+        cli_json.echo("simulate", **scene, **_as_json(motion))
+    else:
+        typer.echo(_report(motion))
+    if csv is not None:
+        motion.to_csv(csv)
+    if plot is not None:
+        motion.plot(plot)
 
 
-def _report(motion: Any, osc: Any) -> str:
+def _as_json(motion: Any) -> dict[str, Any]:
+    """Return the events and the outcome."""
+    events = [
+        {
+            "t": cli_json.quantity(event.t, "s"),
+            "x": cli_json.quantity(event.x, "m"),
+            "v": cli_json.quantity(event.v, "m/s"),
+            "kind": event.kind.value,
+            "begins": event.begins.value,
+        }
+        for event in motion.events
+    ]
+    periods = [cli_json.quantity(period, "s") for period in _periods(motion)]
+    return {"outcome": motion.outcome.value, "note": motion.note, "events": events, "periods": periods}
+
+
+def _report(motion: Any) -> str:
     """Return the events as a table, and the motion in a few lines."""
     from stickslip_sym.tables import table
 
@@ -91,18 +107,18 @@ def _report(motion: Any, osc: Any) -> str:
         lines.append(f"and {more} more events")
     lines += ["", f"outcome: {motion.outcome.value}, at t = {motion.t[-1]:.9g} s, {len(motion.events)} events"]
     lines += [motion.note] if motion.note else []
-    lines.append(_periods(motion))
+    periods = _periods(motion)
+    if periods:
+        changes = f", the one before {periods[-2]:.12g} s" if len(periods) > 1 else ""
+        lines.append(f"periods from slip to slip: {len(periods)}, the last {periods[-1]:.12g} s{changes}")
+    else:
+        lines.append("periods: fewer than two slips from stick")
     return "\n".join(lines)
 
 
-def _periods(motion: Any) -> str:
-    import numpy as np
-
+def _periods(motion: Any) -> list[float]:
+    """Return the times from one slip that follows stick to the next."""
     from stickslip_sym.trajectory import EventKind
 
-    onsets = np.array([event.t for event in motion.events if event.kind is EventKind.SLIPS])
-    periods = np.diff(onsets)
-    if not periods.size:
-        return "periods: fewer than two slips from stick"
-    changes = f", the one before {periods[-2]:.12g} s" if periods.size > 1 else ""
-    return f"periods from slip to slip: {periods.size}, the last {periods[-1]:.12g} s{changes}"
+    onsets = [event.t for event in motion.events if event.kind is EventKind.SLIPS]
+    return [after - before for before, after in pairwise(onsets)]

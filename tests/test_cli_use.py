@@ -87,7 +87,7 @@ def test_a_typo_is_told_what_was_meant(line, words, monkeypatch, capsys):
     assert len(err.splitlines()) == 1
 
 
-@pytest.mark.parametrize("name", ["damping", "tradeoff", "derive"])
+@pytest.mark.parametrize("name", ["damping", "tradeoff", "derive", "simulate"])
 def test_an_option_is_given_once(name, monkeypatch, capsys):
     code, out, err = run(monkeypatch, capsys, name, "linear", "-V", "1", "-V2")
     assert (code, out, err) == (2, "", "error: -V is given twice; give it once\n")
@@ -175,6 +175,22 @@ def test_tradeoff_as_json(monkeypatch, capsys):
     assert said["criterion"] == "least_squares"
     none = Way("plain lambdify, array", math.nan, math.nan)
     assert set(cli_tradeoff._way(none).values()) == {none.name, None}
+
+
+def test_simulate_as_json(monkeypatch, capsys):
+    _, out, _ = run(monkeypatch, capsys, "simulate", "exponential", "-c", "1", "--t-end", "2", "--json")
+    said = read_json(out)
+    assert said["outcome"] == "finished"
+    assert said["periods"][-1] == {"value": pytest.approx(0.651445008), "unit": "s"}
+    assert [event["begins"] for event in said["events"][:3]] == ["stick", "slip, slower than the belt", "stick"]
+
+
+def test_map_as_json(monkeypatch, capsys):
+    _, out, _ = run(monkeypatch, capsys, "map", "exponential", "--x", "V=0.5:0.8:2", "--y", "c=1:3:3", "--json")
+    said = read_json(out)
+    assert said["y"] == {"quantity": "c", "unit": "kg/s", "values": [1.0, 2.0, 3.0]}
+    assert [row[0] for row in said["motion"]] == ["stick-slip", "stick-slip", "damped slip"]
+    assert [row[0] for row in said["rest"]] == [False, True, True]
 
 
 def test_json_has_no_nan():
