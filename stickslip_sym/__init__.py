@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from stickslip_sym.cycles import LimitCycle, limit_cycles
     from stickslip_sym.derivation import Derivation, Step
     from stickslip_sym.errors import InputError, NoClosedForm, NotConverged, NoThreshold, StickSlipError
+    from stickslip_sym.export import export_c, export_latex, export_octave, export_python
     from stickslip_sym.friction import FrictionLaw, Parameter
-    from stickslip_sym.keeping import load, save
+    from stickslip_sym.keeping import load, load_all, save, save_all
     from stickslip_sym.maps import MotionMap, motion_map
     from stickslip_sym.oscillator import Oscillator
     from stickslip_sym.proving import Status, Verdict
@@ -39,7 +40,8 @@ _HOME = {
     "InputError": "errors", "NoClosedForm": "errors", "NoThreshold": "errors",
     "NotConverged": "errors", "StickSlipError": "errors",
     "FrictionLaw": "friction", "Parameter": "friction",
-    "load": "keeping", "save": "keeping",
+    "export_c": "export", "export_latex": "export", "export_octave": "export", "export_python": "export",
+    "load": "keeping", "load_all": "keeping", "save": "keeping", "save_all": "keeping",
     "BasinMap": "basins", "basin_map": "basins", "MotionMap": "maps", "motion_map": "maps",
     "Oscillator": "oscillator",
     "Status": "proving", "Verdict": "proving",
@@ -58,8 +60,9 @@ __all__ = [  # noqa: RUF022  # modules first
     "BasinMap", "ClosedForm", "Derivation", "Event", "EventKind", "FrictionLaw", "InputError", "LimitCycle",
     "Motion", "MotionMap", "NoClosedForm", "NoThreshold", "NotConverged", "Oscillator", "Outcome", "Parameter",
     "Phase", "Regime", "Rest", "Separatrix", "SlopeAverage", "Status", "Step", "StickSlipCycle", "StickSlipError",
-    "Threshold", "Trajectory", "TransitionSpeed", "Verdict", "basin_map", "classify", "derive", "limit_cycles",
-    "load", "motion_map", "peak_velocity", "pure_slip_damping", "regime", "save", "simulate", "slope_average",
+    "Threshold", "Trajectory", "TransitionSpeed", "Verdict", "basin_map", "classify", "derive", "export_c",
+    "export_latex", "export_octave", "export_python", "limit_cycles", "load", "load_all", "motion_map",
+    "peak_velocity", "pure_slip_damping", "regime", "save", "save_all", "simulate", "slope_average",
     "stick_slip_cycle", "transition_speed",
 ]  # fmt: skip
 

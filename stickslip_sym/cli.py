@@ -12,6 +12,7 @@ import typer
 from stickslip_sym import __version__
 from stickslip_sym.cli_damping import damping
 from stickslip_sym.cli_derive import derive
+from stickslip_sym.cli_export import export
 from stickslip_sym.cli_laws import laws
 from stickslip_sym.cli_map import motion_map
 from stickslip_sym.cli_reading import Command
@@ -56,6 +57,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "simulate": simulate,
     "map": motion_map,
     "tradeoff": tradeoff,
+    "export": export,
 }
 for name, command in COMMANDS.items():
     app.command(name, cls=Command)(command)

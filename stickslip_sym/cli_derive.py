@@ -13,7 +13,7 @@ from stickslip_sym.cli_names import complete_criterion_or_all, complete_law
 from stickslip_sym.cli_reading import Values, assignments, check_size, read_law
 from stickslip_sym.errors import InputError, NoClosedForm
 
-__all__ = ["derive"]
+__all__ = ["derive", "progress"]
 
 
 def derive(
@@ -105,9 +105,9 @@ def _derived(law: Any, criterion: Any, time_limit: float) -> Any:
     """Return the closed form, or the `NoClosedForm` that says why there is none."""
     from stickslip_sym.closed_form import derive as derive_form
 
-    with _progress(time_limit) as progress:
+    with progress(time_limit) as say:
         try:
-            return derive_form(law, criterion, time_limit=time_limit, progress=progress)
+            return derive_form(law, criterion, time_limit=time_limit, progress=say)
         except NoClosedForm as error:
             return error
 
@@ -178,12 +178,16 @@ _LONGEST = 4000  # characters of a formula on the screen
 
 
 def _latex(form: Any, steps: bool) -> str:
-    content = f"% {form!r}\n\\begin{{equation}}\n  {form.latex()}\n\\end{{equation}}\n"
+    from stickslip_sym import printing
+    from stickslip_sym.layout import displayed
+
+    label = f"eq:{form.law.name or 'law'}-{form.criterion.name}"
+    content = f"% {form!r}\n{displayed('c', printing.latex(form.expr), label=label)}\n"
     return content + ("\n" + str(form.derivation.latex()) if steps else "")
 
 
 @contextlib.contextmanager
-def _progress(time_limit: float) -> Iterator[Callable[[str], None]]:
+def progress(time_limit: float) -> Iterator[Callable[[str], None]]:
     """Show on a terminal what is being done, and how long it may still take; elsewhere show nothing."""
     from rich.console import Console
     from rich.progress import Progress, ProgressColumn, SpinnerColumn, Task, TextColumn

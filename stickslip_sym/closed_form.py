@@ -1,6 +1,7 @@
 """`derive`: from a friction law and a criterion to a proved closed form."""
 
 import random
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -12,13 +13,14 @@ from numpy.typing import ArrayLike
 from stickslip_sym import html_text, printing, quadrature, symbols
 from stickslip_sym.arguments import OnInvalid, check_names, check_reach
 from stickslip_sym.averages import SlopeAverage
-from stickslip_sym.code_text import c_code, python_code
+from stickslip_sym.code_text import c_code, octave_code, python_code
 from stickslip_sym.criteria import Criterion, find
 from stickslip_sym.derivation import Derivation
 from stickslip_sym.errors import InputError, NoClosedForm, NotConverged
-from stickslip_sym.evaluate import exact_value
+from stickslip_sym.evaluate import StableFunction, exact_value
 from stickslip_sym.friction import FrictionLaw, limit_at_rest
 from stickslip_sym.integrals import Part, Progress, integrate_terms
+from stickslip_sym.notation import check_known, notation_of
 from stickslip_sym.proving import Status, Verdict
 from stickslip_sym.tidy import tidy
 from stickslip_sym.values import Number, exact
@@ -60,7 +62,9 @@ class ClosedForm:
     @property
     def verdict(self) -> Verdict:
         """What is established: the status of the derivation, and the gate's evidence."""
-        return Verdict(self.derivation.status, f"{len(self.derivation.steps)} steps; {self.gate.evidence}")
+        count = len(self.derivation.steps)
+        steps = f"{count} steps" if count != 1 else "1 step"
+        return Verdict(self.derivation.status, f"{steps}; {self.gate.evidence}")
 
     @property
     def arguments(self) -> dict[str, Any]:
@@ -125,23 +129,44 @@ class ClosedForm:
         check_reach(self.law, self.criterion, point[symbols.V])
         return exact_value(self._uncancelled, self.law.slope_expr, point, digits)
 
-    def latex(self) -> str:
-        """Return the criterion as a LaTeX equation, ``c = ...``."""
-        return f"c = {printing.latex(self.expr)}"
+    @property
+    def function(self) -> StableFunction:
+        """The criterion over arrays, with its branches; what is written as code."""
+        return self._average.function
+
+    def latex(self, symbols: Mapping[str, str] | None = None) -> str:
+        r"""Return the criterion as a LaTeX equation, ``c = ...``.
+
+        Parameters
+        ----------
+        symbols : mapping of str to str, optional
+            Names and what they shall be printed as, e.g. ``{"V": "v_b", "alpha": r"\beta"}``.
+        """
+        given = symbols or {}
+        check_known(given, ["c", *self.arguments])
+        names = notation_of(["c", *self.arguments], given)
+        return f"{names['c']} = {printing.latex(self.expr, names)}"
 
     def python(self) -> str:
         """Return a self-contained NumPy module with a function ``damping(V, N, ...)``.
 
         It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
         """
-        return python_code(self._average.function, repr(self))
+        return python_code({"damping": self.function}, repr(self))
 
     def c(self) -> str:
         """Return C99 with a function ``double damping(double V, double N, ...)`` that needs libm only.
 
         It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
         """
-        return c_code(self._average.function, repr(self))
+        return c_code({"damping": self.function}, repr(self))
+
+    def octave(self) -> str:
+        """Return an Octave script that defines a function ``damping(V, N, ...)`` of numbers, or of arrays.
+
+        It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
+        """
+        return octave_code({"damping": self.function}, repr(self))
 
     def __getstate__(self) -> dict[str, Any]:
         # What is compiled cannot be pickled, and is made again when it is needed.

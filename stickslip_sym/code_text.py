@@ -1,43 +1,68 @@
-"""A criterion as text in Python or C, with the branches of the fast function and no dependency on this package.
+"""A criterion as text in Python, C or Octave: the fast function's branches, and no need of this package.
 
 What the fast function leaves to arbitrary precision, the text averages by Gauss rules like all that has no
 branch: there it is as accurate as the slope of mu in double precision.
 """
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import c_text, python_text, symbols
+from stickslip_sym import c_text, octave_text, python_text, symbols
 from stickslip_sym.branches import Closed, Formula, LogTail, Series, Table
 from stickslip_sym.conditioned import conditioned, speed_scales
-from stickslip_sym.dialects import Dialect, c99, numeric_list, python
+from stickslip_sym.dialects import Dialect, c99, numeric_list, octave, python
 from stickslip_sym.errors import NoClosedForm
 from stickslip_sym.evaluate import StableFunction
 from stickslip_sym.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre, weight_of
 from stickslip_sym.pieces import jumps, places
 
-__all__ = ["c_code", "python_code"]
+__all__ = ["c_code", "octave_code", "python_code"]
+
+_PRIVATE = re.compile(r"\b_(?!scale\b|unscale\b|product\b|erf\b)(?=[a-z])")
+"""How the names of what belongs to one function begin, other than those that all share."""
+_PUBLIC = re.compile(r"\bdamping\b(?=[(:])")
 
 
-def python_code(function: StableFunction, title: str) -> str:
-    """Return a NumPy module with a function ``damping(V, N, ...)``."""
-    return _write(function, title, python, python_text)
+def python_code(functions: Mapping[str, StableFunction], title: str) -> str:
+    """Return a NumPy module with functions of V, N, ... by their names."""
+    return _write(functions, title, python, python_text)
 
 
-def c_code(function: StableFunction, title: str) -> str:
-    """Return C99 with a function ``double damping(double V, double N, ...)``; it needs libm only."""
-    return _write(function, title, c99, c_text)
+def c_code(functions: Mapping[str, StableFunction], title: str) -> str:
+    """Return C99 with functions of doubles V, N, ... by their names; it needs libm only."""
+    return _write(functions, title, c99, c_text)
 
 
-def _write(function: StableFunction, title: str, dialect: Dialect, language: Any) -> str:
+def octave_code(functions: Mapping[str, StableFunction], title: str) -> str:
+    """Return an Octave script that defines functions of V, N, ... by their names."""
+    return _write(functions, title, octave, octave_text)
+
+
+def _write(functions: Mapping[str, StableFunction], title: str, dialect: Dialect, language: Any) -> str:
+    products = any(_branched(function) for function in functions.values())
+    parts = [language.head(title, products=products)]
+    for name, function in functions.items():
+        text = _body(function, dialect, language)
+        if len(functions) > 1:
+            text = _PRIVATE.sub(f"_{name}_", text)
+        parts.append(_PUBLIC.sub(name, text))
+    return "\n".join(parts)
+
+
+def _branched(function: StableFunction) -> list[Any] | None:
+    """Return the terms of a criterion that have branches; None if it is averaged by Gauss rules."""
+    terms = function.terms
+    return None if terms is None or any(term.shapes for term in terms) else terms
+
+
+def _body(function: StableFunction, dialect: Dialect, language: Any) -> str:
     names = {symbol: dialect.name(symbol) for symbol in function.arguments}
     arguments = list(names.values())
-    terms = function.terms
-    if terms is None or any(term.shapes for term in terms):
-        terms = None
-    parts = [language.head(title, products=bool(terms))]
+    terms = _branched(function)
+    parts = []
     if terms is None or len(terms) > 1:
         parts.append(_gauss(function, names, dialect, language))
     for number, term in enumerate(terms or []):

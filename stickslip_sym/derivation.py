@@ -1,5 +1,6 @@
 """`Derivation`: a list of steps, each with its operation, its reason, its result and a computed verdict."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from textwrap import shorten
 from typing import Any
@@ -7,7 +8,11 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym import html_text, printing
+from stickslip_sym.abbreviation import equation
+from stickslip_sym.layout import prose
+from stickslip_sym.notation import notation_of
 from stickslip_sym.proving import Status, Verdict, prove_equal, prove_positive
+from stickslip_sym.symbols import QUANTITIES
 from stickslip_sym.theorems import By
 
 __all__ = ["Derivation", "Step"]
@@ -123,16 +128,29 @@ class Derivation:
             ]
         return "\n".join(lines)
 
-    def latex(self) -> str:
-        """Return the steps as LaTeX paragraphs with displayed equations."""
-        parts = [f"\\paragraph{{{_escape(self.title)}}}"]
+    def latex(self, names: Mapping[str, str] | None = None, *, heading: str | None = None) -> str:
+        """Return the steps as LaTeX paragraphs with displayed equations that fit a text of 120 mm.
+
+        Parameters
+        ----------
+        names : mapping of str to str, optional
+            LaTeX of symbols that shall not be written as usual.
+        heading : str, optional
+            LaTeX that stands above instead of the title.
+        """
+        known = notation_of(QUANTITIES) | {"mu": r"\mu"} | dict(names or {})
+        parts = [f"\\paragraph{{{heading or prose(self.title, known)}.}}"]
         for step in self.steps:
-            tag = f" \\tag*{{{step.label}}}" if step.label else ""
-            parts.append(
-                f"{_escape(step.operation)}: {_escape(step.reason)}.\n"
-                f"\\begin{{equation*}}\n  {printing.latex(step.statement)}{tag}\n\\end{{equation*}}\n"
-                f"% {step.verdict.status.value}"
+            statement = step.statement
+            shown = equation(
+                printing.latex(statement.lhs, names),
+                statement.rhs,
+                names or {},
+                relation=statement.rel_op.replace("==", "="),
+                tag=step.label,
             )
+            words = f"{prose(step.operation, known)}: {prose(step.reason, known)}."
+            parts.append(f"{words[0].upper()}{words[1:]}\n{shown}\n% {step.verdict.status.value}")
         return "\n\n".join(parts) + "\n"
 
     def _repr_html_(self) -> str:
@@ -155,13 +173,3 @@ class Derivation:
 
     def __repr__(self) -> str:
         return f"Derivation: {self.name}, {len(self.steps)} steps, {self.status.value}"
-
-
-_ESCAPES = str.maketrans(
-    {character: "\\" + character for character in "&%$#_{}"}
-    | {"\\": r"\textbackslash{}", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}"}
-)
-
-
-def _escape(text: str) -> str:
-    return text.translate(_ESCAPES)

@@ -1,4 +1,4 @@
-"""How C and Python write the same formulas."""
+"""How C, Python and Octave write the same formulas."""
 
 import keyword
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ import sympy as sp
 from sympy.printing.c import C99CodePrinter
 from sympy.printing.numpy import NumPyPrinter
 
-__all__ = ["Dialect", "c99", "numeric_list", "python"]
+__all__ = ["Dialect", "c99", "numeric_list", "octave", "python"]
 
 _C_WORDS = frozenset(
     {
@@ -16,6 +16,17 @@ _C_WORDS = frozenset(
         "extern", "float", "for", "goto", "if", "inline", "int", "long", "main", "register", "restrict",
         "return", "short", "signed", "sizeof", "static", "struct", "switch", "typedef", "union",
         "unsigned", "void", "volatile", "while",
+        "asin", "exp2", "fabs", "floor", "fmax", "fmin", "fmod", "frexp", "ldexp", "pow",
+    }
+)  # fmt: skip
+_OCTAVE_WORDS = frozenset(
+    {
+        "break", "case", "catch", "continue", "do", "else", "elseif", "end", "end_try_catch", "endfor",
+        "endfunction", "endif", "endswitch", "endwhile", "for", "function", "global", "if", "otherwise",
+        "persistent", "return", "switch", "try", "unwind_protect", "until", "while",
+        "abs", "arrayfun", "asin", "common_size", "differ", "error", "expm1", "fix", "floor", "half", "high",
+        "isempty", "kept", "largest", "log1p", "log2", "low", "max", "merge", "min", "mod", "numel",
+        "rows", "sort",
     }
 )  # fmt: skip
 
@@ -41,6 +52,38 @@ class _C(C99CodePrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_NumberSymbol(self, expr: Any) -> str:
         return repr(float(expr))
+
+
+class _Octave(_C):
+    """One number at a time, so Octave's operators are those of C but for powers and choices."""
+
+    def _print_Pow(self, expr: Any) -> str:
+        base, exponent = (self._print(part) for part in expr.args)
+        if expr.exp == sp.Rational(1, 2):
+            return f"sqrt({base})"
+        return f"1.0/({base})" if expr.exp == -1 else f"(({base})^({exponent}))"
+
+    def _print_Max(self, expr: Any) -> str:
+        return self._nested("max", expr)
+
+    def _print_Min(self, expr: Any) -> str:
+        return self._nested("min", expr)
+
+    def _nested(self, name: str, expr: Any) -> str:
+        first, *others = (self._print(argument) for argument in expr.args)
+        for other in others:
+            first = f"{name}({first}, {other})"
+        return str(first)
+
+    def _print_Abs(self, expr: Any) -> str:
+        return f"abs({self._print(expr.args[0])})"
+
+    def _print_Piecewise(self, expr: Any) -> str:
+        *branches, (last, _) = expr.args
+        text = self._print(last)
+        for branch, condition in reversed(branches):
+            text = f"merge({self._print(condition)}, {self._print(branch)}, {text})"
+        return str(text)
 
 
 class _Python(NumPyPrinter):  # type: ignore[misc]  # SymPy is untyped
@@ -94,6 +137,7 @@ def numeric_list(values: Any, brackets: str, indent: str = "    ") -> str:
 
 
 c99 = Dialect(_C(), _C_WORDS | _LOCALS)
+octave = Dialect(_Octave(), _OCTAVE_WORDS | _LOCALS)
 python = Dialect(
     _Python({"fully_qualified_modules": True, "allow_unknown_functions": True}),
     frozenset(keyword.kwlist) | _LOCALS,

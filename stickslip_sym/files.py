@@ -3,12 +3,13 @@
 import errno
 import os
 import tempfile
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from stickslip_sym.errors import InputError
 
-__all__ = ["write_bytes", "write_text"]
+__all__ = ["write_bytes", "write_text", "write_texts"]
 
 
 def write_text(path: Path, content: str) -> None:
@@ -24,14 +25,51 @@ def write_text(path: Path, content: str) -> None:
 
 def write_bytes(path: Path, content: bytes) -> None:
     """Write bytes to a file, as `write_text` does."""
+    _write_all({path: content})
+
+
+def write_texts(contents: Mapping[Path, str]) -> None:
+    """Write texts to files, all of them or none; streams and devices, which cannot be taken back, come last.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written.
+    """
+    _write_all({path: content.encode() for path, content in contents.items()})
+
+
+def _write_all(contents: Mapping[Path, bytes]) -> None:
+    staged: list[tuple[Path, str, Path]] = []
+    streams: list[tuple[Path, Path | int, bytes]] = []
     try:
-        # Before links are followed: /dev/stdout leads to a name such as pipe:[42] that no file has.
-        if path.exists() and not path.is_file():
-            _write_into(path, content)
-        elif (own := _own_output(path)) is not None:
-            _write_into(own, content)
-        else:
-            _replace(Path(os.path.realpath(path)), content)
+        for path, content in contents.items():
+            with _refusing(path):
+                # Before links are followed: /dev/stdout leads to a name such as pipe:[42] that no file has.
+                if path.exists() and not path.is_file():
+                    streams.append((path, path, content))
+                elif (own := _own_output(path)) is not None:
+                    streams.append((path, own, content))
+                else:
+                    target = Path(os.path.realpath(path))
+                    staged.append((path, _staged(target, content), target))
+        while staged:
+            path, temporary, target = staged[0]
+            with _refusing(path):
+                os.replace(temporary, target)
+            del staged[0]
+        for path, stream, content in streams:
+            with _refusing(path):
+                _write_into(stream, content)
+    finally:
+        for _, temporary, _ in staged:
+            os.unlink(temporary)
+
+
+@contextmanager
+def _refusing(path: Path) -> Iterator[None]:
+    try:
+        yield
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"cannot write {str(path)!r}: {reason}; choose another file") from None
@@ -55,7 +93,8 @@ def _write_into(target: Path | int, content: bytes) -> None:
         stream.write(content)
 
 
-def _replace(target: Path, content: bytes) -> None:
+def _staged(target: Path, content: bytes) -> str:
+    """Write beside a file what shall replace it, and return where."""
     if target.is_symlink():  # no link is left after following all, except in a loop
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
     exists = target.exists()
@@ -71,10 +110,10 @@ def _replace(target: Path, content: bytes) -> None:
             stream.flush()
             os.fsync(stream.fileno())
         os.chmod(temporary, mode)
-        os.replace(temporary, target)
     except BaseException:
         os.unlink(temporary)
         raise
+    return temporary
 
 
 def _umask() -> int:

@@ -6,6 +6,7 @@ people. A digest tells a file that was changed, by hand or by accident; it is no
 
 import hashlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +18,10 @@ from stickslip_sym.law_content import law_in, law_out
 from stickslip_sym.proving import Status, Verdict
 from stickslip_sym.trees import from_tree, to_tree
 
-__all__ = ["load", "save"]
+__all__ = ["collection", "load", "load_all", "save", "save_all"]
 
 FORMAT, VERSION = "stickslip_sym closed form", 1
+_SEVERAL = "stickslip_sym closed forms"
 _LARGEST = 20_000_000  # bytes of a file
 
 
@@ -37,6 +39,27 @@ def save(form: ClosedForm, path: str | Path) -> None:
     InputError
         If the file cannot be written, or the form holds a function that has no written form.
     """
+    files.write_text(Path(path), json.dumps(_form_out(form), indent=1, ensure_ascii=False) + "\n")
+
+
+def save_all(forms: Sequence[ClosedForm], path: str | Path) -> None:
+    """Write closed forms to one file, each as `save` does.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written, or a form holds a function that has no written form.
+    """
+    files.write_text(Path(path), collection(forms))
+
+
+def collection(forms: Sequence[ClosedForm]) -> str:
+    """Return the text of a file that holds closed forms."""
+    content = {"format": _SEVERAL, "version": VERSION, "forms": [_form_out(form) for form in forms]}
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def _form_out(form: ClosedForm) -> dict[str, Any]:
     content = {
         "format": FORMAT,
         "version": VERSION,
@@ -52,7 +75,7 @@ def save(form: ClosedForm, path: str | Path) -> None:
         },
     }
     content["digest"] = _digest(content)
-    files.write_text(Path(path), json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+    return content
 
 
 def _digest(content: dict[str, Any]) -> str:
@@ -78,27 +101,63 @@ def load(path: str | Path, *, verify: bool = False) -> ClosedForm:
     NoClosedForm
         If `verify` finds that the formula is wrong.
     """
+    form = _understood(_checked(_read(Path(path)), path), path)
+    return _verified(form) if verify else form
+
+
+def load_all(path: str | Path, *, verify: bool = False) -> tuple[ClosedForm, ...]:
+    """Read closed forms from a file that `save_all` or ``stickslip export --json`` wrote.
+
+    Parameters
+    ----------
+    path : str or Path
+    verify : bool
+        As for `load`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is of another format or version, or was changed.
+    NoClosedForm
+        If `verify` finds that a formula is wrong.
+    """
     content = _read(Path(path))
+    if (
+        not isinstance(content, dict)
+        or content.get("format") != _SEVERAL
+        or not isinstance(content.get("forms"), list)
+    ):
+        raise InputError(
+            f"{str(path)!r} holds no {_SEVERAL}; `save_all` writes them, and `load` reads a single one"
+        )
+    forms = [_understood(_checked(part, path), path) for part in content["forms"]]
+    return tuple(_verified(form) if verify else form for form in forms)
+
+
+def _understood(content: dict[str, Any], path: str | Path) -> ClosedForm:
     try:
-        form = _form_in(content)
+        return _form_in(content)
     except InputError as error:
         raise InputError(f"{str(path)!r} holds no closed form that can be read: {error}") from None
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
         raise InputError(f"{str(path)!r} lacks a part, or one has another shape: {error!r}") from None
-    return _verified(form) if verify else form
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _read(path: Path) -> Any:
     try:
         if path.stat().st_size > _LARGEST:
             raise InputError(f"{str(path)!r} has over {_LARGEST} bytes; no closed form is as long")
-        content = json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
     except (ValueError, RecursionError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{str(path)!r} is no JSON text: {str(error)[:80]}") from None
+
+
+def _checked(content: Any, path: str | Path) -> dict[str, Any]:
+    """Refuse what is no closed form of this version, or was changed."""
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise InputError(f"{str(path)!r} is no {FORMAT}; `save` writes one")
     if type(content.get("version")) is not int or content["version"] != VERSION:

@@ -1,7 +1,7 @@
-"""SymPy's integrator as a last resort, in a process of its own that is killed when its time is up.
+"""SymPy's integrator and limits as a last resort, in a process of its own that is killed when its time is up.
 
-SymPy's `integrate` may take minutes, hang, or return something wrong; none of that can be prevented from
-inside. Expressions travel between the two processes as pickles made here, never as text.
+SymPy's `integrate` and `limit` may take minutes, hang, or return something wrong; none of that can be
+prevented from inside. Expressions travel between the two processes as pickles made here, never as text.
 """
 
 import pickle
@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-__all__ = ["antiderivative", "definite_integral"]
+__all__ = ["antiderivative", "definite_integral", "limit"]
 
 _RULE = "SymPy's integrator"
 _LEAST = 0.5  # seconds; with less there is no point in starting a process
@@ -29,16 +29,33 @@ def definite_integral(integral: Any, deadline: float, progress: Callable[[str], 
     return _ask(integral, deadline, progress)
 
 
+def limit(expr: Any, variable: Any, place: Any, deadline: float) -> Any | None:
+    """Return the finite limit of an expression from above, or from below at infinity; None if none came."""
+    found = _done(sp.Limit(expr, variable, place, "-" if place == sp.oo else "+"), deadline)
+    unfinished = found is None or found.has(sp.Limit, sp.AccumBounds, sp.oo, sp.zoo, sp.nan, sp.I, variable)
+    return None if unfinished else found
+
+
 def _ask(integral: Any, deadline: float, progress: Callable[[str], None]) -> tuple[str, Any] | None:
     left = deadline - time.monotonic()
     if left < _LEAST:
         return None
     progress(f"{_RULE} for at most {left:.0f} s: {integral.function}")
+    result = _done(integral, deadline)
+    unfinished = result is None or result.has(sp.Integral, sp.Piecewise, sp.oo, sp.zoo, sp.nan, sp.I)
+    return None if unfinished else (_RULE, result)
+
+
+def _done(expr: Any, deadline: float) -> Any | None:
+    """Carry out an integral or a limit by SymPy; None if nothing came by the deadline."""
+    left = deadline - time.monotonic()
+    if left < _LEAST:
+        return None
     try:
         # On any exception, Ctrl-C included, `run` kills the process and waits for it.
         done = subprocess.run(
             [sys.executable, "-m", "stickslip_sym.search"],
-            input=pickle.dumps(integral),
+            input=pickle.dumps(expr),
             capture_output=True,
             timeout=left,
             check=False,
@@ -47,9 +64,7 @@ def _ask(integral: Any, deadline: float, progress: Callable[[str], None]) -> tup
         return None
     if done.returncode != 0:
         return None
-    result = pickle.loads(done.stdout)
-    unfinished = result.has(sp.Integral, sp.Piecewise, sp.oo, sp.zoo, sp.nan, sp.I)
-    return None if unfinished else (_RULE, result)
+    return pickle.loads(done.stdout)
 
 
 if __name__ == "__main__":

@@ -69,6 +69,8 @@ def _factor(expr: Any) -> Any:
 
 def _should_flip(factor: Any, model: Any, small: Any) -> bool:
     for node in sp.preorder_traversal(model):
+        if node.is_Add:
+            node = node.primitive()[1]
         if node in (factor, -factor):
             return bool(node == -factor)
     leading = factor.subs(small, 0)

@@ -250,7 +250,10 @@ class _Search:
                 if dip.fun < 0:
                     brackets += [(x[i - 1], dip.x), (dip.x, x[i + 1])]
         found = [float(np.exp(brentq(single, *bracket, xtol=1e-15, rtol=_ROOT))) for bracket in brackets]
-        return [*found, *V[off == 0].tolist()]
+        # A zero beside zeros is a threshold too small for double precision, not one that changes sign.
+        padded = np.concatenate(([0.0], off, [0.0]))
+        crossed = (off == 0) & (padded[:-2] != 0) & (padded[2:] != 0)
+        return [*found, *V[crossed].tolist()]
 
     def named(self, method: str) -> tuple[TransitionSpeed, ...]:
         """Return the roots of a rung; the error of the two exact ones is known."""

@@ -131,7 +131,7 @@ def test_latex_file(tmp_path):
     done = stickslip("derive", "polynomial", "--latex", "form.tex", "--steps", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     text = (tmp_path / "form.tex").read_text()
-    assert "\\begin{equation}\n  c = \\frac{N \\left(21 v_{m}^{2} - 26 V^{2}\\right)" in text
+    assert "\\label{eq:polynomial-least_squares}\n  c = \\frac{N (\\mu_{\\mathrm{s}} - \\mu_{\\mathrm{m}})" in text
     assert text.count("\\begin{equation*}") == text.count("\n% PROVED") >= 3
 
 
@@ -194,7 +194,7 @@ def test_bad_input_is_one_or_two_lines_on_stderr(arguments, message, tmp_path, m
 
 def test_latex_of_a_derivation_escapes_its_words():
     derivation = Derivation("d", r"a\b {c}_d^e ~ 5% & #1 $")
-    expected = r"\paragraph{a\textbackslash{}b \{c\}\_d\textasciicircum{}e \textasciitilde{} 5\% \& \#1 \$}"
+    expected = r"\paragraph{a\textbackslash{}b \{$c$\}\_d\textasciicircum{}e \textasciitilde{} 5\% \& \#1 \$.}"
     assert derivation.latex() == expected + "\n"
 
 

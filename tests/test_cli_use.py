@@ -23,6 +23,7 @@ COMMANDS = {
     "simulate": ["linear", "--t-end", "1"],
     "map": ["linear", "--x", "V=1:1:1", "--y", "c=1:1:1"],
     "tradeoff": ["coulomb_viscous", "--criterion", "equilibrium"],
+    "export": ["coulomb", "--python", "/dev/stdout"],
 }
 """What makes each command do its work, quickly."""
 

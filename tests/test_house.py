@@ -11,22 +11,23 @@ import stickslip_sym as ss
 
 PACKAGE = Path(ss.__file__).parent
 LAYERS = [
-    "errors", "values", "symbols", "pieces", "parsing", "units", "printing", "special",
-    "codegen", "compiled", "tables", "html_text", "files",
+    "errors", "values", "symbols", "pieces", "parsing", "units", "notation", "printing", "layout",
+    "abbreviation", "special", "codegen", "compiled", "tables", "html_text", "files",
     "parameters", "formula", "samples", "friction", "laws", "criteria", "quadrature",
     "normal_form", "theorems", "proving", "derivation",
     "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
     "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",
-    "evaluate", "arguments", "dialects", "c_text", "python_text", "code_text", "averages", "closed_form",
+    "evaluate", "arguments", "dialects", "c_text", "python_text", "octave_text", "code_text",
+    "averages", "closed_form",
     "trees", "law_content", "keeping",
     "oscillator", "steppers", "slip_phase", "slip", "taylor", "engines", "trajectory", "automaton", "transit",
     "grazing",
     "perturbation", "orbit", "cycles", "rungs", "threshold", "transition", "crosscheck",
-    "slip_orbits", "regimes", "classification",
+    "limits", "document", "export", "slip_orbits", "regimes", "classification",
     "workers", "checkpoint", "archive", "axes", "columns", "map_plot", "maps", "basins",
     "newmark", "tradeoff", "tradeoff_thresholds",
     "cli_names", "cli_reading", "cli_json",
-    "cli_laws", "cli_derive", "cli_damping", "cli_simulate", "cli_map", "cli_tradeoff", "cli",
+    "cli_laws", "cli_derive", "cli_damping", "cli_simulate", "cli_map", "cli_tradeoff", "cli_export", "cli",
 ]  # fmt: skip
 """The modules of the package in the order in which they may import: each only from those before it."""
 

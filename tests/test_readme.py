@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import os
 import re
 import shlex
 import subprocess
@@ -46,13 +47,22 @@ SESSIONS = [
 
 
 @pytest.mark.parametrize(("command", "output"), SESSIONS, ids=[command for command, _ in SESSIONS])
-def test_console_blocks_print_what_they_say(command, output):
+def test_console_blocks_print_what_they_say(command, output, tmp_path):
     program, *arguments = shlex.split(command)
     start = {
         "stickslip": [sys.executable, "-c", "from stickslip_sym.cli import main; main()"],
         "python": [sys.executable],
     }[program]
-    done = subprocess.run([*start, *arguments], capture_output=True, text=True, cwd=ROOT, timeout=120, check=False)
+    # Away from the repository, for a command may write files.
+    done = subprocess.run(
+        [*start, *arguments],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        timeout=120,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     assert without_times(done.stdout) == without_times(output)
 

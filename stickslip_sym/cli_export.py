@@ -1,0 +1,135 @@
+"""``stickslip export``: criteria as LaTeX, Python, C, Octave or JSON, several at once or none at all."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from stickslip_sym.cli_derive import progress
+from stickslip_sym.cli_names import complete_criterion_or_all
+from stickslip_sym.cli_reading import assignments, read_law
+from stickslip_sym.errors import InputError, NoClosedForm
+
+__all__ = ["export"]
+
+
+def export(
+    law: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="LAW...", help="Names of laws (see: stickslip laws), or formulas in v."),
+    ] = None,
+    everything: Annotated[bool, typer.Option("--all", help="Every law of the catalogue.")] = False,
+    criterion: Annotated[
+        str,
+        typer.Option(
+            "--criterion",
+            metavar="NAME",
+            help="least_squares, harmonic, equilibrium, or all.",
+            autocompletion=complete_criterion_or_all,
+        ),
+    ] = "least_squares",
+    latex: Annotated[Path | None, typer.Option("--latex", metavar="FILE", help="A LaTeX document.")] = None,
+    python: Annotated[Path | None, typer.Option("--python", metavar="FILE", help="A NumPy module.")] = None,
+    c: Annotated[Path | None, typer.Option("--c", metavar="FILE", help="C99; it needs libm only.")] = None,
+    octave: Annotated[Path | None, typer.Option("--octave", metavar="FILE", help="An Octave script.")] = None,
+    json: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="Exact, for stickslip_sym.load_all.")
+    ] = None,
+    fragment: Annotated[bool, typer.Option("--fragment", help="LaTeX for \\input: without preamble.")] = False,
+    steps: Annotated[bool, typer.Option("--steps", help="LaTeX with every step of the derivations.")] = False,
+    symbol: Annotated[
+        list[str] | None,
+        typer.Option("--symbol", metavar="NAME=LATEX", help="Print a symbol otherwise; may be repeated."),
+    ] = None,
+    time_limit: Annotated[
+        float, typer.Option("--time-limit", metavar="S", help="Seconds for SymPy's integrator, per criterion.")
+    ] = 20.0,
+) -> None:
+    """Write criteria as LaTeX, Python, C, Octave or JSON. If anything fails, nothing is written.
+
+    Example: stickslip export exponential polynomial --criterion all --latex criteria.tex --symbol V=v_b
+    """
+    given = {"latex": latex, "python": python, "c": c, "octave": octave, "json": json}
+    targets = {kind: path for kind, path in given.items() if path is not None}
+    if not targets:
+        raise InputError(
+            "nothing to write: give --latex FILE, --python FILE, --c FILE, --octave FILE or --json FILE"
+        )
+    if "latex" not in targets and (fragment or steps or symbol):
+        raise InputError("--fragment, --steps and --symbol belong to --latex FILE")
+    notation = assignments(symbol or [])
+    from stickslip_sym import criteria, files
+
+    chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]
+    laws = _laws(law or [], everything)
+    if notation:
+        _check_notation(notation, laws)
+    forms, missing = [], []
+    for one in laws:
+        for wanted in chosen:
+            try:
+                forms.append(_derived(one, wanted, time_limit))
+            except NoClosedForm as error:
+                if len(chosen) == 1 and not everything:
+                    raise
+                missing.append((one, wanted.name, str(error)))
+    if not forms:
+        raise NoClosedForm(f"none of the criteria has a closed form: {missing[0][2]}")
+    texts = {path: _text(kind, forms, missing, notation, fragment, steps) for kind, path in targets.items()}
+    if len({path.resolve() for path in texts}) < len(targets):
+        raise InputError("two outputs have the same file; give each one of its own")
+    files.write_texts(texts)
+    for one, name, _ in missing:
+        typer.echo(f"no closed form: {one.name or one.text}, {name}; it is left out", err=True)
+    # /dev/stdout holds what was asked for, and nothing else.
+    streamed = any(path.exists() and not path.is_file() for path in texts)
+    count = "1 criterion" if len(forms) == 1 else f"{len(forms)} criteria"
+    for kind, path in targets.items():
+        typer.echo(f"{kind}: {count} in {path}", err=streamed)
+
+
+def _laws(texts: list[str], everything: bool) -> list[Any]:
+    from stickslip_sym.laws import catalogue
+
+    if everything:
+        if texts:
+            raise InputError(f"--all is every law already; leave out {', '.join(map(repr, texts))}")
+        return list(catalogue.values())
+    if not texts:
+        raise InputError("no law: give names (see: stickslip laws) or formulas in v, or --all")
+    for position, text in enumerate(texts):
+        if text in texts[:position]:
+            raise InputError(f"the law {text!r} is given twice; give it once")
+    return [read_law(text, None, extrapolate=False) for text in texts]
+
+
+def _check_notation(notation: dict[str, str], laws: list[Any]) -> None:
+    """Refuse symbols before anything is derived, which may take long."""
+    from stickslip_sym import symbols
+    from stickslip_sym.notation import check_known, notation_of
+
+    every = ["mu", *symbols.QUANTITIES]
+    check_known(notation, [*every, *(name for law in laws for name in law.parameters)])
+    for law in laws:
+        notation_of([*every, *law.parameters], notation)
+
+
+def _derived(law: Any, criterion: Any, time_limit: float) -> Any:
+    from stickslip_sym.closed_form import derive
+
+    with progress(time_limit) as say:
+        return derive(law, criterion, time_limit=time_limit, progress=say)
+
+
+def _text(
+    kind: str, forms: list[Any], missing: list[Any], notation: dict[str, str], fragment: bool, steps: bool
+) -> str:
+    from stickslip_sym import export as write
+    from stickslip_sym import keeping
+
+    if kind == "latex":
+        return write.export_latex(forms, symbols=notation, fragment=fragment, steps=steps, missing=missing)
+    if kind == "json":
+        return keeping.collection(forms)
+    writers = {"python": write.export_python, "c": write.export_c, "octave": write.export_octave}
+    return writers[kind](forms)

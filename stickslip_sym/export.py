@@ -1,0 +1,93 @@
+"""Closed forms as files for others: LaTeX, Python, C and Octave. JSON is `keeping`'s."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from stickslip_sym.closed_form import ClosedForm
+from stickslip_sym.code_text import c_code, octave_code, python_code
+from stickslip_sym.document import chapters, document
+from stickslip_sym.errors import InputError
+from stickslip_sym.evaluate import StableFunction
+
+__all__ = ["export_c", "export_latex", "export_octave", "export_python"]
+
+
+def export_latex(
+    forms: ClosedForm | Sequence[ClosedForm],
+    *,
+    symbols: Mapping[str, str] | None = None,
+    fragment: bool = False,
+    steps: bool = False,
+    missing: Sequence[tuple[Any, str, str]] = (),
+    time_limit: float = 5.0,
+) -> str:
+    r"""Return a LaTeX document about closed forms, or a fragment for ``\input``.
+
+    For each law: its formula, a table of symbols with units, and for each criterion the formula, numbered and
+    labelled ``eq:<law>-<criterion>``, its limits for low and high belt speeds, where it vanishes, and how it was
+    verified. Formulas are broken to fit a text of 120 mm; each stands as exact text in a comment beside it.
+
+    Parameters
+    ----------
+    forms : ClosedForm or sequence of ClosedForm
+    symbols : mapping of str to str, optional
+        Names and the LaTeX that they shall be printed as, e.g. ``{"V": "v_b", "alpha": r"\beta"}``.
+    fragment : bool
+        Leave out the preamble and the headings.
+    steps : bool
+        Print every step of the derivations.
+    missing : sequence of (FrictionLaw, str, str)
+        Laws, criteria that have no closed form for them, and why; the document says so.
+    time_limit : float
+        Seconds that SymPy may take for the limits of one criterion, where rules do not serve.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError
+        For symbols that cannot be used, or a law of measured points, which has no formula to print.
+    """
+    listed = _listed(forms)
+    return document(
+        listed, given=symbols or {}, fragment=fragment, steps=steps, missing=missing, time_limit=time_limit
+    )
+
+
+def export_python(forms: ClosedForm | Sequence[ClosedForm]) -> str:
+    """Return a NumPy module: one form as ``damping``, several as ``damping_<law>_<criterion>``."""
+    return python_code(*_named(forms))
+
+
+def export_c(forms: ClosedForm | Sequence[ClosedForm]) -> str:
+    """Return C99 that needs libm only; functions are named as by `export_python`."""
+    return c_code(*_named(forms))
+
+
+def export_octave(forms: ClosedForm | Sequence[ClosedForm]) -> str:
+    """Return an Octave script that defines functions; they are named as by `export_python`."""
+    return octave_code(*_named(forms))
+
+
+def _listed(forms: ClosedForm | Sequence[ClosedForm]) -> list[ClosedForm]:
+    listed = [forms] if isinstance(forms, ClosedForm) else list(forms)
+    if not listed:
+        raise InputError("there is nothing to export; give at least one closed form")
+    return listed
+
+
+def _named(forms: ClosedForm | Sequence[ClosedForm]) -> tuple[dict[str, StableFunction], str]:
+    """Return the functions by the names that they shall have, and a title."""
+    listed = _listed(forms)
+    if len(listed) == 1:
+        return {"damping": listed[0].function}, repr(listed[0])
+    found = {}
+    for number, (law, group) in enumerate(chapters(listed), 1):
+        for form in group:
+            name = f"damping_{law.name or f'law_{number}'}_{form.criterion.name}"
+            if name in found:
+                raise InputError(f"two of the forms would both be called {name}; give the laws different names")
+            found[name] = form.function
+    return found, f"{len(found)} damping criteria"

@@ -1,0 +1,184 @@
+r"""LaTeX set to a width: formulas broken into lines, and plain words with mathematics in them.
+
+A line breaks before a plus or a minus, at the outermost brackets where one fits; where a sum stands beside its
+fraction it may also break between the two. Widths are those of Computer Modern at 10 pt, estimated from
+above, so a formula that is broken here fits the text.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+
+__all__ = ["LINE", "displayed", "prose", "width"]
+
+LINE = 341.0  # points in 120 mm
+_NUMBER = 32.0  # of them for the number of the equation
+_INDENT = 20.0
+_HANGING = 0.25  # of a line; behind a longer left side nothing is aligned
+_LEAST = 0.3  # of a line, before which a break at outer brackets is not worth an empty half
+
+_TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[A-Za-z]|\d|\s+|.", re.S)
+_WIDE = {
+    "m": 8.9, "w": 7.2, "N": 8.6, "M": 9.9, "V": 6.6, "W": 9.8, "+": 12.3, "-": 12.3, "=": 13.4, "<": 13.4,
+    ">": 13.4, ",": 4.5, ";": 4.5, "/": 5.0, "(": 3.9, ")": 3.9, "[": 3.6, "]": 3.6, "'": 2.5, "I": 5.2, "J": 6.4,
+    r"\{": 5.0, r"\}": 5.0, r"\,": 1.7, r"\!": -1.7, r"\;": 2.8, r"\alpha": 6.5, r"\beta": 6.0, r"\gamma": 5.8,
+    r"\delta": 4.6, r"\theta": 4.9, r"\mu": 6.1, r"\pi": 5.9, r"\eta": 5.1, r"\int": 11.7, r"\quad": 10.0,
+    r"\infty": 10.0, r"\ln": 10.0, r"\sin": 14.2, r"\cos": 15.0, r"\tan": 15.6, r"\sinh": 19.8, r"\cosh": 20.6,
+    r"\tanh": 21.1, r"\coth": 20.6, r"\arctan": 29.5, r"\exp": 17.0, r"\to": 15.6, r"\sim": 13.4, r"\approx": 13.4,
+}  # fmt: skip
+_BIG = {r"\bigl": 0.8, r"\bigr": 0.8, r"\biggl": 2.2, r"\biggr": 2.2, r"\left": 1.6, r"\right": 1.6}
+_TEXTS = (r"\mathrm", r"\operatorname", r"\mathit", r"\text", r"\textrm")
+_SCRIPT = 0.76
+
+
+def width(latex: str) -> float:
+    """Return the width of a formula in points, seldom too small."""
+    return _row(_TOKEN.findall(latex), 0)[0]
+
+
+def _row(tokens: Sequence[str], start: int) -> tuple[float, int]:
+    """Return the width of the tokens up to the brace that closes the group, and where that is."""
+    total, i = 0.0, start
+    while i < len(tokens) and tokens[i] != "}":
+        part, i = _part(tokens, i)
+        total += part
+    return total, i
+
+
+def _part(tokens: Sequence[str], i: int) -> tuple[float, int]:
+    """Return the width of a token with its arguments, and where the next one begins."""
+    token = tokens[i]
+    if token == r"\frac":
+        top, i = _argument(tokens, i + 1)
+        below, i = _argument(tokens, i)
+        return max(top, below) + 3.0, i
+    if token == "{":
+        inner, i = _row(tokens, i + 1)
+        return inner, i + 1
+    if token == r"\sqrt" or token in _TEXTS or token in "^_":
+        inner, i = _argument(tokens, i + 1)
+        if token in "^_":
+            return _SCRIPT * inner + 0.6, i
+        return inner + {r"\sqrt": 9.0, r"\operatorname": 3.4}.get(token, 0.0), i
+    if token in _BIG or token.isspace():
+        return _BIG.get(token, 0.0), i + 1
+    return _WIDE.get(token, 7.4 if token.isupper() else 6.4 if token.startswith("\\") else 5.3), i + 1
+
+
+def _argument(tokens: Sequence[str], i: int) -> tuple[float, int]:
+    if i < len(tokens) and tokens[i] == "{":
+        inner, end = _row(tokens, i + 1)
+        return inner, end + 1
+    return _row(tokens[: i + 1], i)
+
+
+def displayed(left: str, right: str, *, relation: str = "=", label: str = "", tag: str = "") -> str:
+    """Return a displayed equation, broken to fit the text.
+
+    Parameters
+    ----------
+    left, right : str
+        The sides.
+    relation : str
+        What stands between them.
+    label : str
+        To number it and refer to it.
+    tag : str
+        To be printed instead of a number.
+    """
+    environment = "equation" if label else "equation*"
+    room = LINE - (_NUMBER if label or tag else 0.0)
+    mark = (f"  \\label{{{label}}}\n" if label else "") + (f"  \\tag*{{{tag}}}\n" if tag else "")
+    start = f"{left} {relation} "
+    if width(start + right) <= room:
+        return f"\\begin{{{environment}}}\n{mark}  {start}{right}\n\\end{{{environment}}}"
+    if width(start) <= _HANGING * room:
+        rows = _lines(right, room - width(start), room - width(start) - _INDENT)
+        rows = [f"{left} &{relation} {rows[0]}", *(f"&\\quad {row}" for row in rows[1:])]
+    else:
+        above = _lines(left, room, room - _INDENT)
+        below = _lines(right, room - 2 * _INDENT, room - 2 * _INDENT)
+        rows = ["& " + above[0], *(f"&\\quad {row}" for row in above[1:])]
+        rows += [f"&\\quad {{}}{relation} {below[0]}", *(f"&\\qquad {row}" for row in below[1:])]
+    inner = " \\\\\n  ".join(rows)
+    body = f"  \\begin{{split}}\n  {inner}\n  \\end{{split}}"
+    return f"\\begin{{{environment}}}\n{mark}{body}\n\\end{{{environment}}}"
+
+
+def _lines(latex: str, first: float, later: float) -> list[str]:
+    """Break a formula into lines of at most so many points, the first one of another length."""
+    places, end = _places(latex)
+    rows, begin, done, room = [], 0, 0.0, first
+    while end - done > room:
+        left = [place for place in places if place[0] > begin]
+        # What is wider than a line, and cannot be broken, stands alone at least.
+        fitting = [place for place in left if place[2] - done <= room] or left[:1]
+        if not fitting:
+            break
+        good = [place for place in fitting if place[2] - done >= _LEAST * room] or fitting
+        depth = min(place[1] for place in good)
+        position, _, before = max(place for place in good if place[1] == depth)
+        rows.append(latex[begin:position].rstrip())
+        begin, done, room = position, before, later
+    rows.append(latex[begin:])
+    return rows[:1] + [("{}" if row[0] in "+-" else r"{}\times ") + row for row in rows[1:]]
+
+
+def _places(latex: str) -> tuple[list[tuple[int, int, float]], float]:
+    r"""Return where a line may end, how deep in brackets and after how many points that is, and the whole width.
+
+    Never inside a group, or between \left and \right.
+    """
+    tokens = _TOKEN.findall(latex)
+    found, position, depth, fixed, total, i = [], 0, 0, 0, 0.0, 0
+    while i < len(tokens):
+        token = tokens[i]
+        apart = not fixed and i > 0 and tokens[i - 1].isspace()
+        if apart and token in "+-" and tokens[i + 1].isspace():
+            found.append((position, 2 * depth, total))
+        elif apart and token in (r"\bigl", r"\biggl"):
+            found.append((position, 2 * depth + 1, total))  # a product, rather than the sum inside
+        if token in (r"\left", r"\begin", r"\right", r"\end"):
+            fixed += 1 if token in (r"\left", r"\begin") else -1
+        elif token in ("(", "[", r"\{", ")", "]", r"\}"):
+            depth += 1 if token in ("(", "[", r"\{") else -1
+        part, following = _part(tokens, i)
+        total += part
+        position += sum(map(len, tokens[i:following]))
+        i = following
+    return found, total
+
+
+# -- words -----------------------------------------------------------------------------------------
+
+_ESCAPES = {character: "\\" + character for character in "&%$#_{}"} | {
+    "\\": r"\textbackslash{}", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}",
+    "<": "$<$", ">": "$>$", "|": r"\textbar{}", '"': "''",
+}  # fmt: skip
+_WORD = re.compile(r"(sqrt)\((\w+)\)|([A-Za-z]\w*)(?:\^(\d))?|(\d)[+]|(.)", re.S)
+
+
+def prose(text: str, names: Mapping[str, str] | None = None) -> str:
+    """Return plain words as LaTeX; names of symbols in them become mathematics.
+
+    Parameters
+    ----------
+    text : str
+    names : mapping of str to str
+        LaTeX of the symbols; single letters count only if they are among them.
+    """
+    known = names or {}
+
+    def word(match: re.Match[str]) -> str:
+        root, radicand, name, power, number, other = match.groups()
+        if root:
+            return f"$\\sqrt{{{known.get(radicand, radicand)}}}$"
+        if number:
+            return f"${number}^{{+}}$"
+        if name is None:
+            return _ESCAPES.get(other, other)
+        if name in known:
+            return f"${known[name]}{f'^{{{power}}}' if power else ''}$"
+        return "".join(_ESCAPES.get(c, c) for c in name) + (f"$^{{{power}}}$" if power else "")
+
+    # After an abbreviation TeX would leave the space that follows a sentence.
+    return re.sub(r"\b(e\.g\.|eq\.) ", r"\1~", _WORD.sub(word, text)).replace(" - ", " $-$ ")

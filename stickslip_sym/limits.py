@@ -1,0 +1,164 @@
+"""A criterion at the ends of its range, V -> 0 and V -> infinity, and the belt speeds at which it vanishes.
+
+A criterion averages -N mu' over slip speeds from 0 to 2 V with a bounded weight of unit integral. So where mu' has
+a finite limit as v falls to 0, every criterion tends to -N times that as V does, and likewise at infinity; where
+mu' grows like v^n, a criterion grows like the mean of (1 + s)^n. What is left is the limit of the slope: by
+rules where they serve, else by SymPy in a process that is killed when its time is up.
+"""
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from stickslip_sym import search, symbols
+from stickslip_sym.closed_form import ClosedForm
+from stickslip_sym.errors import StickSlipError
+from stickslip_sym.tidy import tidy
+from stickslip_sym.transition import transition_speed
+
+__all__ = ["Ends", "Zeros", "ends", "zeros"]
+
+_BOUNDED = (sp.tanh, sp.atan, sp.erf, sp.sin, sp.cos)
+
+
+@dataclass(frozen=True)
+class Ends:
+    """What a criterion tends to.
+
+    Attributes
+    ----------
+    at_rest : sympy.Expr or None
+        Its limit as V falls to 0; None where it was not found.
+    far : sympy.Expr or None
+        Its limit as V grows, or its leading term there if that has V in it; None where it was not found.
+    """
+
+    at_rest: Any | None
+    far: Any | None
+
+
+def ends(form: ClosedForm, *, time_limit: float = 5.0) -> Ends:
+    """Return the limits of a criterion for low and for high belt speeds.
+
+    Parameters
+    ----------
+    form : ClosedForm
+    time_limit : float
+        Seconds that SymPy may take where rules do not serve, for both.
+    """
+    # Positive, where the slip speed may be 0: only then SymPy knows that exp(-v) falls.
+    speed = symbols.V
+    slope = form.law.slope_expr.xreplace({symbols.v: speed})
+    deadline = time.monotonic() + time_limit
+    at_rest, far = _slope_at_rest(slope, deadline), _slope_far(slope, form, deadline)
+    return Ends(
+        *(None if found is None else tidy(-symbols.N * found, form.law.expr, speed) for found in (at_rest, far))
+    )
+
+
+def _slope_at_rest(slope: Any, deadline: float) -> Any | None:
+    if slope.has(sp.Piecewise):
+        return None  # its first piece may end at 0
+    roots = [power for power in slope.atoms(sp.Pow) if power.base.subs(symbols.V, 0) == 0]
+    if all(power.exp.is_nonnegative for power in roots):
+        value = slope.subs(symbols.V, 0)  # what is finite there is continuous
+        if not value.has(sp.zoo, sp.nan, sp.oo):
+            return value
+    return search.limit(slope, symbols.V, sp.S.Zero, deadline)
+
+
+def _slope_far(slope: Any, form: ClosedForm, deadline: float) -> Any | None:
+    """Return the limit of a criterion over -N, or its leading term, as V grows."""
+    V = symbols.V
+    monomials: dict[int, Any] = {}
+    for term in sp.Add.make_args(sp.expand(slope)):
+        coefficient, power = term.as_independent(V)[0], sp.degree(term, V) if term.is_polynomial(V) else None
+        if power is not None:
+            monomials[power] = monomials.get(power, 0) + coefficient
+            continue
+        growth = _growth(term)
+        if growth is None or not growth < 0:
+            return search.limit(slope, V, sp.oo, deadline)
+    monomials = {power: sp.factor(total) for power, total in monomials.items() if sp.factor(total) != 0}
+    top = max(monomials, default=0)
+    constant = monomials.get(top, sp.S.Zero)
+    return constant * _mean_power(form, top) * V**top
+
+
+def _mean_power(form: ClosedForm, n: int) -> Any:
+    """Return the mean of (1 + s)^n."""
+    if form.criterion.weight is None:
+        return sp.S.One
+    return sp.Add(*[sp.binomial(n, 2 * j) * form.criterion.even_moment(j) for j in range(n // 2 + 1)])
+
+
+def _growth(expr: Any) -> Any | None:
+    """Return a bound on the power of V like which an expression grows; None where no rule gives one."""
+    V = symbols.V
+    if not expr.has(V) or isinstance(expr, _BOUNDED):
+        return sp.S.Zero
+    if expr == V:
+        return sp.S.One
+    if isinstance(expr, sp.exp | sp.sech):
+        argument = expr.args[0]
+        inside = None if argument.is_Add else _growth(argument)
+        dies = inside is not None and inside.is_positive and (argument.is_negative or isinstance(expr, sp.sech))
+        return -sp.oo if dies else None
+    parts = [_growth(argument) for argument in expr.args]
+    if any(part is None for part in parts):
+        return None
+    if expr.is_Mul:
+        return sp.Add(*parts)
+    if expr.is_Add:
+        return sp.Max(*parts)
+    if expr.is_Pow and not expr.exp.has(V):
+        # Terms of opposite signs may leave a base smaller than its largest term: no bound for one over it.
+        cancels = expr.base.is_Add and not all(term.is_positive for term in expr.base.args)
+        return None if expr.exp.is_negative and cancels else parts[0] * expr.exp
+    return None
+
+
+@dataclass(frozen=True)
+class Zeros:
+    """The belt speeds at which a criterion vanishes: the transition speeds of the undamped oscillator.
+
+    Attributes
+    ----------
+    formula : sympy.Expr or None
+        The one positive zero, where it has a formula.
+    values : tuple of float or None
+        The zeros for typical parameters, in m/s; None where there is a formula, or they are not known.
+    everywhere : bool
+        Whether the criterion is 0 at all belt speeds.
+    """
+
+    formula: Any | None
+    values: tuple[float, ...] | None
+    everywhere: bool = False
+
+
+def zeros(form: ClosedForm) -> Zeros:
+    """Return the belt speeds at which a criterion vanishes, by formula or for the typical parameters."""
+    V = symbols.V
+    if form.expr == 0:
+        return Zeros(None, None, True)
+    numerator = sp.numer(sp.together(form.expr))
+    if numerator.is_polynomial(V):
+        polynomial = sp.Poly(sp.expand(numerator), V)
+        powers = [monomial[0] for monomial in polynomial.monoms()]
+        if len(powers) == 1:
+            return Zeros(None, ())
+        if len(powers) == 2 and powers[1] == 0:
+            found = sp.factor(-polynomial.nth(0) / polynomial.nth(powers[0])) ** sp.Rational(1, powers[0])
+            if found.is_positive:
+                return Zeros(found, None)
+    law = form.law.typical()
+    if law.missing:
+        return Zeros(None, None)
+    try:
+        speeds = transition_speed(law, c=0.0, N=1.0, method=form.criterion.name)
+    except StickSlipError:
+        return Zeros(None, None)
+    return Zeros(None, tuple(speed.value for speed in speeds))

@@ -1,0 +1,131 @@
+r"""How symbols are written in LaTeX: ``mu_s`` is ``\mu_{\mathrm{s}}``, unless the user wants it otherwise.
+
+Subscripts that are letters describe, so they stand upright; subscripts that are numbers count. What a user
+gives instead goes into the document as it is, so only commands that print a symbol may stand in it.
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+
+from stickslip_sym.errors import InputError
+from stickslip_sym.values import suggestion
+
+__all__ = ["check_known", "latex_name", "notation_of"]
+
+_GREEK = frozenset(
+    {
+        "alpha", "beta", "gamma", "delta", "epsilon", "varepsilon", "zeta", "eta", "theta", "vartheta", "iota",
+        "kappa", "lambda", "mu", "nu", "xi", "pi", "varpi", "rho", "varrho", "sigma", "varsigma", "tau", "upsilon",
+        "phi", "varphi", "chi", "psi", "omega",
+        "Gamma", "Delta", "Theta", "Lambda", "Xi", "Pi", "Sigma", "Upsilon", "Phi", "Psi", "Omega",
+    }
+)  # fmt: skip
+_SPELLED = {"lamda": "lambda", "Lamda": "Lambda"}  # lambda is a word of Python
+_STYLES = frozenset(
+    {
+        "mathrm", "mathit", "mathbf", "mathsf", "mathcal", "mathbb", "boldsymbol", "text", "operatorname",
+        "hat", "widehat", "tilde", "widetilde", "bar", "overline", "underline", "vec", "dot", "ddot",
+        "ell", "hbar", "star", "ast", "prime", "circ", "dagger", "perp", "parallel", "infty", ",", "!", ";",
+    }
+)  # fmt: skip
+_COMMAND = re.compile(r"\\([A-Za-z]+|.|$)", re.S)
+_FOREIGN = re.compile(r"[^A-Za-z0-9\\{}_^ ,;!'*+-]")
+_PARTS = re.compile(r"([A-Za-z]+?)_?(\d*)")
+_LONGEST = 60
+
+
+def latex_name(name: str) -> str:
+    r"""Return the LaTeX of a symbol's name, e.g. ``v_{\mathrm{m}}`` for ``v_m`` and ``a_{1}`` for ``a1``."""
+    head, *subscripts = (part for part in name.split("_") if part)
+    match = _PARTS.fullmatch(head)
+    if match and match[2]:
+        head, subscripts = match[1], [match[2], *subscripts]
+    written = [part if part.isdigit() else f"\\mathrm{{{part}}}" for part in subscripts]
+    return _base(head) + (f"_{{{','.join(written)}}}" if written else "")
+
+
+def _base(word: str) -> str:
+    word = _SPELLED.get(word, word)
+    if word in _GREEK:
+        return f"\\{word}"
+    return word if len(word) == 1 else f"\\mathit{{{word}}}"
+
+
+def notation_of(names: Iterable[str], given: Mapping[str, str] | None = None) -> dict[str, str]:
+    """Return the LaTeX of each name, with what is given put in place.
+
+    Raises
+    ------
+    InputError
+        For LaTeX that may not be used, or two symbols that would look the same.
+    """
+    given = {name: latex for name, latex in (given or {}).items() if latex is not None}
+    found: dict[str, str] = {}
+    looks: dict[str, str] = {}
+    for name in names:
+        if name in given:
+            latex = given[name]
+            _check(name, latex)
+        else:
+            latex = latex_name(name)
+            if _look(latex) in looks and looks[_look(latex)] not in given:  # a1 beside a_1
+                latex = f"\\mathit{{{name}}}".replace("_", r"\_")
+        other = looks.setdefault(_look(latex), name)
+        if other != name:
+            raise InputError(
+                f"{other} and {name} would both be printed as {latex!r}; choose another symbol for one"
+            )
+        found[name] = latex
+    return found
+
+
+def check_known(given: Mapping[str, str], names: Iterable[str]) -> None:
+    """Refuse notation for a symbol that does not occur.
+
+    Raises
+    ------
+    InputError
+        With the closest name.
+    """
+    known = list(dict.fromkeys(names))
+    for name in given:
+        if name not in known:
+            raise InputError(
+                f"there is no symbol {name[:40]!r} to print otherwise{suggestion(name, known)}; "
+                f"there are: {', '.join(known)}"
+            )
+
+
+def _check(name: str, latex: str) -> None:
+    r"""Refuse LaTeX that is no symbol, or that could do more than print one.
+
+    Raises
+    ------
+    InputError
+        With what cannot be used, and examples of what can.
+    """
+    example = r"write a symbol such as v_b, \beta or v_{\mathrm{belt}}"
+    if not isinstance(latex, str) or not latex.strip() or len(latex) > _LONGEST:
+        raise InputError(f"the LaTeX of {name} is a text of 1 to {_LONGEST} characters; {example}")
+    if foreign := _FOREIGN.search(latex):
+        raise InputError(f"the LaTeX of {name}, {latex!r}, has the character {foreign[0]!r}; {example}")
+    for command in _COMMAND.findall(latex):
+        if command not in _GREEK and command not in _STYLES:
+            raise InputError(f"the LaTeX of {name} has the command \\{command}, which prints no symbol; {example}")
+    depth = 0
+    for character in latex:
+        depth += (character == "{") - (character == "}")
+        if depth < 0:
+            break
+    if depth:
+        raise InputError(f"the braces of the LaTeX of {name}, {latex!r}, do not match; {example}")
+    bare = re.sub(r"\{[^{}]*(\{[^{}]*\}[^{}]*)*\}", "{}", latex)
+    if bare.count("_") > 1 or bare.count("^") + ("'" in bare) > 1 or re.search(r"[_^]\s*([_^]|$)|^\s*[_^']", bare):
+        raise InputError(
+            f"the LaTeX of {name}, {latex!r}, has a subscript or superscript of nothing, or two of them; {example}"
+        )
+
+
+def _look(latex: str) -> str:
+    """Return what two symbols that look alike have in common."""
+    return re.sub(r"\\mathrm|[{} ]", "", latex)

@@ -1,0 +1,165 @@
+"""LaTeX as a person writes it, and read back by a parser that shares nothing with the printer."""
+
+import re
+
+import latex_reader
+import mpmath
+import pytest
+import sympy as sp
+from test_catalogue import form_of
+
+import stickslip_sym as ss
+from stickslip_sym import layout, printing, symbols
+from stickslip_sym.notation import latex_name, notation_of
+from stickslip_sym.special import Lerch
+
+V, N, v = symbols.V, symbols.N, symbols.v
+a, b, mu_s, mu_m, alpha = (sp.Symbol(name, positive=True) for name in ("a", "b", "mu_s", "mu_m", "alpha"))
+
+
+@pytest.mark.parametrize(
+    ("name", "latex"),
+    [
+        ("mu_s", r"\mu_{\mathrm{s}}"), ("v_0", "v_{0}"), ("a1", "a_{1}"), ("alpha", r"\alpha"),
+        ("lamda", r"\lambda"),
+        ("beta_x_1", r"\beta_{\mathrm{x},1}"), ("drop", r"\mathit{drop}"), ("D", "D"),
+        ("Alpha", r"\mathit{Alpha}"),
+        ("mu_static", r"\mu_{\mathrm{static}}"),
+    ],
+)  # fmt: skip
+def test_names(name, latex):
+    assert latex_name(name) == latex
+
+
+@pytest.mark.parametrize(
+    ("expr", "latex"),
+    [
+        (sp.exp(-alpha * V), r"\mathrm{e}^{-\alpha V}"),
+        (sp.exp(-(V / a) ** b), r"\exp\bigl[-(V/a)^{b}\bigr]"),
+        (V * alpha * N / 2, r"\frac{N \alpha V}{2}"),
+        ((a - b) / (1 + v / a), r"\frac{a - b}{1 + v/a}"),
+        (sp.besseli(1, alpha * V) / V, r"\frac{I_{1}(\alpha V)}{V}"),
+        (sp.log(1 + V / a), r"\ln(1 + V/a)"),
+        (N * (a - b) * (1 + V + V**2) / V, r"\frac{N (a - b)}{V} (V^{2} + V + 1)"),
+        (sp.tanh(V) ** 2, r"\tanh^{2}(V)"),
+        (-sp.Rational(5, 2), r"-\frac{5}{2}"),
+        (sp.Integral(sp.sin(v), (v, 0, 2 * V)), r"\int_{0}^{2 V} \sin(v) \,\mathrm{d}v"),
+        (sp.Eq(a, b, evaluate=False), "a = b"),
+    ],
+)  # fmt: skip
+def test_conventions(expr, latex):
+    assert printing.latex(expr) == latex
+
+
+def test_notation_may_be_replaced():
+    form = form_of("exponential", "equilibrium")
+    assert form.latex() == r"c = N \alpha (\mu_{\mathrm{s}} - \mu_{\mathrm{m}}) \,\mathrm{e}^{-\alpha V}"
+    renamed = form.latex({"V": "v_b", "alpha": r"\beta", "c": r"c_{\mathrm{crit}}"})
+    assert (
+        renamed == r"c_{\mathrm{crit}} = N \beta (\mu_{\mathrm{s}} - \mu_{\mathrm{m}}) \,\mathrm{e}^{-\beta v_b}"
+    )
+    assert printing.latex(V**2, {"V": "V'"}) == "{V'}^{2}"
+
+
+@pytest.mark.parametrize(
+    ("latex", "complaint"),
+    [
+        (r"\input{secret}", r"command \\input"), (r"\write18{ls}", r"command \\write"), ("{v", "do not match"),
+        ("}v{", "do not match"), ("$v$", r"character '\$'"), ("v%", "character '%'"), ("", "1 to 60 characters"),
+        ("v_", "of nothing"), ("v_a_b", "two of them"), ("v\n", "character"), ("v" * 61, "1 to 60"),
+        (r"\mu_s", "would both be printed"), (r"\def\a{}", r"command \\def"), ("v#1", "character '#'"),
+        ("v\\", r"command \\"),
+    ],
+)  # fmt: skip
+def test_notation_that_prints_no_symbol_is_refused(latex, complaint):
+    with pytest.raises(ss.InputError, match=complaint):
+        form_of("exponential", "equilibrium").latex({"alpha": latex})
+
+
+def test_unknown_symbols_are_suggested():
+    with pytest.raises(ss.InputError, match=r"no symbol 'alpa' to print otherwise.*did you mean 'alpha'"):
+        form_of("exponential", "equilibrium").latex({"alpa": "x"})
+
+
+def test_names_that_look_alike_are_told_apart():
+    assert notation_of(["a1", "a_1"]) == {"a1": "a_{1}", "a_1": r"\mathit{a\_1}"}
+
+
+def test_lines_break_at_the_outermost_sum():
+    terms = sp.Add(*[sp.Symbol(f"a_{i}") * (b - sp.Symbol(f"d_{i}")) for i in range(14)])
+    right = printing.latex(terms)
+    shown = layout.displayed("c", right, label="eq:x")
+    rows = shown.split("\\\\\n")
+    assert len(rows) > 2
+    assert all(layout.width(row.replace("&", "")) < layout.LINE for row in rows[1:])
+    assert all(row.strip().startswith("&\\quad {}+") for row in rows[1:])
+    assert layout.displayed("c", "a + b") == "\\begin{equation*}\n  c = a + b\n\\end{equation*}"
+
+
+def test_prose():
+    words = layout.prose("coefficient of v^3 at v = 0+, 5% & more, e.g. v_s/sqrt(2) < 1", {"v": "v", "v_s": "v_s"})
+    assert words == r"coefficient of $v^{3}$ at $v$ = $0^{+}$, 5\% \& more, e.g.~$v_s$/$\sqrt{2}$ $<$ 1"
+
+
+def test_the_reader_reads():
+    """What the reader is trusted with, by hand."""
+    values = {"x": mpmath.mpf(3), "y": mpmath.mpf(4)}
+    assert latex_reader.read(r"2 x/(y x) - \frac{x}{2} \bigl[1 + x^{2}\bigr]", values) == mpmath.mpf("0.5") - 15
+    assert latex_reader.read(r"-x^{-1/2} \sqrt{y}", values) == pytest.approx(-2 / mpmath.sqrt(3))
+    assert latex_reader.read(r"\mathrm{e}^{-x} I_{1}(y)", values) == pytest.approx(
+        mpmath.exp(-3) * mpmath.besseli(1, 4)
+    )
+    with pytest.raises(AssertionError):
+        latex_reader.read(r"\frac{x}{y", values)
+
+
+def test_a_wrong_formula_is_seen():
+    """The negative control: a sign, a power or a factor more would be noticed."""
+    form = form_of("exponential", "least_squares")
+    tex = ss.export_latex(form, time_limit=0)
+    assert agrees(form, tex)
+    assert not agrees(form, tex.replace(r"2 \alpha^{4} V^{5}", r"2 \alpha^{3} V^{5}"))
+    assert not agrees(form, tex.replace("- 3 ", "+ 3 "))
+
+
+def point_of(form, number):
+    """A scene near the typical one, and the same by the LaTeX of its symbols."""
+    values = {"V": "0.31", "N": "2.5"} | {p.name: p.typical for p in form.law.parameters.values()}
+    exact = {name: sp.Rational(value) * sp.Rational(37 + number, 36) for name, value in values.items()}
+    return exact, {latex_name(name): mpmath.mpf(int(x.p)) / int(x.q) for name, x in exact.items()}
+
+
+def agrees(form, tex):
+    """Whether the formula of a document, and the exact text beside it, have the values of the form."""
+    names = {symbol.name: symbol for symbol in form.arguments.values()} | {"Lerch": Lerch}
+    label = f"eq:{form.law.name}-{form.criterion.name}"
+    (found,) = [block for block in latex_reader.equations(tex) if block[0] == label]
+    _, exact, shown, definitions = found
+    if sp.sympify(exact, locals=names) != form.expr:
+        with mpmath.workdps(30):
+            point, _ = point_of(form, 0)
+            values = {form.arguments[name]: value for name, value in point.items()}
+            if abs(sp.N((sp.sympify(exact, locals=names) - form.expr).subs(values), 20)) > 1e-15:
+                return False
+    for number in range(2):
+        with mpmath.workdps(50):
+            point, by_latex = point_of(form, number)
+            waiting = [latex_reader.sides(text) for text in definitions]
+            while waiting:  # what stands in another definition comes first
+                for left, right in list(waiting):
+                    if not any(other in right for other, _ in waiting if other != left):
+                        by_latex[left] = latex_reader.read(right, by_latex)
+                        waiting.remove((left, right))
+            left, right = latex_reader.sides(shown)
+            assert left == "c"
+            got = latex_reader.read(right, by_latex)
+            expected = form.evaluate(20, **point)
+            if not abs(got - expected) <= mpmath.mpf("1e-18") * max(abs(expected), mpmath.mpf("1e-300")):
+                return False
+    return True
+
+
+def test_derivations_print_every_step():
+    text = form_of("exponential", "least_squares").derivation.latex()
+    assert len(re.findall(r"\\begin\{equation\*\}", text)) == 4
+    assert r"\int_{0}^{2 V}" in text
