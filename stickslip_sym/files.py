@@ -70,6 +70,8 @@ def _write_all(contents: Mapping[Path, bytes]) -> None:
 def _refusing(path: Path) -> Iterator[None]:
     try:
         yield
+    except BrokenPipeError:  # of /dev/stdout: a reader that has read enough is no bad input
+        raise
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"cannot write {str(path)!r}: {reason}; choose another file") from None

@@ -234,7 +234,7 @@ def test_the_gate_alone_refutes(monkeypatch):
 def test_latex_and_repr(law):
     form = ss.derive(law)
     assert form.latex().startswith("c = \\frac{")
-    assert "\\mu_{s} - \\mu_{m}" in form.latex()
+    assert r"\mu_{\mathrm{s}} - \mu_{\mathrm{m}}" in form.latex()
     assert form._repr_latex_() == f"$\\displaystyle {form.latex()}$"
     assert repr(form) == f"ClosedForm: {law.name}, least_squares, PROVED"
     assert "\\mu(v) = " in law._repr_latex_()
