@@ -144,9 +144,8 @@ def _left_out(ax: Any, law: FrictionLaw, osc: Oscillator, needed: float) -> None
     ax.plot(rest, 0, marker="+", markersize=8, markeredgewidth=1.4, color=BLUE)
     cycles = limit_cycles(law, osc)
     for cycle in cycles:
-        start = _crest(law, osc, cycle)
-        for part in pieces(start):
-            style = LEFT_OUT if not cycle.stable else LEFT_OUT | {"linestyle": "-"}
+        style = LEFT_OUT | {"linestyle": "-"} if cycle.stable else LEFT_OUT
+        for part in pieces(_one_period(law, osc, cycle)):
             ax.plot(part.x, part.v, **style)
     words = [f"rest {'stable' if holds else 'unstable'}"]
     words += [f"slip cycle {'stable' if cycle.stable else 'unstable'}" for cycle in cycles]
@@ -164,7 +163,7 @@ def _left_out(ax: Any, law: FrictionLaw, osc: Oscillator, needed: float) -> None
         )
 
 
-def _crest(law: FrictionLaw, osc: Oscillator, cycle: LimitCycle) -> Trajectory:
+def _one_period(law: FrictionLaw, osc: Oscillator, cycle: LimitCycle) -> Trajectory:
     """Simulate one period of a limit cycle from its highest velocity, where the forces balance."""
     v = cycle.amplitude
     x = (osc.N * float(law.mu(osc.V - v)) - osc.c * v) / osc.k

@@ -44,8 +44,6 @@ class PaperFigure:
 
 _STICK = "Thick lines are stick."
 _DAMPINGS = {id: tuple(map(float, PRINTED[id]["dampings"])) for id in ("F3", "F4")}
-
-
 _LATER = (
     "The peaks of the velocity over 25 s: whether a motion sticks for ever, comes to rest, or tends "
     "to a limit cycle in slip, which five seconds do not tell."

@@ -14,14 +14,14 @@ from paper_checks.figure_style import svg_uri
 from paper_checks.figures import FIGURES
 from paper_checks.findings import Finding, summary
 from paper_checks.formulas import EQUATIONS
-from paper_checks.scene import LAWS, law
+from paper_checks.scene import LAWS, law, oscillator
 from paper_checks.terminal import SHORT
 from stickslip_sym.tradeoff import Way
 from stickslip_sym.tradeoff_thresholds import SPEEDS, threshold_tradeoff
 
 __all__ = ["SCENE", "Report", "write"]
 
-SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+SCENE = {name: getattr(oscillator(), name) for name in "VNmk"}
 _PACKAGES = ("stickslip_sym", "sympy", "mpmath", "numpy", "scipy", "matplotlib")
 _FORMAT = 1
 

@@ -29,6 +29,8 @@ from stickslip_sym.orbit import orbits
 LAWS = ("exponential", "polynomial")
 SPEEDS = np.arange(1, 101) / 100
 """The belt speeds of Figs. 6, 7 and 10, in m/s."""
+AT_05 = 49
+"""Where V = 0.5 m/s is among them, the speed of section 3."""
 
 _EXACT = 1e-10  # error of a threshold here, as a part of the largest slope on the orbit
 _PERIODS = 20  # of a motion, about
@@ -62,7 +64,9 @@ def thresholds(name: str, mu_m: str = "0.2", k: float = 100.0) -> Any:
 def over_speeds(expr: Any, name: str, speeds: Any = SPEEDS) -> Any:
     """Return a formula with the paper's parameters at belt speeds."""
     known = {law(name).parameters[given].symbol: value for given, value in law(name).values.items()}
-    return np.broadcast_to(sp.lambdify(symbols.V, expr.subs(known | {symbols.N: 9.81}))(speeds), np.shape(speeds))
+    return np.broadcast_to(
+        sp.lambdify(symbols.V, expr.subs(known | {symbols.N: oscillator().N}))(speeds), np.shape(speeds)
+    )
 
 
 @cache

@@ -7,6 +7,7 @@ import pytest
 
 from paper_checks.conftest import Find
 from paper_checks.scene import (
+    AT_05,
     LAWS,
     SPEEDS,
     is_criterion,
@@ -17,7 +18,7 @@ from paper_checks.scene import (
     threshold,
     thresholds,
 )
-from paper_checks.wording import listed
+from paper_checks.wording import listed, percent
 from stickslip_sym import classify, limit_cycles
 
 CONSTANT = 1e-3  # change of an amplitude or a period, relative, that counts as none
@@ -108,11 +109,12 @@ def test_F6_exponential_law(find: Find, printed: dict[str, Any]) -> None:
     }
     worst = {name: int(np.argmax(abs(values))) for name, values in off.items()}
     sizes = {name: float(abs(values).max()) for name, values in off.items()}
+    here = percent(*(values[AT_05] for values in off.values()))
     find(
         ours=f"(17) within {sizes['(17)']:.1%}, equilibrium {sizes['equilibrium']:.0%}",
         evidence="largest deviation from the exact threshold: "
         + "; ".join(f"{name} {100 * off[name][i]:+.2f} % at V = {SPEEDS[i]:g} m/s" for name, i in worst.items())
-        + f"; at V = 0.5 m/s they are {100 * off['(17)'][49]:+.2f} % and {100 * off['equilibrium'][49]:+.2f} %",
+        + f"; at V = 0.5 m/s they are {here}",
         difference=f"{100 * off['(17)'][worst['(17)']]:+.2f} % at most",
         reproduced=min(sizes, key=lambda name: sizes[name]) == printed["closer"]
         and is_criterion(printed["equilibrium"], "exponential", "equilibrium")
@@ -147,8 +149,8 @@ def test_F7_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
         f"Galvanetto & Bishop {'everywhere' if beats_equilibrium else 'not everywhere'}; as k grows, it is "
         f"closer than Thomsen & Fidlin at some V <= 1 m/s {stiff} (tried to 1e6 N/m): theirs is the limit of "
         "weak friction",
-        difference=f"{100 * (values['(18)'] / thresholds('polynomial') - 1)[49]:+.2f} % at V = 0.5 m/s, "
-        f"Thomsen & Fidlin {100 * (values[THOMSEN] / thresholds('polynomial') - 1)[49]:+.2f} %",
+        difference=f"{100 * (values['(18)'] / thresholds('polynomial') - 1)[AT_05]:+.2f} % at V = 0.5 m/s, "
+        f"Thomsen & Fidlin {100 * (values[THOMSEN] / thresholds('polynomial') - 1)[AT_05]:+.2f} %",
         reproduced=theirs and bool(here.all()) and beats_equilibrium,
         qualified=theirs
         and min(sizes, key=lambda name: sizes[name]) == printed["closest"]

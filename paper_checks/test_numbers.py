@@ -50,7 +50,9 @@ def pure_slip(name: str) -> tuple[float, float, float]:
     """Return the damping that the scan gives, that of the graze, and that of a peak at the band's edge."""
     scene = oscillator()
     scanned = pure_slip_by_scan(law(name), scene, SCAN)
-    exact = pure_slip_damping(law(name), V=scene.V, N=scene.N, m=1.0, k=100.0, method="simulation", rtol=1e-11)
+    exact = pure_slip_damping(
+        law(name), V=scene.V, N=scene.N, m=scene.m, k=scene.k, method="simulation", rtol=1e-11
+    )
     banded = peaks_at(name, scene.V - SCAN.band)
     return scanned, float(exact.value), banded
 

@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from derivations import chapter, paper
 from paper_checks.conftest import Find
 from paper_checks.scene import (
+    AT_05,
     LAWS,
     SPEEDS,
     closed_form,
@@ -30,10 +31,9 @@ from stickslip_sym.symbols import V, k, m, v
 
 NONE = 1e-6  # a relative change that may be the error of what is computed
 SLIGHT = 0.01  # relative error of a criterion that no figure of the paper shows
-NEARLY = 0.03  # between the harmonic criterion and the exact threshold of a fast belt
 ERRS = 0.05  # and one that matters
+NEARLY = 0.03  # between the harmonic criterion and the exact threshold of a fast belt
 FAST = np.array([100.0, 1000.0])  # m/s
-AT_05 = 49  # index of V = 0.5 m/s in SPEEDS
 MU_S, MU_M = (paper.polynomial[name] for name in ("mu_s", "mu_m"))
 D = sp.Symbol("D", positive=True)
 """The difference of the coefficients, mu_s - mu_m."""

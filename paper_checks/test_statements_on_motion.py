@@ -17,9 +17,7 @@ from stickslip_sym.symbols import V
 
 NONE = 1e-6  # a relative change that may be the error of what is computed
 SLIGHT = 0.01  # one that no figure of the paper shows
-HARMONIC = (
-    0.05  # total harmonic distortion below which a wave is taken for a sine, as of a mains voltage (IEEE 519)
-)
+HARMONIC = 0.05  # total harmonic distortion up to which a wave is taken for a sine, the mains' (IEEE 519)
 CLOSED = 1e-6  # of V, between the ends of a period of the orbit at the threshold
 SAME_RATE = 0.02  # the printed damping is 0.001 kg/s off the orbit's own
 SCALES = np.array([0.1, 0.5, 2.0, 10.0])  # of the natural frequency
@@ -59,7 +57,8 @@ def test_S2_natural_frequency(find: Find, printed: dict[str, Any]) -> None:
 
 def next_peak(name: str, osc: Oscillator) -> float:
     """Return the velocity in m/s at the peak after the slip from P, from (2) integrated as it stands."""
-    mu, start = law(name).mu, (0.5 * osc.N - osc.c * osc.V) / osc.k
+    mu = law(name).mu
+    start = (mu(0.0) * osc.N - osc.c * osc.V) / osc.k
 
     def acceleration(_: float, y: Any) -> float:
         return float(osc.N * mu(max(osc.V - y[1], 0.0)) - osc.c * y[1] - osc.k * y[0]) / osc.m

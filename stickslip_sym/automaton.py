@@ -14,7 +14,7 @@ import numpy as np
 from stickslip_sym.engines import follower
 from stickslip_sym.errors import InputError
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene, check_rtol, real
+from stickslip_sym.oscillator import Oscillator, Scene, read_rtol, real
 from stickslip_sym.slip_phase import SlipPhase
 from stickslip_sym.steppers import Point
 from stickslip_sym.trajectory import Event, EventKind, Outcome, Phase, Stretch, Trajectory
@@ -83,12 +83,14 @@ def simulate(
     t_end, x0, v0 = real("t_end", t_end), real("x0", x0), real("v0", osc.V if v0 is None else v0)
     if t_end <= 0:
         raise InputError(f"t_end = {t_end:g} must be positive")
-    check_rtol(rtol)
-    if not real("max_steps", max_steps) >= 1:
+    rtol = read_rtol(rtol)
+    max_steps = int(real("max_steps", max_steps))
+    if max_steps < 1:
         raise InputError(f"max_steps = {max_steps} must be at least 1")
-    if time_limit is not None and not real("time_limit", time_limit) > 0:
-        raise InputError(f"time_limit = {time_limit:g} s must be positive")
-    deadline = math.inf if time_limit is None else time.monotonic() + time_limit
+    seconds = math.inf if time_limit is None else real("time_limit", time_limit)
+    if seconds <= 0:
+        raise InputError(f"time_limit = {seconds:g} s must be positive")
+    deadline = time.monotonic() + seconds
     scene = Scene.of(law, osc)
     recorder = _Recorder(law, osc)
     horizon = t_end * osc.omega

@@ -12,7 +12,7 @@ from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, real
 from stickslip_sym.values import suggestion
 
-__all__ = ["SCENE", "Axis", "fixed_values", "read_axes", "read_values"]
+__all__ = ["SCENE", "Axis", "fixed_values", "read_axes", "read_values", "require_few"]
 
 SCENE = ("V", "N", "m", "k", "c")
 _MOST_CELLS = 1_000_000

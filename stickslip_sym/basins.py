@@ -15,7 +15,7 @@ from stickslip_sym.columns import MOTIONS
 from stickslip_sym.errors import NotConverged, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.law_content import law_of_text, text_of_law
-from stickslip_sym.oscillator import Oscillator, check_rtol
+from stickslip_sym.oscillator import Oscillator, read_rtol
 from stickslip_sym.regimes import Regime, regime
 from stickslip_sym.workers import Workers
 
@@ -127,7 +127,7 @@ def basin_map(
     NotConverged
         If the attractors are not found, or every start fails.
     """
-    check_rtol(rtol)
+    rtol = read_rtol(rtol)
     places, speeds = read_values("x0", x0), read_values("v0", v0)
     require_few(places.size, speeds.size)
     found = regime(law, osc, rtol=rtol)

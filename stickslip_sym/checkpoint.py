@@ -17,7 +17,7 @@ from stickslip_sym.workers import Workers, check_workers, run
 
 __all__ = ["Progress", "collect"]
 
-FORMAT = "stickslip_sym checkpoint"
+_FORMAT = "stickslip_sym checkpoint"
 Progress = Callable[[int, int], None]
 
 
@@ -52,7 +52,7 @@ def collect(
     found: dict[int, Any] = {}
     if checkpoint is None:
         return _run(function, tasks, found, workers, progress, lambda index, result: None)
-    head = json.dumps({"format": FORMAT, "request": _digest(function, tasks), "chunks": len(tasks)}) + "\n"
+    head = json.dumps({"format": _FORMAT, "request": _digest(function, tasks), "chunks": len(tasks)}) + "\n"
     path = Path(checkpoint)
     with _opened(path) as stream:
         with _explained(path):
@@ -136,7 +136,7 @@ def _resume(path: Path, stream: BinaryIO, head: bytes, count: int) -> dict[int, 
 def _refuse(path: Path, first: bytes) -> None:
     """Say what a file is that is no checkpoint of this request."""
     try:
-        ours = json.loads(first).get("format") == FORMAT
+        ours = json.loads(first).get("format") == _FORMAT
     except (ValueError, AttributeError):
         ours = False
     if ours:

@@ -9,18 +9,17 @@ import numpy as np
 
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene, check_rtol, real
+from stickslip_sym.oscillator import Oscillator, Scene, read_rtol, real
 from stickslip_sym.regimes import graze, grows_far_out
 from stickslip_sym.slip import follow
 from stickslip_sym.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits
 from stickslip_sym.slip_phase import SlipPhase
 from stickslip_sym.steppers import Point
-from stickslip_sym.transit import stick_slip_cycle
+from stickslip_sym.transit import horizon, stick_slip_cycle
 
 __all__ = ["Motion", "classify"]
 
 _ROUNDS = 12  # looked at on the way from far out
-_LONGEST = 1e4  # decay times, for one slip phase
 _SAME = 1e-9  # relative change of a round that is periodic
 _NEAR = 100  # times the tolerance, around a separatrix
 
@@ -67,7 +66,7 @@ def classify(
     NotConverged
         When the bound on the work is reached.
     """
-    check_rtol(rtol)
+    rtol = read_rtol(rtol)
     v0 = osc.V if v0 is None else real("v0", v0)
     scene = Scene.of(law, osc)
     start = Point(0.0, (real("x0", x0) - osc.onset(law)) / osc.length, abs(osc.V - v0) / osc.V)
@@ -83,14 +82,13 @@ class _Course:
 
     def __init__(self, law: FrictionLaw, osc: Oscillator, scene: Scene, rtol: float) -> None:
         self.law, self.osc, self.scene, self.rtol = law, osc, scene, rtol
-        self.orbits: SlipOrbits | None = None
 
     def of(self, point: Point, side: int) -> Motion:
         first: float | None = None  # where slip slower than the belt began, outside P's orbit
         while True:
             if point.w == 0:
                 if self.scene.sticks(point.q):
-                    return self.from_onset()
+                    return self._from_onset()
                 side = 1 if point.q >= 0 else -1
                 if side > 0 and first is not None:
                     return self._outside(first, point.q)
@@ -115,12 +113,12 @@ class _Course:
             return self._beyond_all if all(self._grows(q) for q in farther) else Motion.PURE_SLIP
         # It may be a long way in: if no round there grows, it ends where P's orbit does.
         nearer = now * np.linspace(0.0, 1.0, _ROUNDS + 1)[1:-1]
-        return Motion.PURE_SLIP if any(self._grows(q) for q in nearer) else self.from_onset()
+        return Motion.PURE_SLIP if any(self._grows(q) for q in nearer) else self._from_onset()
 
     def _grows(self, q: float) -> bool:
         return round_from(self.scene, q, self.rtol)[0] > q
 
-    def from_onset(self) -> Motion:
+    def _from_onset(self) -> Motion:
         """Return what the slip from P leads to."""
         height = graze(self.scene, self.rtol)
         if height == 0:
@@ -157,5 +155,5 @@ class _Course:
         return slip_orbits(self.law, self.osc, rtol=self.rtol)
 
     def _slip(self, start: Point, side: int, until: Literal["return", "turn"]) -> SlipPhase:
-        horizon = start.tau + _LONGEST * max(1.0, 2 * abs(self.scene.zeta))
-        return follow(self.scene, start, side, horizon=horizon, rtol=self.rtol, until=until)
+        end = start.tau + horizon(self.scene)
+        return follow(self.scene, start, side, horizon=end, rtol=self.rtol, until=until)

@@ -57,7 +57,7 @@ def motion_map(
 
     Example: stickslip map exponential --x V=0.01:1:100 --y c=0:6:100 --plot map.png
     """
-    from stickslip_sym.map_plot import require_matplotlib
+    from stickslip_sym.drawing import require_matplotlib
     from stickslip_sym.maps import motion_map as compute
 
     axes = _axis("--x", x), _axis("--y", y)

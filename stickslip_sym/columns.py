@@ -25,14 +25,13 @@ from stickslip_sym.cycles import needed_damping
 from stickslip_sym.errors import InputError, NotConverged, NoThreshold, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.grazing import grazing_damping
-from stickslip_sym.law_content import law_of_text
 from stickslip_sym.orbit import obstacle, orbits
 from stickslip_sym.oscillator import Oscillator, Scene
 from stickslip_sym.regimes import Regime, regime
 from stickslip_sym.rungs import Scenes, average, numerical_averages
 from stickslip_sym.transit import stick_slip_cycle
 
-__all__ = ["Attractor", "Cells", "Reason", "decide", "decide_line"]
+__all__ = ["MOTIONS", "REASONS", "Attractor", "Cells", "Reason", "decide"]
 
 MOTIONS = tuple(Motion)
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
@@ -75,7 +74,7 @@ class Cells:
     attractors : list of int
         Values of `Attractor`.
     equilibrium, least_squares, exact : float or None
-        Thresholds in kg/s; None where one was not found, or no c >= 0 is one.
+        Thresholds in kg/s, as `MotionMap` has them; None where one was not found.
     notes : dict of int to str
         Of cells that failed or stayed undecided: why.
     """
@@ -88,52 +87,11 @@ class Cells:
     exact: float | None = None
     notes: dict[int, str] = field(default_factory=dict)
 
-
-def decide_line(task: dict[str, Any]) -> dict[str, Any]:
-    """Decide the cells along one line of a map: plain content in, plain content out.
-
-    Parameters
-    ----------
-    task : dict
-        "law": a law as text; "fixed": values of quantities and parameters; "along": the name of another one, and
-        its "values"; "rtol".
-
-    Returns
-    -------
-    dict
-        Lists by the names in `Cells`; thresholds have one entry if the line is along c, else one a cell.
-    """
-    along, values = task["along"], task["values"]
-    if along == "c":
-        parts = [_scene(task, task["fixed"], values)]
-    else:
-        parts = [_scene(task, task["fixed"] | {along: value}, [task["fixed"]["c"]]) for value in values]
-    line: dict[str, Any] = {
-        name: [entry for cells in parts for entry in getattr(cells, name)]
-        for name in ("motion", "attractors", "reason")
-    }
-    for name in ("equilibrium", "least_squares", "exact"):
-        line[name] = [getattr(cells, name) for cells in parts]
-    starts = np.cumsum([0, *(len(cells.motion) for cells in parts)]).tolist()
-    notes = [
-        (start + i, text) for start, cells in zip(starts, parts, strict=False) for i, text in cells.notes.items()
-    ]
-    return line | {"notes": [[i, text] for i, text in notes]}
-
-
-def _scene(task: dict[str, Any], values: dict[str, float], c: list[float]) -> Cells:
-    law = law_of_text(task["law"])
-    V, N, m, k = (values[name] for name in "VNmk")
-    try:
-        law = law.bind(**{name: value for name, value in values.items() if name in law.parameters})
-        return decide(law, Oscillator(V=V, N=N, m=m, k=k), c, rtol=task["rtol"])
-    except StickSlipError as error:
-        return _failed(len(c), error)
-
-
-def _failed(count: int, error: StickSlipError) -> Cells:
-    motion, reason = MOTIONS.index(Motion.UNDECIDED), REASONS.index(Reason.FAILED)
-    return Cells([motion] * count, [0] * count, [reason] * count, notes=dict.fromkeys(range(count), str(error)))
+    @classmethod
+    def failed(cls, count: int, error: StickSlipError) -> "Cells":
+        """Return cells of which no more is known than why."""
+        motion, reason = MOTIONS.index(Motion.UNDECIDED), REASONS.index(Reason.FAILED)
+        return cls([motion] * count, [0] * count, [reason] * count, notes=dict.fromkeys(range(count), str(error)))
 
 
 def decide(law: FrictionLaw, osc: Oscillator, c: Any, *, rtol: float) -> Cells:
@@ -192,7 +150,10 @@ class _Column:
         return np.array([self.equilibrium, *inner, graze.d[0] * self.osc.impedance])
 
     def _exact(self) -> tuple[float, float]:
-        """Return the exact threshold and its error: -inf if no c >= 0 is one, NaN if it is not found."""
+        """Return the exact threshold and its error.
+
+        By simulation it is -inf if no c >= 0 is one, NaN if it is not found.
+        """
         if self.turns is not None and obstacle(self.law, self.osc.V) is None:
             return float(self.turns[-1]), 0.0
         try:
@@ -309,9 +270,8 @@ class _Column:
             found = regime(self.law, osc, rtol=self.fine)
             motion = _only(found) or classify(self.law, osc, rtol=self.fine)
         except StickSlipError as error:
-            failed = _failed(1, error)
-            cells.motion[i], cells.attractors[i], cells.reason[i] = failed.motion[0], 0, failed.reason[0]
-            cells.notes[i] = failed.notes[0]
+            cells.motion[i], cells.attractors[i] = MOTIONS.index(Motion.UNDECIDED), 0
+            cells.reason[i], cells.notes[i] = REASONS.index(Reason.FAILED), str(error)
             return
         cells.motion[i] = MOTIONS.index(motion)
         cells.attractors[i] = int(

@@ -2,8 +2,9 @@
 
 The damping that a slip orbit needs is a function d(A) of its highest velocity A V (`orbit`), so the limit cycles
 are the roots of d(A) = c/sqrt(k m) in (0, 1]: all of them, also where d is not monotone. To leading order d(A) is
-the harmonic balance (2/pi) integral of g(A cos(theta)) sin(theta)^2 over half a period. Here d itself is
-interpolated by a Chebyshev polynomial, whose roots are all found and then improved on the orbits.
+the harmonic balance, the mean of g(A cos(theta)) with the weight sin(theta)^2 over a period, where
+g(z) = -N mu'(V (1 - z))/sqrt(k m). Here d itself is interpolated by a Chebyshev polynomial, whose roots are all
+found and then improved on the orbits.
 """
 
 import math
@@ -26,8 +27,9 @@ __all__ = ["LimitCycle", "NeededDamping", "limit_cycles", "needed_damping"]
 _DEGREES = (16, 32, 64, 128)
 _RESOLVED = 1e-9  # of the highest coefficients of d(A), relative to its variation
 _FLAT = 1e-12  # variation of d over the largest slope, below which no orbit is isolated
-_IMPROVED = 3
+_IMPROVED = 3  # times, by Newton's method
 _REAL = 1e-6  # imaginary part of a root, from rounding where two nearly meet
+_NEAR = 1e-6  # amplitude by which an interpolant's root may be off
 _AT_REST = 1e-6  # amplitude below which a root is the equilibrium itself
 
 
@@ -110,7 +112,7 @@ def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
     found = _needed(law, osc.V, osc.N / osc.impedance)
     if isinstance(found, NeededDamping):
         return found
-    raise found
+    raise type(found)(*found.args)  # raised itself, it would keep the frames of every time
 
 
 def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
@@ -145,7 +147,7 @@ def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
         with np.errstate(all="ignore"):
             step = (solve(roots).d - damping) / slope
         # Where two roots nearly meet the slope says nothing, and the interpolant's root is as good as any.
-        roots = np.where(np.abs(step) < _REAL, np.clip(roots - step, _AT_REST, 1.0), roots)
+        roots = np.where(np.abs(step) < _NEAR, np.clip(roots - step, _AT_REST, 1.0), roots)
     found = solve(roots)
     return tuple(
         LimitCycle(

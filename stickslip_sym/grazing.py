@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from stickslip_sym.errors import NotConverged, NoThreshold
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene, check_rtol
+from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
 from stickslip_sym.transit import lowest_slip_speed
 
 __all__ = ["grazing_damping"]
@@ -46,13 +46,14 @@ def grazing_damping(
     Raises
     ------
     InputError
-        For an unbound law or an unusable tolerance.
+        For an unbound law, one measured up to less than 2 V, an unusable tolerance, or an engine that is not there
+        or cannot take the law.
     NoThreshold
         If the orbit from P never returns, for any c >= 0.
     NotConverged
         When the bound on the work is reached.
     """
-    check_rtol(rtol)
+    rtol = read_rtol(rtol)
     scene = Scene.of(law, osc)
 
     high = _steep(law, osc, scene.static)

@@ -20,7 +20,7 @@ from stickslip_sym.trees import from_tree, to_tree
 
 __all__ = ["collection", "load", "load_all", "save", "save_all"]
 
-FORMAT, VERSION = "stickslip_sym closed form", 1
+_FORMAT, _VERSION = "stickslip_sym closed form", 1
 _SEVERAL = "stickslip_sym closed forms"
 _LARGEST = 20_000_000  # bytes of a file
 
@@ -55,14 +55,14 @@ def save_all(forms: Sequence[ClosedForm], path: str | Path) -> None:
 
 def collection(forms: Sequence[ClosedForm]) -> str:
     """Return the text of a file that holds closed forms."""
-    content = {"format": _SEVERAL, "version": VERSION, "forms": [_form_out(form) for form in forms]}
+    content = {"format": _SEVERAL, "version": _VERSION, "forms": [_form_out(form) for form in forms]}
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
 def _form_out(form: ClosedForm) -> dict[str, Any]:
     content = {
-        "format": FORMAT,
-        "version": VERSION,
+        "format": _FORMAT,
+        "version": _VERSION,
         "text": f"{form.criterion.name}: c = {printing.text(form.expr)}",
         "criterion": form.criterion.name,
         "formula": to_tree(form.expr),
@@ -158,11 +158,11 @@ def _read(path: Path) -> Any:
 
 def _checked(content: Any, path: str | Path) -> dict[str, Any]:
     """Refuse what is no closed form of this version, or was changed."""
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise InputError(f"{str(path)!r} is no {FORMAT}; `save` writes one")
-    if type(content.get("version")) is not int or content["version"] != VERSION:
+    if not isinstance(content, dict) or content.get("format") != _FORMAT:
+        raise InputError(f"{str(path)!r} is no {_FORMAT}; `save` writes one")
+    if type(content.get("version")) is not int or content["version"] != _VERSION:
         raise InputError(
-            f"{str(path)!r} is of version {content.get('version')!r}, and this package reads version {VERSION}; "
+            f"{str(path)!r} is of version {content.get('version')!r}, and this package reads version {_VERSION}; "
             "derive the form again, or use the package that wrote it"
         )
     if content.get("digest") != _digest(content):

@@ -20,13 +20,7 @@ def law_out(law: FrictionLaw) -> dict[str, Any]:
         "source": law.source,
         "validity": law.validity,
         "parameters": [
-            {
-                "name": parameter.name,
-                "meaning": parameter.meaning,
-                "unit": parameter.unit,
-                "typical": parameter.typical,
-                "positive": parameter.positive,
-            }
+            {key: getattr(parameter, key) for key in ("name", "meaning", "unit", "typical", "positive")}
             for parameter in law.parameters.values()
         ],
         "values": {name: str(value) for name, value in law.values.items()},

@@ -8,11 +8,11 @@ import numpy as np
 
 from stickslip_sym.classification import Motion
 from stickslip_sym.columns import Reason
-from stickslip_sym.errors import InputError
+from stickslip_sym.drawing import require_matplotlib, save
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.symbols import QUANTITIES
 
-__all__ = ["Region", "draw_basins", "draw_map", "regions_of", "require_matplotlib"]
+__all__ = ["Region", "draw_basins", "draw_map", "regions_of"]
 
 
 @dataclass(frozen=True)
@@ -106,14 +106,6 @@ def _title(axes: Any, law: FrictionLaw, values: dict[str, float]) -> None:
     axes.set_title(f"{law.name or 'friction law'}: {scene}", fontsize=10)
 
 
-def require_matplotlib() -> None:
-    """Refuse to draw without matplotlib."""
-    try:
-        import matplotlib.figure  # noqa: F401
-    except ImportError:
-        raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
-
-
 def _figure() -> tuple[Any, Any]:
     require_matplotlib()
     from matplotlib.figure import Figure
@@ -179,15 +171,14 @@ def _draw_curves(axes: Any, found: Any) -> list[Any]:
             axes.plot(found.x.values, curve[0], **look)
         elif found.x.name == "c":
             axes.plot(curve[:, 0], found.y.values, **look)
-        elif min(curve.shape) > 1:
+        else:
             beyond = curve - found.fixed["c"]
-            if np.nanmin(beyond) < 0 < np.nanmax(beyond):
-                axes.contour(
-                    found.x.values, found.y.values, beyond, levels=[0], colors=color, linestyles=[style],
-                    linewidths=1.6,
-                )  # fmt: skip
-            else:
+            if min(curve.shape) == 1 or not np.nanmin(beyond) < 0 < np.nanmax(beyond):
                 continue
+            axes.contour(
+                found.x.values, found.y.values, beyond, levels=[0], colors=color, linestyles=[style],
+                linewidths=1.6,
+            )  # fmt: skip
         handles.append(Line2D([], [], label=label, **look))
     return handles
 
@@ -196,21 +187,4 @@ def _finish(figure: Any, handles: list[Any], path: Path) -> None:
     figure.legend(
         handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6
     )
-    _save(figure, path)
-
-
-def _save(figure: Any, path: Path) -> None:
-    """Write a drawing to a file, in the format of its name.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written, or matplotlib does not know its format.
-    """
-    from matplotlib import rc_context
-
-    try:
-        with rc_context({"svg.fonttype": "none", "svg.hashsalt": "stickslip", "hatch.linewidth": 0.6}):
-            figure.savefig(path, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)
-    except (ValueError, OSError) as error:
-        raise InputError(f"cannot draw to {path.name!r}: {error}") from None
+    save(figure, path)

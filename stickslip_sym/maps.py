@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +12,16 @@ from stickslip_sym import archive
 from stickslip_sym.axes import Axis, fixed_values, read_axes
 from stickslip_sym.checkpoint import Progress, collect
 from stickslip_sym.classification import Motion
-from stickslip_sym.columns import MOTIONS, REASONS, Attractor, Reason, decide_line
-from stickslip_sym.errors import InputError, NotConverged
+from stickslip_sym.columns import MOTIONS, REASONS, Attractor, Cells, Reason, decide
+from stickslip_sym.errors import NotConverged, StickSlipError
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.law_content import text_of_law
-from stickslip_sym.oscillator import real
+from stickslip_sym.law_content import law_of_text, text_of_law
+from stickslip_sym.oscillator import Oscillator, read_rtol
 from stickslip_sym.workers import Workers
 
 __all__ = ["MotionMap", "motion_map"]
 
-CURVES = ("equilibrium", "least_squares", "exact")
+_CURVES = ("equilibrium", "least_squares", "exact")
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,8 @@ class MotionMap:
         How each cell was decided.
     thresholds : dict of numpy.ndarray
         "equilibrium", "least_squares" and "exact", in kg/s. They broadcast with the cells: where c is an axis,
-        each is a curve. NaN where a threshold was not found, or no c >= 0 is one.
+        each is a curve. Negative where a smooth law's motions need energy fed in; NaN where a threshold was not
+        found, and, for a law that is not smooth, where no c >= 0 is the exact one.
     notes : dict of (int, int) to str
         By row and column, what is to be said of cells that failed or were not decided.
     """
@@ -184,8 +186,7 @@ def motion_map(
     """
     axes = read_axes(law, x, y)
     bound, fixed = fixed_values(law, axes, {"V": V, "N": N, "m": m, "k": k, "c": c})
-    if not 1e-8 <= real("rtol", rtol) <= 1e-3:
-        raise InputError(f"rtol = {rtol:g} is outside 1e-8 to 1e-3")
+    rtol = read_rtol(rtol, least=1e-8)
     # All cells of a line along c are decided together.
     turned = axes[0].name == "c"
     across, along = (axes[1], axes[0]) if turned else axes
@@ -209,9 +210,52 @@ def motion_map(
         rest=attractors & Attractor.REST > 0,
         pure_slip=attractors & Attractor.PURE_SLIP > 0,
         reason=grid("reason", REASONS.__getitem__, object),
-        thresholds={name: grid(name, lambda value: np.nan if value is None else value, float) for name in CURVES},
+        thresholds={name: grid(name, lambda value: np.nan if value is None else value, float) for name in _CURVES},
         notes=notes,
     )  # fmt: skip
     if (found.reason == Reason.FAILED).all():
         raise NotConverged(f"every cell failed, the first one since {next(iter(notes.values()))}")
     return found
+
+
+def decide_line(task: dict[str, Any]) -> dict[str, Any]:
+    """Decide the cells along one line of a map: plain content in, plain content out.
+
+    Parameters
+    ----------
+    task : dict
+        "law": a law as text; "fixed": values of quantities and parameters; "along": the name of another one, and
+        its "values"; "rtol".
+
+    Returns
+    -------
+    dict
+        Lists by the names in `Cells`; thresholds have one entry if the line is along c, else one a cell.
+    """
+    along, values = task["along"], task["values"]
+    if along == "c":
+        parts = [_decided(task, task["fixed"], values)]
+    else:
+        parts = [_decided(task, task["fixed"] | {along: value}, [task["fixed"]["c"]]) for value in values]
+    line: dict[str, Any] = {
+        name: [entry for cells in parts for entry in getattr(cells, name)]
+        for name in ("motion", "attractors", "reason")
+    }
+    for name in _CURVES:
+        line[name] = [getattr(cells, name) for cells in parts]
+    starts = accumulate((len(cells.motion) for cells in parts[:-1]), initial=0)
+    line["notes"] = [
+        [start + i, text] for start, cells in zip(starts, parts, strict=True) for i, text in cells.notes.items()
+    ]
+    return line
+
+
+def _decided(task: dict[str, Any], values: dict[str, float], c: list[float]) -> Cells:
+    """Decide the cells of one scene."""
+    law = law_of_text(task["law"])
+    V, N, m, k = (values[name] for name in "VNmk")
+    try:
+        law = law.bind(**{name: value for name, value in values.items() if name in law.parameters})
+        return decide(law, Oscillator(V=V, N=N, m=m, k=k), c, rtol=task["rtol"])
+    except StickSlipError as error:
+        return Cells.failed(len(c), error)

@@ -9,7 +9,7 @@ from stickslip_sym import symbols
 from stickslip_sym.errors import InputError
 from stickslip_sym.friction import FrictionLaw, limit_at_rest
 
-__all__ = ["Oscillator", "Scene", "check_rtol", "real"]
+__all__ = ["Oscillator", "Scene", "read_rtol", "real"]
 
 _NO_BELT = (
     "on a belt that stands still nothing drives the mass, so take a small speed such as 1e-6 instead",
@@ -29,10 +29,12 @@ def real(name: str, value: Any) -> float:
     return number
 
 
-def check_rtol(rtol: float) -> None:
-    """Refuse a tolerance that double precision cannot hold, or that means nothing."""
-    if not 1e-13 <= real("rtol", rtol) <= 1e-3:
-        raise InputError(f"rtol = {rtol:g} is outside 1e-13 to 1e-3")
+def read_rtol(rtol: Any, *, least: float = 1e-13, most: float = 1e-3) -> float:
+    """Return a tolerance as a float, or refuse one that double precision cannot hold, or that means nothing."""
+    number = real("rtol", rtol)
+    if not least <= number <= most:
+        raise InputError(f"rtol = {number:g} is outside {least:g} to {most:g}")
+    return number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -235,7 +237,11 @@ class Scene:
     @property
     def rest(self) -> tuple[float, float]:
         """The state (q, w) of a mass at rest, pulled by the belt that slips under it."""
-        return 2 * self.zeta - self.eta * (self.static - self.mu(1.0)), 1.0
+        return self.turn(1.0), 1.0
+
+    def turn(self, w: float) -> float:
+        """Return the displacement q at which w' = 0 for a mass slower than the belt."""
+        return 2 * self.zeta * w - self.eta * (self.static - self.mu(w))
 
     def sticks(self, q: float) -> bool:
         """Whether static friction holds the mass at displacement q: |c V + k x| <= mu_static N."""

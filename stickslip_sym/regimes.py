@@ -16,7 +16,7 @@ import numpy as np
 from stickslip_sym import html_text
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene, check_rtol
+from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
 from stickslip_sym.slip import follow
 from stickslip_sym.slip_orbits import SlipOrbits, next_peak, overtaking_cycle, slip_orbits
 from stickslip_sym.slip_phase import SlipPhase
@@ -155,7 +155,7 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
     NotConverged
         When the bound on the work is reached.
     """
-    check_rtol(rtol)
+    rtol = read_rtol(rtol)
     scene = Scene.of(law, osc)
     orbits = slip_orbits(law, osc, rtol=rtol)
     height = graze(scene, rtol)
@@ -182,11 +182,11 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
 
 
 def graze(scene: Scene, rtol: float) -> float:
-    """Return the least slip speed, over V, after the slip from P: 0 if none can tell.
+    """Return the first minimum of the slip speed, over V, after P: 0 where integration cannot tell its sign.
 
-    It is negative if the mass returns, and -infinity if it moves away for ever.
-
-    It is counted as 0 up to the tolerance, or if it changes by more than half of it when that is ten times wider.
+    Where the mass returns it is negative, and -infinity where it moves away for ever, as `lowest_slip_speed` has
+    it; where the mass creeps to rest it is 1. It counts as 0 up to the tolerance, and where a tolerance ten times
+    wider changes it by half of itself or more.
     """
     lowest = lowest_slip_speed(scene, rtol)
     if lowest is None:
@@ -250,8 +250,7 @@ def _separatrices(
             yield curve(next_peak(scene, cycle.amplitude / osc.V, rtol)[1], "limit cycle")
     if sticks and orbits.growth[-1] < 0:
         # With time reversed and q mirrored the equations keep their form; friction and damping change sign.
-        fold = scene.eta * (scene.static - scene.mu(0.0))
         backward = replace(scene, eta=-scene.eta, zeta=-scene.zeta)
-        slip = follow(backward, Point(0.0, fold, 0.0), 1, horizon=_LONGEST, rtol=rtol)
+        slip = follow(backward, Point(0.0, backward.turn(0.0), 0.0), 1, horizon=_LONGEST, rtol=rtol)
         if slip.end != "unbounded":
             yield curve(slip, "graze", -1)

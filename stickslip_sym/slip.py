@@ -21,17 +21,22 @@ from typing import Any, Literal
 
 from stickslip_sym.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.oscillator import Scene
-from stickslip_sym.slip_phase import RUNAWAY, SlipPhase, exhausted, passage, root
+from stickslip_sym.slip_phase import RUNAWAY, SlipPhase, attracted_to_rest, exhausted, passage, root
 from stickslip_sym.steppers import Explicit, Implicit, Piece, Point, Rates
 
 __all__ = ["follow"]
 
 _LONGEST_STEP = 0.25  # explicit, of dimensionless time; at twice that what a step is off shows in thresholds
-_MOST_STEPS = 10_000  # and, on the way to a given horizon, 20 more for every unit of time and piece of mu
+_MOST_STEPS = 10_000
+_STEPS = 20  # more for every unit of time and piece of mu, on the way to a given horizon
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
+_SOFT = _STIFF / 3  # below which they are taken again; less, so that the method does not change to and fro
+_STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
 _PATIENCE = 15  # steps held short by stability before the method changes
 _LEVEL = 1e-13  # of the terms of w', below which it may be nothing but rounding
 _JUMP = 1e-12  # of mu, relative, below which it is rounding
+_OFF = 1e-6  # of dimensionless time, by which the root of an interpolant is off at most, but for a graze
+_STRAIGHT = 1e-9  # over which a straight line is off by less than rounding
 
 
 def follow(
@@ -159,7 +164,7 @@ class _Method:
         self.pieces = [replace(scene, mu=branch.mu) for branch in scene.branches]
         self.stiff = False
         self.held = 0
-        self.rest = scene.rest if side > 0 and scene.decay(1.0) > 0 else None
+        self.rests = attracted_to_rest(scene, side, rtol)
         self.solver: Explicit | Implicit
 
     # -- pieces of mu --------------------------------------------------------------------------------
@@ -188,7 +193,7 @@ class _Method:
             self.index = beyond
         else:
             rising = self._slide(phase, min(self.index, beyond))
-        if self.stiff and self.pieces[self.index].decay(now.w) <= _STIFF / 3:
+        if self.stiff and self.pieces[self.index].decay(now.w) <= _SOFT:
             self.stiff, step = False, None  # where w grows, a long implicit step would take it for a decay
         if phase.last.tau < self.horizon:
             self.solver = self._solver(phase.last, self.horizon, step=step)
@@ -233,7 +238,7 @@ class _Method:
 
     def check_work(self, phase: SlipPhase, start: Point, until: str) -> None:
         steps, elapsed = len(phase.pieces), phase.last.tau - start.tau
-        if steps >= _MOST_STEPS + (20 * len(self.pieces) * elapsed if until == "return" else 0):
+        if steps >= _MOST_STEPS + (_STEPS * len(self.pieces) * elapsed if until == "return" else 0):
             raise NotConverged(
                 f"one slip phase took over {steps} steps up to {elapsed:.3g}/omega: mu may be too rough, with "
                 f"steps of {self.solver.length:.1e}/omega; try a larger rtol"
@@ -312,9 +317,9 @@ class _Method:
         for _ in range(2):
             offset, rate = value(now.q, now.w)
             shift = -offset / rate if rate else math.inf
-            if not abs(shift) < 1e-6 or now.tau + shift <= before.tau:
+            if not abs(shift) < _OFF or now.tau + shift <= before.tau:
                 break  # a grazing root: the interpolant's is as good as any
-            if abs(shift) < 1e-9:  # what is left after a straight line is below rounding
+            if abs(shift) < _STRAIGHT:
                 dq, dw = self.rates(now.q, now.w)
                 return Point(now.tau + shift, now.q + shift * dq, now.w + shift * dw)
             now = self._state(before, now.tau + shift)
@@ -330,25 +335,14 @@ class _Method:
         fresh, self.solver = self.solver, kept
         return fresh.now
 
-    # -- ends ----------------------------------------------------------------------------------------
-
-    def rests(self, now: Point) -> bool:
-        """Whether the mass is as close to a rest that attracts it as the errors of steps let it come."""
-        if self.rest is None:
-            return False
-        q, w = self.rest
-        close = 10 * self.rtol
-        return abs(now.w - w) <= close and abs(now.q - q) <= close * max(1.0, abs(q))
-
     def choose(self, now: Point, step: float) -> None:
         """Choose the method of the next step."""
         decay = self.pieces[self.index].decay(now.w)
         if self.stiff:
             self.held = 0
-            stiff = decay > _STIFF / 3
+            stiff = decay > _SOFT
         else:
-            # The explicit method is stable up to about 6 decay times a step.
-            self.held = self.held + 1 if decay > _STIFF and decay * step > 2.5 else 0
+            self.held = self.held + 1 if decay > _STIFF and decay * step > _STABLE else 0
             stiff = self.held >= _PATIENCE
         if stiff != self.stiff:
             self.stiff = stiff

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import brentq
@@ -30,9 +31,9 @@ _NODES = 33
 _NEAREST = 1e-3  # lowest amplitude at which the return map is looked at; below, the equilibrium decides
 _NEUTRAL = 1e-11  # growth a round below which an integration cannot tell its sign
 _STEP = 1e-5  # of amplitude, for the slope of the return map
-_LONGEST = 1e3  # of dimensionless time, for one round
-_FIRST = 1e-3  # displacement in units of V/omega at which a round outside P's is tried first
-_ESCAPED = 1e6  # and the last
+_LONGEST = 1e3  # of dimensionless time, for one slip phase; more where damping makes it creep
+_FIRST = 1e-3  # displacement q at which a round outside P's is tried first
+_ESCAPED = 1e6  # the last q tried, and the peak over V of a motion without bound
 _STRONGEST = 1e-300  # contraction of a round that can still be told from 0
 
 
@@ -95,7 +96,7 @@ def _ordered(cycles: tuple[LimitCycle, ...], V: float, gain: Callable[[float], f
 def trough(scene: Scene, amplitude: float) -> Point:
     """Return the state of least slip speed, 1 - amplitude, where the velocity has its peak."""
     w = 1 - amplitude
-    return Point(0.0, 2 * scene.zeta * w - scene.eta * (scene.static - scene.mu(w)), w)
+    return Point(0.0, scene.turn(w), w)
 
 
 def next_peak(scene: Scene, amplitude: float, rtol: float) -> tuple[float, SlipPhase]:
@@ -104,9 +105,7 @@ def next_peak(scene: Scene, amplitude: float, rtol: float) -> tuple[float, SlipP
     Where the mass meets the belt before, with an acceleration a, it is 1 + a^2/2 in units of omega V: the peak to
     which the spring alone would pull it. At rest it is 0; of a motion without bound it is very large.
     """
-    slip = follow(
-        scene, trough(scene, amplitude), 1, horizon=_LONGEST * (1 + abs(scene.zeta)), rtol=rtol, until="turn"
-    )
+    slip = follow(scene, trough(scene, amplitude), 1, horizon=_horizon(scene), rtol=rtol, until="turn")
     if slip.end == "return":
         return 1 + scene.acceleration(slip.last.q, 0.0, 1) ** 2 / 2, slip
     if slip.end == "unbounded":
@@ -135,7 +134,7 @@ def _cycle(scene: Scene, osc: Oscillator, amplitude: float, rtol: float) -> Limi
     _, slip = next_peak(scene, amplitude, rtol)
     step = min(_STEP, (1 - amplitude) / 2)
     ahead, behind = (next_peak(scene, amplitude + shift, rtol)[0] for shift in (step, -step))
-    floquet = math.log(max((ahead - behind) / (2 * step), 1e-300)) / slip.last.tau
+    floquet = math.log(max((ahead - behind) / (2 * step), _STRONGEST)) / slip.last.tau
     return LimitCycle(amplitude * osc.V, slip.last.tau / osc.omega, floquet * osc.omega, floquet < 0)
 
 
@@ -190,7 +189,9 @@ def round_from(scene: Scene, q: float, rtol: float) -> tuple[float, float, float
 
 
 def _phase(scene: Scene, q: float, side: int, rtol: float) -> SlipPhase:
-    horizon = _LONGEST * (1 + abs(scene.zeta))
-    return follow(
-        scene, Point(0.0, q, 0.0), side, horizon=horizon, rtol=rtol, until="turn" if side > 0 else "return"
-    )
+    until: Literal["return", "turn"] = "turn" if side > 0 else "return"
+    return follow(scene, Point(0.0, q, 0.0), side, horizon=_horizon(scene), rtol=rtol, until=until)
+
+
+def _horizon(scene: Scene) -> float:
+    return _LONGEST * (1 + abs(scene.zeta))

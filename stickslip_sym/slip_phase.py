@@ -10,12 +10,13 @@ import numpy as np
 from scipy.optimize import brentq
 
 from stickslip_sym.errors import StickSlipError
+from stickslip_sym.oscillator import Scene
 from stickslip_sym.steppers import Piece, Point
 
-__all__ = ["RUNAWAY", "SlipPhase", "exhausted", "passage", "root"]
+__all__ = ["RUNAWAY", "SlipPhase", "attracted_to_rest", "exhausted", "passage", "root"]
 
 RUNAWAY = 1e100  # times the units of the state
-_ROOT = float(4 * np.finfo(np.float64).eps)
+_CLOSE = 10  # times the tolerance of a step: nearer to a rest the errors of steps do not let the mass come
 
 
 @dataclass
@@ -82,9 +83,18 @@ def exhausted(phase: SlipPhase, max_steps: int | None, deadline: float) -> str |
     return "deadline" if time.monotonic() > deadline else None
 
 
+def attracted_to_rest(scene: Scene, side: int, rtol: float) -> Callable[[Point], bool]:
+    """Return the function that tells whether a state is at the rest that attracts it, within the tolerance."""
+    if side < 0 or not scene.decay(1.0) > 0:
+        return lambda now: False
+    q, w = scene.rest
+    close = _CLOSE * rtol
+    return lambda now: abs(now.w - w) <= close and abs(now.q - q) <= close * max(1.0, abs(q))
+
+
 def root(function: Callable[[float], float], low: float, high: float) -> float:
     """Return the root of a function that changes its sign between two places."""
-    return float(brentq(function, low, high, rtol=_ROOT))
+    return float(brentq(function, low, high))
 
 
 def passage(piece: Piece, level: float, low: float, high: float) -> float:

@@ -1,8 +1,8 @@
 """Slip phases by heyoka: Taylor series of order 20, compiled. Needs the extra `fast`.
 
-The contract is that of `slip.follow`, whatever `rtol`: every step is as accurate as double precision allows, which
-costs a series little more than less, and one compiled integrator then serves all tolerances, both sides, and all
-scenes of a law.
+The contract is that of `slip.follow`, whatever `rtol`: every step is as accurate as double precision allows. For a
+series that costs little more than a rough step, and one compiled integrator then serves all tolerances, both
+sides, and all scenes of a law.
 
 The extrema of w, simple roots of w', are heyoka's terminal events. Each ends its step, so w is monotone in every
 step and has crossed 0 if and only if it ends at 0 or below. The return needs no event of its own, and none that
@@ -22,14 +22,14 @@ from scipy.optimize import brentq
 from stickslip_sym import symbols
 from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.oscillator import Scene
-from stickslip_sym.slip_phase import RUNAWAY, SlipPhase, exhausted
+from stickslip_sym.slip_phase import RUNAWAY, SlipPhase, attracted_to_rest, exhausted
 from stickslip_sym.steppers import Point
 
 __all__ = ["Series", "follow"]
 
-_MOST_TRIES = 20_000  # of a step; and, on the way to a given horizon, 100 more for every unit of time
+_MOST_TRIES = 20_000  # of a step
+_TRIES = 30  # more for every unit of time, on the way to a given horizon
 _MOST_COMPILED = 32  # laws whose integrators are kept
-_ROOT = float(4 * np.finfo(np.float64).eps)
 _TINY = float(np.finfo(np.float64).tiny)
 _DEFECT = 1e-13  # how far a step may miss, in units of its state
 _EXTREMUM = -1  # the number by which heyoka names its first terminal event
@@ -81,7 +81,7 @@ class Series:
                 value = value * time + coefficient
             return value
 
-        time = brentq(w, 0.0, length, xtol=_TINY, rtol=_ROOT) if w(length) < 0 < w(0.0) else length
+        time = brentq(w, 0.0, length, xtol=_TINY) if w(length) < 0 < w(0.0) else length
         return time, Point(self.t_old + time, float(self._sum(time)[0]), 0.0)
 
 
@@ -116,8 +116,7 @@ def follow(
         raise InputError(f"mu cannot be computed at a slip speed of {start.w:g} V, where the motion starts")
     integrator = _integrator(scene, side)
     phase = SlipPhase(side, "horizon", start)
-    rest = scene.rest if side > 0 and scene.decay(1.0) > 0 else (math.inf, math.inf)
-    close = 10 * rtol
+    rests = attracted_to_rest(scene, side, rtol)
     rising = True if start.w == 0 else None  # elsewhere the first extremum will tell
     longest = math.inf
     tries = 0
@@ -127,7 +126,7 @@ def follow(
             return phase
         tries += 1
         before = phase.last
-        if tries > _MOST_TRIES + (30 * (before.tau - start.tau) if until == "return" else 0):
+        if tries > _MOST_TRIES + (_TRIES * (before.tau - start.tau) if until == "return" else 0):
             raise NotConverged(
                 f"one slip phase took over {tries - 1} Taylor steps up to {before.tau - start.tau:.3g}/omega: a "
                 f"fast decay, or a law that is not smooth, holds them short; {_OTHERWISE}"
@@ -163,7 +162,7 @@ def follow(
             if rising and until == "turn":
                 phase.end = "minimum"
                 return phase
-        if abs(now.w - rest[1]) <= close and abs(now.q - rest[0]) <= close * max(1.0, abs(rest[0])):
+        if rests(now):
             phase.end = "rest"
             return phase
     return phase

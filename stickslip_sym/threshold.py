@@ -14,7 +14,7 @@ from stickslip_sym import html_text, symbols
 from stickslip_sym.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import obstacle
-from stickslip_sym.oscillator import check_rtol, real
+from stickslip_sym.oscillator import read_rtol
 from stickslip_sym.rungs import (
     AVERAGES,
     Scenes,
@@ -136,10 +136,7 @@ def pure_slip_damping(
         If the error is above `rtol` on the highest rung.
     """
     lookup("method", method, dict.fromkeys(METHODS))
-    if method == "simulation":
-        check_rtol(rtol)
-    elif not 1e-13 <= real("rtol", rtol) <= 1:
-        raise InputError(f"rtol = {rtol:g} is outside 1e-13 to 1")
+    rtol = read_rtol(rtol) if method == "simulation" else read_rtol(rtol, most=1.0)
     scenes = Scenes.of(law, V=V, N=N, m=m, k=k)
     if scenes.m is None and method in ("second_order", "orbit", "simulation"):
         raise InputError(f'method="{method}" needs the mass m and the stiffness k')

@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from stickslip_sym import gauss, symbols
+from stickslip_sym import drawing, gauss, symbols
 from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.codegen import function_of
 from stickslip_sym.conditioned import conditioned
@@ -165,13 +165,11 @@ def plot(ways: list[Way], file: Path, title: str) -> None:
     Raises
     ------
     InputError
-        If matplotlib is not installed, or does not know the file's format.
+        If matplotlib is not installed, or cannot write the file.
     """
-    try:
-        from matplotlib import rc_context
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
+    drawing.require_matplotlib()
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(7.2, 4.4), layout="constrained")
     axes = figure.add_subplot()
     least = 1e-51
@@ -189,11 +187,7 @@ def plot(ways: list[Way], file: Path, title: str) -> None:
     axes.set_xlim(left, right * 8)
     axes.axhline(2.0**-52, color="0.8", zorder=0)
     axes.grid(alpha=0.25)
-    try:
-        with rc_context({"svg.fonttype": "none"}):
-            figure.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else None)
-    except ValueError as error:
-        raise InputError(f"cannot draw to {file.name}: {error}") from None
+    drawing.save(figure, file)
 
 
 _COLORS = {

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stickslip_sym import files, html_text
+from stickslip_sym import drawing, files, html_text
 from stickslip_sym.errors import InputError
 
 __all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Trajectory"]
@@ -204,11 +204,9 @@ class Trajectory:
         InputError
             If matplotlib is not installed, or cannot write the file.
         """
-        try:
-            from matplotlib import rc_context
-            from matplotlib.figure import Figure
-        except ImportError:
-            raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
+        drawing.require_matplotlib()
+        from matplotlib.figure import Figure
+
         figure = Figure(figsize=(8.4, 4.2), layout="constrained")
         panels = figure.subplot_mosaic("xp;vp", width_ratios=(3, 2))
         panels["x"].sharex(panels["v"])
@@ -228,12 +226,7 @@ class Trajectory:
         figure.align_ylabels([panels["x"], panels["v"]])
         figure.legend(loc="outside upper center", ncols=len(_STYLES), frameon=False)
         if path is not None:
-            target = Path(path)
-            try:
-                with rc_context({"svg.fonttype": "none"}):
-                    figure.savefig(target, dpi=160, metadata={"Date": None} if target.suffix == ".svg" else None)
-            except (OSError, ValueError) as error:
-                raise InputError(f"cannot draw to {str(path)!r}: {error}; try a name such as motion.png") from None
+            drawing.save(figure, Path(path))
         return figure
 
     def _drawn(self, phase: Phase) -> tuple[Any, Any, Any]:

@@ -15,10 +15,10 @@ from stickslip_sym import html_text
 from stickslip_sym.engines import follower
 from stickslip_sym.errors import NotConverged
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene, check_rtol
+from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
 from stickslip_sym.steppers import Point
 
-__all__ = ["StickSlipCycle", "lowest_slip_speed", "peak_velocity", "stick_slip_cycle"]
+__all__ = ["StickSlipCycle", "horizon", "lowest_slip_speed", "peak_velocity", "stick_slip_cycle"]
 
 _LONGEST = 1e4  # decay times; a motion without a turn by then creeps to rest
 _P = Point(0.0, 0.0, 0.0)
@@ -87,14 +87,14 @@ def stick_slip_cycle(
         When the bound on the work is reached.
     """
     follow = follower(engine)
-    check_rtol(rtol)
+    rtol = read_rtol(rtol)
     scene = Scene.of(law, osc)
-    slips = [follow(scene, _P, 1, horizon=_horizon(scene), rtol=rtol, until="turn")]
+    slips = [follow(scene, _P, 1, horizon=horizon(scene), rtol=rtol, until="turn")]
     if slips[0].end != "return":
         return None
     if not scene.sticks(slips[0].last.q):
         overtaking = slips[0].last
-        slips.append(follow(scene, overtaking, -1, horizon=overtaking.tau + _horizon(scene), rtol=rtol))
+        slips.append(follow(scene, overtaking, -1, horizon=overtaking.tau + horizon(scene), rtol=rtol))
     end = slips[-1].last
     if slips[-1].end != "return" or not scene.sticks(end.q):
         return None
@@ -114,7 +114,8 @@ def stick_slip_cycle(
     )
 
 
-def _horizon(scene: Scene) -> float:
+def horizon(scene: Scene) -> float:
+    """Return how long to wait for the end of a slip phase, in dimensionless time."""
     return _LONGEST * max(1.0, 2 * abs(scene.zeta))
 
 
@@ -143,7 +144,7 @@ def peak_velocity(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, eng
     NotConverged
         If the motion has no peak, since the mass creeps to rest, or when the bound on the work is reached.
     """
-    check_rtol(rtol)
+    rtol = read_rtol(rtol)
     lowest = lowest_slip_speed(Scene.of(law, osc), rtol, engine)
     if lowest == -math.inf:
         raise NotConverged("the velocity has no peak after the slip from P, it falls for ever; try a larger c")
@@ -161,7 +162,7 @@ def lowest_slip_speed(scene: Scene, rtol: float, engine: str = "scipy") -> float
     Where it neither turns nor returns, but moves away for ever, it is -infinity, as after the hardest return.
     At a graze w'' = 1, so -w'^2/2 continues the minimum through 0 with its value and its slope.
     """
-    slip = follower(engine)(scene, _P, 1, horizon=_horizon(scene), rtol=rtol, until="turn")
+    slip = follower(engine)(scene, _P, 1, horizon=horizon(scene), rtol=rtol, until="turn")
     if slip.end == "return":
         return -(scene.acceleration(slip.last.q, 0.0, 1) ** 2) / 2
     if slip.end == "unbounded":

@@ -18,7 +18,7 @@ from stickslip_sym.criteria import catalogue
 from stickslip_sym.errors import InputError, NotConverged, NoThreshold
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import obstacle
-from stickslip_sym.oscillator import real
+from stickslip_sym.oscillator import read_rtol, real
 from stickslip_sym.perturbation import averages, slopes
 from stickslip_sym.rungs import AVERAGES, Scenes, average, on_orbit, second_order, simulated
 from stickslip_sym.threshold import METHODS
@@ -107,9 +107,7 @@ def transition_speed(
         If a rung does not reach `rtol`.
     """
     lookup("method", method, dict.fromkeys(METHODS))
-    c, rtol = real("c", c), real("rtol", rtol)
-    if not 1e-12 <= rtol <= 1:
-        raise InputError(f"rtol = {rtol:g} is outside 1e-12 to 1")
+    c, rtol = real("c", c), read_rtol(rtol, least=1e-12, most=1.0)
     scene = Scenes.of(law, V=1.0, N=real("N", N), m=m, k=k)
     if scene.m is None and method in ("second_order", "orbit", "simulation"):
         raise InputError(f'method="{method}" needs the mass m and the stiffness k')

@@ -21,7 +21,7 @@ __all__ = ["Workers", "check_workers", "run"]
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 Workers = int | Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
-_MOST_RESTARTS = 3
+_MOST_STARTS = 3
 
 
 def check_workers(workers: Workers) -> None:
@@ -84,7 +84,7 @@ def _mapped(function: Any, tasks: Sequence[Any], mapper: Any) -> Iterator[tuple[
 def _pooled(function: Any, tasks: Sequence[Any], count: int) -> Iterator[tuple[int, Any]]:
     """Use processes of our own; where one of them is killed, start anew with what is not done yet."""
     todo = dict(enumerate(tasks))
-    for _ in range(_MOST_RESTARTS):
+    for _ in range(_MOST_STARTS):
         with _pool(function, todo, count) as futures:
             try:
                 for future in as_completed(futures):
@@ -95,7 +95,7 @@ def _pooled(function: Any, tasks: Sequence[Any], count: int) -> Iterator[tuple[i
                 continue
         return
     raise NotConverged(
-        f"worker processes ended {_MOST_RESTARTS} times before their work was done: memory may be short, or a "
+        f"worker processes ended {_MOST_STARTS} times before their work was done: memory may be short, or a "
         'script that starts workers lacks its `if __name__ == "__main__":`; try workers=1'
     )
 

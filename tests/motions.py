@@ -93,7 +93,7 @@ def disagreement(events, expected):
 
 
 def reference(law, osc, x0, v0, t_end):
-    """Return the changes of phase as (time, phase, 1/abs(w') there), by DOP853 in the units of the scene."""
+    """Return the changes of phase as (time, phase), by DOP853 in SI units."""
     mu, mu_0 = law.function("math"), float(law.mu(0.0))
     static = mu_0 if law.static is None else float(law.substitute(law.static))
     level = static * osc.N

@@ -335,6 +335,18 @@ def test_bounds_that_are_none(law, arguments, message):
         ss.simulate(law, paper_oscillator(), **({"t_end": 1.0} | arguments))
 
 
+def test_numbers_may_be_written_as_text(law):
+    osc = paper_oscillator()
+    plain = ss.simulate(law, osc, t_end=1.0, rtol=1e-8, max_steps=30, time_limit=60.0)
+    assert ss.simulate(law, osc, t_end="1", rtol="1e-8", max_steps="30", time_limit="60").events == plain.events
+    for call in (ss.stick_slip_cycle, ss.peak_velocity, ss.regime, ss.classify):
+        assert repr(call(law, osc, rtol="1e-8")) == repr(call(law, osc, rtol=1e-8))
+        with pytest.raises(ss.InputError, match="rtol = 1 is outside 1e-13"):
+            call(law, osc, rtol="1")
+    with pytest.raises(ss.InputError, match="time_limit = 0 s must be positive"):
+        ss.simulate(law, osc, t_end=1.0, time_limit="0")
+
+
 @pytest.mark.parametrize(
     ("V", "message"),
     [

@@ -50,7 +50,7 @@ def test_long_tables_are_cut_and_limits_are_outcomes(run):
         (["exponential", "--t-end", "0"], "t_end = 0 must be positive"),
         (["exponential", "--t-end", "nan"], "t_end"),
         (["exponential", "--x0", "here"], "x0 = 'here' is not a number"),
-        (["exponential", "--rtol", "1"], "rtol = 1 is outside 1e-13 to 1e-3"),
+        (["exponential", "--rtol", "1"], "rtol = 1 is outside 1e-13 to 0.001"),
         (["exponential", "-c", "1", "-c", "2"], "-c is given twice; give it once"),
         (["exponential", "--x0", "1", "--x0", "2"], "--x0 is given twice"),
         (["exponential", "--csv", "missing/a.csv"], "cannot write 'missing/a.csv'"),

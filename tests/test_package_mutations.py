@@ -90,6 +90,12 @@ def _fresh():
 
 
 @pytest.mark.usefixtures("_fresh")
+def test_the_stand_in_for_the_scan_changes_no_verdict(monkeypatch):
+    monkeypatch.setattr(test_numbers, "pure_slip_by_scan", lambda *_: SCANNED)
+    assert verdict("N2", PRINTED["N2"]) is CLAIMS["N2"].outcome
+
+
+@pytest.mark.usefixtures("_fresh")
 @pytest.mark.parametrize(("name", "wrap", "claims"), MUTANTS)
 def test_a_wrong_package_changes_verdicts(monkeypatch, name, wrap, claims):
     monkeypatch.setattr(test_numbers, "pure_slip_by_scan", lambda *_: SCANNED)

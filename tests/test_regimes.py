@@ -8,6 +8,7 @@ import pytest
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase, cycles, orbit
 from stickslip_sym.oscillator import Scene
+from stickslip_sym.regimes import _rest
 from stickslip_sym.slip_orbits import _by_simulation
 from tests.conftest import paper_oscillator
 
@@ -107,7 +108,6 @@ def test_a_separatrix_parts_the_basins(law, c, kind):
     assert curve.kind == kind
     assert names(found) == ["rest", "stick-slip"]
     for place in range(20, 240, 40):
-        x, v = (np.array((found.rest.x, 0.0)) + part for part in (0.0, 0.0))
         for scale, expected in ((0.99, Motion.DAMPED_SLIP), (1.01, Motion.STICK_SLIP)):
             x, v = found.rest.x + scale * (curve.x[place] - found.rest.x), scale * curve.v[place]
             assert ss.classify(law, osc, x0=x, v0=v) is expected
@@ -164,10 +164,20 @@ def test_rest_at_a_kink_or_a_jump_of_mu(formula, c, stable):
         assert np.log(swings[1] / swings[0]) == pytest.approx(rest.rate, rel=0.3)
 
 
-def test_rest_that_attracts_on_one_side_only_is_undecided():
-    found = ss.regime(ss.FrictionLaw(FALLING), paper_oscillator(1.0, m=1e-7, k=1e-3))
-    assert not found.rest.stable
-    assert "on one side" in found.undecided[0]
+@pytest.mark.parametrize(
+    ("formula", "m", "one_sided"),
+    [
+        (FALLING, 1e-7, True),  # faster slip falls back, and has no inertia to pass the kink with
+        (FALLING, 1.0, False),
+        ("Piecewise((0.2 + 0.1*v, v < 0.5), 0.25 - 0.3*(v - 0.5))", 1e-7, True),  # slower slip
+        ("Piecewise((0.5 - 0.3*v, v < 0.5), 0.35 - 0.2*(v - 0.5))", 1e-7, False),  # neither
+    ],
+)
+def test_rest_may_attract_on_one_side_only(formula, m, one_sided):
+    """How a whole regime says so is tested with motions that damping bounds."""
+    law, osc = ss.FrictionLaw(formula), paper_oscillator(1.0, m=m, k=1e4 * m)
+    rest = _rest(law, osc, Scene.of(law, osc))
+    assert (rest.stable, rest.one_sided) == (False, one_sided)
 
 
 def test_friction_below_zero_may_drive_a_motion_without_bound():
@@ -199,6 +209,15 @@ def test_orbits_that_are_not_found_are_looked_for_once(monkeypatch):
         with pytest.raises(ss.NotConverged, match="try simulate"):
             ss.limit_cycles(law, osc)
     assert len(calls) == 1
+
+
+def test_an_error_that_is_raised_again_keeps_no_frames_of_before():
+    depths = []
+    for _ in range(3):
+        with pytest.raises(ss.InputError) as caught:
+            ss.limit_cycles(ss.FrictionLaw("Max(0.5 - 0.4*v, 0.27)"), paper_oscillator(1.0))
+        depths.append(len(caught.traceback))
+    assert depths[0] == depths[1] == depths[2]
 
 
 def test_positive_damping_bounds_every_motion():

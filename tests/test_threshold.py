@@ -1,8 +1,6 @@
 """The ladder of thresholds: its estimates, its choices and its bounds; and the transition speed, its inverse."""
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -251,18 +249,13 @@ def test_the_transition_speed_of_a_static_jump():
     assert back.value == pytest.approx(0.1, rel=1e-7)
 
 
-def test_the_command_line_prints_the_ladder():
-    def damping(*arguments):
-        start = [sys.executable, "-c", "from stickslip_sym.cli import main; main()", "damping"]
-        return subprocess.run([*start, *arguments], capture_output=True, text=True, timeout=60, check=False)
-
-    best = damping(
-        "polynomial", "-p", "mu_s=0.5", "-V", "0.5", "-N", "9.81", "-m", "1", "-k", "100", "--rtol", "1e-4"
-    )
-    assert best.stdout == "3.036483165 kg/s (second_order, relative error 2e-06)\n"
-    ladder = damping("linear", "-m", "1", "-k", "100", "--all").stdout.splitlines()
-    assert [line.split()[0] for line in ladder[1:]] == list(LADDER)
-    assert damping("linear", "-m", "1").returncode == 2
+def test_the_command_line_prints_the_ladder(run):
+    scene = ["-p", "mu_s=0.5", "-V", "0.5", "-N", "9.81", "-m", "1", "-k", "100"]
+    best = "3.036483165 kg/s (second_order, relative error 2e-06)\n"
+    assert run("damping", "polynomial", *scene, "--rtol", "1e-4") == (0, best, "")
+    _, ladder, _ = run("damping", "linear", "-m", "1", "-k", "100", "--all")
+    assert [line.split()[0] for line in ladder.splitlines()[1:]] == list(LADDER)
+    assert run("damping", "linear", "-m", "1")[0] == 2
 
 
 def test_the_transition_speed_of_a_kink_is_found_by_simulation():

@@ -45,8 +45,9 @@ def test_picture(ways, tmp_path):
     pytest.importorskip("matplotlib")
     tradeoff.plot(list(ways.values()), tmp_path / "trade.svg", "title")
     assert "mpmath, 50 digits" in (tmp_path / "trade.svg").read_text()
-    with pytest.raises(ss.InputError, match=r"cannot draw to trade\.xyz"):
-        tradeoff.plot(list(ways.values()), tmp_path / "trade.xyz", "title")
+    for name in ("trade.xyz", "missing/trade.svg"):
+        with pytest.raises(ss.InputError, match=r"cannot draw to 'trade\..*; try a name such as trade\.png"):
+            tradeoff.plot(list(ways.values()), tmp_path / name, "title")
 
 
 def test_command():

@@ -101,6 +101,8 @@ def test_the_picture_tells_stick_from_slip_and_has_units(motion, tmp_path):
     figure = motion.plot(tmp_path / "motion.svg")
     text = (tmp_path / "motion.svg").read_text()
     assert all(phase.value in text for phase in Phase)
+    motion.plot(tmp_path / "again.svg")
+    assert (tmp_path / "again.svg").read_text() == text
     labels = {panel.get_xlabel() for panel in figure.axes} | {panel.get_ylabel() for panel in figure.axes}
     assert labels - {""} == {"time $t$ (s)", "displacement $x$ (m)", "velocity $\\dot x$ (m/s)"}
     # Stick, slip slower and slip faster differ in weight or in dashes, not in colour alone.
