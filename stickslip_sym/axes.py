@@ -38,6 +38,10 @@ class Axis:
     unit: str
     meaning: str
 
+    def __str__(self) -> str:
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        return f"{self.name} = {self.values[0]:g} to {self.values[-1]:g}{unit}"
+
     @property
     def label(self) -> str:
         """The meaning, the symbol and the unit."""

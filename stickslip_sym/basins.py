@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import archive
-from stickslip_sym.axes import read_values, require_few
+from stickslip_sym import archive, html_text
+from stickslip_sym.axes import Axis, read_values, require_few
 from stickslip_sym.checkpoint import Progress, collect
 from stickslip_sym.classification import Motion, classify
 from stickslip_sym.columns import MOTIONS
@@ -22,7 +22,7 @@ from stickslip_sym.workers import Workers
 __all__ = ["BasinMap", "basin_map"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BasinMap:
     """The motions that starts lead to.
 
@@ -51,6 +51,18 @@ class BasinMap:
     def count(self) -> dict[Motion, int]:
         """Return the number of starts of each motion, where there are any."""
         return {motion: n for motion in Motion if (n := int((self.motion == motion).sum()))}
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{n} {motion.value}" for motion, n in self.count().items())
+        return f"BasinMap: {self._place()}; {counts}"
+
+    def _repr_html_(self) -> str:
+        rows = [[motion.value, str(n)] for motion, n in self.count().items()]
+        return html_text.table(["motion", "starts"], rows, caption=self._place())
+
+    def _place(self) -> str:
+        x0, v0 = Axis("x0", self.x0, "m", ""), Axis("v0", self.v0, "m/s", "")
+        return f"{self.law.name or 'law'}, {x0} by {v0}"
 
     def to_csv(self, path: str | Path) -> None:
         """Write a line for each start: x0, v0 and the motion.

@@ -10,7 +10,7 @@ import typer
 
 from stickslip_sym import cli_json
 from stickslip_sym.cli_names import complete_criterion_or_all, complete_law
-from stickslip_sym.cli_reading import Values, assignments, check_size, read_law
+from stickslip_sym.cli_reading import Values, assignments, check_size, read_law, require_writable
 from stickslip_sym.errors import InputError, NoClosedForm
 
 __all__ = ["derive", "progress"]
@@ -69,6 +69,7 @@ def derive(
     chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]
     if save is not None and len(chosen) > 1:
         raise InputError("--save keeps one closed form; name one criterion instead of all")
+    require_writable(latex, save)
     friction = read_law(law, from_csv, extrapolate=extrapolate)
     bound = friction.typical(**assignments(parameter or []))
     scene = {"V": speed, "N": force, "m": mass, "k": stiffness}
@@ -179,10 +180,10 @@ _LONGEST = 4000  # characters of a formula on the screen
 
 def _latex(form: Any, steps: bool) -> str:
     from stickslip_sym import printing
-    from stickslip_sym.layout import displayed
+    from stickslip_sym.layout import displayed, key
 
-    label = f"eq:{form.law.name or 'law'}-{form.criterion.name}"
-    content = f"% {form!r}\n{displayed('c', printing.latex(form.expr), label=label)}\n"
+    label = f"eq:{key(form.law.name)}-{form.criterion.name}"
+    content = f"% {' '.join(repr(form).split())}\n{displayed('c', printing.latex(form.expr), label=label)}\n"
     return content + ("\n" + str(form.derivation.latex()) if steps else "")
 
 

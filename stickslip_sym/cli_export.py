@@ -7,7 +7,7 @@ import typer
 
 from stickslip_sym.cli_derive import progress
 from stickslip_sym.cli_names import complete_criterion_or_all
-from stickslip_sym.cli_reading import assignments, read_law
+from stickslip_sym.cli_reading import assignments, read_law, require_writable
 from stickslip_sym.errors import InputError, NoClosedForm
 
 __all__ = ["export"]
@@ -57,6 +57,7 @@ def export(
         )
     if "latex" not in targets and (fragment or steps or symbol):
         raise InputError("--fragment, --steps and --symbol belong to --latex FILE")
+    require_writable(*targets.values())
     notation = assignments(symbol or [])
     from stickslip_sym import criteria, files
 

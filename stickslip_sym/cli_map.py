@@ -20,6 +20,7 @@ from stickslip_sym.cli_reading import (
     check_size,
     read_law,
     read_numbers,
+    require_writable,
 )
 from stickslip_sym.errors import InputError
 
@@ -57,7 +58,6 @@ def motion_map(
 
     Example: stickslip map exponential --x V=0.01:1:100 --y c=0:6:100 --plot map.png
     """
-    from stickslip_sym.drawing import require_matplotlib
     from stickslip_sym.maps import motion_map as compute
 
     axes = _axis("--x", x), _axis("--y", y)
@@ -71,9 +71,7 @@ def motion_map(
     given = {name: text for name, text in options.items() if text is not None}
     given |= {name: text for name, text in SCENE.items() if name not in names and name not in given}
     scene: dict[str, Any] = read_numbers(given)
-    _require_writable(csv, npz, plot)
-    if plot is not None:
-        require_matplotlib()
+    require_writable(csv, npz, plot=plot)
     with _progress() as progress:
         found = compute(
             bound, x=axes[0], y=axes[1], **scene, workers=workers, checkpoint=checkpoint, progress=progress
@@ -86,13 +84,6 @@ def motion_map(
     for write, path in ((found.to_csv, csv), (found.to_npz, npz), (found.plot, plot)):
         if path is not None:
             write(path)
-
-
-def _require_writable(*paths: Path | None) -> None:
-    """Refuse a file in a folder that is not there, before a long computation rather than after it."""
-    for path in paths:
-        if path is not None and not path.parent.is_dir():
-            raise InputError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}; make it first")
 
 
 def _axis(option: str, text: str) -> tuple[str, Any]:
@@ -167,7 +158,8 @@ def _report(found: Any) -> str:
     if found.notes:
         (row, column), text = next(iter(found.notes.items()))
         where = f"{found.x.name} = {found.x.values[column]:g}, {found.y.name} = {found.y.values[row]:g}"
-        parts.append(f"{len(found.notes)} cells have a note; the first, at {where}: {text}")
+        many = f"{len(found.notes)} cells have a note; the first" if len(found.notes) > 1 else "one cell has a note"
+        parts.append(f"{many}, at {where}: {text}")
     return "\n\n".join(parts)
 
 

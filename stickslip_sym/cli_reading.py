@@ -12,7 +12,7 @@ from stickslip_sym.errors import InputError
 
 __all__ = [
     "SCENE", "Command", "CriterionName", "Force", "LawName", "Mass", "Speed", "Stiffness", "Values",
-    "assignments", "check_size", "read_law", "read_numbers",
+    "assignments", "check_size", "read_law", "read_numbers", "require_writable",
 ]  # fmt: skip
 
 LawName = Annotated[
@@ -110,3 +110,14 @@ def check_size(name: str, value: Any) -> None:
     else:
         reason = "below what double precision can hold" if float(size) == 0 else "too small"
     raise InputError(f"{name} is {reason}; give a size from {1 / LARGEST:g} to {LARGEST:g} in SI units")
+
+
+def require_writable(*paths: Path | None, plot: Path | None = None) -> None:
+    """Refuse a file that cannot be written, before a long computation rather than after it."""
+    for path in (*paths, plot):
+        if path is not None and not path.parent.is_dir():
+            raise InputError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}; make it first")
+    if plot is not None:
+        from stickslip_sym.drawing import require_matplotlib
+
+        require_matplotlib()

@@ -19,6 +19,7 @@ from stickslip_sym.cli_reading import (
     assignments,
     read_law,
     read_numbers,
+    require_writable,
 )
 
 __all__ = ["simulate"]
@@ -66,6 +67,7 @@ def simulate(
         {"x0": x0, "v0": v0, "t_end": t_end, "rtol": rtol, "time_limit": time_limit}
     )
     values.setdefault("t_end", _PERIODS * 2 * math.pi / osc.omega)
+    require_writable(csv, plot=plot)
     motion = automaton.simulate(bound, osc, **values, engine=engine)
     if as_json:
         scene = {"law": cli_json.law(bound), "scene": cli_json.values(given)}

@@ -6,7 +6,15 @@ from typing import Annotated, Any
 import typer
 
 from stickslip_sym import cli_json
-from stickslip_sym.cli_reading import CriterionName, LawName, Values, assignments, check_size, read_law
+from stickslip_sym.cli_reading import (
+    CriterionName,
+    LawName,
+    Values,
+    assignments,
+    check_size,
+    read_law,
+    require_writable,
+)
 
 __all__ = ["tradeoff"]
 
@@ -41,6 +49,7 @@ def tradeoff(
     numbers = {name: exact(value, name) for name, value in given.items()}
     for name, value in numbers.items():
         check_size(name, value)
+    require_writable(plot=plot)
     if thresholds:
         scene = {name: float(value) for name, value in numbers.items()}
         ways = tradeoff_thresholds.threshold_tradeoff(bound, scene)

@@ -21,7 +21,7 @@ from stickslip_sym.pieces import jumps, places
 
 __all__ = ["c_code", "octave_code", "python_code"]
 
-_PRIVATE = re.compile(r"\b_(?!scale\b|unscale\b|product\b|erf\b)(?=[a-z])")
+_PRIVATE = re.compile(r"\b_(?!scale\b|unscale\b|product\b|broadcast\b|erf\b)(?=[a-z])")
 """How the names of what belongs to one function begin, other than those that all share."""
 _PUBLIC = re.compile(r"\bdamping\b(?=[(:])")
 

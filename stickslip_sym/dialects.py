@@ -1,6 +1,8 @@
 """How C, Python and Octave write the same formulas."""
 
+import builtins
 import keyword
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -16,27 +18,33 @@ _C_WORDS = frozenset(
         "extern", "float", "for", "goto", "if", "inline", "int", "long", "main", "register", "restrict",
         "return", "short", "signed", "sizeof", "static", "struct", "switch", "typedef", "union",
         "unsigned", "void", "volatile", "while",
+        "alignas", "alignof", "asm", "bool", "constexpr", "false", "nullptr", "static_assert", "thread_local",
+        "true", "typeof", "typeof_unqual",
+        "HUGE_VAL", "HUGE_VALF", "HUGE_VALL", "INFINITY", "MATH_ERREXCEPT", "MATH_ERRNO", "NAN", "linux",
+        "math_errhandling", "unix",
         "asin", "exp2", "fabs", "floor", "fmax", "fmin", "fmod", "frexp", "ldexp", "pow",
     }
 )  # fmt: skip
 _OCTAVE_WORDS = frozenset(
     {
-        "break", "case", "catch", "continue", "do", "else", "elseif", "end", "end_try_catch", "endfor",
-        "endfunction", "endif", "endswitch", "endwhile", "for", "function", "global", "if", "otherwise",
-        "persistent", "return", "switch", "try", "unwind_protect", "until", "while",
+        "break", "case", "catch", "classdef", "continue", "do", "else", "elseif", "end", "end_try_catch",
+        "end_unwind_protect", "endarguments", "endclassdef", "endenumeration", "endevents", "endfor",
+        "endfunction", "endif", "endmethods", "endparfor", "endproperties", "endspmd", "endswitch", "endwhile",
+        "for", "function", "global", "if", "otherwise", "parfor", "persistent", "return", "spmd", "switch",
+        "try", "unwind_protect", "unwind_protect_cleanup", "until", "while",
         "abs", "arrayfun", "asin", "common_size", "differ", "error", "expm1", "fix", "floor", "half", "high",
         "isempty", "kept", "largest", "log1p", "log2", "low", "max", "merge", "min", "mod", "numel",
-        "rows", "sort",
+        "rows", "sort", "true",
     }
 )  # fmt: skip
 
 
 _LOCALS = frozenset(
     {
-        "a", "angle", "b", "base", "cancelled", "carry", "coarse", "columns", "count", "depth", "ends",
+        "a", "added", "angle", "b", "base", "cancelled", "carry", "coarse", "columns", "count", "depth", "ends",
         "exponent", "factors", "fine", "first", "g", "half_pi", "height", "here", "i", "j", "m", "mantissa",
         "math", "middle", "np", "off", "panels", "part", "parts", "place", "power", "r", "ratio", "rest",
-        "result", "row", "scale", "scales", "shape", "shift", "sine", "size", "sum", "sum_", "swap", "t",
+        "result", "row", "scale", "scales", "shape", "shift", "sine", "size", "sum", "swap", "t",
         "total", "try_", "upper", "v", "value", "w", "whole", "x", "z",
     }
 )  # fmt: skip
@@ -52,6 +60,9 @@ class _C(C99CodePrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_NumberSymbol(self, expr: Any) -> str:
         return repr(float(expr))
+
+    def _print_Symbol(self, expr: Any) -> str:
+        return str(expr.name)  # `Dialect.name` has seen to the words of the language, which C's are not in Octave
 
 
 class _Octave(_C):
@@ -115,13 +126,13 @@ class _Python(NumPyPrinter):  # type: ignore[misc]  # SymPy is untyped
 class Dialect:
     """One language: how it prints an expression, and which names it keeps for itself."""
 
-    def __init__(self, printer: Any, words: frozenset[str]) -> None:
-        self._printer, self._words = printer, words
+    def __init__(self, printer: Any, words: frozenset[str], kept: str = "(?!)") -> None:
+        self._printer, self._words, self._kept = printer, words, re.compile(kept)
 
     def name(self, symbol: Any) -> str:
-        """Return the name of an argument, with an underscore after a word of the language."""
+        """Return the name of an argument, with an underscore after a word of the language, or after another."""
         text = str(symbol)
-        return f"{text}_" if text in self._words else text
+        return f"{text}_" if text in self._words or text.endswith("_") or self._kept.fullmatch(text) else text
 
     def text(self, expr: Any, names: Mapping[Any, str]) -> str:
         """Return an expression in this language."""
@@ -136,9 +147,9 @@ def numeric_list(values: Any, brackets: str, indent: str = "    ") -> str:
     return brackets[0] + f",\n{indent}".join(lines) + brackets[1]
 
 
-c99 = Dialect(_C(), _C_WORDS | _LOCALS)
+c99 = Dialect(_C(), _C_WORDS | _LOCALS, "(M|FP)_[A-Z0-9_]+")  # M_PI and the like are macros
 octave = Dialect(_Octave(), _OCTAVE_WORDS | _LOCALS)
 python = Dialect(
     _Python({"fully_qualified_modules": True, "allow_unknown_functions": True}),
-    frozenset(keyword.kwlist) | _LOCALS,
+    frozenset(keyword.kwlist) | frozenset(dir(builtins)) | _LOCALS,
 )

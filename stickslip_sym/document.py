@@ -3,6 +3,7 @@ r"""A LaTeX document, or a fragment for ``\input``: laws, their criteria, and wh
 Every formula is printed from the expression that is evaluated, and stands once more as exact text in a comment.
 """
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -12,7 +13,7 @@ from stickslip_sym import printing, symbols
 from stickslip_sym.abbreviation import equation
 from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.errors import InputError
-from stickslip_sym.layout import LINE, displayed, prose, width
+from stickslip_sym.layout import LINE, displayed, key, prose, width
 from stickslip_sym.limits import ends, zeros
 from stickslip_sym.notation import check_known, notation_of
 
@@ -56,15 +57,24 @@ def document(
     every = [name for law, _ in laws for name in law.parameters]
     check_known(given, ["mu", *symbols.QUANTITIES, *every])
     parts = [_FRAGMENT if fragment else _PREAMBLE + _introduction(given)]
-    for law, found in laws:
+    for (law, found), mark in zip(laws, _marks([law for law, _ in laws]), strict=True):
         if law.curve is not None:
             raise InputError(
                 "a law of measured points has no formula to print; export it as --json, --python, --c or --octave"
             )
-        key = law.name or ("law" if len(laws) == 1 else f"law-{len(parts)}")
         absent = [(criterion, reason) for other, criterion, reason in missing if other is law]
-        parts.append("\n\n".join(_chapter(law, key, found, absent, given, fragment, steps, time_limit)) + "\n")
+        parts.append("\n\n".join(_chapter(law, mark, found, absent, given, fragment, steps, time_limit)) + "\n")
     return "\n".join(parts) + ("" if fragment else "\n\\end{document}\n")
+
+
+def _marks(laws: Sequence[Any]) -> list[str]:
+    """Return for each law what its labels have in common, and no other law's."""
+    found: list[str] = []
+    for law in laws:
+        plain = key(law.name)
+        free = (plain if n == 1 else f"{plain}-{n}" for n in itertools.count(1))
+        found.append(next(label for label in free if label not in found))
+    return found
 
 
 def chapters(forms: Sequence[ClosedForm]) -> list[tuple[Any, list[ClosedForm]]]:
@@ -84,14 +94,14 @@ def _introduction(given: Mapping[str, str]) -> str:
     return (
         f"\\noindent A mass ${n['m']}$ on a spring ${n['k']}$ and a damper ${n['c']}$ is pressed "
         f"by the force ${n['N']}$ on a belt of speed ${n['V']}$:\n\\begin{{equation*}}\n"
-        f"  {n['m']} \\ddot {n['x']} + {n['c']} \\dot {n['x']} + {n['k']} {n['x']} = "
-        f"{n['N']} {n['mu']}({n['V']} - \\dot {n['x']})\n\\end{{equation*}}\n"
+        f"  {n['m']} \\ddot{{{n['x']}}} + {n['c']} \\dot{{{n['x']}}} + {n['k']} {n['x']} = "
+        f"{n['N']} {n['mu']}({n['V']} - \\dot{{{n['x']}}})\n\\end{{equation*}}\n"
         f"Each criterion says how large ${n['c']}$ must be so that the mass does not stick and slip.\n"
     )
 
 
 def _chapter(
-    law: Any, key: str, forms: list[ClosedForm], absent: list[tuple[str, str]], given: Mapping[str, str],
+    law: Any, mark: str, forms: list[ClosedForm], absent: list[tuple[str, str]], given: Mapping[str, str],
     fragment: bool, steps: bool, time_limit: float,
 ) -> Iterator[str]:  # fmt: skip
     names = _names(law, given)
@@ -99,7 +109,7 @@ def _chapter(
         yield f"\\section{{The law \\texttt{{{prose(law.name)}}}}}" if law.name else r"\section{The law}"
     yield (
         f"The coefficient of friction at the slip speed ${names['v']}$ is\n% exact: mu(v) = {law.text}\n"
-        + displayed(f"{names['mu']}({names['v']})", printing.latex(law.expr, names), label=f"eq:{key}-law")
+        + displayed(f"{names['mu']}({names['v']})", printing.latex(law.expr, names), label=f"eq:{mark}-law")
     )
     about = [
         f"{word}: {prose(text, names)}."
@@ -110,10 +120,10 @@ def _chapter(
         yield "\n".join(about)
     yield _table(law, names)
     for form in forms:
-        yield from _criterion(form, key, names, steps, time_limit)
+        yield from _criterion(form, mark, names, steps, time_limit)
     for criterion, reason in absent:
         name = prose(criterion.replace("_", "-"))
-        yield f"For the {name} criterion no closed form was found; {_QUADRATURE}.\n% {reason}"
+        yield f"For the {name} criterion no closed form was found; {_QUADRATURE}.\n% {' '.join(reason.split())}"
 
 
 def _table(law: Any, names: Mapping[str, str]) -> str:
@@ -139,7 +149,7 @@ def _table(law: Any, names: Mapping[str, str]) -> str:
 
 
 def _meaning(text: str, names: Mapping[str, str]) -> str:
-    speed = f"$|{names['V']} - \\dot {names['x']}|$"
+    speed = f"$|{names['V']} - \\dot{{{names['x']}}}|$"
     before, found, after = text.partition("|V - x'|")
     return f"\\raggedright {prose(before, names)}{speed if found else ''}{prose(after, names)}"
 
@@ -157,12 +167,14 @@ def _number(text: str) -> str:
     return f"${text}$" if text else ""
 
 
-def _criterion(form: ClosedForm, key: str, names: dict[str, str], steps: bool, time_limit: float) -> Iterator[str]:
+def _criterion(
+    form: ClosedForm, mark: str, names: dict[str, str], steps: bool, time_limit: float
+) -> Iterator[str]:
     criterion = form.criterion
     name = prose(criterion.name.replace("_", "-"))
     lines = [f"The {name} criterion ({prose(criterion.source, {'V': names['V']})}) is"]
     lines.append(f"% exact: c = {printing.text(form.expr)}")
-    label = f"eq:{key}-{criterion.name}"
+    label = f"eq:{mark}-{criterion.name}"
     lines.append(equation(names["c"], form.expr, names, label=label))
     lines += [f"Here {meaning}." for kind, meaning in _SPECIAL.items() if form.expr.has(kind)]
     lines += [*_ends(form, names, time_limit), *_zeros(form, names)]

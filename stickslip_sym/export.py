@@ -1,5 +1,6 @@
 """Closed forms as files for others: LaTeX, Python, C and Octave. JSON is `keeping`'s."""
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -86,7 +87,8 @@ def _named(forms: ClosedForm | Sequence[ClosedForm]) -> tuple[dict[str, StableFu
     found = {}
     for number, (law, group) in enumerate(chapters(listed), 1):
         for form in group:
-            name = f"damping_{law.name or f'law_{number}'}_{form.criterion.name}"
+            label = re.sub(r"\W+", "_", law.name or "", flags=re.ASCII).strip("_") or f"law_{number}"
+            name = f"damping_{label}_{form.criterion.name}"
             if name in found:
                 raise InputError(f"two of the forms would both be called {name}; give the laws different names")
             found[name] = form.function

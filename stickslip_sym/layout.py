@@ -6,9 +6,13 @@ above, so a formula that is broken here fits the text.
 """
 
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 
-__all__ = ["LINE", "displayed", "prose", "width"]
+from stickslip_sym.errors import InputError
+from stickslip_sym.notation import latex_name
+
+__all__ = ["LINE", "displayed", "key", "prose", "width"]
 
 LINE = 341.0  # points in 120 mm
 _NUMBER = 32.0  # of them for the number of the equation
@@ -150,10 +154,24 @@ def _places(latex: str) -> tuple[list[tuple[int, int, float]], float]:
 
 # -- words -----------------------------------------------------------------------------------------
 
+
+def key(name: str | None) -> str:
+    r"""Return a name as it may stand in a ``\label``."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", name or "").strip("-") or "law"
+
+
 _ESCAPES = {character: "\\" + character for character in "&%$#_{}"} | {
     "\\": r"\textbackslash{}", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}",
     "<": "$<$", ">": "$>$", "|": r"\textbar{}", '"': "''",
 }  # fmt: skip
+_SIGNS = {
+    "−": "$-$", "≤": r"$\le$", "≥": r"$\ge$", "≈": r"$\approx$", "≠": r"$\ne$", "∞": r"$\infty$", "√": r"$\surd$",
+    "′": "$'$", "″": "$''$", "→": r"$\to$",
+    "µ": r"$\mu$", "∝": r"$\propto$", "∂": r"$\partial$", "°": r"$^{\circ}$",
+}  # fmt: skip
+_SCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻₀₁₂₃₄₅₆₇₈₉₊₋", "0123456789+-0123456789+-")
+_RAISED, _LOWERED = "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "₀₁₂₃₄₅₆₇₈₉₊₋"
+_NOT_SET = re.compile("[ĦħĸĿŀŉŦŧſ]|[^ -~¡-ſ‐-–—‘’‚“”„†‡•…‰‹›€™]")
 _WORD = re.compile(r"(sqrt)\((\w+)\)|([A-Za-z]\w*)(?:\^(\d))?|(\d)[+]|(.)", re.S)
 
 
@@ -165,7 +183,13 @@ def prose(text: str, names: Mapping[str, str] | None = None) -> str:
     text : str
     names : mapping of str to str
         LaTeX of the symbols; single letters count only if they are among them.
+
+    Raises
+    ------
+    InputError
+        For a character that pdflatex has no sign for.
     """
+    text = unicodedata.normalize("NFC", re.sub(r"\s+", " ", text))
     known = names or {}
 
     def word(match: re.Match[str]) -> str:
@@ -175,10 +199,30 @@ def prose(text: str, names: Mapping[str, str] | None = None) -> str:
         if number:
             return f"${number}^{{+}}$"
         if name is None:
-            return _ESCAPES.get(other, other)
+            return _ESCAPES.get(other) or _foreign(other)
         if name in known:
             return f"${known[name]}{f'^{{{power}}}' if power else ''}$"
-        return "".join(_ESCAPES.get(c, c) for c in name) + (f"$^{{{power}}}$" if power else "")
+        return "".join(_ESCAPES.get(c) or _foreign(c) for c in name) + (f"$^{{{power}}}$" if power else "")
 
     # After an abbreviation TeX would leave the space that follows a sentence.
     return re.sub(r"\b(e\.g\.|eq\.) ", r"\1~", _WORD.sub(word, text)).replace(" - ", " $-$ ")
+
+
+def _foreign(character: str) -> str:
+    """Return a character that is not of ASCII as LaTeX."""
+    if character in _SIGNS:
+        return _SIGNS[character]
+    for scripts, mark in ((_RAISED, "^"), (_LOWERED, "_")):
+        if character in scripts:
+            return f"${mark}{{{character.translate(_SCRIPTS)}}}$"
+    greek = re.fullmatch(r"GREEK (SMALL|CAPITAL) LETTER (FINAL )?(\w+)", unicodedata.name(character, ""))
+    if greek:
+        written = latex_name(greek[3].lower() if greek[1] == "SMALL" else greek[3].title())
+        if "{" not in written:  # else it looks like a Latin letter, and has no command
+            return f"${written}$"
+    if _NOT_SET.match(character):
+        raise InputError(
+            f"the character {character!r} has no sign in pdflatex's fonts; "
+            "write names, sources and meanings in Latin letters"
+        )
+    return character

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import archive
+from stickslip_sym import archive, html_text
 from stickslip_sym.axes import Axis, fixed_values, read_axes
 from stickslip_sym.checkpoint import Progress, collect
 from stickslip_sym.classification import Motion
@@ -24,7 +24,7 @@ __all__ = ["MotionMap", "motion_map"]
 _CURVES = ("equilibrium", "least_squares", "exact")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MotionMap:
     """The motions over a plane; arrays have a row for each value of y, and a column for each of x.
 
@@ -70,6 +70,16 @@ class MotionMap:
     def count(self) -> dict[Motion, int]:
         """Return the number of cells of each motion, where there are any."""
         return {motion: n for motion in Motion if (n := int((self.motion == motion).sum()))}
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{n} {motion.value}" for motion, n in self.count().items())
+        return f"MotionMap: {self.law.name or 'law'}, {self.x} by {self.y}; {counts}"
+
+    def _repr_html_(self) -> str:
+        rows = [[motion.value, str(n)] for motion, n in self.count().items()]
+        return html_text.table(
+            ["motion", "cells"], rows, caption=f"{self.law.name or 'law'}, {self.x} by {self.y}"
+        )
 
     def to_csv(self, path: str | Path) -> None:
         """Write a line for each cell: x, y, the motion, the attractors, the reason and the thresholds.

@@ -5,7 +5,7 @@ gives instead goes into the document as it is, so only commands that print a sym
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from stickslip_sym.errors import InputError
 from stickslip_sym.values import suggestion
@@ -21,16 +21,23 @@ _GREEK = frozenset(
     }
 )  # fmt: skip
 _SPELLED = {"lamda": "lambda", "Lamda": "Lambda"}  # lambda is a word of Python
-_STYLES = frozenset(
+_SIGNS = frozenset(
     {
-        "mathrm", "mathit", "mathbf", "mathsf", "mathcal", "mathbb", "boldsymbol", "text", "operatorname",
-        "hat", "widehat", "tilde", "widetilde", "bar", "overline", "underline", "vec", "dot", "ddot",
         "ell", "hbar", "star", "ast", "prime", "circ", "dagger", "perp", "parallel", "infty", ",", "!", ";",
     }
 )  # fmt: skip
+_WORDS = frozenset({"text", "operatorname"})  # no mathematics stands in these
+_STYLES = _WORDS | {
+    "mathrm", "mathit", "mathbf", "mathsf", "mathcal", "boldsymbol",
+    "hat", "widehat", "tilde", "widetilde", "bar", "overline", "underline", "vec", "dot", "ddot",
+}  # fmt: skip
+"""Commands of amsmath that take an argument."""
 _COMMAND = re.compile(r"\\([A-Za-z]+|.|$)", re.S)
 _FOREIGN = re.compile(r"[^A-Za-z0-9\\{}_^ ,;!'*+-]")
 _PARTS = re.compile(r"([A-Za-z]+?)_?(\d*)")
+_GROUP = re.compile(r"\{[^{}]")
+_WORD = re.compile(r"\{[A-Za-z0-9 -]+\}")
+_NO_SCRIPT = re.compile(r"[_^]\s*([_^'@]|$)|^\s*[_^']")
 _LONGEST = 60
 
 
@@ -110,8 +117,10 @@ def _check(name: str, latex: str) -> None:
     if foreign := _FOREIGN.search(latex):
         raise InputError(f"the LaTeX of {name}, {latex!r}, has the character {foreign[0]!r}; {example}")
     for command in _COMMAND.findall(latex):
-        if command not in _GREEK and command not in _STYLES:
-            raise InputError(f"the LaTeX of {name} has the command \\{command}, which prints no symbol; {example}")
+        if command not in _GREEK | _SIGNS | _STYLES:
+            raise InputError(
+                f"the LaTeX of {name} has the command \\{command}, which prints no symbol with amsmath; {example}"
+            )
     depth = 0
     for character in latex:
         depth += (character == "{") - (character == "}")
@@ -119,11 +128,25 @@ def _check(name: str, latex: str) -> None:
             break
     if depth:
         raise InputError(f"the braces of the LaTeX of {name}, {latex!r}, do not match; {example}")
-    bare = re.sub(r"\{[^{}]*(\{[^{}]*\}[^{}]*)*\}", "{}", latex)
-    if bare.count("_") > 1 or bare.count("^") + ("'" in bare) > 1 or re.search(r"[_^]\s*([_^]|$)|^\s*[_^']", bare):
-        raise InputError(
-            f"the LaTeX of {name}, {latex!r}, has a subscript or superscript of nothing, or two of them; {example}"
-        )
+    for found in _COMMAND.finditer(latex):
+        if found[1] in _STYLES and not (_WORD if found[1] in _WORDS else _GROUP).match(latex, found.end()):
+            raise InputError(f"{found[0]} in the LaTeX of {name} needs its argument in braces; {example}")
+    for level in _levels(latex):
+        superscripts = level.count("^") + ("'" in level)
+        if level.count("_") > 1 or superscripts > 1 or _NO_SCRIPT.search(level):
+            raise InputError(
+                f"the LaTeX of {name}, {latex!r}, has a subscript or superscript of nothing, or two of them, "
+                f"or one without its braces; {example}"
+            )
+
+
+def _levels(latex: str) -> Iterator[str]:
+    """Yield what stands in each pair of braces, and around them all, with a letter for each inner pair."""
+    plain = re.sub(r"\\([A-Za-z]+|.)", lambda found: "@" if found[1] in _STYLES else "x", latex)
+    while inner := re.search(r"\{([^{}]*)\}", plain):
+        yield inner[1]
+        plain = f"{plain[: inner.start()]}x{plain[inner.end() :]}"
+    yield plain
 
 
 def _look(latex: str) -> str:

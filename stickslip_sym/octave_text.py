@@ -52,7 +52,7 @@ end
 
 def head(title: str, products: bool) -> str:
     """Return what stands first, and products if they are needed."""
-    return _HEAD.format(title=title.replace("\n", " ")) + (_PRODUCTS if products else "")
+    return _HEAD.format(title=" ".join(title.split())) + (_PRODUCTS if products else "")
 
 
 def product(number: str, factors: list[tuple[str, float]], rest: str) -> str:

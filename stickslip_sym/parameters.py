@@ -75,6 +75,9 @@ def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, An
     return html_text.table(["parameter", "value", "typical", "unit", "meaning"], rows)
 
 
+_ARGUMENTS = frozenset({"self", "digits", "on_invalid"})
+
+
 def _check_name(name: str) -> None:
     if not isinstance(name, str):
         raise InputError(f"the name of a parameter is text, got {type(name).__name__}")
@@ -84,6 +87,10 @@ def _check_name(name: str) -> None:
         meaning = symbols.QUANTITIES[name].meaning
         raise InputError(
             f"{name!r} is taken: it is the {meaning} everywhere in this package; rename the parameter"
+        )
+    if name in _ARGUMENTS:
+        raise InputError(
+            f"{name!r} is an argument of functions that take parameters by name; rename the parameter"
         )
     if name in FUNCTIONS or name in KINKED or name in CONSTANTS or name == "Piecewise":
         raise InputError(f"{name!r} is the name of a function or a constant; rename the parameter")

@@ -23,6 +23,14 @@ import math
 import numpy as np
 
 _erf = np.vectorize(math.erf, otypes=[float])
+
+
+def _broadcast(function, *values):
+    """Call a function of flat arrays with values of any shapes."""
+    columns = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in values))
+    with np.errstate(all="ignore"):
+        result = function([column.ravel() for column in columns])
+    return result.reshape(columns[0].shape)[()]
 '''
 
 _PRODUCTS = '''
@@ -120,7 +128,7 @@ def steps(places_and_heights: list[tuple[str, str]], weight: str) -> str:
         f"    for place, height in [{listed}]:\n"
         "        if 0 < place < 2*V:\n"
         "            m = place/V*(2 - place/V)\n"
-        f"            sum_ += height*({weight})/V\n"
+        f"            added += height*({weight})/V\n"
     )
 
 
@@ -158,7 +166,7 @@ def _average({names}):
     ends += [math.pi/2, *(math.asin(math.sqrt(place/(2*V))) for place in (0.0{places}) if 0 < place < 2*V)]
     ends.sort()
     panels = [(a, b, 40) for a, b in zip(ends, ends[1:]) if b > a]
-    sum_, total = 0.0, 0.0
+    added, total = 0.0, 0.0
     while panels:
         a, b, depth = panels.pop()
         fine, size = _rule(_fine_nodes, _fine_weights, a, b, {names})
@@ -166,10 +174,10 @@ def _average({names}):
         off = abs(fine - coarse)
         off = size*min(off/size, (200*off/size)**1.5) if size > 0 else 0.0
         if depth == 0 or not off > 1e-17*max(total, size):
-            sum_, total = sum_ + fine, total + size
+            added, total = added + fine, total + size
         else:
             panels += [(a, (a + b)/2, depth - 1), ((a + b)/2, b, depth - 1)]
-{steps}    return -N*sum_
+{steps}    return -N*added
 
 
 def _criterion({names}):
@@ -196,12 +204,12 @@ def total(public: list[str], arguments: list[str], terms: int | None) -> str:
         )
     return f'''
 
+def _total(columns):
+{body}
+    return result
+
+
 def damping({names}):
     """Return the damping coefficient in kg/s, broadcast over all arguments."""
-    columns = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in ({names},)))
-    shape = columns[0].shape
-    columns = [column.ravel() for column in columns]
-    with np.errstate(all="ignore"):
-{chr(10).join("    " + line for line in body.splitlines())}
-    return result.reshape(shape)[()]
+    return _broadcast(_total, {names})
 '''

@@ -142,7 +142,7 @@ def test_latex_file(tmp_path):
         (["derive", "exponential", "--criterion", "harmonics"], "there is no criterion 'harmonics'"),
         (
             ["derive", "exponential", "--latex", "missing/form.tex"],
-            "cannot write 'missing/form.tex': No such file",
+            "cannot write 'missing/form.tex': there is no folder",
         ),
         (["derive", "exponential", "--latex", "."], "cannot write '.': Is a directory"),
         (

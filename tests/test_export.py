@@ -78,6 +78,35 @@ def test_steps_and_other_symbols_compile(tmp_path):
     assert "Overfull" not in said
 
 
+HOSTILE = "50% & $x$ _a_ #1 \\input{x} {} ~^\n\n<b> */ μ"
+
+
+@NEEDS_LATEX
+def test_texts_of_users_compile_with_amsmath_only(tmp_path):
+    """Two laws of one name have labels of their own; symbols may be styled, also under a dot."""
+    described = [ss.Parameter("a", HOSTILE, unit="1", typical="0.5"), ss.Parameter("b", "50 %", unit="s/m")]
+    texts = {"name": HOSTILE, "source": HOSTILE, "validity": HOSTILE, "parameters": described}
+    made = [ss.derive(ss.FrictionLaw(formula, **texts)) for formula in ("a*exp(-b*v)", "1 + a*exp(-b*v)")]
+    symbols_given = {"x": r"\mathrm{x}", "b": r"\hat{b}_{\mathrm{s}}"}
+    inside = ss.export_latex(made, symbols=symbols_given, fragment=True)
+    (tmp_path / "part.tex").write_text(inside)
+    head = "\\documentclass{article}\n\\usepackage{amsmath}\n"
+    whole = head + "\\begin{document}\n\\input{part}\n\\end{document}\n"
+    assert "multiply defined" not in pdflatex(whole, tmp_path)
+    assert "multiply defined" not in pdflatex(ss.export_latex(made, symbols=symbols_given), tmp_path)
+    assert f"slip speed $|V - \\dot{{{symbols_given['x']}}}|$" in inside
+    assert re.findall(r"\\label\{(.*)\}", inside)[0] == "eq:50-x-_a_-1-input-x-b-law"
+
+
+def test_code_has_names_that_the_language_takes():
+    laws = [ss.FrictionLaw("a*exp(-b*v)", name=name) for name in ("my 1st law", HOSTILE, "μ")]
+    text = ss.export_python([ss.derive(law) for law in laws])
+    compile(text, "export", "exec")
+    names = re.findall(r"^def (damping\w*)", text, re.M)
+    assert names[0] == "damping_my_1st_law_least_squares"
+    assert names[2] == "damping_law_3_least_squares"
+
+
 @NEEDS_LATEX
 def test_a_box_that_is_too_wide_would_be_seen(tmp_path):
     """The negative control."""
@@ -187,6 +216,25 @@ def test_octave(few, tmp_path):
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr
     assert_right(few, [list(map(float, line.split())) for line in done.stdout.splitlines()])
+
+
+ODD = {"np": 0.5, "float": 0.3, "zip": 2.0, "M_PI": 0.2, "NAN": 0.1, "typeof": 0.4, "sum": 0.6, "sum_": 0.7}
+
+
+def test_parameters_may_have_names_that_a_language_keeps(tmp_path):
+    law = ss.FrictionLaw("np*Abs(v - float) + zip*exp(-v/M_PI) + NAN*v^2 + typeof*v*sum/sum_")
+    form, scene = ss.derive(law), {"V": 0.5, "N": 2.0} | ODD
+    module = {}
+    exec(form.python(), module)
+    assert module["damping"](**scene) == pytest.approx(form(**scene), rel=1e-12)
+    if shutil.which("gcc"):
+        compiled(form.c(), tmp_path, 0)
+    if shutil.which("octave-cli"):
+        numbers = ", ".join(str(scene[name]) for name in form.arguments)
+        (tmp_path / "odd.m").write_text(form.octave() + f'printf("%.17g", damping({numbers}));\n')
+        command = ["octave-cli", "--norc", "--quiet", "odd.m"]
+        said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=True).stdout
+        assert float(said) == pytest.approx(form(**scene), rel=1e-12)
 
 
 def test_code_of_one_form_is_its_own():

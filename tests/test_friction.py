@@ -70,6 +70,12 @@ def test_names_of_the_scene_are_taken(name):
         ss.FrictionLaw(f"1 + {name}*v")
 
 
+@pytest.mark.parametrize("name", ["self", "digits", "on_invalid"])
+def test_names_of_arguments_are_taken(name):
+    with pytest.raises(ss.InputError, match=f"'{name}' is an argument of functions"):
+        ss.FrictionLaw(f"1 + {name}*v")
+
+
 def test_v_is_no_parameter():
     with pytest.raises(ss.InputError, match="'v' is taken"):
         ss.Parameter("v")

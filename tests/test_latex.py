@@ -68,7 +68,9 @@ def test_notation_may_be_replaced():
         ("}v{", "do not match"), ("$v$", r"character '\$'"), ("v%", "character '%'"), ("", "1 to 60 characters"),
         ("v_", "of nothing"), ("v_a_b", "two of them"), ("v\n", "character"), ("v" * 61, "1 to 60"),
         (r"\mu_s", "would both be printed"), (r"\def\a{}", r"command \\def"), ("v#1", "character '#'"),
-        ("v\\", r"command \\"),
+        ("v\\", r"command \\"), (r"\mathbb{V}", r"command \\mathbb"), (r"\hat", r"\\hat .* in braces"),
+        (r"a\mathrm b", "in braces"), (r"\text{a_b}", "in braces"), (r"v_{a_b_c}", "two of them"),
+        (r"\mathrm{a_b_c}", "two of them"), (r"v_\hat{b}", "without its braces"),
     ],
 )  # fmt: skip
 def test_notation_that_prints_no_symbol_is_refused(latex, complaint):
@@ -99,6 +101,13 @@ def test_lines_break_at_the_outermost_sum():
 def test_prose():
     words = layout.prose("coefficient of v^3 at v = 0+, 5% & more, e.g. v_s/sqrt(2) < 1", {"v": "v", "v_s": "v_s"})
     assert words == r"coefficient of $v^{3}$ at $v$ = $0^{+}$, 5\% \& more, e.g.~$v_s$/$\sqrt{2}$ $<$ 1"
+
+
+def test_prose_sets_signs_that_are_not_ascii():
+    said = layout.prose("Szabó – μ_α ≤ 10⁻³,\n\n v₀ → ∞", {})
+    assert said == r"Szabó – $\mu$\_$\alpha$ $\le$ 10$^{-}$$^{3}$, v$_{0}$ $\to$ $\infty$"
+    with pytest.raises(ss.InputError, match="the character 'Ж' has no sign"):
+        layout.prose("Жуков")
 
 
 def test_the_reader_reads():

@@ -69,6 +69,8 @@ def results():
         "rest": regime.rest,
         "separatrix": regime.separatrices[0],
         "trajectory": ss.simulate(law, both, t_end=5.0),
+        "map": ss.motion_map(law, x=("V", [0.1, 0.9]), y=("alpha", [2.0, 3.0]), c=2.2, **scene),
+        "basins": ss.basin_map(law, both, x0=[0.0, 0.05], v0=[0.0, 0.5]),
     }
 
 
@@ -92,6 +94,8 @@ SHOWN = {
     "rest": "Rest: rest at x = 0.0261867 m, stable, growth rate -0.114992 1/s",
     "separatrix": "Separatrix: limit cycle, 257 points",
     "trajectory": "Trajectory: ",
+    "map": "MotionMap: exponential, V = 0.1 to 0.9 m/s by alpha = 2 to 3 s/m; 2 stick-slip, 2 damped slip",
+    "basins": "BasinMap: exponential, x0 = 0 to 0.05 m by v0 = 0 to 0.5 m/s; ",
 }
 
 
@@ -147,6 +151,8 @@ def test_what_comes_back_computes_the_same(results):
         ("limit_cycle", ["unstable pure-slip limit cycle", "1/s"]),
         ("regime", ["rest at x = 0.0261867 m", "attracts", "does not attract", "stick-slip of period"]),
         ("trajectory", ["v in m/s", "samples from t = 0 to 5 s", "slip, slower than the belt"]),
+        ("map", ["exponential, V = 0.1 to 0.9 m/s by alpha = 2 to 3 s/m", "stick-slip", "cells"]),
+        ("basins", ["x0 = 0 to 0.05 m", "starts", "stick-slip"]),
     ],
 )
 def test_html_is_whole_and_says(name, words, results):
