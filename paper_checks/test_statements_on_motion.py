@@ -17,7 +17,7 @@ from stickslip_sym.symbols import V
 
 NONE = 1e-6  # a relative change that may be the error of what is computed
 SLIGHT = 0.01  # one that no figure of the paper shows
-HARMONIC = 0.05  # total harmonic distortion up to which a wave is taken for a sine, the mains' (IEEE 519)
+HARMONIC = 0.05  # total harmonic distortion up to which a wave is commonly taken for a sine
 CLOSED = 1e-6  # of V, between the ends of a period of the orbit at the threshold
 SAME_RATE = 0.02  # the printed damping is 0.001 kg/s off the orbit's own
 SCALES = np.array([0.1, 0.5, 2.0, 10.0])  # of the natural frequency

@@ -158,7 +158,9 @@ def _report(found: Any) -> str:
     if found.notes:
         (row, column), text = next(iter(found.notes.items()))
         where = f"{found.x.name} = {found.x.values[column]:g}, {found.y.name} = {found.y.values[row]:g}"
-        many = f"{len(found.notes)} cells have a note; the first" if len(found.notes) > 1 else "one cell has a note"
+        many = (
+            f"{len(found.notes)} cells have a note; the first" if len(found.notes) > 1 else "one cell has a note"
+        )
         parts.append(f"{many}, at {where}: {text}")
     return "\n\n".join(parts)
 
