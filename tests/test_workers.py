@@ -186,6 +186,7 @@ def test_a_run_killed_midway_goes_on_to_the_same_output(run, tmp_path):
         deadline = time.monotonic() + 60
         file = tmp_path / "kept"
         while not (file.exists() and file.read_bytes().count(b"\n") > 3) and time.monotonic() < deadline:
+            assert process.poll() is None
             time.sleep(0.002)
         process.send_signal(signal.SIGKILL)
     assert process.returncode == -signal.SIGKILL
