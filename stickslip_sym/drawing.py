@@ -1,17 +1,24 @@
 """What every drawing needs: matplotlib, or a word that it is missing, and a file that anybody draws again."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from stickslip_sym.errors import InputError
 
-__all__ = ["require_matplotlib", "save"]
+__all__ = ["label", "require_matplotlib", "save"]
 
 _STYLE: Any = {
     "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "stickslip_sym",  # the same picture is the same file
     "hatch.linewidth": 0.6,
 }
+_POINT = 4  # half the width of a point, in pixels
+_NEAR = 12  # points of height up to which a label needs no line to what it names
+_BESIDE = [
+    (side * (8 if abs(up) <= 12 else 20), up) for up in (0, 7, -7, 20, -20, 32, -32, 44) for side in (1, -1)
+]
+"""Places of a label, by preference: to the right and up from its point, in points."""
 
 
 def require_matplotlib() -> None:
@@ -20,6 +27,32 @@ def require_matplotlib() -> None:
         import matplotlib.figure  # noqa: F401
     except ImportError:
         raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
+
+
+def label(axes: Any, labels: Sequence[tuple[str, tuple[float, float], str]]) -> None:
+    """Write names beside points, each (name, place, colour), where none covers another or a point."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.transforms import Bbox
+
+    canvas: Any = FigureCanvasAgg(axes.figure)
+    renderer = canvas.get_renderer()
+    axes.figure.draw_without_rendering()
+    points = [axes.transData.transform(place) for _, place, _ in labels]
+    taken = [Bbox.from_bounds(x - _POINT, y - _POINT, 2 * _POINT, 2 * _POINT) for x, y in points]
+    for name, place, color in labels:
+        for right, up in _BESIDE:
+            text = axes.annotate(
+                name, place, xytext=(right, up), textcoords="offset points", fontsize=8, color=color,
+                ha="left" if right > 0 else "right", va="center",
+                arrowprops={"arrowstyle": "-", "color": color, "lw": 0.5} if abs(up) > _NEAR else None,
+            )  # fmt: skip
+            box = text.get_window_extent(renderer)
+            if axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1 and not any(map(box.overlaps, taken)):
+                break
+            text.remove()
+        else:
+            axes.add_artist(text)
+        taken.append(box)
 
 
 def save(figure: Any, path: Path) -> None:

@@ -173,20 +173,20 @@ def plot(ways: list[Way], file: Path, title: str) -> None:
     figure = Figure(figsize=(7.2, 4.4), layout="constrained")
     axes = figure.add_subplot()
     least = 1e-51
+    labels = []
     for way in ways:
         if way.seconds == way.seconds:
-            family = way.name.split(",")[0]
+            color = _COLORS.get(way.name.split(",")[0], "0.4")
             place = way.seconds, max(way.error, least)
-            (marker,) = axes.plot(*place, "o", color=_COLORS.get(family, "0.4"))
-            axes.annotate(
-                way.name, place, xytext=(6, 3), textcoords="offset points", fontsize=8,
-                color=marker.get_color(),
-            )  # fmt: skip
+            axes.plot(*place, "o", color=color)
+            labels.append((way.name, place, color))
     axes.set(xscale="log", yscale="log", xlabel="time for one value (s)", ylabel="relative error", title=title)
+    axes.margins(0.08)
     left, right = axes.get_xlim()
     axes.set_xlim(left, right * 8)
     axes.axhline(2.0**-52, color="0.8", zorder=0)
     axes.grid(alpha=0.25)
+    drawing.label(axes, labels)
     drawing.save(figure, file)
 
 

@@ -2,12 +2,13 @@
 
 import subprocess
 import sys
+from itertools import combinations
 
 import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import tradeoff, tradeoff_thresholds
+from stickslip_sym import drawing, tradeoff, tradeoff_thresholds
 
 DOUBLE = 4 * 2.0**-52
 
@@ -79,3 +80,17 @@ def test_thresholds_of_every_rung_and_of_the_paper_s_procedure(monkeypatch):
     assert "not measured" in tradeoff_thresholds.threshold_report(list(found.values()))
     with pytest.raises(ss.NoThreshold, match="nothing has a relative error"):
         tradeoff_thresholds.threshold_tradeoff(ss.laws.polynomial.typical(), scene | {"V": 0.95})
+
+
+def test_no_label_covers_another_or_a_point():
+    figure_module = pytest.importorskip("matplotlib.figure")
+    axes = figure_module.Figure(figsize=(7, 4)).add_subplot()
+    points = [(1.0, 1.0), (1.0, 1.01), (1.02, 1.0), (2.0, 1.0), (2.0, 1.0)]
+    axes.plot(*zip(*points, strict=True), "o")
+    axes.set(xlim=(0, 3), ylim=(0, 2))
+    drawing.label(axes, [(f"point {i}", place, "k") for i, place in enumerate(points)])
+    canvas = axes.figure.canvas
+    boxes = [text.get_window_extent(canvas.get_renderer()) for text in axes.texts]
+    assert len(boxes) == len(points)
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    assert not any(box.contains(*axes.transData.transform(place)) for box in boxes for place in points)
