@@ -55,7 +55,7 @@ _HOME = {
     "Motion": "classification", "classify": "classification",
 }  # fmt: skip
 
-__all__ = [  # noqa: RUF022  # modules first
+__all__ = [  # noqa: RUF022  # modules first, then what they hold
     "criteria", "laws", "quadrature", "symbols",
     "BasinMap", "ClosedForm", "Derivation", "Event", "EventKind", "FrictionLaw", "InputError", "LimitCycle",
     "Motion", "MotionMap", "NoClosedForm", "NoThreshold", "NotConverged", "Oscillator", "Outcome", "Parameter",

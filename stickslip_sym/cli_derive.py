@@ -9,8 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from stickslip_sym import cli_json
-from stickslip_sym.cli_names import complete_criterion_or_all, complete_law
-from stickslip_sym.cli_reading import Values, assignments, check_size, read_law, require_writable
+from stickslip_sym.cli_names import complete_law
+from stickslip_sym.cli_reading import CriteriaName, Values, assignments, check_size, read_law, require_writable
 from stickslip_sym.errors import InputError, NoClosedForm
 
 __all__ = ["derive", "progress"]
@@ -32,15 +32,7 @@ def derive(
     extrapolate: Annotated[
         bool, typer.Option("--extrapolate", help="Hold the first and the last measured coefficient.")
     ] = False,
-    criterion: Annotated[
-        str,
-        typer.Option(
-            "--criterion",
-            metavar="NAME",
-            help="least_squares, harmonic, equilibrium, or all.",
-            autocompletion=complete_criterion_or_all,
-        ),
-    ] = "least_squares",
+    criterion: CriteriaName = "least_squares",
     parameter: Values = None,
     speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = "0.5",
     force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = "9.81",

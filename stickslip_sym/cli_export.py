@@ -6,8 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from stickslip_sym.cli_derive import progress
-from stickslip_sym.cli_names import complete_criterion_or_all
-from stickslip_sym.cli_reading import assignments, read_law, require_writable
+from stickslip_sym.cli_reading import CriteriaName, assignments, read_law, require_writable
 from stickslip_sym.errors import InputError, NoClosedForm
 
 __all__ = ["export"]
@@ -19,15 +18,7 @@ def export(
         typer.Argument(metavar="LAW...", help="Names of laws (see: stickslip laws), or formulas in v."),
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Every law of the catalogue.")] = False,
-    criterion: Annotated[
-        str,
-        typer.Option(
-            "--criterion",
-            metavar="NAME",
-            help="least_squares, harmonic, equilibrium, or all.",
-            autocompletion=complete_criterion_or_all,
-        ),
-    ] = "least_squares",
+    criterion: CriteriaName = "least_squares",
     latex: Annotated[Path | None, typer.Option("--latex", metavar="FILE", help="A LaTeX document.")] = None,
     python: Annotated[Path | None, typer.Option("--python", metavar="FILE", help="A NumPy module.")] = None,
     c: Annotated[Path | None, typer.Option("--c", metavar="FILE", help="C99; it needs libm only.")] = None,

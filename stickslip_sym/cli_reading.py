@@ -7,12 +7,12 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from stickslip_sym.cli_names import complete_criterion, complete_law
+from stickslip_sym.cli_names import complete_criterion, complete_criterion_or_all, complete_law
 from stickslip_sym.errors import InputError
 
 __all__ = [
-    "SCENE", "Command", "CriterionName", "Force", "LawName", "Mass", "Speed", "Stiffness", "Values",
-    "assignments", "check_size", "read_law", "read_numbers", "require_writable",
+    "SCENE", "Command", "CriteriaName", "CriterionName", "Force", "LawName", "Mass", "Speed", "Stiffness",
+    "Values", "assignments", "check_size", "read_law", "read_numbers", "require_writable",
 ]  # fmt: skip
 
 LawName = Annotated[
@@ -30,6 +30,15 @@ CriterionName = Annotated[
         metavar="NAME",
         help="least_squares, harmonic or equilibrium.",
         autocompletion=complete_criterion,
+    ),
+]
+CriteriaName = Annotated[
+    str,
+    typer.Option(
+        "--criterion",
+        metavar="NAME",
+        help="least_squares, harmonic, equilibrium, or all.",
+        autocompletion=complete_criterion_or_all,
     ),
 ]
 Values = Annotated[

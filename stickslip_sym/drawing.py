@@ -24,7 +24,7 @@ _BESIDE = [
 def require_matplotlib() -> None:
     """Refuse to draw without matplotlib."""
     try:
-        import matplotlib.figure  # noqa: F401
+        import matplotlib.figure  # noqa: F401  # only to see that it is there, and whole
     except ImportError:
         raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
 

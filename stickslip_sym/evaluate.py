@@ -64,7 +64,7 @@ def _slope_at_rest(slope: Any) -> Any:
     """Return the limit of a slope at v = 0+; None where SymPy finds none, as for exponents without a value."""
     try:
         return sp.limit(slope, symbols.v, 0, "+")
-    except (TypeError, ValueError, NotImplementedError):
+    except (TypeError, ValueError, NotImplementedError):  # as SymPy says that it finds none
         return None
 
 
