@@ -38,7 +38,7 @@ _HOME = {
     "StickSlipCycle": "transit", "peak_velocity": "transit", "stick_slip_cycle": "transit",
     "Derivation": "derivation", "Step": "derivation",
     "InputError": "errors", "NoClosedForm": "errors", "NoThreshold": "errors",
-    "NotConverged": "errors", "StickSlipError": "errors",
+    "NotConverged": "errors", "OutOfTime": "errors", "StickSlipError": "errors",
     "FrictionLaw": "friction", "Parameter": "friction",
     "export_c": "export", "export_latex": "export", "export_octave": "export", "export_python": "export",
     "load": "keeping", "load_all": "keeping", "save": "keeping", "save_all": "keeping",
@@ -58,12 +58,12 @@ _HOME = {
 __all__ = [  # noqa: RUF022  # modules first, then what they hold
     "criteria", "laws", "quadrature", "symbols",
     "BasinMap", "ClosedForm", "Derivation", "Event", "EventKind", "FrictionLaw", "InputError", "LimitCycle",
-    "Motion", "MotionMap", "NoClosedForm", "NoThreshold", "NotConverged", "Oscillator", "Outcome", "Parameter",
-    "Phase", "Regime", "Rest", "Separatrix", "SlopeAverage", "Status", "Step", "StickSlipCycle", "StickSlipError",
-    "Threshold", "Trajectory", "TransitionSpeed", "Verdict", "basin_map", "classify", "derive", "export_c",
-    "export_latex", "export_octave", "export_python", "limit_cycles", "load", "load_all", "motion_map",
-    "peak_velocity", "pure_slip_damping", "regime", "save", "save_all", "simulate", "slope_average",
-    "stick_slip_cycle", "transition_speed",
+    "Motion", "MotionMap", "NoClosedForm", "NoThreshold", "NotConverged", "Oscillator", "OutOfTime",
+    "Outcome", "Parameter", "Phase", "Regime", "Rest", "Separatrix", "SlopeAverage", "Status", "Step",
+    "StickSlipCycle", "StickSlipError", "Threshold", "Trajectory", "TransitionSpeed", "Verdict", "basin_map",
+    "classify", "derive", "export_c", "export_latex", "export_octave", "export_python", "limit_cycles",
+    "load", "load_all", "motion_map", "peak_velocity", "pure_slip_damping", "regime", "save", "save_all",
+    "simulate", "slope_average", "stick_slip_cycle", "transition_speed",
 ]  # fmt: skip
 
 

@@ -1,6 +1,6 @@
 """The exceptions of the package: each message says what was got, what was required and what to try."""
 
-__all__ = ["InputError", "NoClosedForm", "NoThreshold", "NotConverged", "StickSlipError"]
+__all__ = ["InputError", "NoClosedForm", "NoThreshold", "NotConverged", "OutOfTime", "StickSlipError"]
 
 
 class StickSlipError(Exception):
@@ -21,3 +21,7 @@ class NoThreshold(StickSlipError):
 
 class NotConverged(StickSlipError):
     """A bound on the work was reached before the accuracy that was asked for."""
+
+
+class OutOfTime(StickSlipError):
+    """The time limit of a call was reached before its result."""

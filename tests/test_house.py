@@ -11,7 +11,7 @@ import stickslip_sym as ss
 
 PACKAGE = Path(ss.__file__).parent
 LAYERS = [
-    "errors", "values", "symbols", "pieces", "parsing", "units", "notation", "printing", "layout",
+    "errors", "deadline", "values", "symbols", "pieces", "parsing", "units", "notation", "printing", "layout",
     "abbreviation", "special", "codegen", "compiled", "tables", "html_text", "files", "drawing",
     "parameters", "formula", "samples", "friction", "laws", "criteria", "quadrature",
     "normal_form", "theorems", "proving", "derivation",

@@ -1,0 +1,48 @@
+"""A limit on the time of a call, heeded by every loop beneath it.
+
+A call that may take long opens a `time_limit`; the loops under it ask `check_time` once a round. Limits nest: the
+earliest end counts.
+"""
+
+import math
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+from stickslip_sym.errors import InputError, OutOfTime
+
+__all__ = ["check_time", "time_left", "time_limit"]
+
+LONGEST = 86_400.0  # seconds, a day
+_end: ContextVar[float] = ContextVar("end of the time limit, of time.monotonic", default=math.inf)
+
+
+@contextmanager
+def time_limit(seconds: float | None) -> Iterator[None]:
+    """Let `check_time` raise `OutOfTime` within this block once so many seconds have passed; None sets no limit.
+
+    Raises
+    ------
+    InputError
+        If it is no number of seconds from 0 to a day.
+    """
+    if seconds is not None and not 0 <= seconds <= LONGEST:
+        raise InputError(f"time_limit = {seconds} is not a number of seconds from 0 to {LONGEST:.0f}")
+    end = math.inf if seconds is None else time.monotonic() + seconds
+    token = _end.set(min(end, _end.get()))
+    try:
+        yield
+    finally:
+        _end.reset(token)
+
+
+def time_left() -> float:
+    """Return how many seconds are left, infinite without a limit, negative after it."""
+    return _end.get() - time.monotonic()
+
+
+def check_time() -> None:
+    """Raise `OutOfTime` if the time of the innermost or any outer limit is up."""
+    if time_left() < 0:
+        raise OutOfTime("the time limit was reached")
