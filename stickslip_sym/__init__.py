@@ -17,7 +17,14 @@ if TYPE_CHECKING:
     from stickslip_sym.closed_form import ClosedForm, derive
     from stickslip_sym.cycles import LimitCycle, limit_cycles
     from stickslip_sym.derivation import Derivation, Step
-    from stickslip_sym.errors import InputError, NoClosedForm, NotConverged, NoThreshold, StickSlipError
+    from stickslip_sym.errors import (
+        InputError,
+        InputWarning,
+        NoClosedForm,
+        NotConverged,
+        NoThreshold,
+        StickSlipError,
+    )
     from stickslip_sym.export import export_c, export_latex, export_octave, export_python
     from stickslip_sym.friction import FrictionLaw, Parameter
     from stickslip_sym.keeping import load, load_all, save, save_all
@@ -37,7 +44,7 @@ _HOME = {
     "ClosedForm": "closed_form", "derive": "closed_form",
     "StickSlipCycle": "transit", "peak_velocity": "transit", "stick_slip_cycle": "transit",
     "Derivation": "derivation", "Step": "derivation",
-    "InputError": "errors", "NoClosedForm": "errors", "NoThreshold": "errors",
+    "InputError": "errors", "InputWarning": "errors", "NoClosedForm": "errors", "NoThreshold": "errors",
     "NotConverged": "errors", "OutOfTime": "errors", "StickSlipError": "errors",
     "FrictionLaw": "friction", "Parameter": "friction",
     "export_c": "export", "export_latex": "export", "export_octave": "export", "export_python": "export",
@@ -57,13 +64,13 @@ _HOME = {
 
 __all__ = [  # noqa: RUF022  # modules first, then what they hold
     "criteria", "laws", "quadrature", "symbols",
-    "BasinMap", "ClosedForm", "Derivation", "Event", "EventKind", "FrictionLaw", "InputError", "LimitCycle",
-    "Motion", "MotionMap", "NoClosedForm", "NoThreshold", "NotConverged", "Oscillator", "OutOfTime",
-    "Outcome", "Parameter", "Phase", "Regime", "Rest", "Separatrix", "SlopeAverage", "Status", "Step",
-    "StickSlipCycle", "StickSlipError", "Threshold", "Trajectory", "TransitionSpeed", "Verdict", "basin_map",
-    "classify", "derive", "export_c", "export_latex", "export_octave", "export_python", "limit_cycles",
-    "load", "load_all", "motion_map", "peak_velocity", "pure_slip_damping", "regime", "save", "save_all",
-    "simulate", "slope_average", "stick_slip_cycle", "transition_speed",
+    "BasinMap", "ClosedForm", "Derivation", "Event", "EventKind", "FrictionLaw", "InputError", "InputWarning",
+    "LimitCycle", "Motion", "MotionMap", "NoClosedForm", "NoThreshold", "NotConverged", "Oscillator",
+    "OutOfTime", "Outcome", "Parameter", "Phase", "Regime", "Rest", "Separatrix", "SlopeAverage", "Status",
+    "Step", "StickSlipCycle", "StickSlipError", "Threshold", "Trajectory", "TransitionSpeed", "Verdict",
+    "basin_map", "classify", "derive", "export_c", "export_latex", "export_octave", "export_python",
+    "limit_cycles", "load", "load_all", "motion_map", "peak_velocity", "pure_slip_damping", "regime", "save",
+    "save_all", "simulate", "slope_average", "stick_slip_cycle", "transition_speed",
 ]  # fmt: skip
 
 

@@ -1,6 +1,8 @@
 """The exceptions of the package: each message says what was got, what was required and what to try."""
 
-__all__ = ["InputError", "NoClosedForm", "NoThreshold", "NotConverged", "OutOfTime", "StickSlipError"]
+__all__ = [
+    "InputError", "InputWarning", "NoClosedForm", "NoThreshold", "NotConverged", "OutOfTime", "StickSlipError",
+]  # fmt: skip
 
 
 class StickSlipError(Exception):
@@ -25,3 +27,7 @@ class NotConverged(StickSlipError):
 
 class OutOfTime(StickSlipError):
     """The time limit of a call was reached before its result."""
+
+
+class InputWarning(UserWarning):
+    """A law or a file that can be used as given, and is probably not what was meant."""

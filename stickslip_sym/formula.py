@@ -9,9 +9,10 @@ import sympy as sp
 
 from stickslip_sym import symbols
 from stickslip_sym.errors import InputError
+from stickslip_sym.misspelt import check_constant, check_speed
 from stickslip_sym.parameters import Parameter
 from stickslip_sym.parsing import FUNCTIONS, MAX_BITS, parse_expression
-from stickslip_sym.pieces import absolute, larger, piecewise, smaller
+from stickslip_sym.pieces import Bound, absolute, in_pieces, larger, sign, smaller
 from stickslip_sym.values import bits, exact
 
 __all__ = ["read_formula"]
@@ -24,20 +25,38 @@ _FUNCTIONS = tuple(function for function in FUNCTIONS.values() if isinstance(fun
 _PLAIN = (sp.Add, sp.Mul, sp.Pow, sp.Number, sp.NumberSymbol, sp.Symbol, *_FUNCTIONS)
 
 
-def read_formula(formula: str | Any, table: dict[str, Parameter]) -> Any:
+def read_formula(formula: str | Any, table: dict[str, Parameter], *, constant: bool = False) -> Any:
     """Read a coefficient; parameters that it uses and `table` does not have are added there.
+
+    Parameters
+    ----------
+    formula : str, number or sympy.Expr
+    table : dict of str to Parameter
+        Those that are described: no name in it is suspected of being another one misspelt.
+    constant : bool
+        Whether the formula needs no v, as that of a static coefficient.
 
     Raises
     ------
     InputError
         If the formula cannot be read, or holds what a law may not hold.
+
+    Warns
+    -----
+    InputWarning
+        If a name is probably v misspelt.
     """
+    seen: set[str] = set()
+    undescribed: list[str] = []
 
     def symbol(name: str) -> Any:
+        seen.add(name)
         if name == "v":
             return symbols.v
         if name not in table:
+            check_constant(name)
             table[name] = Parameter(name)
+            undescribed.append(name)
         return table[name].symbol
 
     if isinstance(formula, str):
@@ -50,6 +69,7 @@ def read_formula(formula: str | Any, table: dict[str, Parameter]) -> Any:
         raise InputError(f"a law is text or a SymPy expression, got {type(formula).__name__}")
     _check_value(expr)
     _check_size(expr)
+    check_speed(undescribed, has_v=constant or "v" in seen, bare=expr.is_Symbol)
     return expr
 
 
@@ -103,6 +123,10 @@ def _rebuild(expr: Any, symbol: Callable[[str], Any]) -> Any:
     arguments = [_rebuild(argument, symbol) for argument in expr.args]
     if isinstance(expr, sp.Abs):
         return absolute(*arguments)
+    if isinstance(expr, sp.sign):
+        return sign(*arguments)
+    if isinstance(expr, sp.erfc):
+        return FUNCTIONS["erfc"](*arguments)
     if isinstance(expr, sp.Min):
         return reduce(smaller, arguments)
     if isinstance(expr, sp.Max):
@@ -113,12 +137,21 @@ def _rebuild(expr: Any, symbol: Callable[[str], Any]) -> Any:
 
 
 def _rebuild_pieces(expr: Any, symbol: Callable[[str], Any]) -> Any:
-    *branches, (last, condition) = expr.args
-    pairs = []
-    for branch, relation in branches:
-        if not isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan) or str(relation.lts) != "v":
-            raise InputError(f"the pieces of a law end at v < place; got {relation}")
-        pairs.append((_rebuild(branch, symbol), _rebuild(relation.gts, symbol)))
-    if condition != sp.true:
-        raise InputError("the last piece of a law holds for all higher speeds; its condition is True")
-    return piecewise(pairs, _rebuild(last, symbol))
+    pairs = [(_rebuild(branch, symbol), _bound(relation, symbol)) for branch, relation in expr.args]
+    *branches, (last, end) = pairs
+    if not (end is None or any(end.completes(bound) for _, bound in branches if bound)):
+        raise InputError("the last piece of a law holds at all other speeds; its condition is True")
+    return in_pieces([(branch, bound) for branch, bound in branches if bound], last)
+
+
+def _bound(relation: Any, symbol: Callable[[str], Any]) -> Bound | None:
+    """Return where a piece holds; None is everywhere."""
+    if relation == sp.true:
+        return None
+    if isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan | sp.LessThan | sp.GreaterThan):
+        strict = isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan)
+        for side, v, place in (("<", relation.lts, relation.gts), (">", relation.gts, relation.lts)):
+            if str(v) == "v":
+                symbol("v")
+                return Bound(side, _rebuild(place, symbol), strict)
+    raise InputError(f"the pieces of a law end at v < place or v > place; got {relation}")

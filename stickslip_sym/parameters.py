@@ -9,6 +9,7 @@ import sympy as sp
 from stickslip_sym import html_text, printing, symbols
 from stickslip_sym.errors import InputError
 from stickslip_sym.parsing import CONSTANTS, FUNCTIONS, KINKED, NAME
+from stickslip_sym.spelling import ALIASES, INSTEAD
 from stickslip_sym.units import parse_unit
 from stickslip_sym.values import exact
 
@@ -92,5 +93,5 @@ def _check_name(name: str) -> None:
         raise InputError(
             f"{name!r} is an argument of functions that take parameters by name; rename the parameter"
         )
-    if name in FUNCTIONS or name in KINKED or name in CONSTANTS or name == "Piecewise":
+    if any(name in names for names in (FUNCTIONS, KINKED, CONSTANTS, ALIASES, INSTEAD, ("Piecewise",))):
         raise InputError(f"{name!r} is the name of a function or a constant; rename the parameter")

@@ -15,7 +15,8 @@ from typing import Any, NoReturn
 import sympy as sp
 
 from stickslip_sym.errors import InputError
-from stickslip_sym.pieces import absolute, larger, piecewise, smaller
+from stickslip_sym.pieces import Bound, absolute, in_pieces, larger, sign, smaller
+from stickslip_sym.spelling import ALIASES, INSTEAD, Source, normalised, refuse
 from stickslip_sym.values import bits, suggestion, within
 
 __all__ = ["CONSTANTS", "FUNCTIONS", "KINKED", "NAME", "parse_expression"]
@@ -27,18 +28,18 @@ FUNCTIONS: dict[str, Any] = {
     "exp": sp.exp, "log": sp.log, "sqrt": sp.sqrt,
     "sin": sp.sin, "cos": sp.cos, "tan": sp.tan,
     "sinh": sp.sinh, "cosh": sp.cosh, "tanh": sp.tanh, "sech": sp.sech,
-    "asinh": sp.asinh, "atan": sp.atan, "erf": sp.erf,
+    "asinh": sp.asinh, "atan": sp.atan, "erf": sp.erf, "erfc": lambda x: 1 - sp.erf(x),
 }  # fmt: skip
 """The functions of one argument that a formula may use."""
 
 CONSTANTS = {"pi": sp.pi}
 """Names that stand for numbers."""
 
-KINKED: dict[str, Callable[..., Any]] = {"Abs": absolute, "Min": smaller, "Max": larger}
+KINKED: dict[str, Callable[..., Any]] = {"Abs": absolute, "Min": smaller, "Max": larger, "sign": sign}
 """The functions that make kinks; Min and Max take two arguments or more."""
 
 PIECEWISE = "Piecewise((formula, v < place), ..., last formula)"
-"""How a law in pieces is written: each formula up to its place, places ascending."""
+"""How a law in pieces is written; at a place itself, the formula above it holds."""
 
 MAX_LENGTH = 2000
 MAX_DEPTH = 60
@@ -51,8 +52,7 @@ _MAX_ROOT_BITS = 256  # of a number that a root is taken of: SymPy looks for its
 _NOT_FINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
 
 _CALLABLE = [*FUNCTIONS, *KINKED, "Piecewise"]
-_FOREIGN = re.compile(r"[^A-Za-z0-9_+\-*/^()., <>=\t\r\n]")
-_POWER = re.compile(r"\^")
+_RELATIONS = {ast.Lt: ("<", True), ast.LtE: ("<", False), ast.Gt: (">", True), ast.GtE: (">", False)}
 
 
 def parse_expression(text: str, symbol: Callable[[str], Any]) -> Any:
@@ -76,59 +76,41 @@ def parse_expression(text: str, symbol: Callable[[str], Any]) -> Any:
         raise InputError("the formula is empty; write one like 'mu_m + (mu_s - mu_m)*exp(-alpha*v)'")
     if len(text) > MAX_LENGTH:
         raise InputError(f"the formula has {len(text)} characters; at most {MAX_LENGTH} are allowed")
-    if foreign := _FOREIGN.search(text):
-        _refuse(text, foreign.start(), f"the character {foreign[0]!r} has no meaning in a formula")
-    _check_depth(text)
-    return _Translator(text, symbol).translate()
+    source = normalised(text)
+    _check_depth(text, source)
+    return _Translator(text, source, symbol).translate()
 
 
-def _refuse(text: str, position: int, reason: str) -> NoReturn:
-    position = min(position, len(text))
-    start = max(0, position - 40)
-    window = re.sub(r"\s", " ", text[start : position + 30])
-    raise InputError(f"{reason} (character {position + 1})\n  {window}\n  {' ' * (position - start)}^")
-
-
-def _check_depth(text: str) -> None:
+def _check_depth(text: str, source: Source) -> None:
     depth = 0
-    for position, character in enumerate(text):
+    for column, character in enumerate(source.text):
         depth += (character == "(") - (character == ")")
         if depth > MAX_DEPTH:
-            _refuse(text, position, f"more than {MAX_DEPTH} nested parentheses")
+            refuse(text, source.position(column), f"more than {MAX_DEPTH} nested parentheses")
 
 
 class _Translator:
     """One translation: keeps the text so that a refusal can point at its character."""
 
-    def __init__(self, text: str, symbol: Callable[[str], Any]) -> None:
+    def __init__(self, text: str, source: Source, symbol: Callable[[str], Any]) -> None:
         self.original = text
-        # One line, so that a column is a position; '^' would bind too loosely as Python's xor.
-        self.source = _POWER.sub("**", re.sub(r"\s", " ", text))
+        self.source = source
         self.symbol = symbol
         self.kinks = 0
 
     def translate(self) -> Any:
-        stripped = self.source.lstrip()
-        self.indent = len(self.source) - len(stripped)
         try:
             with warnings.catch_warnings(action="ignore"):  # about texts such as 1or, which are refused anyway
-                tree = ast.parse(stripped, mode="eval")
+                tree = ast.parse(self.source.text, mode="eval")
         except SyntaxError as error:
-            column = (error.offset or 1) - 1
-            _refuse(self.original, self._position(column), f"the formula cannot be read: {error.msg}")
+            position = self.source.position((error.offset or 1) - 1)
+            refuse(self.original, position, f"the formula cannot be read: {error.msg}")
         except (RecursionError, MemoryError, ValueError):
             raise InputError("the formula is nested too deeply; write it in fewer levels") from None
         return self._expression(tree.body, 0)
 
-    def _position(self, column: int) -> int:
-        """Map a column of the parsed source to a position in the text as it was given."""
-        target, shift = column + self.indent, 0
-        for match in _POWER.finditer(self.original):
-            shift += match.start() + shift < target
-        return target - shift
-
     def _fail(self, node: ast.AST, reason: str) -> NoReturn:
-        _refuse(self.original, self._position(getattr(node, "col_offset", 0)), reason)
+        refuse(self.original, self.source.position(getattr(node, "col_offset", 0)), reason)
 
     def _expression(self, node: ast.expr, depth: int) -> Any:
         if depth > MAX_DEPTH * 4:
@@ -152,13 +134,13 @@ class _Translator:
                 self._fail(node, f"{kind} is not allowed; a formula has numbers, names, + - * / ^ and functions")
 
     def _number(self, node: ast.Constant) -> Any:
-        text = ast.get_source_segment(self.source.lstrip(), node) or ""
+        text = ast.get_source_segment(self.source.text, node) or ""
         if not re.fullmatch(r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", text) or len(text) > MAX_DIGITS:
             self._fail(node, f"{text[:20]!r} is not a decimal number of at most {MAX_DIGITS} characters")
         return sp.Rational(text)
 
     def _name(self, node: ast.AST, name: str) -> Any:
-        if name in _CALLABLE:
+        if name in _CALLABLE or name in ALIASES:
             self._fail(node, f"{name} is a function; write {name}(...)")
         if not NAME.fullmatch(name):
             self._fail(node, f"{name[:45]!r} is not a usable name: ASCII letters, digits, '_', at most 40")
@@ -202,8 +184,10 @@ class _Translator:
 
     def _call(self, node: ast.Call, depth: int) -> Any:
         if not isinstance(node.func, ast.Name):
-            self._fail(node, "only a named function can be called")
-        name = node.func.id
+            self._fail(node, "only a named function can be called, like exp(...)")
+        name = ALIASES.get(node.func.id, node.func.id)
+        if name in INSTEAD:
+            self._fail(node, f"there is no function {name!r}; write {INSTEAD[name]}")
         if name not in _CALLABLE:
             hint, known = suggestion(name, _CALLABLE), ", ".join(_CALLABLE)
             self._fail(node, f"there is no function {name[:40]!r}{hint}; known: {known}")
@@ -239,17 +223,29 @@ class _Translator:
         self._count_kinks(node, len(branches))
         pairs = []
         for branch in branches:
-            match branch:
-                case ast.Tuple(
-                    elts=[formula, ast.Compare(left=ast.Name(id="v"), ops=[ast.Lt()], comparators=[place])]
-                ):
-                    pairs.append((self._expression(formula, depth + 1), self._expression(place, depth + 1)))
-                case _:
-                    self._fail(branch, f"a law in pieces is written {PIECEWISE}")
-        if not pairs or isinstance(last, ast.Tuple):
-            self._fail(last, f"a law in pieces is written {PIECEWISE}")
-        end = self._expression(last, depth + 1)
-        return self._guarded(node, lambda: piecewise(pairs, end))
+            formula, bound = self._piece(branch)
+            if bound is None:
+                self._fail(branch, f"a law in pieces is written {PIECEWISE}; only the last one may end in True")
+            pairs.append((self._expression(formula, depth + 1), bound))
+        formula, end = self._piece(last) if isinstance(last, ast.Tuple) else (last, None)
+        if not pairs or (end is not None and not any(end.completes(bound) for _, bound in pairs)):
+            self._fail(last, f"a law in pieces is written {PIECEWISE}; the last one may end in True")
+        rest = self._expression(formula, depth + 1)
+        return self._guarded(node, lambda: in_pieces(pairs, rest))
+
+    def _piece(self, node: ast.expr) -> tuple[ast.expr, Bound | None]:
+        """Return the formula of a piece and where it holds; None is everywhere."""
+        match node:
+            case ast.Tuple(elts=[formula, ast.Constant(value=True)]):
+                return formula, None
+            case ast.Tuple(elts=[formula, ast.Compare(left=left, ops=[op], comparators=[right])]):
+                if type(op) in _RELATIONS:
+                    side, strict = _RELATIONS[type(op)]
+                    for name, place, holds in ((left, right, side), (right, left, "<>"[side == "<"])):
+                        if isinstance(name, ast.Name) and name.id == "v":
+                            self.symbol("v")
+                            return formula, Bound(holds, self._expression(place, 1), strict)
+        self._fail(node, f"a law in pieces is written {PIECEWISE}")
 
     def _guarded(self, node: ast.AST, make: Callable[[], Any]) -> Any:
         """Point at the node whose making was refused."""

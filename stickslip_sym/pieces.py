@@ -5,6 +5,7 @@ later (closed forms, quadrature, fast functions) knows one kind of kink only, an
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
@@ -12,7 +13,10 @@ import sympy as sp
 from stickslip_sym import symbols
 from stickslip_sym.errors import InputError
 
-__all__ = ["absolute", "branch_from", "jumps", "larger", "pieces_of", "piecewise", "places", "smaller"]
+__all__ = [
+    "Bound", "absolute", "at_rest", "branch_from", "in_pieces", "jumps", "larger", "pieces_of", "piecewise",
+    "places", "sign", "smaller",
+]  # fmt: skip
 
 
 _MOST_UNORDERED = 6  # SymPy compares all pairs of what stands in a Max, at length
@@ -40,23 +44,79 @@ def piecewise(branches: Sequence[tuple[Any, Any]], last: Any) -> Any:
     )
 
 
+@dataclass(frozen=True)
+class Bound:
+    """Where a piece of a law holds: v < place or v > place, or with equality if not `strict`."""
+
+    side: str
+    place: Any
+    strict: bool
+
+    def completes(self, other: "Bound") -> bool:
+        """Return whether this bound holds wherever the other one does not."""
+        return self.side != other.side and self.place == other.place
+
+    @property
+    def parts_rest(self) -> bool:
+        """Whether v = 0 lies on one side of the bound, and every higher speed on the other."""
+        return bool(self.place.is_zero) and self.strict == (self.side == ">")
+
+
+def in_pieces(branches: Sequence[tuple[Any, Bound]], last: Any) -> Any:
+    """Return the law that is the first branch whose bound holds, else `last`.
+
+    Raises
+    ------
+    InputError
+        If a branch is for v = 0 alone: the law is that of slip, at v > 0.
+    """
+    if any(bound.parts_rest for _, bound in branches):
+        raise InputError(
+            "a piece holds at v = 0 alone; a law is that of slip, so leave this piece out, and give its "
+            "coefficient as the static one, static=..."
+        )
+    pairs: list[tuple[Any, Any]] = []
+    for branch, bound in reversed(branches):
+        if bound.side == "<":
+            pairs = [(branch, bound.place), *pairs]
+        else:  # what comes later holds below the place only
+            pairs = [*((one, smaller(end, bound.place)) for one, end in pairs), (last, bound.place)]
+            last = branch
+    return piecewise(pairs, last)
+
+
+def sign(expr: Any) -> Any:
+    """Return -1 or 1, in pieces where an expression changes sign with v.
+
+    Raises
+    ------
+    InputError
+        As `larger`, and for parameters of unknown sign.
+    """
+    if not expr.has(symbols.v):
+        if not (value := sp.sign(expr)).is_number:
+            raise InputError("sign(...) of parameters alone; write what it is, 1 or -1")
+        return value
+    return _select(sp.Integer(1), sp.Integer(-1), expr, sp.Max)
+
+
 def absolute(expr: Any) -> Any:
     """Return abs(expr), in pieces where it changes sign with v."""
     return larger(expr, -expr)
 
 
 def smaller(first: Any, second: Any) -> Any:
-    """Return the smaller of two expressions whose difference is linear in v, in pieces."""
+    """Return the smaller of two expressions, in pieces, as `larger` does."""
     return _select(second, first, first - second, sp.Min)
 
 
 def larger(first: Any, second: Any) -> Any:
-    """Return the larger of two expressions whose difference is linear in v, in pieces.
+    """Return the larger of two expressions, in pieces; their difference is linear in v, or A*v^p + B.
 
     Raises
     ------
     InputError
-        If the difference is not linear in v, or falls or rises with a slope of unknown sign.
+        If it is neither, or falls or rises with a slope of unknown sign.
     """
     return _select(first, second, first - second, sp.Max)
 
@@ -81,10 +141,24 @@ def _select(above: Any, below: Any, difference: Any, constant: Any) -> Any:
             return piecewise([(below, -offset / slope)], above)
         if slope.is_negative:
             return piecewise([(above, -offset / slope)], below)
+    elif (power := _as_power(difference)) is not None:
+        factor, exponent, offset = power
+        # A place that is no speed is none: the power is 0 at v = 0, and only grows.
+        place = sp.Max(0, -offset / factor) ** (1 / exponent)
+        return piecewise([(below if factor.is_positive else above, place)], above if factor.is_positive else below)
     raise InputError(
-        "Abs, Min and Max need arguments that differ by a linear function of v with a slope of known sign; "
-        "write Piecewise((..., v < place), ...) with the place of the kink instead"
+        "Abs, Min, Max and sign need arguments that differ by a linear function of v, or by A*v^p + B, with a "
+        "slope of known sign; write Piecewise((..., v < place), ...) with the place of the kink instead"
     )
+
+
+def _as_power(expr: Any) -> tuple[Any, Any, Any] | None:
+    """Return A, p and B if an expression is A*v^p + B, A of known sign and p > 0."""
+    offset, rest = expr.as_independent(symbols.v, as_Add=True)
+    factor, power = rest.as_independent(symbols.v, as_Add=False)
+    base, exponent = power.as_base_exp()
+    fits = base == symbols.v and not exponent.has(symbols.v) and exponent.is_positive
+    return (factor, exponent, offset) if fits and (factor.is_positive or factor.is_negative) else None
 
 
 def pieces_of(term: Any) -> tuple[list[Any], list[Any]] | None:
@@ -123,6 +197,21 @@ def branch_from(expr: Any, values: Mapping[Any, Any], start: Any) -> Any:
     known = {**values, symbols.v: start}
     kinked = [node for node in expr.atoms(sp.Piecewise) if node.has(symbols.v)]
     chosen = {node: next(part for part, holds in node.args if holds.xreplace(known)) for node in kinked}
+    return expr.xreplace(chosen)
+
+
+def at_rest(expr: Any, values: Mapping[Any, Any]) -> Any:
+    """Return an expression with each kink replaced by what holds just above v = 0.
+
+    Parameters
+    ----------
+    expr : sympy.Expr
+    values : mapping of symbols to numbers
+        Of the parameters that have one. Where the sign of a place is not known, a Piecewise over it stays.
+    """
+    known = {**values, symbols.v: sp.Integer(0)}
+    kinked = [node for node in expr.atoms(sp.Piecewise) if node.has(symbols.v)]
+    chosen = {node: sp.Piecewise(*[(part, holds.xreplace(known)) for part, holds in node.args]) for node in kinked}
     return expr.xreplace(chosen)
 
 

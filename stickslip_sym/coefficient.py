@@ -1,0 +1,101 @@
+"""`Coefficient`: mu(v) as functions of the slip speed, compiled once for all values of the parameters."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from stickslip_sym import symbols
+from stickslip_sym.codegen import Backend, function_of
+from stickslip_sym.pieces import at_rest, branch_from, places
+from stickslip_sym.samples import SampledCurve
+from stickslip_sym.values import to_mpf
+
+__all__ = ["Coefficient", "limit_at_rest"]
+
+
+@lru_cache(maxsize=256)
+def limit_at_rest(expr: Any) -> float:
+    """Return the limit of an expression in v as v falls to 0; NaN where none is found."""
+    # SymPy says in these ways that it finds no limit, or that it is not real.
+    try:
+        return float(sp.limit(at_rest(expr, {}), symbols.v, 0, "+"))
+    except (ArithmeticError, NotImplementedError, TypeError, ValueError):
+        return math.nan
+
+
+class Coefficient:
+    """A coefficient of friction as a function of v, for any values of its parameters.
+
+    Parameters
+    ----------
+    expr : sympy.Expr
+    parameters : sequence of sympy.Symbol
+        All that `expr` holds but v.
+    curve : SampledCurve, optional
+        The same through measured points, which is faster to evaluate as such.
+    """
+
+    def __init__(self, expr: Any, parameters: Sequence[Any], curve: SampledCurve | None = None) -> None:
+        self.expr = expr
+        self.parameters = tuple(parameters)
+        self.curve = curve
+        self._functions: dict[tuple[Any, Backend], Callable[..., Any]] = {}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Compiled functions cannot be pickled, and are made again when they are needed.
+        return Coefficient, (self.expr, self.parameters, self.curve)
+
+    def function(
+        self, values: Mapping[Any, Any], backend: Backend, *, derivative: bool = False
+    ) -> Callable[[Any], Any]:
+        """Return mu(v), or its slope, at exact values of the parameters, as a bare function."""
+        if self.curve is not None:
+            return self.curve.function(backend, derivative=derivative)
+        return self._at(sp.diff(self.expr, symbols.v) if derivative else self.expr, values, backend)
+
+    def _at(self, expr: Any, values: Mapping[Any, Any], backend: Backend) -> Callable[[Any], Any]:
+        key = expr, backend
+        if key not in self._functions:
+            # Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
+            self._functions[key] = function_of([symbols.v, *self.parameters], expr, backend)
+        compiled, ordered = self._functions[key], [values[symbol] for symbol in self.parameters]
+        if backend == "mpmath":
+            return lambda v: compiled(v, *(to_mpf(value) for value in ordered))
+        floats = [float(value) for value in ordered]
+        return lambda v: compiled(v, *floats)
+
+    def kinks(self, values: Mapping[Any, Any]) -> set[Any]:
+        """Return where mu or its slope may jump, exact."""
+        return {place.xreplace(values) for place in places(self.expr)}
+
+    def branches(
+        self, values: Mapping[Any, Any], kinks: Sequence[Any]
+    ) -> list[tuple[float, Callable[[float], float]]]:
+        """Return where each smooth piece begins, ascending from 0, and its bare function of a float."""
+        if self.curve is not None:
+            return self.curve.branches
+        if not kinks:
+            return [(0.0, self.function(values, "math"))]
+        return [(float(start), self._branch(values, start)) for start in (sp.Integer(0), *kinks)]
+
+    def _branch(self, values: Mapping[Any, Any], start: Any) -> Callable[[float], float]:
+        function = self._at(branch_from(self.expr, values, start), values, "math")
+        return lambda v: float(function(v))
+
+    def at_speeds(self, speed: Any, values: Mapping[Any, Any], *, derivative: bool) -> Any:
+        """Return mu, or its slope, at an array of speeds; NaN where it has no real value in double precision."""
+        try:
+            with np.errstate(all="ignore"):  # every branch of a law in pieces is computed, and one is taken
+                value = np.asarray(self.function(values, "numpy", derivative=derivative)(speed))
+        except ArithmeticError:
+            value = np.asarray(np.nan)
+        result = np.broadcast_to(np.where(np.isreal(value), value.real, np.nan), speed.shape).astype(np.float64)
+        at_zero = np.isnan(result) & (speed == 0)
+        if at_zero.any():  # where a formula such as v^p/v is 0/0
+            expr = sp.diff(self.expr, symbols.v) if derivative else self.expr
+            result[at_zero] = limit_at_rest(expr.xreplace(values))
+        return result

@@ -1,0 +1,177 @@
+"""`Evaluated`: what is computed of a friction law once its parameters have values, each answer checked."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+
+from stickslip_sym import printing, symbols
+from stickslip_sym.codegen import Backend
+from stickslip_sym.coefficient import Coefficient
+from stickslip_sym.errors import InputError
+from stickslip_sym.parameters import Parameter
+from stickslip_sym.pieces import at_rest
+from stickslip_sym.samples import SampledCurve
+
+__all__ = ["Evaluated"]
+
+
+class Evaluated:
+    """A law's coefficient, slope and special speeds; `FrictionLaw` has these, and gives the formula and values."""
+
+    expr: Any
+    static: Any | None
+    name: str | None
+    _parameters: dict[str, Parameter]
+    _values: dict[str, Any]
+    _coefficient: Coefficient
+
+    @property
+    def curve(self) -> SampledCurve | None:
+        """The curve through measured points; None for a law that is a formula."""
+        return self._coefficient.curve
+
+    @property
+    def slope_expr(self) -> Any:
+        """The derivative of mu with respect to the slip speed."""
+        return sp.diff(self.expr, symbols.v)
+
+    @property
+    def static_expr(self) -> Any:
+        """The coefficient that limits sticking: `static`, or mu(0+) where none was given.
+
+        Raises
+        ------
+        InputError
+            If no limit is found.
+        """
+        if self.static is not None:
+            return self.static
+        try:
+            return _limit(at_rest(self.expr, self._known()))
+        except (ArithmeticError, NotImplementedError, TypeError, ValueError):
+            raise InputError(
+                f"no limit mu(0+) was found for {self._label()}, {printing.text(self.expr)[:60]}; "
+                "give the static coefficient: static=..."
+            ) from None
+
+    @property
+    def v_max(self) -> Any | None:
+        """The slip speed in m/s up to which the law is known, exact; None if there is no bound."""
+        return None if self.curve is None else self.curve.end
+
+    def require_speed(self, v: Any) -> None:
+        """Refuse a slip speed beyond the last measured one.
+
+        Raises
+        ------
+        InputError
+            With both speeds, and what to do.
+        """
+        if self.v_max is not None and v > self.v_max:
+            raise InputError(
+                f"{self._label()} is measured up to v = {float(self.v_max):g} m/s, and its value at "
+                f"{float(v):g} m/s is needed; measure further, take a lower speed, or hold the last "
+                "coefficient: extrapolate=True"
+            )
+
+    @property
+    def missing(self) -> list[str]:
+        """Names of the parameters that have no value yet."""
+        return [key for key in self._parameters if key not in self._values]
+
+    def substitute(self, expr: Any) -> Any:
+        """Put the bound values into an expression of the law's parameters.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value.
+        """
+        self._require_values()
+        return expr.xreplace(self._known())
+
+    def _known(self) -> dict[Any, Any]:
+        return {self._parameters[key].symbol: value for key, value in self._values.items()}
+
+    def _require_values(self) -> None:
+        if self.missing:
+            names = ", ".join(self.missing)
+            example = ", ".join(f"{key}=..." for key in self.missing)
+            raise InputError(f"{self._label()} has no value for {names}; bind them first: law.bind({example})")
+
+    def mu(self, v: ArrayLike) -> Any:
+        """Return the friction coefficient mu(v) at slip speeds v >= 0 (m/s), float or array.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value, a speed is negative or not finite, or mu has no real value there.
+        """
+        return self._evaluate(v, derivative=False)
+
+    def slope(self, v: ArrayLike) -> Any:
+        """Return the slope dmu/dv (s/m) at slip speeds v >= 0 (m/s), float or array.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value, a speed is negative or not finite, or mu has no real slope there.
+        """
+        return self._evaluate(v, derivative=True)
+
+    def function(self, backend: Backend, *, derivative: bool = False) -> Callable[[Any], Any]:
+        """Return mu(v), or its slope, as a bare function of one library's numbers; nothing is checked.
+
+        Parameters
+        ----------
+        backend : {"numpy", "math", "mpmath"}
+        derivative : bool
+            Return the slope.
+        """
+        self._require_values()
+        return self._coefficient.function(self._known(), backend, derivative=derivative)
+
+    def kinks(self) -> list[Any]:
+        """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
+        self._require_values()
+        found = self._coefficient.kinks(self._known())
+        for place in found:
+            if not place.is_real:
+                raise InputError(f"{self._label()} has a kink at v = {str(place)[:40]}, which is not real")
+        return sorted(place for place in found if place > 0)
+
+    def branches(self) -> list[tuple[float, Callable[[float], float]]]:
+        """Return where each smooth piece of mu begins, ascending from 0, and its bare function of a float.
+
+        A piece goes on smoothly beyond its ends, where it is another one that holds.
+        """
+        return self._coefficient.branches(self._known(), self.kinks() if self.curve is None else ())
+
+    def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
+        speed = np.asarray(v, dtype=np.float64)
+        wrong = ~((speed >= 0) & np.isfinite(speed))
+        if wrong.any():
+            first = speed[wrong].flat[0]
+            raise InputError(f"slip speed v = {first} is not a finite number >= 0; v is |x' - V|")
+        if speed.size:
+            self.require_speed(speed.max())
+        self._require_values()
+        result = self._coefficient.at_speeds(speed, self._known(), derivative=derivative)
+        if (missing := np.isnan(result)).any():
+            what, first = "slope" if derivative else "value", speed[missing].flat[0]
+            raise InputError(f"{self._label()} has no {what} in double precision at the slip speed v = {first}")
+        return float(result) if result.ndim == 0 else result
+
+    def _label(self) -> str:
+        return f"the law {self.name!r}" if self.name else "the law"
+
+
+def _limit(expr: Any) -> Any:
+    """Return the limit of mu as v falls to 0, case by case where the sign of a place is not known."""
+    for node in expr.atoms(sp.Piecewise):
+        cases = [(_limit(expr.xreplace({node: part})), holds) for part, holds in node.args]
+        return sp.Piecewise(*cases)
+    return sp.limit(expr, symbols.v, 0, "+")
