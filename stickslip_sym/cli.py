@@ -3,7 +3,9 @@
 import errno
 import os
 import sys
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Annotated, Any
 
 import typer
@@ -18,7 +20,8 @@ from stickslip_sym.cli_map import motion_map
 from stickslip_sym.cli_reading import Command
 from stickslip_sym.cli_simulate import simulate
 from stickslip_sym.cli_tradeoff import tradeoff
-from stickslip_sym.errors import InputError, StickSlipError
+from stickslip_sym.cli_words import in_options
+from stickslip_sym.errors import InputError, InputWarning, StickSlipError
 
 app = typer.Typer(
     name="stickslip",
@@ -65,10 +68,33 @@ for name, command in COMMANDS.items():
 
 def main() -> None:
     """Run the command line; errors go to stderr in a line or two, and decide the exit code."""
+    with _warnings_in_a_line():
+        _run()
+
+
+@contextmanager
+def _warnings_in_a_line() -> Iterator[None]:
+    """Print the package's own warnings to stderr, each once."""
+    printed: set[str] = set()
+
+    def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+        if not issubclass(category, InputWarning):
+            others(message, category, *place, **more)
+        elif (text := in_options(str(message))) not in printed:
+            printed.add(text)
+            typer.echo(f"warning: {text}", err=True)
+
+    with warnings.catch_warnings():
+        others, warnings.showwarning = warnings.showwarning, show
+        warnings.simplefilter("always", InputWarning)
+        yield
+
+
+def _run() -> None:
     try:
         sys.exit(typer.main.get_command(app).main(prog_name="stickslip", standalone_mode=False))
     except StickSlipError as error:
-        typer.echo(f"error: {error}", err=True)
+        typer.echo(f"error: {in_options(str(error))}", err=True)
         sys.exit(BAD_INPUT if isinstance(error, InputError) else NOT_FOUND)
     except typer.Abort:
         sys.exit(INTERRUPTED)

@@ -5,15 +5,23 @@ from typing import Annotated, Any
 import typer
 
 from stickslip_sym import cli_json
+from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
 from stickslip_sym.cli_names import complete_method
-from stickslip_sym.cli_reading import LawName, Values, assignments, check_size, read_law
+from stickslip_sym.cli_reading import Values, assignments, check_size
+from stickslip_sym.cli_words import in_options
 from stickslip_sym.errors import StickSlipError
 
 __all__ = ["damping"]
 
 
 def damping(
-    law: LawName,
+    law: LawName = None,
+    from_csv: FromCsv = None,
+    extrapolate: Extrapolate = False,
+    static: Static = None,
+    name: Name = None,
+    unit: Units = None,
+    source: Source = None,
     parameter: Values = None,
     speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = "0.5",
     force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = "9.81",
@@ -37,7 +45,8 @@ def damping(
     from stickslip_sym.threshold import LADDER
     from stickslip_sym.values import exact
 
-    bound = read_law(law, None, extrapolate=False).typical(**assignments(parameter or []))
+    friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
+    bound = friction.typical(**assignments(parameter or []))
     options = {"V": speed, "N": force, "m": mass, "k": stiffness}
     given = {name: text for name, text in options.items() if text is not None}
     numbers = {name: exact(value, name) for name, value in given.items()}
@@ -56,7 +65,7 @@ def damping(
         cli_json.echo("damping", law=cli_json.law(bound), scene=cli_json.values(given), thresholds=thresholds)
     elif everything:
         rows = [
-            [method, f"none: {threshold}", "", ""]
+            [method, f"none: {in_options(str(threshold))}", "", ""]
             if isinstance(threshold, StickSlipError)
             else [
                 method,
@@ -87,7 +96,7 @@ def _threshold(law: Any, scene: dict[str, float], method: str, rtol: float) -> t
 
 def _as_json(method: str, threshold: Any, seconds: float) -> dict[str, Any]:
     if isinstance(threshold, StickSlipError):
-        return {"method": method, "c": cli_json.missing("kg/s", str(threshold))}
+        return {"method": method, "c": cli_json.missing("kg/s", in_options(str(threshold)))}
     return {
         "method": threshold.method,
         "c": cli_json.quantity(threshold.value, "kg/s"),

@@ -9,29 +9,22 @@ from typing import Annotated, Any
 import typer
 
 from stickslip_sym import cli_json
-from stickslip_sym.cli_names import complete_law
-from stickslip_sym.cli_reading import CriteriaName, Values, assignments, check_size, read_law, require_writable
+from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
+from stickslip_sym.cli_reading import CriteriaName, Values, assignments, check_size, require_writable
+from stickslip_sym.cli_words import in_options
 from stickslip_sym.errors import InputError, NoClosedForm
 
 __all__ = ["derive", "progress"]
 
 
 def derive(
-    law: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="LAW",
-            help="Name of a law (see: stickslip laws), or a formula in v.",
-            autocompletion=complete_law,
-        ),
-    ] = None,
-    from_csv: Annotated[
-        Path | None,
-        typer.Option("--from-csv", metavar="FILE", help="Measured points instead: a header, then v,mu a line."),
-    ] = None,
-    extrapolate: Annotated[
-        bool, typer.Option("--extrapolate", help="Hold the first and the last measured coefficient.")
-    ] = False,
+    law: LawName = None,
+    from_csv: FromCsv = None,
+    extrapolate: Extrapolate = False,
+    static: Static = None,
+    name: Name = None,
+    unit: Units = None,
+    source: Source = None,
     criterion: CriteriaName = "least_squares",
     parameter: Values = None,
     speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = "0.5",
@@ -55,6 +48,7 @@ def derive(
     Example: stickslip derive "mu_m + (mu_s - mu_m)*exp(-alpha*v)" -p mu_s=0.5 -p mu_m=0.2 -p alpha=3
     """
     from stickslip_sym import criteria, files, keeping
+    from stickslip_sym.doubts import warn_where_negative
     from stickslip_sym.oscillator import Oscillator
     from stickslip_sym.values import exact
 
@@ -62,7 +56,7 @@ def derive(
     if save is not None and len(chosen) > 1:
         raise InputError("--save keeps one closed form; name one criterion instead of all")
     require_writable(latex, save)
-    friction = read_law(law, from_csv, extrapolate=extrapolate)
+    friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
     bound = friction.typical(**assignments(parameter or []))
     scene = {"V": speed, "N": force, "m": mass, "k": stiffness}
     # Refuse what the table cannot be computed for before anything is derived or written.
@@ -72,6 +66,8 @@ def derive(
     Oscillator(**{name: float(value) for name, value in numbers.items()})
     for one in chosen:
         bound.require_speed(numbers["V"] * (1 if one.weight is None else 2))
+    if not bound.missing:
+        warn_where_negative(bound, float(numbers["V"]))
     found = [_derived(bound, one, time_limit) for one in chosen]
     forms = [form for form in found if not isinstance(form, NoClosedForm)]
     if latex is not None and forms:
@@ -117,7 +113,7 @@ def _as_json(criterion: Any, form: Any, checks: list[Any], steps: bool) -> dict[
     from stickslip_sym import printing
 
     if isinstance(form, NoClosedForm):
-        known: dict[str, Any] = {"formula": None, "reason": str(form)}
+        known: dict[str, Any] = {"formula": None, "reason": in_options(str(form))}
     else:
         known = {
             "formula": printing.text(form.expr),
@@ -141,7 +137,7 @@ def _as_json(criterion: Any, form: Any, checks: list[Any], steps: bool) -> dict[
 
 def _check(check: Any) -> dict[str, Any]:
     if check.difference is None:
-        return {"method": check.method, "c": cli_json.missing("kg/s", check.value)}
+        return {"method": check.method, "c": cli_json.missing("kg/s", in_options(check.value))}
     return {
         "method": check.method,
         "c": cli_json.quantity(float(check.value), "kg/s", text=check.value),
@@ -163,7 +159,7 @@ def _report(law: Any, criterion: Any, form: Any, checks: list[Any], steps: bool)
         if steps:
             lines += ["", form.derivation.text()]
     if checks:
-        lines += ["", crosscheck.report(checks)]
+        lines += ["", in_options(crosscheck.report(checks))]
     return "\n".join(lines)
 
 

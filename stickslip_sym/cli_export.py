@@ -6,7 +6,8 @@ from typing import Annotated, Any
 import typer
 
 from stickslip_sym.cli_derive import progress
-from stickslip_sym.cli_reading import CriteriaName, assignments, read_law, require_writable
+from stickslip_sym.cli_law import Name, Source, Static, Units, read_law
+from stickslip_sym.cli_reading import CriteriaName, assignments, require_writable
 from stickslip_sym.errors import InputError, NoClosedForm
 
 __all__ = ["export"]
@@ -18,6 +19,10 @@ def export(
         typer.Argument(metavar="LAW...", help="Names of laws (see: stickslip laws), or formulas in v."),
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Every law of the catalogue.")] = False,
+    static: Static = None,
+    name: Name = None,
+    unit: Units = None,
+    source: Source = None,
     criterion: CriteriaName = "least_squares",
     latex: Annotated[Path | None, typer.Option("--latex", metavar="FILE", help="A LaTeX document.")] = None,
     python: Annotated[Path | None, typer.Option("--python", metavar="FILE", help="A NumPy module.")] = None,
@@ -53,7 +58,7 @@ def export(
     from stickslip_sym import criteria, files
 
     chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]
-    laws = _laws(law or [], everything)
+    laws = _laws(law or [], everything, {"static": static, "name": name, "unit": unit, "source": source})
     if notation:
         _check_notation(notation, laws)
     forms, missing = [], []
@@ -80,9 +85,12 @@ def export(
         typer.echo(f"{kind}: {count} in {path}", err=streamed)
 
 
-def _laws(texts: list[str], everything: bool) -> list[Any]:
+def _laws(texts: list[str], everything: bool, described: dict[str, Any]) -> list[Any]:
     from stickslip_sym.laws import catalogue
 
+    given = [f"--{option}" for option, value in described.items() if value]
+    if given and len(texts) != 1:
+        raise InputError(f"{given[0]} belongs to one law; give one LAW")
     if everything:
         if texts:
             raise InputError(f"--all is every law already; leave out {', '.join(map(repr, texts))}")
@@ -92,7 +100,7 @@ def _laws(texts: list[str], everything: bool) -> list[Any]:
     for position, text in enumerate(texts):
         if text in texts[:position]:
             raise InputError(f"the law {text!r} is given twice; give it once")
-    return [read_law(text, None, extrapolate=False) for text in texts]
+    return [read_law(text, **described) for text in texts]
 
 
 def _check_notation(notation: dict[str, str], laws: list[Any]) -> None:

@@ -2,26 +2,29 @@
 
 import contextlib
 from collections.abc import Callable, Iterator
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from stickslip_sym import cli_json
+from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
 from stickslip_sym.cli_reading import (
     SCENE,
     Force,
-    LawName,
     Mass,
+    Overwrite,
     Speed,
     Stiffness,
     Values,
     assignments,
     check_size,
-    read_law,
     read_numbers,
+    require_new,
     require_writable,
 )
+from stickslip_sym.cli_words import in_options
 from stickslip_sym.errors import InputError
 
 __all__ = ["motion_map"]
@@ -32,9 +35,15 @@ _WIDTH, _HEIGHT = 60, 20  # of the picture in text
 
 
 def motion_map(
-    law: LawName,
     x: Annotated[str, typer.Option("--x", metavar=_AXIS, help="Horizontal axis: V, c, N, m, k or a parameter.")],
     y: Annotated[str, typer.Option("--y", metavar=_AXIS, help="Vertical axis.")],
+    law: LawName = None,
+    from_csv: FromCsv = None,
+    extrapolate: Extrapolate = False,
+    static: Static = None,
+    name: Name = None,
+    unit: Units = None,
+    source: Source = None,
     parameter: Values = None,
     speed: Speed = None,
     force: Force = None,
@@ -52,6 +61,7 @@ def motion_map(
     checkpoint: Annotated[
         Path | None, typer.Option("--checkpoint", metavar="FILE", help="Keep what is done; go on from it.")
     ] = None,
+    overwrite: Overwrite = False,
     as_json: cli_json.AsJson = False,
 ) -> None:
     """Map the motions that exist, and the three thresholds, over a plane.
@@ -61,16 +71,19 @@ def motion_map(
     from stickslip_sym.maps import motion_map as compute
 
     axes = _axis("--x", x), _axis("--y", y)
-    names = [name for name, _ in axes]
+    names = [quantity for quantity, _ in axes]
     values = assignments(parameter or [])
-    for name in values:
-        if name in names:
-            raise InputError(f"{name} is an axis, and given by -p too; leave one of the two out")
-    bound = read_law(law, None, extrapolate=False).typical(**values)
+    for key in values:
+        if key in names:
+            raise InputError(f"{key} is an axis, and given by -p too; leave one of the two out")
+    friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
+    bound = friction.typical(**values)
     options = {"V": speed, "N": force, "m": mass, "k": stiffness, "c": damping}
-    given = {name: text for name, text in options.items() if text is not None}
-    given |= {name: text for name, text in SCENE.items() if name not in names and name not in given}
+    given = {key: text for key, text in options.items() if text is not None}
+    given |= {key: text for key, text in SCENE.items() if key not in names and key not in given}
     scene: dict[str, Any] = read_numbers(given)
+    _warn_at_corners(bound, axes, scene)
+    require_new(csv, "--csv", overwrite)
     require_writable(csv, npz, plot=plot)
     with _progress() as progress:
         found = compute(
@@ -107,6 +120,17 @@ def _axis(option: str, text: str) -> tuple[str, Any]:
             f"{option} {text[:60]!r}: the start must lie below the stop, or equal it with a count of 1"
         )
     return name.strip(), np.linspace(float(start), float(stop), count)
+
+
+def _warn_at_corners(law: Any, axes: tuple[tuple[str, Any], ...], scene: dict[str, Any]) -> None:
+    """Warn of a negative coefficient at a corner of the plane; one warning is enough."""
+    from stickslip_sym.doubts import warn_where_negative
+
+    for corner in product(*([(name, ends[0]), (name, ends[-1])] for name, ends in axes)):
+        here = {**scene, **dict(corner)}
+        bound = law.bind(**{name: float(here[name]) for name in law.parameters if name in here})
+        if not bound.missing and here["V"] > 0 and warn_where_negative(bound, float(here["V"])):
+            return
 
 
 def _as_json(found: Any) -> dict[str, Any]:
@@ -161,7 +185,7 @@ def _report(found: Any) -> str:
         many = (
             f"{len(found.notes)} cells have a note; the first" if len(found.notes) > 1 else "one cell has a note"
         )
-        parts.append(f"{many}, at {where}: {text}")
+        parts.append(f"{many}, at {where}: {in_options(text)}")
     return "\n\n".join(parts)
 
 

@@ -1,28 +1,21 @@
 """What the commands read from their arguments: laws, values and sizes. Each refusal says what to write."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand
 
-from stickslip_sym.cli_names import complete_criterion, complete_criterion_or_all, complete_law
+from stickslip_sym.cli_names import complete_criterion, complete_criterion_or_all
 from stickslip_sym.errors import InputError
 
 __all__ = [
-    "SCENE", "Command", "CriteriaName", "CriterionName", "Force", "LawName", "Mass", "Speed", "Stiffness",
-    "Values", "assignments", "check_size", "read_law", "read_numbers", "require_writable",
+    "SCENE", "Command", "CriteriaName", "CriterionName", "Force", "Mass", "Overwrite", "Speed", "Stiffness",
+    "Values", "assignments", "check_size", "read_numbers", "require_new",
+    "require_writable",
 ]  # fmt: skip
 
-LawName = Annotated[
-    str,
-    typer.Argument(
-        metavar="LAW",
-        help="Name of a law (see: stickslip laws), or a formula in v.",
-        autocompletion=complete_law,
-    ),
-]
 CriterionName = Annotated[
     str,
     typer.Option(
@@ -45,6 +38,7 @@ Values = Annotated[
     list[str] | None,
     typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="Value of a parameter; may be repeated."),
 ]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Let --csv replace a file.")]
 Speed = Annotated[str | None, typer.Option("-V", metavar="M/S", help="Belt speed (0.5).")]
 Force = Annotated[str | None, typer.Option("-N", metavar="N", help="Normal force (9.81).")]
 Mass = Annotated[str | None, typer.Option("-m", metavar="KG", help="Mass (1).")]
@@ -68,31 +62,14 @@ class Command(TyperCommand):
         return super().parse_args(ctx, args)
 
 
-def read_law(text: str | None, csv: Path | None, *, extrapolate: bool) -> Any:
-    """Return a law: of the catalogue by its name, from a formula, or through the points of a CSV file."""
-    from stickslip_sym.friction import FrictionLaw
-    from stickslip_sym.laws import find
-    from stickslip_sym.parsing import NAME
-
-    if csv is not None:
-        if text is not None:
-            raise InputError(f"the law is given twice, as {text!r} and by --from-csv; give it once")
-        return FrictionLaw.from_csv(csv, extrapolate=extrapolate)
-    if extrapolate:
-        raise InputError("--extrapolate belongs to --from-csv: a formula holds at all speeds")
-    if text is None:
-        raise InputError("no law: give a name (see: stickslip laws), a formula in v, or --from-csv FILE")
-    return find(text) if NAME.fullmatch(text) else FrictionLaw(text)
-
-
-def assignments(texts: list[str]) -> dict[str, str]:
-    """Read NAME=VALUE texts."""
+def assignments(texts: Sequence[str], example: str = "-p alpha=3") -> dict[str, str]:
+    """Read NAME=VALUE texts; the example is for the refusal."""
     values: dict[str, str] = {}
     for text in texts:
         name, equals, value = text.partition("=")
         name = name.strip()
         if not equals or not name:
-            raise InputError(f"{text!r} is not NAME=VALUE; write for example -p alpha=3")
+            raise InputError(f"{text!r} is not NAME=VALUE; write for example {example}")
         if name in values:
             raise InputError(f"{name} is given twice, as {values[name]} and {value}; give it once")
         values[name] = value
@@ -119,6 +96,17 @@ def check_size(name: str, value: Any) -> None:
     else:
         reason = "below what double precision can hold" if float(size) == 0 else "too small"
     raise InputError(f"{name} is {reason}; give a size from {1 / LARGEST:g} to {LARGEST:g} in SI units")
+
+
+def require_new(path: Path | None, option: str, overwrite: bool) -> None:
+    """Refuse to replace a file without a word: it may hold what was measured, and was meant to be read."""
+    from stickslip_sym.files import is_kept
+
+    if path is not None and not overwrite and is_kept(path):
+        raise InputError(
+            f"{str(path)!r} exists, and {option} writes: name another file, or add --overwrite to replace it; to "
+            "read measured points from it, give --from-csv instead"
+        )
 
 
 def require_writable(*paths: Path | None, plot: Path | None = None) -> None:

@@ -8,19 +8,21 @@ from typing import Annotated, Any
 import typer
 
 from stickslip_sym import cli_json
+from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
 from stickslip_sym.cli_reading import (
     SCENE,
     Force,
-    LawName,
     Mass,
+    Overwrite,
     Speed,
     Stiffness,
     Values,
     assignments,
-    read_law,
     read_numbers,
+    require_new,
     require_writable,
 )
+from stickslip_sym.cli_words import in_options
 
 __all__ = ["simulate"]
 
@@ -29,7 +31,13 @@ _PERIODS = 10  # natural periods, the duration if none is given
 
 
 def simulate(
-    law: LawName,
+    law: LawName = None,
+    from_csv: FromCsv = None,
+    extrapolate: Extrapolate = False,
+    static: Static = None,
+    name: Name = None,
+    unit: Units = None,
+    source: Source = None,
     parameter: Values = None,
     speed: Speed = None,
     force: Force = None,
@@ -50,6 +58,7 @@ def simulate(
         Path | None, typer.Option("--plot", metavar="FILE", help="Draw the motion (SVG, PNG or PDF).")
     ] = None,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the samples.")] = None,
+    overwrite: Overwrite = False,
     as_json: cli_json.AsJson = False,
 ) -> None:
     """Simulate the mass from a start, and print its events and its periods.
@@ -57,16 +66,20 @@ def simulate(
     Example: stickslip simulate exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 -c 1 --t-end 5 --plot motion.png
     """
     from stickslip_sym import automaton
+    from stickslip_sym.doubts import warn_where_negative
     from stickslip_sym.oscillator import Oscillator
 
-    bound = read_law(law, None, extrapolate=False).typical(**assignments(parameter or []))
+    friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
+    bound = friction.typical(**assignments(parameter or []))
     options = {"V": speed, "N": force, "m": mass, "k": stiffness, "c": damping}
     given = SCENE | {name: text for name, text in options.items() if text is not None}
     osc = Oscillator(**read_numbers(given))
+    warn_where_negative(bound, osc.V)
     values: dict[str, Any] = read_numbers(
         {"x0": x0, "v0": v0, "t_end": t_end, "rtol": rtol, "time_limit": time_limit}
     )
     values.setdefault("t_end", _PERIODS * 2 * math.pi / osc.omega)
+    require_new(csv, "--csv", overwrite)
     require_writable(csv, plot=plot)
     motion = automaton.simulate(bound, osc, **values, engine=engine)
     if as_json:
@@ -93,7 +106,12 @@ def _as_json(motion: Any) -> dict[str, Any]:
         for event in motion.events
     ]
     periods = [cli_json.quantity(period, "s") for period in _periods(motion)]
-    return {"outcome": motion.outcome.value, "note": motion.note, "events": events, "periods": periods}
+    return {
+        "outcome": motion.outcome.value,
+        "note": motion.note and in_options(motion.note),
+        "events": events,
+        "periods": periods,
+    }
 
 
 def _report(motion: Any) -> str:
@@ -108,7 +126,7 @@ def _report(motion: Any) -> str:
     if (more := len(motion.events) - _MOST_ROWS) > 0:
         lines.append(f"and {more} more events")
     lines += ["", f"outcome: {motion.outcome.value}, at t = {motion.t[-1]:.9g} s, {len(motion.events)} events"]
-    lines += [motion.note] if motion.note else []
+    lines += [in_options(motion.note)] if motion.note else []
     periods = _periods(motion)
     if periods:
         changes = f", the one before {periods[-2]:.12g} s" if len(periods) > 1 else ""

@@ -6,13 +6,12 @@ from typing import Annotated, Any
 import typer
 
 from stickslip_sym import cli_json
+from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
 from stickslip_sym.cli_reading import (
     CriterionName,
-    LawName,
     Values,
     assignments,
     check_size,
-    read_law,
     require_writable,
 )
 
@@ -20,8 +19,14 @@ __all__ = ["tradeoff"]
 
 
 def tradeoff(
-    law: LawName = "exponential",
+    law: LawName = None,
     criterion: CriterionName = "least_squares",
+    from_csv: FromCsv = None,
+    extrapolate: Extrapolate = False,
+    static: Static = None,
+    name: Name = None,
+    unit: Units = None,
+    source: Source = None,
     parameter: Values = None,
     speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = "0.05",
     force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = "9.81",
@@ -42,14 +47,27 @@ def tradeoff(
     from stickslip_sym import tradeoff as measured
     from stickslip_sym import tradeoff_thresholds
     from stickslip_sym.closed_form import derive as derive_form
+    from stickslip_sym.doubts import warn_where_negative
     from stickslip_sym.values import exact
 
-    bound = read_law(law, None, extrapolate=False).typical(**assignments(parameter or []))
+    law = law if law or from_csv else "exponential"
+    friction = read_law(
+        law,
+        from_csv,
+        extrapolate=extrapolate,
+        static=static,
+        name=name,
+        unit=unit,
+        source=source,
+    )
+    bound = friction.typical(**assignments(parameter or []))
     given = {"V": speed, "N": force} | ({"m": mass, "k": stiffness} if thresholds else {})
     numbers = {name: exact(value, name) for name, value in given.items()}
     for name, value in numbers.items():
         check_size(name, value)
     require_writable(plot=plot)
+    if not bound.missing:
+        warn_where_negative(bound, float(numbers["V"]))
     if thresholds:
         scene = {name: float(value) for name, value in numbers.items()}
         ways = tradeoff_thresholds.threshold_tradeoff(bound, scene)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from stickslip_sym import symbols
 from stickslip_sym.codegen import Backend, function_of
@@ -86,7 +87,9 @@ class Coefficient:
         function = self._at(branch_from(self.expr, values, start), values, "math")
         return lambda v: float(function(v))
 
-    def at_speeds(self, speed: Any, values: Mapping[Any, Any], *, derivative: bool) -> Any:
+    def at_speeds(
+        self, speed: NDArray[np.float64], values: Mapping[Any, Any], *, derivative: bool
+    ) -> NDArray[np.float64]:
         """Return mu, or its slope, at an array of speeds; NaN where it has no real value in double precision."""
         try:
             with np.errstate(all="ignore"):  # every branch of a law in pieces is computed, and one is taken

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip_sym import printing, symbols
 from stickslip_sym.codegen import Backend
@@ -16,6 +16,8 @@ from stickslip_sym.pieces import at_rest
 from stickslip_sym.samples import SampledCurve
 
 __all__ = ["Evaluated"]
+
+FloatArray = NDArray[np.float64]
 
 
 class Evaluated:
@@ -121,6 +123,17 @@ class Evaluated:
             If a parameter has no value, a speed is negative or not finite, or mu has no real slope there.
         """
         return self._evaluate(v, derivative=True)
+
+    def at_speeds(self, speeds: FloatArray) -> FloatArray:
+        """Return mu at an array of slip speeds; NaN where it has no real value, and nothing is refused.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value.
+        """
+        self._require_values()
+        return self._coefficient.at_speeds(speeds, self._known(), derivative=False)
 
     def function(self, backend: Backend, *, derivative: bool = False) -> Callable[[Any], Any]:
         """Return mu(v), or its slope, as a bare function of one library's numbers; nothing is checked.

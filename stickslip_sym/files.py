@@ -9,7 +9,17 @@ from pathlib import Path
 
 from stickslip_sym.errors import InputError
 
-__all__ = ["write_bytes", "write_text", "write_texts"]
+__all__ = ["is_kept", "write_bytes", "write_text", "write_texts"]
+
+
+def is_kept(path: Path) -> bool:
+    """Return whether a file would be lost if it were written: not a stream, nor this process's own output."""
+    if not path.is_file():
+        return False
+    if (own := _own_output(path)) is not None:
+        os.close(own)
+        return False
+    return True
 
 
 def write_text(path: Path, content: str) -> None:

@@ -106,10 +106,12 @@ class FrictionLaw(Evaluated):
         0.6
         """
         described = _described(parameters, units)
-        table = {**described, **self.parameters}
+        for known in described.keys() & self.parameters.keys():
+            raise InputError(f"the parameter {known!r} has its description already, by the law")
+        table = {**self.parameters, **described}
         law = copy.copy(self)
         law.static = None if static is None else _read_static(static, table)
-        law._parameters = law._used({**self.parameters, **table})
+        law._parameters = law._used(table)
         for unused in described.keys() - law._parameters.keys():
             raise InputError(f"the parameter {unused!r} does not occur in the static coefficient or the law")
         law._values = {key: value for key, value in self.values.items() if key in law._parameters}

@@ -24,15 +24,13 @@ def law_out(law: FrictionLaw) -> dict[str, Any]:
             for parameter in law.parameters.values()
         ],
         "values": {name: str(value) for name, value in law.values.items()},
+        "static": None if law.static is None else to_tree(law.static),
     }
     if law.curve is not None:
         cubics = [[str(coefficient) for coefficient in cubic] for cubic in law.curve.cubics]
         end = None if law.curve.end is None else str(law.curve.end)
         return content | {"places": [str(place) for place in law.curve.places], "cubics": cubics, "end": end}
-    return content | {
-        "formula": to_tree(law.expr),
-        "static": None if law.static is None else to_tree(law.static),
-    }
+    return content | {"formula": to_tree(law.expr)}
 
 
 def law_in(content: dict[str, Any]) -> FrictionLaw:
@@ -46,6 +44,10 @@ def law_in(content: dict[str, Any]) -> FrictionLaw:
     about = {key: content[key] for key in ("name", "source", "validity")}
     if any(not isinstance(value, str | None) for value in about.values()):
         raise InputError("the name, source and validity of a law are texts")
+    parameters = [Parameter(**described) for described in content["parameters"]]
+    if any(type(parameter.positive) is not bool for parameter in parameters):
+        raise InputError("a parameter is positive or not")
+    names = {parameter.name: parameter.symbol for parameter in parameters}
     if "places" in content:
         end = content["end"]
         curve = SampledCurve(
@@ -53,18 +55,17 @@ def law_in(content: dict[str, Any]) -> FrictionLaw:
             tuple(tuple(exact(number, "a coefficient") for number in cubic) for cubic in content["cubics"]),
             None if end is None else exact(end, "the end"),
         )
-        return FrictionLaw.from_curve(curve, **about)
-    parameters = [Parameter(**described) for described in content["parameters"]]
-    if any(type(parameter.positive) is not bool for parameter in parameters):
-        raise InputError("a parameter is positive or not")
-    names = {parameter.name: parameter.symbol for parameter in parameters}
-    static = content["static"]
-    law = FrictionLaw(
-        from_tree(content["formula"], names),
-        static=None if static is None else from_tree(static, names),
-        parameters=parameters,
-        **about,
-    )
+        law = FrictionLaw.from_curve(curve, **about)
+        if (tree := content.get("static")) is not None:  # older files have none
+            law = law.with_static(from_tree(tree, names), parameters=parameters)
+    else:
+        static = content["static"]
+        law = FrictionLaw(
+            from_tree(content["formula"], names),
+            static=None if static is None else from_tree(static, names),
+            parameters=parameters,
+            **about,
+        )
     return law.bind(**content["values"])
 
 

@@ -88,6 +88,7 @@ def _check_name(name: str) -> None:
         meaning = symbols.QUANTITIES[name].meaning
         raise InputError(
             f"{name!r} is taken: it is the {meaning} everywhere in this package; rename the parameter"
+            + (", or write v for the slip speed" if name == "V" else "")
         )
     if name in _ARGUMENTS:
         raise InputError(

@@ -7,6 +7,7 @@ of it are exact closed forms, piece by piece.
 
 import csv
 import math
+import warnings
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -21,7 +22,8 @@ import sympy as sp
 
 from stickslip_sym import symbols
 from stickslip_sym.codegen import Backend
-from stickslip_sym.errors import InputError
+from stickslip_sym.errors import InputError, InputWarning
+from stickslip_sym.headers import check_header
 from stickslip_sym.pieces import piecewise
 from stickslip_sym.values import Number, exact, to_mpf
 
@@ -74,6 +76,11 @@ class SampledCurve:
         ------
         InputError
             For points that no such curve goes through; the message names the first wrong one.
+
+        Warns
+        -----
+        InputWarning
+            If a coefficient is held below the first speed.
         """
         speeds, coefficients = _checked(v, mu)
         if speeds[0] != 0 and not extrapolate:
@@ -84,6 +91,12 @@ class SampledCurve:
         cubics = _hermite_cubics(speeds, coefficients)
         places = speeds[:-1]
         if speeds[0] != 0:
+            warnings.warn(
+                f"nothing was measured below v = {float(speeds[0]):g} m/s; mu is held there at "
+                f"{float(coefficients[0]):g}, without slope, and mu(0+) is this value",
+                InputWarning,
+                stacklevel=3,
+            )
             places, cubics = [sp.Integer(0), *places], [_constant(coefficients[0]), *cubics]
         if extrapolate:
             places, cubics = [*places, speeds[-1]], [*cubics, _constant(coefficients[-1])]
@@ -228,12 +241,13 @@ def _constant(value: Any) -> tuple[Any, ...]:
 
 
 def read_csv(path: Path) -> tuple[list[str], list[str]]:
-    """Read slip speeds and coefficients, as text, from a CSV file with a header line and two columns.
+    """Read slip speeds and coefficients, as text, from a CSV file of two columns, with or without a header.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or a line is not two numbers; the message names the line.
+        If the file cannot be read, its header does not say v in m/s and mu, or a line is not two numbers; the
+        message names the line.
     """
     speeds: list[str] = []
     coefficients: list[str] = []
@@ -241,14 +255,13 @@ def read_csv(path: Path) -> tuple[list[str], list[str]]:
         raise InputError("the name of a file cannot hold a null byte")
     try:
         with path.open(encoding="utf-8-sig", newline="") as stream:
-            rows = csv.reader(stream)
-            header = next(rows, [])
-            if len(header) != 2 or all(map(_is_finite, header)):
-                raise InputError(f"{str(path)!r} must begin with a header of two columns, like: v,mu")
-            for row in rows:
-                if not row:
+            rows = csv.reader(stream, skipinitialspace=True)
+            for number, row in enumerate(filter(None, rows)):
+                is_point = len(row) == 2 and all(map(_is_finite, row))
+                if number == 0 and not is_point:
+                    check_header([row[0].removeprefix("#"), *row[1:]], repr(str(path)))
                     continue
-                if len(row) != 2 or not all(map(_is_finite, row)):
+                if not is_point:
                     where, got = f"{str(path)!r}, line {rows.line_num}", ",".join(row)[:60]
                     raise InputError(f"{where}: two finite numbers are needed, like 0.1,0.35; got {got!r}")
                 if len(speeds) == _LONGEST_FILE:
@@ -259,6 +272,8 @@ def read_csv(path: Path) -> tuple[list[str], list[str]]:
         raise InputError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{str(path)!r} is not a text file of comma-separated values: {error}") from None
+    if not speeds:
+        raise InputError(f"{str(path)!r} has no points; write a line for each, like 0.1,0.35")
     return speeds, coefficients
 
 

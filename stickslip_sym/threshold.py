@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym import html_text, symbols
+from stickslip_sym.doubts import warn_where_negative
 from stickslip_sym.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import obstacle
@@ -134,6 +135,11 @@ def pure_slip_damping(
         By simulation, if the orbit from P never returns for any c >= 0.
     NotConverged
         If the error is above `rtol` on the highest rung.
+
+    Warns
+    -----
+    InputWarning
+        If mu is negative at a slip speed up to 2 V.
     """
     lookup("method", method, dict.fromkeys(METHODS))
     rtol = read_rtol(rtol) if method == "simulation" else read_rtol(rtol, most=1.0)
@@ -141,6 +147,8 @@ def pure_slip_damping(
     if scenes.m is None and method in ("second_order", "orbit", "simulation"):
         raise InputError(f'method="{method}" needs the mass m and the stiffness k')
     law.function("numpy")  # refuses a law with parameters that have no value
+    if len(scenes):
+        warn_where_negative(law, float(scenes.V.max()))
     if scenes.m is None:
         value, names, error = _without_oscillator(scenes, method)
     elif method == "auto":

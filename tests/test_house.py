@@ -13,7 +13,7 @@ PACKAGE = Path(ss.__file__).parent
 LAYERS = [
     "errors", "deadline", "values", "symbols", "pieces", "spelling", "parsing", "units", "notation", "printing", "layout",
     "abbreviation", "special", "codegen", "tables", "html_text", "files", "drawing",
-    "parameters", "misspelt", "formula", "samples", "coefficient", "evaluated", "friction", "laws", "criteria", "quadrature",
+    "parameters", "misspelt", "formula", "headers", "samples", "coefficient", "evaluated", "friction", "doubts", "laws", "criteria", "quadrature",
     "normal_form", "theorems", "proving", "derivation",
     "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
     "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",
@@ -26,7 +26,7 @@ LAYERS = [
     "limits", "document", "export", "slip_orbits", "regimes", "classification",
     "workers", "checkpoint", "archive", "axes", "columns", "map_plot", "maps", "basins",
     "newmark", "tradeoff", "tradeoff_thresholds",
-    "cli_names", "cli_reading", "cli_json",
+    "cli_words", "cli_names", "cli_reading", "cli_json", "cli_law",
     "cli_laws", "cli_derive", "cli_damping", "cli_simulate", "cli_map", "cli_tradeoff", "cli_export", "cli",
 ]  # fmt: skip
 """The modules of the package in the order in which they may import: each only from those before it."""

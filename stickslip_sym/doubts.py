@@ -1,0 +1,59 @@
+"""What can be computed of a law in a scene, and is probably not what was meant."""
+
+import warnings
+
+import numpy as np
+
+from stickslip_sym.errors import InputWarning
+from stickslip_sym.friction import FrictionLaw
+
+__all__ = ["lowest", "warn_where_negative"]
+
+_NEAREST = 1e-9  # of the last speed: at 0 itself the logarithm of rate and state has no value
+_GRID = np.unique([*np.geomspace(_NEAREST, 1, 100), *np.linspace(0, 1, 201)[1:]])  # of the last speed
+_ROUNDING = 1e-12  # of the coefficient near rest
+
+
+def lowest(law: FrictionLaw, end: float) -> tuple[float, float]:
+    """Return the slip speed in m/s above 0 and up to `end` where mu is lowest, and mu there.
+
+    A dip to below 0 that is narrower than a 200th of `end` may be missed.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all its values.
+    end : float
+        In m/s; speeds beyond the last measured one are left out.
+    """
+    end = min(end, float(law.v_max)) if law.v_max is not None else end
+    speeds = end * _GRID
+    mu = law.at_speeds(speeds)
+    if not np.isfinite(mu).any():
+        return end, float("nan")
+    place = int(np.nanargmin(mu))
+    around = slice(max(place - 1, 0), place + 2)
+    if 0 < mu[place] < np.ptp(mu[around]):  # between two points it may still be negative
+        speeds = np.linspace(speeds[around][0], speeds[around][-1], len(_GRID))
+        mu = law.at_speeds(speeds)
+        place = int(np.nanargmin(mu))
+    return float(speeds[place]), float(mu[place])
+
+
+def warn_where_negative(law: FrictionLaw, V: float) -> bool:
+    """Warn of a coefficient below 0 at a slip speed that motions at the belt speed V reach; return whether.
+
+    Warns
+    -----
+    InputWarning
+    """
+    v, mu = lowest(law, 2 * V)
+    negative = bool(mu < -_ROUNDING * abs(law.at_speeds(np.array([2 * V * _NEAREST]))[0]))
+    if negative:
+        warnings.warn(
+            f"mu = {mu:.3g} is negative at the slip speed v = {v:.3g} m/s; at V = {V:g} m/s motions slip at up to "
+            "2 V, so what follows is of a law that drives where it should brake; check the law's values and units",
+            InputWarning,
+            stacklevel=3,
+        )
+    return negative
