@@ -54,6 +54,8 @@ def values(given: Mapping[str, str]) -> dict[str, Any]:
 
 def law(friction: Any) -> dict[str, Any]:
     """Return a law: its name, its formula, and its parameters with their bound values."""
+    from stickslip_sym import printing
+
     parameters = {
         name: {
             "value": number(float(friction.values[name])) if name in friction.values else None,
@@ -64,5 +66,6 @@ def law(friction: Any) -> dict[str, Any]:
         }
         for name, parameter in friction.parameters.items()
     }
-    known = {"name": friction.name, "formula": friction.text, "parameters": parameters}
+    static = None if friction.static is None else printing.text(friction.static)
+    known = {"name": friction.name, "formula": friction.text, "static": static, "parameters": parameters}
     return known | {"validity": friction.validity, "source": friction.source}

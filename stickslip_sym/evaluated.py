@@ -51,13 +51,13 @@ class Evaluated:
         """
         if self.static is not None:
             return self.static
-        try:
-            return _limit(at_rest(self.expr, self._known()))
-        except (ArithmeticError, NotImplementedError, TypeError, ValueError):
+        limit = _limit(at_rest(self.expr, self._known()))
+        if limit is None:
             raise InputError(
                 f"no limit mu(0+) was found for {self._label()}, {printing.text(self.expr)[:60]}; "
                 "give the static coefficient: static=..."
-            ) from None
+            )
+        return limit
 
     @property
     def v_max(self) -> Any | None:
@@ -182,9 +182,13 @@ class Evaluated:
         return f"the law {self.name!r}" if self.name else "the law"
 
 
-def _limit(expr: Any) -> Any:
+def _limit(expr: Any) -> Any | None:
     """Return the limit of mu as v falls to 0, case by case where the sign of a place is not known."""
     for node in expr.atoms(sp.Piecewise):
         cases = [(_limit(expr.xreplace({node: part})), holds) for part, holds in node.args]
-        return sp.Piecewise(*cases)
-    return sp.limit(expr, symbols.v, 0, "+")
+        return None if any(part is None for part, _ in cases) else sp.Piecewise(*cases)
+    try:
+        limit = sp.limit(expr, symbols.v, 0, "+")
+    except (ArithmeticError, NotImplementedError, TypeError, ValueError):
+        return None
+    return None if limit.has(sp.Limit, sp.AccumBounds, sp.nan, sp.I) else limit

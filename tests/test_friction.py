@@ -179,12 +179,12 @@ def test_names_that_derivations_use_inside_are_free(name):
 @pytest.mark.parametrize(
     ("formula", "message"),
     [
-        ("(a+b+d+e+f+g+v)^64", "too high a power of a sum; at most"),
+        ("(a+b+d+q+f+g+v)^64", "too high a power of a sum; at most"),
         ("(1 + v)^-17", "too high a power of a sum; at most"),
         ("a*v^40*exp(p*v)", r"v\*\*40 is too high a power of v; at most v\^24"),
         ("v^20*v^5", "too high a power of v"),
         ("exp(25*log(v))", "too high a power of v"),
-        ("(a+b+d+e+f+g+v)^16", "over 600 terms"),
+        ("(a+b+d+q+f+g+v)^16", "over 600 terms"),
         ("((1 + v)^16 + a)^16", "over 600 terms"),
         ("(-1)^(1/3)*v", "is not real: only whole powers"),
         ("sqrt(-v)", "not finite and real"),

@@ -11,9 +11,10 @@ import stickslip_sym as ss
 
 PACKAGE = Path(ss.__file__).parent
 LAYERS = [
-    "errors", "deadline", "values", "symbols", "pieces", "spelling", "parsing", "units", "notation", "printing", "layout",
-    "abbreviation", "special", "codegen", "tables", "html_text", "files", "drawing",
-    "parameters", "misspelt", "formula", "headers", "samples", "coefficient", "evaluated", "friction", "doubts", "laws", "criteria", "quadrature",
+    "errors", "deadline", "values", "symbols", "pieces", "spelling", "parsing", "units", "notation", "printing",
+    "layout", "abbreviation", "special", "codegen", "tables", "html_text", "files", "drawing",
+    "parameters", "misspelt", "formula", "headers", "samples", "coefficient", "evaluated", "friction",
+    "doubts", "laws", "criteria", "quadrature",
     "normal_form", "theorems", "proving", "derivation",
     "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
     "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",

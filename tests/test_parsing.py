@@ -115,11 +115,11 @@ def test_known_escapes_are_harmless_and_fast(text, monkeypatch):
         ("Abs(v)", lambda v: v, []),
         ("Abs(v + 1)", lambda v: v + 1, []),
         ("Abs(-3)", lambda v: 3, []),
-        ("Abs(a - b)", lambda v: 0.1, []),
+        ("Abs(a - b) + 0*v", lambda v: 0.1, []),
         ("Max(v, a)", lambda v: max(v, 0.7), ["0.7"]),
         ("Min(v, a)", lambda v: min(v, 0.7), ["0.7"]),
-        ("Min(a, b)", lambda v: 0.7, []),
-        ("Max(a, b, 0.1)", lambda v: 0.8, []),
+        ("Min(a, b) + 0*v", lambda v: 0.7, []),
+        ("Max(a, b, 0.1) + 0*v", lambda v: 0.8, []),
         ("Max(a - b*v, 0.1)", lambda v: max(0.7 - 0.8 * v, 0.1), ["0.75"]),
         ("Max(a - v, b - 2*v)", lambda v: max(0.7 - v, 0.8 - 2 * v), ["0.1"]),
         ("Max(v, v)", lambda v: v, []),
@@ -174,10 +174,20 @@ def test_pi_is_exact():
     [
         ("Piecewise((1, v < v), 2)", 1, "places of a Piecewise are parameters or numbers"),
         ("1 + Piecewise((1, v < 2*v - a), 2)", 5, "places of a Piecewise are parameters or numbers"),
-        ("Piecewise((1, v > a), 2)", 11, "a law in pieces is written"),
-        ("Piecewise((1, v <= a), 2)", 11, "a law in pieces is written"),
+        ("Piecewise((1, v != a), 2)", 16, "the character '!'"),
+        ("Piecewise((1, 2*v <= a), 2)", 11, "a law in pieces is written"),
         ("Piecewise((1, x < a), 2)", 11, "a law in pieces is written"),
-        ("Piecewise((1, a > v), 2)", 11, "a law in pieces is written"),
+        ("Piecewise((1, v == a), 2)", 11, "a law in pieces is written"),
+        ("Piecewise((1, v < a), (2, v > b))", 23, "the last one may end in True"),
+        ("Piecewise((1, True), (2, v < b))", 11, "only the last one may end in True"),
+        ("Piecewise((1, v <= 0), 2)", 1, "a piece holds at v = 0 alone.*static="),
+        ("1 - Piecewise((1, v > 0), 2)", 5, "a piece holds at v = 0 alone.*static="),
+        ("a + |v - b", 5, "a bar without its partner"),
+        ("a + v|", 6, "a bar without its partner"),
+        ("|(v - a|)", 8, "a bar without its partner"),
+        ("a + v*|v - Q|^x", 15, "'x' is taken"),
+        ("1 + log10(v)", 5, r"write log\(x\)/log\(10\)"),
+        ("sign(a - b)", 1, "sign.* of parameters alone"),
         ("Piecewise((1, 0 < v < a), 2)", 11, "a law in pieces is written"),
         ("Piecewise((1, v < a, 3), 2)", 11, "a law in pieces is written"),
         ("Piecewise((1, v < a))", 11, "a law in pieces is written"),
@@ -197,14 +207,14 @@ def test_pi_is_exact():
         ("Max()", 1, "Max takes two arguments or more"),
         ("Abs(v, a)", 1, "Abs takes one argument"),
         ("Abs", 1, "Abs is a function"),
-        ("2*Abs(v^2 - 1)", 3, "differ by a linear function of v"),
+        ("2*Abs(v^2 - v)", 3, "differ by a linear function of v"),
         ("Max(a*v, b*v - 1)", 1, "differ by a linear function of v"),
-        ("Max(a, b, d, e, f, g, h)", 1, "more than 6 parameters of unknown order"),
+        ("Max(a, b, d, i, f, g, h)", 1, "more than 6 parameters of unknown order"),
         ("+".join(f"Abs(v - {i})" for i in range(1, 60)), None, "more than 40 arguments in all"),
         ("(v < a)", 2, "compare is not allowed"),
         ("v < a", 1, "compare is not allowed"),
         ("(v, a)", 1, "tuple is not allowed"),
-        ("abs(v)", 1, "did you mean 'Abs'"),
+        ("absv(v)", 1, "did you mean 'abs'"),
         ("log(v - v)", 1, "no finite value"),
         ("2^exp(exp(exp(exp(2))))", 3, "a number in exp"),
         ("2^log(-2)", 3, "a numeric exponent is real"),
@@ -223,7 +233,7 @@ def test_refused_kinks_point_at_their_character(text, position, message):
         ("Abs(v - a)", sp.Abs(v - a)),
         ("Max(v, a)", sp.Max(v, a)),
         ("b*Min(v, a)", b * sp.Min(v, a)),
-        ("Max(a, b)", sp.Max(a, b)),
+        ("Max(a, b) - v", sp.Max(a, b) - v),
         ("Piecewise((a, v < 1), (b, v < 2), v*pi)", sp.Piecewise((a, v < 1), (b, v < 2), (v * sp.pi, True))),
         ("Piecewise((a, v < a), b)", sp.Piecewise((a, a > v), (b, True))),
     ],
@@ -235,16 +245,16 @@ def test_sympy_kinks_give_the_law_of_the_text(text, expr):
 @pytest.mark.parametrize(
     "expr",
     [
-        sp.Piecewise((a, v > 1), (b, True)),
-        sp.Piecewise((a, v <= 1), (b, True)),
+        sp.Piecewise((a, v > 0), (b, True)),
+        sp.Piecewise((a, v <= 0), (b, True)),
         sp.Piecewise((a, v < 1)),
         sp.Piecewise((a, a < 1), (b, True)),
         sp.Piecewise((a, (v < 1) | (a < 2)), (b, True)),
         sp.Piecewise((a, v < 2 * v - b), (b, True)),
-        sp.Abs(v**2 - 1),
+        sp.Abs(v**2 - v),
         sp.Abs(sp.Abs(v - 1) - 2),
         sp.Heaviside(v - 1),
-        sp.sign(v - 1),
+        sp.sign(a - b) + v,
     ],
 )
 def test_sympy_kinks_that_are_no_laws(expr):
@@ -342,7 +352,7 @@ FORMULAS = st.recursive(
 @given(FORMULAS)
 def test_any_formula_gives_a_law_with_values_or_an_input_error(text):
     try:
-        law = ss.FrictionLaw(text)
+        law = ss.FrictionLaw(f"{text} + 0*v")
         law = law.bind(**dict.fromkeys(law.parameters, "0.5"))
         values = law.mu([0.0, 0.25, 1.5])
     except ss.InputError:

@@ -9,6 +9,7 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
+from stickslip_sym.headers import check_header
 from stickslip_sym.samples import MOST
 
 SPEEDS = ["0", "0.05", "0.1", "0.2", "0.4", "0.7", "1.2"]
@@ -105,7 +106,8 @@ def test_a_motion_beyond_the_last_speed_ends_there(law):
 
 
 def test_extrapolation_holds_the_first_and_the_last_coefficient():
-    law = ss.FrictionLaw.from_samples([0.1, 0.2, 0.4, 0.8], [0.5, 0.4, 0.35, 0.3], extrapolate=True)
+    with pytest.warns(ss.InputWarning, match=r"nothing was measured below v = 0\.1 m/s; mu is held there at 0\.5"):
+        law = ss.FrictionLaw.from_samples([0.1, 0.2, 0.4, 0.8], [0.5, 0.4, 0.35, 0.3], extrapolate=True)
     assert law.mu([0.0, 0.05, 0.1, 0.8, 50.0]) == pytest.approx([0.5, 0.5, 0.5, 0.3, 0.3])
     assert law.v_max is None
     exact = ss.derive(law).evaluate(30, V=2, N=1)
@@ -144,14 +146,82 @@ def test_a_csv_file_is_read_exactly(tmp_path, law):
     assert read.kinks()[0] == sp.Rational(1, 20)
 
 
+def test_a_file_without_a_header_is_points(tmp_path, law):
+    lines = [f"{speed},{value}" for speed, value in zip(SPEEDS, COEFFICIENTS, strict=True)]
+    for head in ("", "\n", '"v", "mu"\n', "# v [m/s], mu [-]\r\n"):
+        assert ss.FrictionLaw.from_csv(write(tmp_path, head + "\n".join(lines))).expr == law.expr
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        ("v [mm/s],mu", "got 'v .mm/s.,mu': 'mm/s' is not m/s; convert the speeds"),
+        ("mu,v", "got 'mu,v': the columns are in the other order; write the speed first"),
+        ("mu [-],slip speed (m/s)", "the columns are in the other order"),
+        ("time,force", "'time' is not the slip speed v"),
+        ("v,force", "'force' is not the friction coefficient mu"),
+        ("v,mu [%]", "'%' is no unit of mu"),
+        ("V,mu", "'V' has no unit; write v if it is the slip speed in m/s"),
+        ("speed,mu", "'speed' has no unit"),
+        ("v\tmu", "tabs part its columns"),
+        ("v,mu,sigma", "it has 3 columns"),
+    ],
+)
+def test_a_header_that_says_something_else_is_refused(tmp_path, header, message):
+    points = "\n0,0.5\n0.1,0.4\n0.2,0.3\n0.4,0.25\n"
+    with pytest.raises(ss.InputError, match=message) as caught:
+        ss.FrictionLaw.from_csv(write(tmp_path, header + points))
+    assert "v in m/s and mu in that order, like v [m/s],mu" in str(caught.value)
+
+
+def test_a_header_is_taken_only_if_it_says_speed_in_m_s_and_then_the_coefficient():
+    """Headers of random parts, each part with what it means; only those that mean the right thing pass."""
+    rng = np.random.default_rng(20160428)
+    names = {
+        "v": "v", "speed": "speed", "slip velocity": "speed", "sliding speed": "speed", "velocity": "speed",
+        "mu": "mu", "friction coefficient": "mu", "COF": "mu", "\u00b5": "mu", "x": "", "time": "", "force": "",
+        "belt speed": "", "V_belt": "", "rpm": "", "mu_s": "", "vmu": "", "": "", "0.5": "", "displacement": "",
+    }  # fmt: skip
+    units = {"m/s": "m/s", "m s^-1": "m/s", "1": "1", "-": "1", "mm/s": "", "km/h": "", "%": "", "m": "",
+             "M/S": "", "s/m": "", "cm/s": "", "um/s": "", "m/s^2": "", "m/min": "", "": ""}  # fmt: skip
+    frames = ["{} [{}]", "{} ({})", "{}[{}]", "{} in {}", "{} / ({})"]
+    accepted = 0
+    for _ in range(4000):
+        cells, meant = [], []
+        for _ in range(rng.choice([1, 2, 2, 2, 2, 2, 2, 3])):
+            name, unit = rng.choice([*names, *["v", "mu"] * 10]), rng.choice([*units, *["m/s", "1"] * 5])
+            if rng.random() < 0.4:
+                cell, of_unit = str(name), None
+            else:
+                frame = frames[rng.integers(len(frames))]
+                cell, of_unit = frame.format(name, unit), "" if " in " in frame and not unit else units[unit]
+            shown = cell.upper() if rng.random() < 0.1 and not of_unit else cell
+            bare_speed = names[name] == "v" and of_unit is None and shown == "v"
+            speed = names[name] in ("v", "speed") and of_unit == "m/s"
+            meant.append(
+                "v" if bare_speed or speed else "mu" if names[name] == "mu" and of_unit in (None, "1") else ""
+            )
+            cells.append(" " * rng.integers(2) + shown + " " * rng.integers(2))
+        if meant == ["v", "mu"]:
+            check_header(cells, "a file")
+            accepted += 1
+        else:
+            with pytest.raises(ss.InputError):
+                check_header(cells, repr(cells))
+    assert accepted > 30
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "must begin with a header of two columns, like: v,mu"),
-        ("0,0.5\n1,0.4\n2,0.3\n3,0.2\n", "must begin with a header"),
+        ("", "has no points; write a line for each"),
+        ("v,mu\n", "has no points"),
+        ("0,0.5\n1,0.4\n2\n", "line 3: two finite numbers"),
+        ("nan,0.5\n1,0.4\n", "must begin with a header.*'nan' is not the slip speed"),
         ("v,mu,error\n0,0.5,0.1\n", "must begin with a header of two columns"),
         ("v,mu\n0,0.5\n1,0.4,0.1\n", r"line 3: two finite numbers are needed, like 0\.1,0\.35; got '1,0\.4,0\.1'"),
-        ("v;mu\n0;0,5\n", "must begin with a header of two columns"),
+        ("v;mu\n0;0,5\n", "must begin with a header of two columns.*semicolons part its columns"),
+        ("0;0.5\n1;0.4\n", "semicolons part its columns"),
         ("v,mu\n0,0.5\n1,nan\n2,0.4\n3,0.3\n", "line 3: two finite numbers"),
         ("v,mu\n0,0.5\n1,\n", "line 3: two finite numbers"),
         ("v,mu\n0,__import__('os')\n", "line 2: two finite numbers"),
