@@ -43,7 +43,13 @@ class FrictionLaw(Evaluated):
     Raises
     ------
     InputError
-        If the formula cannot be read, or a parameter's name clashes with V, N, m, k, c, v, x or t.
+        If the formula cannot be read, or a parameter's name clashes with V, N, m, k, c, v, x or t, or is that of
+        a constant or of a speed.
+
+    Warns
+    -----
+    InputWarning
+        If the formula has no v, or vr beside v.
 
     Examples
     --------

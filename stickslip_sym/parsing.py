@@ -189,7 +189,7 @@ class _Translator:
         if name in INSTEAD:
             self._fail(node, f"there is no function {name!r}; write {INSTEAD[name]}")
         if name not in _CALLABLE:
-            hint, known = suggestion(name, _CALLABLE), ", ".join(_CALLABLE)
+            hint, known = suggestion(name, [*_CALLABLE, *ALIASES]), ", ".join(_CALLABLE)
             self._fail(node, f"there is no function {name[:40]!r}{hint}; known: {known}")
         if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
             self._fail(node, f"{name} takes plain arguments only")

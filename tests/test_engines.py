@@ -189,7 +189,7 @@ def motion(formula, engine="heyoka", static=None, c=0.0, **values):
     [
         (ss.InputError, "got Piecewise; use engine=.scipy", {"formula": "Piecewise((0.3, v < 0.2), 0.5)"}),
         (ss.InputError, "got Piecewise", {"formula": "0.3 + 0.1*Abs(v - 0.3)"}),
-        (ss.InputError, "got Max", {"formula": "Max(a, b)", "a": 0.2, "b": 0.3}),
+        (ss.InputError, "got Max", {"formula": "Max(a, b) + 0*v", "a": 0.2, "b": 0.3}),
         (ss.InputError, "no Taylor series at the slip speed 0; use engine=.scipy", {"formula": "0.5-0.1*sqrt(v)"}),
         (ss.InputError, "no Taylor series", {"formula": "0.5 - 0.1*v^p", "p": 1.5}),
         (ss.NotConverged, "a fast decay.*use engine=.scipy", {"formula": "0.5 - 0.1*v", "c": 1e4}),

@@ -222,7 +222,7 @@ ODD = {"np": 0.5, "float": 0.3, "zip": 2.0, "M_PI": 0.2, "NAN": 0.1, "typeof": 0
 
 
 def test_parameters_may_have_names_that_a_language_keeps(tmp_path):
-    law = ss.FrictionLaw("np*Abs(v - float) + zip*exp(-v/M_PI) + NAN*v^2 + typeof*v*sum/sum_")
+    law = ss.FrictionLaw("np*Abs(v - float) + zip*exp(-v/M_PI) + NAN*v^2 + typeof*v*sum/sum_", units={"NAN": "1"})
     form, scene = ss.derive(law), {"V": 0.5, "N": 2.0} | ODD
     module = {}
     exec(form.python(), module)
