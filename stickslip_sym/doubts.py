@@ -11,7 +11,8 @@ __all__ = ["lowest", "warn_where_negative"]
 
 _NEAREST = 1e-9  # of the last speed: at 0 itself the logarithm of rate and state has no value
 _GRID = np.unique([*np.geomspace(_NEAREST, 1, 100), *np.linspace(0, 1, 201)[1:]])  # of the last speed
-_ROUNDING = 1e-12  # of the coefficient near rest
+_LARGEST = 1e300  # m/s, short of overflow
+_ROUNDING = 1e-12  # of mu, which is of the order of 1
 
 
 def lowest(law: FrictionLaw, end: float) -> tuple[float, float]:
@@ -27,7 +28,7 @@ def lowest(law: FrictionLaw, end: float) -> tuple[float, float]:
         In m/s; speeds beyond the last measured one are left out.
     """
     end = min(end, float(law.v_max)) if law.v_max is not None else end
-    speeds = end * _GRID
+    speeds = min(end, _LARGEST) * _GRID
     mu = law.at_speeds(speeds)
     if not np.isfinite(mu).any():
         return end, float("nan")
@@ -48,7 +49,7 @@ def warn_where_negative(law: FrictionLaw, V: float) -> bool:
     InputWarning
     """
     v, mu = lowest(law, 2 * V)
-    negative = bool(mu < -_ROUNDING * abs(law.at_speeds(np.array([2 * V * _NEAREST]))[0]))
+    negative = mu < -_ROUNDING
     if negative:
         warnings.warn(
             f"mu = {mu:.3g} is negative at the slip speed v = {v:.3g} m/s; at V = {V:g} m/s motions slip at up to "

@@ -273,6 +273,10 @@ WORST = {
     "roots of long numbers": "+".join(f"(1e7{i % 10}-{i})^(1/{i + 2})" for i in range(1, 90)),
     "equal pieces": "Piecewise(" + "".join(f"(v, v < {x})," for x in LETTERS[:40]) + "1)",
     "many pieces": "Piecewise(" + "".join(f"({x}*v, v < {x}*{i})," for i, x in enumerate(LETTERS[:40], 1)) + "1)",
+    "many pieces from above": "Piecewise("
+    + "".join(f"({x}*v, v > {40 - i}),({i} + v, v <= {i}*a)," for i, x in enumerate(LETTERS[:20]))
+    + "1)",
+    "unordered pieces from above": "Piecewise(" + "".join(f"({x}*v, v > {x})," for x in LETTERS[:40]) + "1)",
     "a high power in Abs": "Abs(" + "*".join(f"(v+{x})^64" for x in LETTERS[:150]) + ")",
     "a product of sums": "*".join("(" + "+".join(LETTERS[i : i + 30]) + ")" for i in range(0, 270, 30)),
     "a tower": "exp(" * 59 + "9" + ")" * 59,
