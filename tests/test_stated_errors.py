@@ -78,7 +78,8 @@ def test_a_cycle_that_overtakes_the_belt_is_that_of_a_simulation(law, changes):
     settled = min(12 / abs(cycle.floquet), 300 * cycle.period)
     left = math.exp(cycle.floquet * settled)  # of what a start is off
     for part in (0.99, 1.01):
-        motion = ss.simulate(law, osc, t_end=settled + 5 * cycle.period, x0=x0, v0=part * cycle.amplitude, rtol=1e-10)
+        v0, t_end = part * cycle.amplitude, settled + 5 * cycle.period
+        motion = ss.simulate(law, osc, t_end=t_end, x0=x0, v0=v0, rtol=1e-10)
         late = [event.t for event in motion.events if event.begins is Phase.SLIP_FORWARD and event.t > settled]
         assert np.diff(late[-3:]) == pytest.approx(cycle.period, rel=1e-8 + left)
         times = np.linspace(late[-2], late[-1], 4001)
@@ -141,7 +142,7 @@ OUTER = ss.FrictionLaw("0.3 + 1e-6*v^3", static="0.35")
 
 @pytest.mark.parametrize("v0", [-1000.0, -100.0, -2.0])
 def test_a_stable_cycle_far_out_takes_the_motions_from_both_sides(v0):
-    """A negative damping outdoes dry friction above 7 m/s, and mu, which rises as v^3, outdoes it above 260 m/s."""
+    """A negative damping outdoes dry friction above 7 m/s, and mu, rising as v^3, outdoes it above 260 m/s."""
     osc = paper_oscillator(-0.5)
     end = math.sqrt(0.5 / (9.81 * 1e-6 * 0.75))  # the balance over a harmonic motion far out
     motion = ss.simulate(OUTER, osc, t_end=40.0, v0=v0, rtol=1e-7)
