@@ -5,9 +5,11 @@ With time in 1/omega and z = x'/V, slip obeys Lienard's equation
     z'' + (d - g(z)) z' + z = 0,    g(z) = -N mu'(V(1 - z))/sqrt(k m),    d = c/sqrt(k m).
 
 Given the highest velocity A V, the unknowns are the Fourier coefficients of z from the second harmonic on, the
-frequency, and d; the fundamental follows from max z = z(0) = A. Two orbits that enclose each other cannot have the
-same damping and highest velocity, since damping rotates the field of directions one way: d is a function of A. For
-A = 1 the orbit grazes the belt's speed, and d is the pure-slip threshold.
+frequency, and d; the fundamental follows from z'(0) = 0 and z(0) = A. No orbit is higher elsewhere: where z' = 0
+there is z'' = -z, so between two highest velocities lies a negative lowest one, and an orbit, which does not cross
+itself, goes round its rest once. Two orbits that enclose each other cannot have the same damping and highest
+velocity, since damping rotates the field of directions one way: d is a function of A. For A = 1 the orbit grazes
+the belt's speed, and d is the pure-slip threshold.
 
 Every term with friction enters as a small one, so weak friction loses no digits; nothing here knows a closed form.
 """
@@ -373,13 +375,11 @@ def orbits(law: FrictionLaw, V: Any, e: Any, A: Any = 1.0, *, rtol: float = 1e-1
         z = _values(state.z, _grid(state))
         g = problem.g(z)
         scale = np.abs(g).max(axis=1)
-        # A layer of the law between v = 0 and the first phase would pass unseen.
-        seen, all_there_is = _harmonics(law, problem, _grid(state))
+        seen, all_there_is = _harmonics(law, problem, _grid(state))  # a layer near v = 0 would pass unseen
         scale = np.maximum(scale, np.abs(all_there_is))
         unseen = np.abs(seen - all_there_is) / np.where(scale == 0, 1.0, scale)
         rounding = _ROUNDING * _grid(state) / _GRIDS[0]
-        # The highest velocity was asked to be an extremum; that there is no higher one is looked at here.
-        error = np.where(z.max(axis=1) > problem.A * (1 + _CLOSE), np.inf, tail + unseen + rounding)
+        error = tail + unseen + rounding
     error[scale == 0] = 0.0
     return Orbits(
         d=np.where(np.isfinite(error), state.d, np.nan),

@@ -21,7 +21,6 @@ __all__ = [
 ]  # fmt: skip
 
 AVERAGES = ("equilibrium", "least_squares", "harmonic")
-_ALL = 1e-6  # difference of two sums of slopes, over the largest, above which one has missed some
 
 
 @dataclass(frozen=True)
@@ -129,10 +128,11 @@ def numerical_averages(scenes: Scenes) -> dict[str, Any]:
 
 
 def second_order(scenes: Scenes) -> tuple[Any, Any, Any]:
-    """Return the damping to second order in the friction, its resolution, and the orbit's distortion.
+    """Return the damping to second order in the friction, its resolution, and what the next order may add.
 
-    The resolution is a relative error from the grid; the distortion is the sum of the overtones to first order,
-    the parameter in which the expansion is one.
+    Both are relative errors. The resolution is that of the grid. The expansion goes by the square of the orbit's
+    distortion, the amplitudes of the overtones times their orders: friction changes along an orbit as fast as its
+    highest overtones do. It is one of the largest slope, not of the average, in which slopes may cancel.
     """
     weak = expand(scenes.law, scenes.V)
     e = scenes.N / scenes.impedance
@@ -142,10 +142,12 @@ def second_order(scenes: Scenes) -> tuple[Any, Any, Any]:
         resolution = np.where(weak.tail == 0, 0.0, weak.tail * weak.largest / np.abs(weak.harmonic))
         # A layer of the law between v = 0 and the first phase would pass unseen.
         everything = averages(scenes.law, scenes.V)[1]
-        unseen = np.abs(weak.harmonic - everything) / np.maximum(weak.largest, np.abs(everything))
-        resolution = np.where(unseen > _ALL, np.inf, resolution)
-        distortion = e * np.abs(weak.sines).sum(axis=1)
-    return value, resolution, distortion
+        unseen = np.abs(weak.harmonic - everything)
+        resolution += np.where(unseen == 0, 0.0, unseen / np.abs(weak.harmonic))
+        distortion = e * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
+        size = scenes.N * np.maximum(weak.largest, np.abs(everything))
+        next_order = np.where(distortion == 0, 0.0, distortion**4 * size / np.abs(value))
+    return value, resolution, np.where(np.isnan(next_order), np.inf, next_order)
 
 
 def on_orbit(scenes: Scenes, rtol: float) -> tuple[Any, Any, str]:

@@ -28,7 +28,7 @@ from stickslip_sym.steppers import Point
 __all__ = ["SlipOrbits", "next_peak", "overtaking_cycle", "round_from", "slip_orbits", "trough"]
 
 _NODES = 33
-_NEAREST = 1e-3  # lowest amplitude at which the return map is looked at; below, the equilibrium decides
+_NEAREST = 1e-3  # lowest amplitude at which the return map is looked at: a smaller cycle is not seen
 _NEUTRAL = 1e-11  # growth a round below which an integration cannot tell its sign
 _STEP = 1e-5  # of amplitude, for the slope of the return map
 _LONGEST = 1e3  # of dimensionless time, for one slip phase; more where damping makes it creep

@@ -217,13 +217,8 @@ def _climb(scenes: Scenes, rtol: float) -> tuple[Any, Any, Any]:
     chosen = _Choice(len(scenes), rtol)
     if obstacle(scenes.law, scenes.V) is None:
         rungs = numerical_averages(scenes)
-        second, resolution, distortion = second_order(scenes)
-        # Until the next rung is known, its difference is taken as the last one, or what the overtones would make
-        # of it, times the size of the overtones; the expansion goes by the square of that size.
-        with np.errstate(all="ignore"):
-            last = np.maximum(_distance(rungs["harmonic"], second), distortion**2)
-            doubt = last * distortion + resolution + _ROUNDING
-        chosen.settle(np.arange(len(scenes)), rungs, second, doubt)
+        second, resolution, next_order = second_order(scenes)
+        chosen.settle(np.arange(len(scenes)), rungs, second, next_order + resolution + _ROUNDING)
         rungs["second_order"] = second
         if (rows := chosen.open).size:
             value, error, _ = on_orbit(scenes.rows(rows), rtol / 10)
