@@ -34,6 +34,7 @@ from stickslip_sym.transit import stick_slip_cycle
 __all__ = ["MOTIONS", "REASONS", "Attractor", "Cells", "Reason", "decide"]
 
 MOTIONS = tuple(Motion)
+_MOST_WORK = 1e9  # cubes of grids; beyond, following the motions of a cell costs less
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _FINER = 1e-2  # tolerance of simulations over that of thresholds
 _TIGHTEST = 1e-13
@@ -125,6 +126,7 @@ class _Column:
         self.static = Scene.of(law, osc).static
         self.smooth = obstacle(law, osc.V, jump=False) is None
         self.equilibrium = self._equilibrium()
+        self.graze = self._graze()
         self.turns = self._turns()
         self.exact, self.doubt = self._exact()
 
@@ -135,27 +137,33 @@ class _Column:
             return None
         return float(-self.osc.N * self.law.slope(self.osc.V))
 
-    def _turns(self) -> Any | None:
-        """Return the damping that orbits need at rest, at each fold and at the graze; None if unknown."""
+    def _graze(self) -> float | None:
+        """Return the damping of the orbit that grazes the belt's speed; None if it is not known by collocation."""
         if not self.smooth:
             return None
+        found = orbits(self.law, self.osc.V, self.osc.N / self.osc.impedance, most_work=_MOST_WORK / 2)
+        if not found.relative_error[0] < _KNOWN and not found.error[0] * found.scale[0] < _KNOWN:
+            return None
+        return float(found.d[0] * self.osc.impedance)
+
+    def _turns(self) -> Any | None:
+        """Return the damping that orbits need at rest, at each fold and at the graze; None if unknown."""
+        if self.graze is None:
+            return None
         try:
-            need = needed_damping(self.law, self.osc)
+            need = needed_damping(self.law, self.osc, most_work=_MOST_WORK)
         except (InputError, NotConverged):
             return None
-        graze = orbits(self.law, self.osc.V, self.osc.N / self.osc.impedance)
-        if not graze.relative_error[0] < _KNOWN and not graze.error[0] * graze.scale[0] < _KNOWN:
-            return None
         inner = need.at(need.folds) * self.osc.impedance
-        return np.array([self.equilibrium, *inner, graze.d[0] * self.osc.impedance])
+        return np.array([self.equilibrium, *inner, self.graze])
 
     def _exact(self) -> tuple[float, float]:
         """Return the exact threshold and its error.
 
         By simulation it is -inf if no c >= 0 is one, NaN if it is not found.
         """
-        if self.turns is not None and obstacle(self.law, self.osc.V) is None:
-            return float(self.turns[-1]), 0.0
+        if self.graze is not None and obstacle(self.law, self.osc.V) is None:
+            return self.graze, 0.0
         try:
             value, error = grazing_damping(self.law, self.osc, rtol=max(self.fine, 1e-10))
         except NoThreshold:
