@@ -1,7 +1,7 @@
 """Newton's method for slip orbits on a grid of phases, and from grid to finer grid.
 
-The equations and the unknowns are those of `orbit`: the balance of each harmonic, for the Fourier coefficients of z
-from the second harmonic on, the frequency, and d.
+The equations and the unknowns are those of `orbit`: the balance of each harmonic, for the Fourier coefficients of
+z from the second harmonic on, the frequency, and d.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class Problem(Protocol):
     """Orbits of given heights A, one a row, and the slope of friction on them."""
 
     @property
-    def A(self) -> Any: ...  # noqa: D102, N802
+    def A(self) -> Any: ...  # noqa: D102
 
     def rows(self, chosen: Any) -> "Problem": ...  # noqa: D102
 
@@ -225,5 +225,3 @@ def largest_slope(problem: Problem, state: State) -> Any:
     """Return the largest slope on each orbit, and 1 where there is no friction."""
     scale = np.abs(problem.g(values(state.z, grid(state)))).max(axis=1)
     return np.where(scale == 0, 1.0, scale)
-
-

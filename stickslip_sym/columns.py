@@ -22,7 +22,8 @@ import numpy as np
 
 from stickslip_sym.classification import Motion, classify
 from stickslip_sym.cycles import needed_damping
-from stickslip_sym.errors import InputError, NotConverged, NoThreshold, StickSlipError
+from stickslip_sym.deadline import check_time
+from stickslip_sym.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.grazing import grazing_damping
 from stickslip_sym.orbit import obstacle, orbits
@@ -59,6 +60,7 @@ class Reason(Enum):
     SIMULATED = "simulated"
     TOLERANCE = "within tolerance of a threshold or a fold"
     FAILED = "failed"
+    TIME = "time limit"
 
 
 REASONS = tuple(Reason)
@@ -91,7 +93,8 @@ class Cells:
     @classmethod
     def failed(cls, count: int, error: StickSlipError) -> "Cells":
         """Return cells of which no more is known than why."""
-        motion, reason = MOTIONS.index(Motion.UNDECIDED), REASONS.index(Reason.FAILED)
+        kind = Reason.TIME if isinstance(error, OutOfTime) else Reason.FAILED
+        motion, reason = MOTIONS.index(Motion.UNDECIDED), REASONS.index(kind)
         return cls([motion] * count, [0] * count, [reason] * count, notes=dict.fromkeys(range(count), str(error)))
 
 
@@ -178,6 +181,8 @@ class _Column:
             if self.smooth:
                 return float(numerical_averages(scenes)["least_squares"][0])
             return float(average(scenes, "least_squares")[0])
+        except OutOfTime:
+            raise
         except StickSlipError:
             return None
 
@@ -252,6 +257,8 @@ class _Column:
         """Tell whether the slip from P ends in stick, and not beyond what static friction holds."""
         try:
             cycle = stick_slip_cycle(self.law, replace(self.osc, c=c), rtol=self.fine)
+        except OutOfTime:
+            raise
         except StickSlipError:
             return False
         return cycle is not None and cycle.v_max <= self.osc.V
@@ -266,6 +273,8 @@ class _Column:
     def _motion(self, c: float, x0: float, v0: float) -> Motion:
         try:
             found: Motion = classify(self.law, replace(self.osc, c=c), x0=x0, v0=v0, rtol=self.fine)
+        except OutOfTime:
+            raise
         except StickSlipError:
             return Motion.UNDECIDED
         return found
@@ -275,11 +284,14 @@ class _Column:
         osc = replace(self.osc, c=float(self.c[i]))
         cells.reason[i] = REASONS.index(Reason.SIMULATED)
         try:
+            check_time()
             found = regime(self.law, osc, rtol=self.fine)
+            check_time()  # what is named undecided for want of time is no boundary
             motion = _only(found) or classify(self.law, osc, rtol=self.fine)
         except StickSlipError as error:
             cells.motion[i], cells.attractors[i] = MOTIONS.index(Motion.UNDECIDED), 0
-            cells.reason[i], cells.notes[i] = REASONS.index(Reason.FAILED), str(error)
+            kind = Reason.TIME if isinstance(error, OutOfTime) else Reason.FAILED
+            cells.reason[i], cells.notes[i] = REASONS.index(kind), str(error)
             return
         cells.motion[i] = MOTIONS.index(motion)
         cells.attractors[i] = int(

@@ -125,9 +125,7 @@ def needed_damping(law: FrictionLaw, osc: Oscillator, *, most_work: float = math
     raise type(found)(*found.args)  # raised itself, it would keep the frames of every time
 
 
-def limit_cycles(
-    law: FrictionLaw, osc: Oscillator, *, time_limit: float | None = None
-) -> tuple[LimitCycle, ...]:
+def limit_cycles(law: FrictionLaw, osc: Oscillator, *, time_limit: float | None = None) -> tuple[LimitCycle, ...]:
     """Return every pure-slip limit cycle of an oscillator, by ascending amplitude.
 
     Parameters

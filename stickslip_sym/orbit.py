@@ -27,7 +27,6 @@ from stickslip_sym.collocation import (
     close,
     frequency,
     grid,
-    largest_slope,
     refined,
     values,
 )
@@ -176,7 +175,9 @@ def _harmonics(law: FrictionLaw, problem: _Problem, size: int) -> tuple[Any, Any
     return problem.e * on_grid, problem.e * averages(law, problem.V, problem.A)[1]
 
 
-def orbits(law: FrictionLaw, V: Any, e: Any, A: Any = 1.0, *, rtol: float = 1e-13, most_work: float = np.inf) -> Orbits:
+def orbits(
+    law: FrictionLaw, V: Any, e: Any, A: Any = 1.0, *, rtol: float = 1e-13, most_work: float = np.inf
+) -> Orbits:
     """Return the pure-slip orbits of given height.
 
     Parameters
