@@ -230,7 +230,7 @@ def round_from(scene: Scene, q: float, rtol: float) -> tuple[float, float, float
 
 def _phase(scene: Scene, q: float, side: int, rtol: float) -> SlipPhase:
     until: Literal["return", "turn"] = "turn" if side > 0 else "return"
-    return follow(scene, Point(0.0, q, 0.0), side, horizon=_horizon(scene), rtol=rtol, until=until)
+    return follow(scene, Point(0.0, float(q), 0.0), side, horizon=_horizon(scene), rtol=rtol, until=until)
 
 
 def _horizon(scene: Scene) -> float:
