@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import archive, html_text
+from stickslip_sym import archive, deadline, html_text
 from stickslip_sym.axes import Axis, read_values, require_few
-from stickslip_sym.checkpoint import Progress, collect
+from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.classification import Motion, classify
 from stickslip_sym.columns import MOTIONS
-from stickslip_sym.errors import NotConverged, StickSlipError
+from stickslip_sym.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.law_content import law_of_text, text_of_law
 from stickslip_sym.oscillator import Oscillator, read_rtol
@@ -113,6 +113,7 @@ def basin_map(
     workers: Workers = 1,
     checkpoint: str | Path | None = None,
     progress: Progress | None = None,
+    time_limit: float | None = None,
 ) -> BasinMap:
     """Return the motion that each start leads to, also starts faster than the belt.
 
@@ -127,6 +128,9 @@ def basin_map(
         Relative tolerance of an integration step, 1e-13 to 1e-3.
     workers, checkpoint, progress
         As for `motion_map`.
+    time_limit : float, optional
+        Seconds after which it is returned as it is: starts that are not classified by then are undecided, with a
+        note that says so. Their lines are not kept in a checkpoint.
 
     Returns
     -------
@@ -142,13 +146,14 @@ def basin_map(
     rtol = read_rtol(rtol)
     places, speeds = read_values("x0", x0), read_values("v0", v0)
     require_few(places.size, speeds.size)
-    found = regime(law, osc, rtol=rtol)
     request = {"law": text_of_law(law), "oscillator": asdict(osc), "x0": places.tolist(), "rtol": rtol}
     tasks = [request | {"v0": speed} for speed in speeds.tolist()]
-    lines = collect(classify_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
+    with deadline.time_limit(time_limit):
+        found = regime(law, osc, rtol=rtol)
+        lines = collect(classify_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
     motion = np.array([[MOTIONS[entry] for entry in line["motion"]] for line in lines], dtype=object)
     notes = {(row, column): text for row, line in enumerate(lines) for column, text in line["notes"]}
-    if len(notes) == motion.size:
+    if len(notes) == motion.size and not any(line[UNFINISHED] for line in lines):
         raise NotConverged(f"every start failed, the first one since {notes[0, 0]}")
     return BasinMap(places, speeds, law, osc, motion, found, notes)
 
@@ -156,12 +161,13 @@ def basin_map(
 def classify_line(task: dict[str, Any]) -> dict[str, Any]:
     """Classify the starts of one line of a basin map: plain content in, plain content out."""
     law, osc = law_of_text(task["law"]), Oscillator(**task["oscillator"])
-    motion, notes = [], []
+    motion, notes, unfinished = [], [], False
     for column, x0 in enumerate(task["x0"]):
         try:
+            deadline.check_time()
             found = classify(law, osc, x0=x0, v0=task["v0"], rtol=task["rtol"])
         except StickSlipError as error:
-            found = Motion.UNDECIDED
+            found, unfinished = Motion.UNDECIDED, unfinished or isinstance(error, OutOfTime)
             notes.append([column, str(error)])
         motion.append(MOTIONS.index(found))
-    return {"motion": motion, "notes": notes}
+    return {"motion": motion, "notes": notes, UNFINISHED: unfinished}

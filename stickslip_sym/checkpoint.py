@@ -6,16 +6,23 @@ a last one that was torn by a kill is dropped.
 
 import hashlib
 import json
+import math
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import stickslip_sym
+from stickslip_sym.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.errors import InputError
 from stickslip_sym.workers import Workers, check_workers, run
 
-__all__ = ["Progress", "collect"]
+__all__ = ["UNFINISHED", "Progress", "collect"]
+
+UNFINISHED = "unfinished"
+"""The key of a result that says whether the time was up before it was whole; such a one is not kept."""
 
 _FORMAT = "stickslip_sym checkpoint"
 Progress = Callable[[int, int], None]
@@ -77,11 +84,24 @@ def _run(
     told = progress or (lambda done, total: None)
     told(len(found), len(tasks))
     left = [index for index in range(len(tasks)) if index not in found]
-    for place, result in run(function, [tasks[index] for index in left], workers):
-        keep(left[place], result)
+    for place, result in run(_limited(function), [tasks[index] for index in left], workers):
+        if not (isinstance(result, dict) and result.get(UNFINISHED)):
+            keep(left[place], result)
         found[left[place]] = result
         told(len(found), len(tasks))
     return [found[index] for index in range(len(tasks))]
+
+
+def _limited(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Let a function heed in other processes, too, what is left of the time here."""
+    left = time_left()
+    return function if math.isinf(left) else partial(_until, time.time() + left, function)
+
+
+def _until(end: float, function: Callable[[Any], Any], task: Any) -> Any:
+    """Carry out a task with the time until a given one, in seconds of the clock that all processes have."""
+    with time_limit(min(max(end - time.time(), 0.0), LONGEST)):
+        return function(task)
 
 
 def _digest(function: Callable[[Any], Any], tasks: Iterable[Any]) -> str:

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from stickslip_sym import deadline
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol, real
@@ -35,7 +36,13 @@ class Motion(Enum):
 
 
 def classify(
-    law: FrictionLaw, osc: Oscillator, *, x0: float = 0.0, v0: float | None = None, rtol: float = 1e-10
+    law: FrictionLaw,
+    osc: Oscillator,
+    *,
+    x0: float = 0.0,
+    v0: float | None = None,
+    rtol: float = 1e-10,
+    time_limit: float | None = None,
 ) -> Motion:
     """Return the motion to which a start leads.
 
@@ -53,6 +60,8 @@ def classify(
         Initial velocity in m/s, on either side of the belt's; the belt's speed if not given.
     rtol : float
         Relative tolerance of an integration step, 1e-13 to 1e-3.
+    time_limit : float, optional
+        Seconds of computation after which it is given up.
 
     Returns
     -------
@@ -65,6 +74,8 @@ def classify(
         For unusable numbers or an unbound law.
     NotConverged
         When the bound on the work is reached.
+    OutOfTime
+        When the time limit is reached.
     """
     rtol = read_rtol(rtol)
     v0 = osc.V if v0 is None else real("v0", v0)
@@ -74,7 +85,8 @@ def classify(
     near = _NEAR * rtol
     if v0 < osc.V and abs(start.w - w) <= near and abs(start.q - q) <= near * max(1.0, abs(q)):
         return Motion.DAMPED_SLIP if scene.decay(w) > 0 else Motion.UNDECIDED
-    return _Course(law, osc, scene, rtol).of(start, 1 if v0 < osc.V else -1)
+    with deadline.time_limit(time_limit):
+        return _Course(law, osc, scene, rtol).of(start, 1 if v0 < osc.V else -1)
 
 
 class _Course:
@@ -109,10 +121,10 @@ class _Course:
         if abs(now - before) <= _SAME * now:
             return Motion.PURE_SLIP
         if now > before:
-            farther = now * 4.0 ** np.arange(1, _ROUNDS)
+            farther = (now * 4.0 ** np.arange(1, _ROUNDS)).tolist()
             return self._beyond_all if all(self._grows(q) for q in farther) else Motion.PURE_SLIP
         # It may be a long way in: if no round there grows, it ends where P's orbit does.
-        nearer = now * np.linspace(0.0, 1.0, _ROUNDS + 1)[1:-1]
+        nearer = now * np.linspace(0.0, 1.0, _ROUNDS + 1)[1:-1].tolist()
         return Motion.PURE_SLIP if any(self._grows(q) for q in nearer) else self._from_onset()
 
     def _grows(self, q: float) -> bool:

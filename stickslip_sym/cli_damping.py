@@ -7,7 +7,7 @@ import typer
 from stickslip_sym import cli_json
 from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
 from stickslip_sym.cli_names import complete_method
-from stickslip_sym.cli_reading import Values, assignments, check_size
+from stickslip_sym.cli_reading import Values, assignments, check_size, read_numbers
 from stickslip_sym.cli_words import in_options
 from stickslip_sym.errors import StickSlipError
 
@@ -35,6 +35,9 @@ def damping(
     ] = "auto",
     rtol: Annotated[float, typer.Option("--rtol", help="Relative error that is good enough.")] = 1e-3,
     everything: Annotated[bool, typer.Option("--all", help="Print every rung of the ladder.")] = False,
+    time_limit: Annotated[
+        str | None, typer.Option("--time-limit", metavar="S", help="Seconds of computation, for each method.")
+    ] = None,
     as_json: cli_json.AsJson = False,
 ) -> None:
     """Print the pure-slip damping, the method that gave it, and its error.
@@ -53,11 +56,12 @@ def damping(
     for name, value in numbers.items():
         check_size(name, value)
     scene = {name: float(value) for name, value in numbers.items()}
+    limit = read_numbers({"time_limit": time_limit}).get("time_limit")
     if everything:
         rungs = LADDER if "m" in scene else LADDER[:3]
-        found = {rung: _threshold(bound, scene, rung, min(rtol, 1e-10)) for rung in rungs}
+        found = {rung: _threshold(bound, scene, rung, min(rtol, 1e-10), limit) for rung in rungs}
     else:
-        found = {method: _threshold(bound, scene, method, rtol)}
+        found = {method: _threshold(bound, scene, method, rtol, limit)}
         if isinstance(error := found[method][0], StickSlipError):
             raise error
     if as_json:
@@ -80,7 +84,9 @@ def damping(
         typer.echo(str(found[method][0]))
 
 
-def _threshold(law: Any, scene: dict[str, float], method: str, rtol: float) -> tuple[Any, float]:
+def _threshold(
+    law: Any, scene: dict[str, float], method: str, rtol: float, limit: float | None
+) -> tuple[Any, float]:
     """Return a threshold, or the error that says why there is none, and the seconds it took."""
     import time
 
@@ -88,7 +94,7 @@ def _threshold(law: Any, scene: dict[str, float], method: str, rtol: float) -> t
 
     begin = time.perf_counter()
     try:
-        found: Any = pure_slip_damping(law, **scene, method=method, rtol=rtol)
+        found: Any = pure_slip_damping(law, **scene, method=method, rtol=rtol, time_limit=limit)
     except StickSlipError as error:
         found = error
     return found, time.perf_counter() - begin

@@ -62,6 +62,10 @@ def motion_map(
         Path | None, typer.Option("--checkpoint", metavar="FILE", help="Keep what is done; go on from it.")
     ] = None,
     overwrite: Overwrite = False,
+    time_limit: Annotated[
+        str | None,
+        typer.Option("--time-limit", metavar="S", help="Seconds; the cells that are left then are undecided."),
+    ] = None,
     as_json: cli_json.AsJson = False,
 ) -> None:
     """Map the motions that exist, and the three thresholds, over a plane.
@@ -84,10 +88,18 @@ def motion_map(
     scene: dict[str, Any] = read_numbers(given)
     _warn_at_corners(bound, axes, scene)
     require_new(csv, "--csv", overwrite)
+    limit: Any = read_numbers({"time_limit": time_limit})
     require_writable(csv, npz, plot=plot)
     with _progress() as progress:
         found = compute(
-            bound, x=axes[0], y=axes[1], **scene, workers=workers, checkpoint=checkpoint, progress=progress
+            bound,
+            x=axes[0],
+            y=axes[1],
+            **scene,
+            workers=workers,
+            checkpoint=checkpoint,
+            progress=progress,
+            **limit,
         )
     if as_json:
         known = {"law": cli_json.law(bound), "scene": cli_json.values(given)}

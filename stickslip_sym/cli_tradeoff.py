@@ -12,6 +12,7 @@ from stickslip_sym.cli_reading import (
     Values,
     assignments,
     check_size,
+    read_numbers,
     require_writable,
 )
 
@@ -38,6 +39,9 @@ def tradeoff(
     plot: Annotated[
         Path | None, typer.Option("--plot", metavar="FILE", help="Draw error against time (SVG, PNG or PDF).")
     ] = None,
+    time_limit: Annotated[
+        str, typer.Option("--time-limit", metavar="S", help="Seconds; ways that are left then have no number.")
+    ] = "600",
     as_json: cli_json.AsJson = False,
 ) -> None:
     """Measure what each way to the number costs, and how far it is off.
@@ -65,17 +69,18 @@ def tradeoff(
     numbers = {name: exact(value, name) for name, value in given.items()}
     for name, value in numbers.items():
         check_size(name, value)
+    limit = read_numbers({"time_limit": time_limit})["time_limit"]
     require_writable(plot=plot)
     if not bound.missing:
         warn_where_negative(bound, float(numbers["V"]))
     if thresholds:
         scene = {name: float(value) for name, value in numbers.items()}
-        ways = tradeoff_thresholds.threshold_tradeoff(bound, scene)
+        ways = tradeoff_thresholds.threshold_tradeoff(bound, scene, time_limit=limit)
         title = f"thresholds of {bound.name or law}, {', '.join(f'{n} = {text}' for n, text in given.items())}"
         text = f"{title}\n\n{tradeoff_thresholds.threshold_report(ways)}"
     else:
         form = derive_form(bound, criterion)
-        ways = measured.tradeoff(form, given)
+        ways = measured.tradeoff(form, given, time_limit=limit)
         title = f"{form.law.name or law}, {form.criterion.name}, V = {speed} m/s"
         text = f"{form!r}, V = {speed} m/s, N = {force} N\n\n{measured.report(ways)}"
     if as_json:

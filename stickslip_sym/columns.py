@@ -22,7 +22,8 @@ import numpy as np
 
 from stickslip_sym.classification import Motion, classify
 from stickslip_sym.cycles import needed_damping
-from stickslip_sym.errors import InputError, NotConverged, NoThreshold, StickSlipError
+from stickslip_sym.deadline import check_time
+from stickslip_sym.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.grazing import grazing_damping
 from stickslip_sym.orbit import obstacle, orbits
@@ -34,6 +35,7 @@ from stickslip_sym.transit import stick_slip_cycle
 __all__ = ["MOTIONS", "REASONS", "Attractor", "Cells", "Reason", "decide"]
 
 MOTIONS = tuple(Motion)
+_MOST_WORK = 1e9  # cubes of grids; beyond, following the motions of a cell costs less
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _FINER = 1e-2  # tolerance of simulations over that of thresholds
 _TIGHTEST = 1e-13
@@ -58,6 +60,7 @@ class Reason(Enum):
     SIMULATED = "simulated"
     TOLERANCE = "within tolerance of a threshold or a fold"
     FAILED = "failed"
+    TIME = "time limit"
 
 
 REASONS = tuple(Reason)
@@ -90,7 +93,8 @@ class Cells:
     @classmethod
     def failed(cls, count: int, error: StickSlipError) -> "Cells":
         """Return cells of which no more is known than why."""
-        motion, reason = MOTIONS.index(Motion.UNDECIDED), REASONS.index(Reason.FAILED)
+        kind = Reason.TIME if isinstance(error, OutOfTime) else Reason.FAILED
+        motion, reason = MOTIONS.index(Motion.UNDECIDED), REASONS.index(kind)
         return cls([motion] * count, [0] * count, [reason] * count, notes=dict.fromkeys(range(count), str(error)))
 
 
@@ -125,6 +129,7 @@ class _Column:
         self.static = Scene.of(law, osc).static
         self.smooth = obstacle(law, osc.V, jump=False) is None
         self.equilibrium = self._equilibrium()
+        self.graze = self._graze()
         self.turns = self._turns()
         self.exact, self.doubt = self._exact()
 
@@ -135,27 +140,33 @@ class _Column:
             return None
         return float(-self.osc.N * self.law.slope(self.osc.V))
 
-    def _turns(self) -> Any | None:
-        """Return the damping that orbits need at rest, at each fold and at the graze; None if unknown."""
+    def _graze(self) -> float | None:
+        """Return the damping of the orbit that grazes the belt's speed; None if it is not known by collocation."""
         if not self.smooth:
             return None
+        found = orbits(self.law, self.osc.V, self.osc.N / self.osc.impedance, most_work=_MOST_WORK / 2)
+        if not found.relative_error[0] < _KNOWN and not found.error[0] * found.scale[0] < _KNOWN:
+            return None
+        return float(found.d[0] * self.osc.impedance)
+
+    def _turns(self) -> Any | None:
+        """Return the damping that orbits need at rest, at each fold and at the graze; None if unknown."""
+        if self.graze is None:
+            return None
         try:
-            need = needed_damping(self.law, self.osc)
+            need = needed_damping(self.law, self.osc, most_work=_MOST_WORK)
         except (InputError, NotConverged):
             return None
-        graze = orbits(self.law, self.osc.V, self.osc.N / self.osc.impedance)
-        if not graze.relative_error[0] < _KNOWN and not graze.error[0] * graze.scale[0] < _KNOWN:
-            return None
         inner = need.at(need.folds) * self.osc.impedance
-        return np.array([self.equilibrium, *inner, graze.d[0] * self.osc.impedance])
+        return np.array([self.equilibrium, *inner, self.graze])
 
     def _exact(self) -> tuple[float, float]:
         """Return the exact threshold and its error.
 
         By simulation it is -inf if no c >= 0 is one, NaN if it is not found.
         """
-        if self.turns is not None and obstacle(self.law, self.osc.V) is None:
-            return float(self.turns[-1]), 0.0
+        if self.graze is not None and obstacle(self.law, self.osc.V) is None:
+            return self.graze, 0.0
         try:
             value, error = grazing_damping(self.law, self.osc, rtol=max(self.fine, 1e-10))
         except NoThreshold:
@@ -170,6 +181,8 @@ class _Column:
             if self.smooth:
                 return float(numerical_averages(scenes)["least_squares"][0])
             return float(average(scenes, "least_squares")[0])
+        except OutOfTime:
+            raise
         except StickSlipError:
             return None
 
@@ -244,6 +257,8 @@ class _Column:
         """Tell whether the slip from P ends in stick, and not beyond what static friction holds."""
         try:
             cycle = stick_slip_cycle(self.law, replace(self.osc, c=c), rtol=self.fine)
+        except OutOfTime:
+            raise
         except StickSlipError:
             return False
         return cycle is not None and cycle.v_max <= self.osc.V
@@ -258,6 +273,8 @@ class _Column:
     def _motion(self, c: float, x0: float, v0: float) -> Motion:
         try:
             found: Motion = classify(self.law, replace(self.osc, c=c), x0=x0, v0=v0, rtol=self.fine)
+        except OutOfTime:
+            raise
         except StickSlipError:
             return Motion.UNDECIDED
         return found
@@ -267,11 +284,14 @@ class _Column:
         osc = replace(self.osc, c=float(self.c[i]))
         cells.reason[i] = REASONS.index(Reason.SIMULATED)
         try:
+            check_time()
             found = regime(self.law, osc, rtol=self.fine)
+            check_time()  # what is named undecided for want of time is no boundary
             motion = _only(found) or classify(self.law, osc, rtol=self.fine)
         except StickSlipError as error:
             cells.motion[i], cells.attractors[i] = MOTIONS.index(Motion.UNDECIDED), 0
-            cells.reason[i], cells.notes[i] = REASONS.index(Reason.FAILED), str(error)
+            kind = Reason.TIME if isinstance(error, OutOfTime) else Reason.FAILED
+            cells.reason[i], cells.notes[i] = REASONS.index(kind), str(error)
             return
         cells.motion[i] = MOTIONS.index(motion)
         cells.attractors[i] = int(

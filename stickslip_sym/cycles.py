@@ -16,13 +16,14 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from stickslip_sym import html_text
+from stickslip_sym import deadline, html_text
+from stickslip_sym.collocation import Work
 from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import Orbits, obstacle, orbits
 from stickslip_sym.oscillator import Oscillator
 
-__all__ = ["LimitCycle", "NeededDamping", "limit_cycles", "needed_damping"]
+__all__ = ["LimitCycle", "NeededDamping", "cycles_among", "limit_cycles", "needed_damping"]
 
 _DEGREES = (16, 32, 64, 128)
 _RESOLVED = 1e-9  # of the highest coefficients of d(A), relative to its variation
@@ -101,21 +102,30 @@ class NeededDamping:
         return _roots(chebyshev.chebder(self.series))
 
 
-def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
+def needed_damping(law: FrictionLaw, osc: Oscillator, *, most_work: float = math.inf) -> NeededDamping:
     """Return the damping that slip orbits need, as a function of their amplitude; the oscillator's c is not used.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+    osc : Oscillator
+    most_work : float
+        As for `orbits`, of all orbits together.
 
     Raises
     ------
     InputError, NotConverged
         As `limit_cycles` does.
+    OutOfTime
+        When the time of a `time_limit` around it is up.
     """
-    found = _needed(law, osc.V, osc.N / osc.impedance)
+    found = _needed(law, osc.V, osc.N / osc.impedance, most_work)
     if isinstance(found, NeededDamping):
         return found
     raise type(found)(*found.args)  # raised itself, it would keep the frames of every time
 
 
-def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
+def limit_cycles(law: FrictionLaw, osc: Oscillator, *, time_limit: float | None = None) -> tuple[LimitCycle, ...]:
     """Return every pure-slip limit cycle of an oscillator, by ascending amplitude.
 
     Parameters
@@ -123,6 +133,8 @@ def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
     law : FrictionLaw
         With all parameters bound, smooth on the speeds of the motion.
     osc : Oscillator
+    time_limit : float, optional
+        Seconds of computation after which it is given up.
 
     Returns
     -------
@@ -135,9 +147,16 @@ def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
         For a law with a kink in reach.
     NotConverged
         If the orbits are not found, since friction is too strong, or vary too fast with the amplitude.
+    OutOfTime
+        When the time limit is reached.
     """
-    need = needed_damping(law, osc)
-    solve = _solver(law, osc.V, osc.N / osc.impedance)
+    with deadline.time_limit(time_limit):
+        return cycles_among(needed_damping(law, osc), law, osc)
+
+
+def cycles_among(need: NeededDamping, law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
+    """Return the limit cycles among slip orbits whose damping is known as a function of the amplitude."""
+    solve = _solver(law, osc.V, osc.N / osc.impedance, Work(math.inf))
     damping = 2 * osc.zeta
     roots = need.amplitudes(damping)
     if not roots.size:
@@ -161,21 +180,23 @@ def limit_cycles(law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
 
 
 @lru_cache(maxsize=64)
-def _needed(law: FrictionLaw, V: float, e: float) -> NeededDamping | InputError | NotConverged:
+def _needed(law: FrictionLaw, V: float, e: float, most_work: float) -> NeededDamping | InputError | NotConverged:
     """Return the damping that orbits need, or why it is not found: either takes long, and is asked for again."""
+    work = Work(most_work)
     try:
-        return NeededDamping(_interpolated(_solver(law, V, e)))
+        return NeededDamping(_interpolated(_solver(law, V, e, work), work))
     except (InputError, NotConverged) as error:
         return error.with_traceback(None)
 
 
-def _solver(law: FrictionLaw, V: float, e: float) -> Callable[[Any], Orbits]:
-    """Return the function that finds the orbits of given amplitudes."""
+def _solver(law: FrictionLaw, V: float, e: float, work: Work) -> Callable[[Any], Orbits]:
+    """Return the function that finds the orbits of given amplitudes, within a bound on the work."""
     if reason := obstacle(law, V, jump=False):
         raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
 
     def solve(A: Any) -> Orbits:
-        found = orbits(law, V, e, A)
+        found = orbits(law, V, e, A, most_work=work.left)
+        work.done += found.work
         if not np.isfinite(found.error).all():
             lost = np.atleast_1d(A)[~np.isfinite(found.error)][0]
             raise NotConverged(
@@ -189,9 +210,11 @@ def _solver(law: FrictionLaw, V: float, e: float) -> Callable[[Any], Orbits]:
     return solve
 
 
-def _interpolated(solve: Callable[[Any], Orbits]) -> Any:
+def _interpolated(solve: Callable[[Any], Orbits], work: Work) -> Any:
     """Return Chebyshev coefficients of d(A) on [0, 1]."""
     for degree in _DEGREES:
+        if 2 * work.done > work.left:  # twice as many orbits take twice as much again, or more
+            break
         # Nodes of the first kind: A = 0, where there is no orbit, is none of them.
         nodes = chebyshev.chebpts1(degree + 1)
         found = solve((1 + nodes) / 2)

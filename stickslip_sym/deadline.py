@@ -12,7 +12,7 @@ from contextvars import ContextVar
 
 from stickslip_sym.errors import InputError, OutOfTime
 
-__all__ = ["check_time", "time_left", "time_limit"]
+__all__ = ["LONGEST", "check_time", "time_left", "time_limit"]
 
 LONGEST = 86_400.0  # seconds, a day
 _end: ContextVar[float] = ContextVar("end of the time limit, of time.monotonic", default=math.inf)

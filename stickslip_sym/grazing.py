@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from stickslip_sym.errors import NotConverged, NoThreshold
+from stickslip_sym.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
 from stickslip_sym.transit import lowest_slip_speed
@@ -52,8 +52,30 @@ def grazing_damping(
         If the orbit from P never returns, for any c >= 0.
     NotConverged
         When the bound on the work is reached.
+    OutOfTime
+        When the time of a `time_limit` around it is up; it says between which dampings the threshold lies.
     """
     rtol = read_rtol(rtol)
+    sides = {False: -math.inf, True: math.inf}  # the dampings next to the threshold that return, and do not
+    try:
+        return _root(law, osc, rtol, engine, sides)
+    except OutOfTime:
+        low, high = sides.values()
+        raise OutOfTime(_best(low, high)) from None
+
+
+def _best(low: float, high: float) -> str:
+    """Say what is known of a threshold between two dampings."""
+    if math.isinf(high - low):
+        return f"the time limit was reached; the threshold lies between {low:.6g} and {high:.6g} kg/s"
+    middle = (low + high) / 2
+    error = max(abs(high - low) / (2 * middle), _COARSE) if middle else math.inf
+    return f"the time limit was reached; the best value found is {middle:.10g} kg/s, relative error {error:.1e}"
+
+
+def _root(
+    law: FrictionLaw, osc: Oscillator, rtol: float, engine: str, sides: dict[bool, float]
+) -> tuple[float, float]:
     scene = Scene.of(law, osc)
 
     high = _steep(law, osc, scene.static)
@@ -62,6 +84,8 @@ def grazing_damping(
     def lowest(c: float, tolerance: float) -> float:
         found = lowest_slip_speed(replace(scene, zeta=c / (2 * osc.impedance)), tolerance, engine)
         found = 1.0 if found is None else found  # creeping to rest, it does not return
+        missed = found > 0
+        sides[missed] = min(sides[True], c) if missed else max(sides[False], c)
         # Where the graze is a canard, w jumps by orders of magnitude.
         return found / (1 + abs(found)) if found > -math.inf else -1.0
 

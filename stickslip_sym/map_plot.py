@@ -64,7 +64,7 @@ def regions_of(found: Any) -> tuple[Any, list[Region]]:
         index[same] = kinds.index(region)
     index[found.motion == Motion.UNBOUNDED] = kinds.index(_UNBOUNDED)
     index[found.motion == Motion.UNDECIDED] = kinds.index(_UNDECIDED)
-    index[found.reason == Reason.FAILED] = kinds.index(_FAILED)
+    index[(found.reason == Reason.FAILED) | (found.reason == Reason.TIME)] = kinds.index(_FAILED)
     present, places = np.unique(index, return_inverse=True)
     return places.reshape(index.shape), [kinds[i] for i in present]
 

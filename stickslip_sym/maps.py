@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import archive, html_text
+from stickslip_sym import archive, deadline, html_text
 from stickslip_sym.axes import Axis, fixed_values, read_axes
-from stickslip_sym.checkpoint import Progress, collect
+from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.classification import Motion
 from stickslip_sym.columns import MOTIONS, REASONS, Attractor, Cells, Reason, decide
 from stickslip_sym.errors import NotConverged, StickSlipError
@@ -154,6 +154,7 @@ def motion_map(
     workers: Workers = 1,
     checkpoint: str | Path | None = None,
     progress: Progress | None = None,
+    time_limit: float | None = None,
 ) -> MotionMap:
     """Return the motions over a plane of two quantities.
 
@@ -174,6 +175,9 @@ def motion_map(
         A file in which every finished line of cells is kept; a run that was killed goes on from it.
     progress : callable, optional
         Called with the number of lines that are done, and of all.
+    time_limit : float, optional
+        Seconds after which the map is returned as it is: the reason of what is not decided by then is
+        `Reason.TIME`. Such lines are not kept in a checkpoint, and a later run goes on with them.
 
     Returns
     -------
@@ -205,7 +209,8 @@ def motion_map(
         {"law": text, "fixed": fixed | {across.name: value}, "along": along.name, "values": values, "rtol": rtol}
         for value in across.values.tolist()
     ]
-    lines = collect(decide_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
+    with deadline.time_limit(time_limit):
+        lines = collect(decide_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
 
     def grid(name: str, read: Callable[[Any], Any], dtype: Any) -> Any:
         array = np.array([[read(entry) for entry in line[name]] for line in lines], dtype=dtype)
@@ -257,14 +262,16 @@ def decide_line(task: dict[str, Any]) -> dict[str, Any]:
     line["notes"] = [
         [start + i, text] for start, cells in zip(starts, parts, strict=True) for i, text in cells.notes.items()
     ]
+    line[UNFINISHED] = REASONS.index(Reason.TIME) in line["reason"]
     return line
 
 
 def _decided(task: dict[str, Any], values: dict[str, float], c: list[float]) -> Cells:
     """Decide the cells of one scene."""
-    law = law_of_text(task["law"])
     V, N, m, k = (values[name] for name in "VNmk")
     try:
+        deadline.check_time()
+        law = law_of_text(task["law"])
         law = law.bind(**{name: value for name, value in values.items() if name in law.parameters})
         return decide(law, Oscillator(V=V, N=N, m=m, k=k), c, rtol=task["rtol"])
     except StickSlipError as error:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip_sym.deadline import check_time
 from stickslip_sym.errors import NoThreshold
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator
@@ -68,6 +69,7 @@ def _returns(mu: Callable[[Any], Any], mu_s: float, scene: Oscillator, scan: Sca
     effective = m + c * h / 2 + k * h * h / 4  # average acceleration: gamma = 1/2, beta = 1/4
     duration = mu_s * N / (k * V) + 1.5 * 2 * np.pi / scene.omega
     for _ in range(int(duration / h)):
+        check_time()
         stick = (np.abs(v - V) <= scan.band) & (np.abs(c * v + k * x) <= mu_s * N)
         # A fast return may step over the band, so being above it counts too.
         returned |= away & (v - V >= -scan.band)

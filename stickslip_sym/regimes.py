@@ -8,13 +8,15 @@ place of both.
 
 import math
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from stickslip_sym import html_text
+from stickslip_sym import deadline, html_text
 from stickslip_sym.cycles import LimitCycle
+from stickslip_sym.errors import OutOfTime
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
 from stickslip_sym.slip import follow
@@ -99,7 +101,8 @@ class Regime:
         Whether motions far out grow without bound: a negative damping that friction does not outdo, or a
         coefficient of friction that falls below 0 for good.
     undecided : tuple of str
-        What lies within the tolerance of a boundary, in words; empty as a rule.
+        What lies within the tolerance of a boundary, or was not found within the time limit, in words; empty as
+        a rule.
     """
 
     rest: Rest
@@ -138,7 +141,7 @@ class Regime:
         return html_text.block(html_text.table(["motion", "neighbours"], rows, caption="motions"), *notes)
 
 
-def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
+def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, time_limit: float | None = None) -> Regime:
     """Return every attractor of an oscillator, and the separatrices where there are several.
 
     Parameters
@@ -148,6 +151,8 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
     osc : Oscillator
     rtol : float
         Relative tolerance of an integration step, 1e-13 to 1e-3.
+    time_limit : float, optional
+        Seconds of computation after which what is found is returned; `undecided` says what is not.
 
     Raises
     ------
@@ -157,26 +162,50 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
         When the bound on the work is reached.
     """
     rtol = read_rtol(rtol)
-    scene = Scene.of(law, osc)
-    orbits = slip_orbits(law, osc, rtol=rtol)
-    height = graze(scene, rtol)
-    undecided = []
+    with deadline.time_limit(time_limit):
+        return _found(law, osc, rtol)
+
+
+def _found(law: FrictionLaw, osc: Oscillator, rtol: float) -> Regime:
+    """Return what is found until the time is up: then every later part is left out, and named."""
+    scene, undecided = Scene.of(law, osc), list[str]()
+    rest = _rest(law, osc, scene)
+
+    @contextmanager
+    def part(name: str) -> Iterator[None]:
+        try:
+            yield
+        except OutOfTime:
+            undecided.append(f"{name}: not found within the time limit")
+
+    orbits = overtaking = cycle = None
+    separatrices: list[Separatrix] = []
+    height = 1.0
+    with part("whether the slip from P returns, and stick-slip"):
+        height = graze(scene, rtol)
+        cycle = stick_slip_cycle(law, osc, rtol=rtol) if height < 0 else None
+    with part("the limit cycles in pure slip"):
+        orbits = slip_orbits(law, osc, rtol=rtol)
     if height == 0:
         undecided.append("the slip from P grazes the belt's speed within the error of the integration")
-    rest = _rest(law, osc, scene)
-    if 0 in orbits.growth:
+    if orbits is not None and 0 in orbits.growth:
         undecided.append("slip orbits neither grow nor shrink")
     elif abs(rest.rate) * 2 * osc.m <= _ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
         undecided.append("rest neither attracts nor repels to first order")
     if rest.one_sided:
         undecided.append("rest attracts motions on one side of it, and repels those on the other")
-    cycle = stick_slip_cycle(law, osc, rtol=rtol) if height < 0 else None
-    overtaking = overtaking_cycle(law, osc, rtol=rtol) if height < 0 and cycle is None else None
+    with part("limit cycles that overtake the belt"):
+        overtaking = overtaking_cycle(law, osc, rtol=rtol) if height < 0 and cycle is None else None
+    with part("separatrices"):
+        if orbits is not None:
+            for separatrix in _separatrices(scene, osc, law, orbits, cycle is not None, rtol):
+                separatrices.append(separatrix)
+    cycles = () if orbits is None else orbits.cycles
     return Regime(
         rest=rest,
         stick_slip=cycle,
-        cycles=orbits.cycles if overtaking is None else (*orbits.cycles, overtaking),
-        separatrices=tuple(_separatrices(scene, osc, law, orbits, cycle is not None, rtol)),
+        cycles=cycles if overtaking is None else (*cycles, overtaking),
+        separatrices=tuple(separatrices),
         unbounded=grows_far_out(law, osc),
         undecided=tuple(undecided),
     )

@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
-from stickslip_sym.cycles import LimitCycle, limit_cycles, needed_damping
+from stickslip_sym.cycles import LimitCycle, cycles_among, needed_damping
 from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene
@@ -27,8 +27,12 @@ from stickslip_sym.steppers import Point
 
 __all__ = ["SlipOrbits", "next_peak", "overtaking_cycle", "round_from", "slip_orbits", "trough"]
 
-_NODES = 33
 _NEAREST = 1e-3  # lowest amplitude at which the return map is looked at: a smaller cycle is not seen
+_NODES = sorted(
+    {float(A) for A in _NEAREST + (1 - _NEAREST) * (1 - np.cos(np.linspace(0.0, math.pi, 33))) / 2}
+    | {1 - 10.0**-decade for decade in range(3, 7)}
+)  # amplitudes at which the growth is looked at; graded towards the belt's speed, where laws are steep
+_MOST_WORK = 1e9  # cubes of grids: about as long as following the orbits at these amplitudes takes
 _NEUTRAL = 1e-11  # growth a round below which an integration cannot tell its sign
 _STEP = 1e-5  # of amplitude, for the slope of the return map
 _LONGEST = 1e3  # of dimensionless time, for one slip phase; more where damping makes it creep
@@ -77,10 +81,14 @@ def slip_orbits(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> SlipOrbits
     NotConverged
         When the bound on the work is reached.
     """
+    peaks = _Peaks(Scene.of(law, osc), rtol)
+    lone = peaks.lone_growth
+    if lone is not None:
+        return SlipOrbits((), (lone,))
     try:
-        cycles = limit_cycles(law, osc)
-        need = needed_damping(law, osc)
-    except (InputError, NotConverged):  # not smooth, or too strong a friction for collocation
+        need = needed_damping(law, osc, most_work=_MOST_WORK)
+        cycles = cycles_among(need, law, osc)
+    except (InputError, NotConverged):  # not smooth, or too strong a friction or too thin a layer for collocation
         return _by_simulation(law, osc, rtol)
     flat = 1e-14 * np.abs(need.series).max()
     return _ordered(cycles, osc.V, lambda amplitude: float(need.at(amplitude)) - 2 * osc.zeta, flat)
@@ -113,21 +121,53 @@ def next_peak(scene: Scene, amplitude: float, rtol: float) -> tuple[float, SlipP
     return (1 - slip.last.w if slip.end == "minimum" else 0.0), slip
 
 
+class _Peaks:
+    """The return map of slip orbits, A to the A of the next peak, which grows with A since orbits do not cross."""
+
+    def __init__(self, scene: Scene, rtol: float) -> None:
+        self.scene, self.rtol = scene, rtol
+        self.known: dict[float, float] = {}
+
+    def after(self, amplitude: float) -> float:
+        """Return the next peak."""
+        if amplitude not in self.known:
+            self.known[amplitude] = next_peak(self.scene, amplitude, self.rtol)[0]
+        return self.known[amplitude]
+
+    def gain(self, amplitude: float) -> float:
+        """Return the relative growth in one round."""
+        return self.after(amplitude) / amplitude - 1
+
+    @property
+    def lone_growth(self) -> int | None:
+        """Whether all orbits grow (1) or shrink (-1), where one round from an end shows it; None elsewhere."""
+        if self.scene.decay(1.0) > 0:
+            return -1 if self.after(1.0) <= _NEAREST else None
+        return 1 if self.after(_NEAREST) >= 1 else None
+
+    def brackets(self) -> list[tuple[float, float]]:
+        """Return pairs of amplitudes between which the growth changes its sign."""
+        found, open_ranges = [], [(0, len(_NODES) - 1)]
+        while open_ranges:
+            first, last = open_ranges.pop()
+            low, high = _NODES[first], _NODES[last]
+            if self.after(low) >= high or self.after(high) <= low:
+                continue  # the map is monotone, and passes over all that lies between
+            if last - first > 1:
+                middle = (first + last) // 2
+                open_ranges += [(middle, last), (first, middle)]
+                continue
+            gains = self.gain(low), self.gain(high)
+            if gains[0] * gains[1] < 0 and max(map(abs, gains)) > _NEUTRAL:
+                found.append((low, high))
+        return found
+
+
 def _by_simulation(law: FrictionLaw, osc: Oscillator, rtol: float) -> SlipOrbits:
-    scene = Scene.of(law, osc)
-
-    def gain(amplitude: float) -> float:
-        return next_peak(scene, amplitude, rtol)[0] / amplitude - 1
-
-    nodes = _NEAREST + (1 - _NEAREST) * (1 - np.cos(np.linspace(0.0, math.pi, _NODES))) / 2
-    gains = [gain(float(A)) for A in nodes]
-    roots = [
-        brentq(gain, low, high, rtol=max(rtol, 1e-14))
-        for (low, before), (high, after) in pairwise(zip(nodes.tolist(), gains, strict=True))
-        if before * after < 0 and max(abs(before), abs(after)) > _NEUTRAL
-    ]
-    cycles = tuple(_cycle(scene, osc, float(root), rtol) for root in roots)
-    return _ordered(cycles, osc.V, gain, _NEUTRAL)
+    peaks = _Peaks(Scene.of(law, osc), rtol)
+    roots = [brentq(peaks.gain, *bracket, rtol=max(rtol, 1e-14)) for bracket in peaks.brackets()]
+    cycles = tuple(_cycle(peaks.scene, osc, float(root), rtol) for root in roots)
+    return _ordered(cycles, osc.V, peaks.gain, _NEUTRAL)
 
 
 def _cycle(scene: Scene, osc: Oscillator, amplitude: float, rtol: float) -> LimitCycle:
@@ -190,7 +230,7 @@ def round_from(scene: Scene, q: float, rtol: float) -> tuple[float, float, float
 
 def _phase(scene: Scene, q: float, side: int, rtol: float) -> SlipPhase:
     until: Literal["return", "turn"] = "turn" if side > 0 else "return"
-    return follow(scene, Point(0.0, q, 0.0), side, horizon=_horizon(scene), rtol=rtol, until=until)
+    return follow(scene, Point(0.0, float(q), 0.0), side, horizon=_horizon(scene), rtol=rtol, until=until)
 
 
 def _horizon(scene: Scene) -> float:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from stickslip_sym.deadline import check_time, time_left
 from stickslip_sym.errors import StickSlipError
 from stickslip_sym.oscillator import Scene
 from stickslip_sym.steppers import Piece, Point
@@ -77,9 +78,19 @@ class SlipPhase:
 
 
 def exhausted(phase: SlipPhase, max_steps: int | None, deadline: float) -> str | None:
-    """Return which bound on the work is reached, as `SlipPhase.end` has it; None if there is some left."""
-    if max_steps is not None and len(phase.pieces) >= max_steps:
+    """Return which bound on the work is reached, as `SlipPhase.end` has it; None if there is some left.
+
+    Raises
+    ------
+    OutOfTime
+        Without `max_steps`, when the time of a `time_limit` is up; with it the phase ends then as at its deadline.
+    """
+    if max_steps is None:
+        check_time()
+    elif len(phase.pieces) >= max_steps:
         return "steps"
+    elif time_left() < 0:
+        return "deadline"
     return "deadline" if time.monotonic() > deadline else None
 
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym import html_text, symbols
+from stickslip_sym import deadline, html_text, symbols
 from stickslip_sym.doubts import warn_where_negative
-from stickslip_sym.errors import InputError, NotConverged, StickSlipError
+from stickslip_sym.errors import InputError, NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import obstacle
 from stickslip_sym.oscillator import read_rtol
@@ -103,6 +103,7 @@ def pure_slip_damping(
     k: ArrayLike | None = None,
     method: str = "auto",
     rtol: float = 1e-3,
+    time_limit: float | None = None,
 ) -> Threshold:
     """Return the pure-slip damping coefficient of a law in a scene.
 
@@ -120,6 +121,8 @@ def pure_slip_damping(
         needed to know it. Without m and k it gives "harmonic", the limit of weak friction.
     rtol : float
         Relative error that is good enough, 1e-13 to 1; for "simulation" by name at most 1e-3.
+    time_limit : float, optional
+        Seconds of computation after which it is given up.
 
     Returns
     -------
@@ -135,6 +138,8 @@ def pure_slip_damping(
         By simulation, if the orbit from P never returns for any c >= 0.
     NotConverged
         If the error is above `rtol` on the highest rung.
+    OutOfTime
+        When the time limit is reached; it tells the best value found, and its error.
 
     Warns
     -----
@@ -149,18 +154,23 @@ def pure_slip_damping(
     law.function("numpy")  # refuses a law with parameters that have no value
     if len(scenes):
         warn_where_negative(law, float(scenes.V.max()))
-    if scenes.m is None:
-        value, names, error = _without_oscillator(scenes, method)
-    elif method == "auto":
-        value, names, error = _climb(scenes, rtol)
-    else:
-        names = np.full(len(scenes), method)
-        value, error = _named(scenes, method, rtol)
+    with deadline.time_limit(time_limit):
+        value, names, error = _found(scenes, method, rtol)
     if scenes.shape != ():
         columns = (column if column is None else column.reshape(scenes.shape) for column in (value, names, error))
         return Threshold(*columns)
     known = error is not None and np.isfinite(error[0])
     return Threshold(float(value[0]), str(names[0]), float(error[0]) if known else None)
+
+
+def _found(scenes: Scenes, method: str, rtol: float) -> tuple[Any, Any, Any]:
+    deadline.check_time()
+    if scenes.m is None:
+        return _without_oscillator(scenes, method)
+    if method == "auto":
+        return _climb(scenes, rtol)
+    value, error = _named(scenes, method, rtol)
+    return value, np.full(len(scenes), method), error
 
 
 def _without_oscillator(scenes: Scenes, method: str) -> tuple[Any, Any, Any]:
@@ -205,6 +215,8 @@ def _best(scenes: Scenes, rtol: float, smooth: bool) -> tuple[Any, Any, Any]:
     for row in np.flatnonzero(~(error <= max(rtol, _GOOD))):
         try:
             (simulation,), (doubt,) = simulated(scenes.rows([row]), max(rtol, _GOOD))
+        except OutOfTime:
+            raise
         except StickSlipError:
             continue
         if doubt < error[row]:
@@ -218,16 +230,26 @@ def _climb(scenes: Scenes, rtol: float) -> tuple[Any, Any, Any]:
     if obstacle(scenes.law, scenes.V) is None:
         rungs = numerical_averages(scenes)
         second, resolution, next_order = second_order(scenes)
-        chosen.settle(np.arange(len(scenes)), rungs, second, next_order + resolution + _ROUNDING)
+        doubt = next_order + resolution + _ROUNDING
+        chosen.settle(np.arange(len(scenes)), rungs, second, doubt)
         rungs["second_order"] = second
         if (rows := chosen.open).size:
-            value, error, _ = on_orbit(scenes.rows(rows), rtol / 10)
+            try:
+                value, error, _ = on_orbit(scenes.rows(rows), rtol / 10)
+            except OutOfTime as stop:
+                raise OutOfTime(_so_far(stop, scenes, rows[0], second, doubt)) from None
             chosen.settle(rows, rungs | {"orbit": value}, value, error)
     else:
         rungs = {name: average(scenes, name) for name in AVERAGES}
     for row in chosen.open:
         _settle_by_simulation(scenes, row, rungs, chosen)
     return chosen.value, chosen.method, chosen.error
+
+
+def _so_far(stop: OutOfTime, scenes: Scenes, row: int, value: Any, error: Any) -> str:
+    """Say what is known of the first scene that is not settled."""
+    best = f"{value[row]:.10g} kg/s, relative error {_accuracy(error[row])}"
+    return f"{stop}; the best value found for {scenes.label(row)} is {best}"
 
 
 def _settle_by_simulation(scenes: Scenes, row: int, rungs: dict[str, Any], chosen: "_Choice") -> None:

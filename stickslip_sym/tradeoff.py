@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from stickslip_sym import drawing, gauss, symbols
+from stickslip_sym import deadline, drawing, gauss, symbols
 from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.codegen import function_of
 from stickslip_sym.conditioned import conditioned
@@ -50,7 +50,7 @@ class Way:
     largest: float = float("nan")
 
 
-def tradeoff(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:
+def tradeoff(form: ClosedForm, scene: Mapping[str, Number], *, time_limit: float | None = None) -> list[Way]:
     """Measure the ways to a criterion in one scene.
 
     Parameters
@@ -59,6 +59,8 @@ def tradeoff(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:
         Of a law with all parameters bound.
     scene : mapping
         V in m/s and N in N.
+    time_limit : float, optional
+        Seconds after which no other way is tried; those that are left give no number.
 
     Returns
     -------
@@ -71,6 +73,11 @@ def tradeoff(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:
     InputError
         For an unbound law or unusable numbers, or where the criterion is 0.
     """
+    with deadline.time_limit(time_limit):
+        return _measured(form, scene)
+
+
+def _measured(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:
     values = {name: exact(scene[name], name) for name in ("V", "N")}
     if form.law.missing:
         raise InputError(f"the law has no value for {', '.join(form.law.missing)}; bind it first")
@@ -84,6 +91,7 @@ def tradeoff(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:
     def way(name: str, compute: Callable[[], Any], count: int = 1) -> Way:
         with np.errstate(all="ignore"):
             try:
+                deadline.check_time()
                 result = compute()
             except (ArithmeticError, StickSlipError):
                 return Way(name, float("nan"), float("nan"))

@@ -1,5 +1,6 @@
 """Speed against accuracy of thresholds: every rung of the ladder, and the paper's own procedure."""
 
+import math
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -7,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym.errors import NotConverged, NoThreshold
+from stickslip_sym import deadline
+from stickslip_sym.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.newmark import Scan, pure_slip_by_scan
 from stickslip_sym.oscillator import Oscillator
@@ -25,7 +27,9 @@ _NEWMARK = "Newmark scan"
 _SCAN_STEP = 0.001  # kg/s, the paper's
 
 
-def threshold_tradeoff(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way]:
+def threshold_tradeoff(
+    law: FrictionLaw, scene: Mapping[str, float], *, time_limit: float | None = None
+) -> list[Way]:
     """Measure every way to the threshold: its time for one, its error, and its largest error over `SPEEDS`.
 
     Parameters
@@ -34,6 +38,8 @@ def threshold_tradeoff(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way
         Smooth, with all parameters bound: the reference is the grazing orbit to 1e-12.
     scene : mapping
         V, N, m and k in SI units.
+    time_limit : float, optional
+        Seconds after which no other way is tried; those that are left give no number.
 
     Returns
     -------
@@ -45,7 +51,14 @@ def threshold_tradeoff(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way
     ------
     InputError, NoThreshold, NotConverged
         Where the scene itself has no exact threshold.
+    OutOfTime
+        If the time is up before that is known.
     """
+    with deadline.time_limit(time_limit):
+        return _measured(law, scene)
+
+
+def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way]:
     exact = _rung(law, scene, "orbit").value
     if not exact > 0:
         raise NoThreshold(f"the threshold is {exact:.3g} kg/s in this scene: nothing has a relative error")
@@ -56,18 +69,34 @@ def threshold_tradeoff(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way
             reference = _rung(law, others | {"V": speed}, "orbit").value
         except (NoThreshold, NotConverged):
             continue
+        except OutOfTime:
+            break
         if reference > 0:
             references[speed] = reference
     ways = []
     for method in LADDER:
-        found, seconds = _timed(partial(_rung, law, scene, method))
-        errors = [
-            _error(_rung(law, others | {"V": speed}, method), reference) for speed, reference in references.items()
-        ]
-        ways.append(Way(method, seconds, _error(found, exact), max(errors)))
+        try:
+            found, seconds = _timed(partial(_rung, law, scene, method))
+        except OutOfTime:
+            ways.append(Way(method, math.nan, math.nan))
+            continue
+        try:
+            largest = max(
+                (
+                    _error(_rung(law, others | {"V": speed}, method), reference)
+                    for speed, reference in references.items()
+                ),
+                default=math.nan,
+            )
+        except OutOfTime:
+            largest = math.nan
+        ways.append(Way(method, seconds, _error(found, exact), largest))
     scan = Scan(np.arange(0.0, 2 * exact, _SCAN_STEP))
     start = time.perf_counter()
-    scanned = pure_slip_by_scan(law, Oscillator(**scene), scan)
+    try:
+        scanned = pure_slip_by_scan(law, Oscillator(**scene), scan)
+    except OutOfTime:
+        return [*ways, Way(_NEWMARK, math.nan, math.nan)]
     ways.append(Way(_NEWMARK, time.perf_counter() - start, abs(scanned / exact - 1)))
     return ways
 
@@ -104,5 +133,13 @@ def threshold_report(ways: list[Way]) -> str:
     def shown(error: float) -> str:
         return "not measured" if np.isnan(error) else f"{error:.1e}"
 
-    rows: list[Any] = [[way.name, duration(way.seconds), shown(way.error), shown(way.largest)] for way in ways]
+    rows: list[Any] = [
+        [
+            way.name,
+            duration(way.seconds) if way.seconds == way.seconds else "no number",
+            shown(way.error),
+            shown(way.largest),
+        ]
+        for way in ways
+    ]
     return table(["way", "time a threshold", "relative error", "largest up to V = 1 m/s"], rows)

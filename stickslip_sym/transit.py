@@ -9,13 +9,15 @@ then on: it never sticks again, and slips on both sides of the belt's speed.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 
-from stickslip_sym import html_text
+from stickslip_sym import deadline, html_text
 from stickslip_sym.engines import follower
 from stickslip_sym.errors import NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
+from stickslip_sym.slip_phase import SlipPhase
 from stickslip_sym.steppers import Point
 
 __all__ = ["StickSlipCycle", "horizon", "lowest_slip_speed", "peak_velocity", "stick_slip_cycle"]
@@ -65,7 +67,12 @@ class StickSlipCycle:
 
 
 def stick_slip_cycle(
-    law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, engine: str = "scipy"
+    law: FrictionLaw,
+    osc: Oscillator,
+    *,
+    rtol: float = 1e-12,
+    engine: str = "scipy",
+    time_limit: float | None = None,
 ) -> StickSlipCycle | None:
     """Return the stick-slip cycle of an oscillator, or None if it has none.
 
@@ -78,6 +85,8 @@ def stick_slip_cycle(
         Relative tolerance of an integration step, 1e-13 to 1e-3.
     engine : {"scipy", "heyoka"}
         What integrates the slip, as for `simulate`.
+    time_limit : float, optional
+        Seconds of computation after which it is given up.
 
     Raises
     ------
@@ -85,9 +94,18 @@ def stick_slip_cycle(
         For an unbound law, an unusable tolerance, or an engine that is not there or cannot take the law.
     NotConverged
         When the bound on the work is reached.
+    OutOfTime
+        When the time limit is reached.
     """
     follow = follower(engine)
     rtol = read_rtol(rtol)
+    with deadline.time_limit(time_limit):
+        return _cycle(law, osc, follow, rtol)
+
+
+def _cycle(
+    law: FrictionLaw, osc: Oscillator, follow: Callable[..., SlipPhase], rtol: float
+) -> StickSlipCycle | None:
     scene = Scene.of(law, osc)
     slips = [follow(scene, _P, 1, horizon=horizon(scene), rtol=rtol, until="turn")]
     if slips[0].end != "return":

@@ -13,9 +13,9 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import brentq, minimize_scalar
 
-from stickslip_sym import html_text, symbols
+from stickslip_sym import deadline, html_text, symbols
 from stickslip_sym.criteria import catalogue
-from stickslip_sym.errors import InputError, NotConverged, NoThreshold
+from stickslip_sym.errors import InputError, NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import obstacle
 from stickslip_sym.oscillator import read_rtol, real
@@ -77,6 +77,7 @@ def transition_speed(
     k: float | None = None,
     method: str = "auto",
     rtol: float = 1e-3,
+    time_limit: float | None = None,
 ) -> tuple[TransitionSpeed, ...]:
     """Return every belt speed V at which the pure-slip damping is c, ascending.
 
@@ -93,6 +94,8 @@ def transition_speed(
         the orbit, or of the simulation where that has no value. Without m and k it gives "harmonic".
     rtol : float
         Relative error of V that is good enough, 1e-12 to 1.
+    time_limit : float, optional
+        Seconds of computation after which it is given up.
 
     Returns
     -------
@@ -105,6 +108,8 @@ def transition_speed(
         For an unknown method, or numbers that are missing or unusable.
     NotConverged
         If a rung does not reach `rtol`.
+    OutOfTime
+        When the time limit is reached; it tells the speeds of the last rung that was finished.
     """
     lookup("method", method, dict.fromkeys(METHODS))
     c, rtol = real("c", c), read_rtol(rtol, least=1e-12, most=1.0)
@@ -112,10 +117,14 @@ def transition_speed(
     if scene.m is None and method in ("second_order", "orbit", "simulation"):
         raise InputError(f'method="{method}" needs the mass m and the stiffness k')
     search = _Search(law, c, scene)
-    if scene.m is not None:
-        return search.climb(rtol) if method == "auto" else search.named(method)
-    method = "harmonic" if method == "auto" else method
-    return _speeds(search.roots(method), method, None)
+    with deadline.time_limit(time_limit):
+        try:
+            if scene.m is not None:
+                return search.climb(rtol) if method == "auto" else search.named(method)
+            method = "harmonic" if method == "auto" else method
+            return _speeds(search.roots(method), method, None)
+        except OutOfTime as stop:
+            raise OutOfTime(f"{stop}; {search.so_far}") from None
 
 
 class _Search:
@@ -123,6 +132,7 @@ class _Search:
 
     def __init__(self, law: FrictionLaw, c: float, scene: Scenes) -> None:
         self.law, self.c, self.scene = law, c, scene
+        self.so_far = "no belt speed was found yet"
 
     def scenes(self, V: Any) -> Scenes:
         """Return the scene at other belt speeds."""
@@ -134,6 +144,7 @@ class _Search:
 
     def excess(self, method: str, V: Any, orbit_rtol: float = _TIGHT) -> Any:
         """Return threshold minus c at belt speeds; NaN where there is none."""
+        deadline.check_time()
         if method in AVERAGES:
             return self._by_slopes(method, V) - self.c
         if method == "second_order":
@@ -164,6 +175,12 @@ class _Search:
 
     def roots(self, method: str) -> Any:
         """Return the roots of a rung, ascending."""
+        found = self._roots(method)
+        speeds = ", ".join(f"{V:.6g}" for V in found) or "none"
+        self.so_far = f"by {method} the speeds are, to an unknown error, {speeds} m/s"
+        return found
+
+    def _roots(self, method: str) -> Any:
         if method in AVERAGES and self.law.expr.is_polynomial(symbols.v):
             return self._of_polynomial(method)
         V = 10.0 ** np.linspace(*_DECADES, (_DECADES[1] - _DECADES[0]) * _PER_DECADE + 1)

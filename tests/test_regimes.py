@@ -203,7 +203,7 @@ def test_the_cycle_of_a_kinked_law_without_inertia():
 def test_orbits_that_are_not_found_are_looked_for_once(monkeypatch):
     """That takes long, and every question to the same scene would find it out anew."""
     calls = []
-    monkeypatch.setattr(cycles, "orbits", lambda *args: calls.append(args) or orbit.orbits(*args))
+    monkeypatch.setattr(cycles, "orbits", lambda *args, **most: calls.append(args) or orbit.orbits(*args, **most))
     for c in (0.5, 0.6):
         law, osc = ss.FrictionLaw("tanh(1234*v)*(0.2 + 0.3*exp(-3*v))"), paper_oscillator(c)
         with pytest.raises(ss.NotConverged, match="try simulate"):
