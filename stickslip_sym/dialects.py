@@ -43,8 +43,8 @@ _LOCALS = frozenset(
     {
         "a", "added", "angle", "b", "base", "cancelled", "carry", "coarse", "columns", "count", "ends",
         "exponent", "factors", "fine", "first", "g", "half_pi", "halvings", "height", "here", "i", "j",
-        "left", "m", "mantissa", "math", "np", "off", "panels", "part", "parts", "place", "power", "r", "ratio", "rest",
-        "result", "right", "row", "scale", "scales", "shape", "shift", "sine", "size", "sum", "swap", "t",
+        "left", "m", "mantissa", "math", "np", "off", "panels", "part", "parts", "place", "power", "r", "ratio",
+        "rest", "result", "right", "row", "scale", "scales", "shape", "shift", "sine", "size", "sum", "swap", "t",
         "total", "try_", "upper", "v", "value", "w", "whole", "x", "z",
     }
 )  # fmt: skip
