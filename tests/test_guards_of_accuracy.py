@@ -42,9 +42,9 @@ def apart(count, low, high, seed):
 CANCELLING = {
     "a*exp(-p*v) - a*exp(-q*v)": {"N": 2.0, "a": 3.0, "p": 1.0, "q": 1.0},
     "a/(1 + v/p) - a/(1 + v/q)": {"N": 2.0, "a": 3.0, "p": 0.5, "q": 0.5},
-    "(p*a - q)*exp(-v)": {"N": 2.0, "a": 3.0, "p": 2.0, "q": 6.0},
+    "(p*a - q)*exp(-v)": {"N": 2.0, "a": 3.3, "p": 2.1, "q": 6.93},
     "(p - q - a)*exp(-v)": {"N": 2.0, "a": 3.0, "p": 4.1, "q": 1.1},
-    "(p^2 - q)/(1 + v)": {"N": 2.0, "p": 3.0, "q": 9.0},
+    "(p^2 - q)/(1 + v)": {"N": 2.0, "p": 3.1, "q": 9.61},
 }
 """Laws whose terms, or whose amplitude, vanish at these values."""
 
