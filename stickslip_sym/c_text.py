@@ -131,7 +131,8 @@ def steps(places_and_heights: list[tuple[str, str]], weight: str) -> str:
 
 def average(
     arguments: list[str], scales: list[str], kinks: list[str], weight: str, rules: list[tuple[str, str]],
-    nodes: tuple[int, int], first_panel: float, steps: str,
+    nodes: tuple[int, int], first_panel: float, most_halvings: int,
+    steps: str,
 ) -> str:  # fmt: skip
     """Return the adaptive average of the slope."""
     given, names = _parameters(arguments), ", ".join(arguments)
@@ -156,25 +157,11 @@ static double _rule(const double *x, const double *w, int n, double a, double b,
     return sum;
 }}
 
-static double _panel(double a, double b, int depth, double *total, {given})
-{{
-    double size, off, fine, middle = (a + b)/2.0;
-    if (!(b > a))
-        return 0.0;
-    fine = _rule(_fine_nodes, _fine_weights, {nodes[1]}, a, b, &size, {names});
-    off = fabs(fine - _rule(_coarse_nodes, _coarse_weights, {nodes[0]}, a, b, &off, {names}));
-    off = size > 0.0 ? size*fmin(off/size, pow(200.0*off/size, 1.5)) : 0.0;
-    if (depth == 0 || !(off > 1e-17*fmax(*total, size))) {{
-        *total += size;
-        return fine;
-    }}
-    return _panel(a, middle, depth - 1, total, {names}) + _panel(middle, b, depth - 1, total, {names});
-}}
-
 static double _criterion({given})
 {{
     double scale = V, try_, first, sum = 0.0, total = 0.0, ends[{1100 + len(kinks)}];
-    int count = 0, i, j;
+    double left[{1100 + len(kinks) + 2 * most_halvings}], right[{1100 + len(kinks) + 2 * most_halvings}];
+    int count = 0, panels = 0, halvings = {most_halvings}, i, j;
     const double half_pi = 1.5707963267948966;
     if (V == 0.0)
         return -N*_slope(0.0, {names});
@@ -190,8 +177,28 @@ static double _criterion({given})
             ends[j] = ends[j - 1];
             ends[j - 1] = swap;
         }}
-    for (i = count - 1; i > 0; i--)
-        sum += _panel(ends[i - 1], ends[i], 40, &total, {names});
+    for (i = count - 1; i > 0; i--) {{
+        left[panels] = ends[i - 1];
+        right[panels++] = ends[i];
+    }}
+    for (i = 0; i < panels; i++) {{ /* those that are halved are looked at after all others */
+        double size, off, fine, a = left[i], b = right[i];
+        if (!(b > a))
+            continue;
+        fine = _rule(_fine_nodes, _fine_weights, {nodes[1]}, a, b, &size, {names});
+        off = fabs(fine - _rule(_coarse_nodes, _coarse_weights, {nodes[0]}, a, b, &off, {names}));
+        off = size > 0.0 ? size*fmin(off/size, pow(200.0*off/size, 1.5)) : 0.0;
+        if (halvings == 0 || !(off > 1e-17*fmax(total, size))) {{
+            total += size;
+            sum += fine;
+        }} else {{
+            left[panels] = a;
+            right[panels++] = (a + b)/2.0;
+            left[panels] = (a + b)/2.0;
+            right[panels++] = b;
+            halvings--;
+        }}
+    }}
 {steps}    return -N*sum;
 }}
 """

@@ -23,6 +23,7 @@ __all__ = ["c_code", "octave_code", "python_code"]
 
 _PRIVATE = re.compile(r"\b_(?!scale\b|unscale\b|product\b|broadcast\b|erf\b)(?=[a-z])")
 """How the names of what belongs to one function begin, other than those that all share."""
+_MOST_HALVINGS = 500  # of panels in a scene: where terms cancel, the rules never agree to the last digit
 _PUBLIC = re.compile(r"\bdamping\b(?=[(:])")
 
 
@@ -157,6 +158,14 @@ def _gauss(function: StableFunction, names: dict[Any, str], dialect: Dialect, la
     return str(
         language.slope(arguments, slope_text)
         + language.average(
-            arguments, scales, kinks, weight, rules, (COARSE, FINE), FIRST_PANEL, language.steps(steps, at_jump)
+            arguments,
+            scales,
+            kinks,
+            weight,
+            rules,
+            (COARSE, FINE),
+            FIRST_PANEL,
+            _MOST_HALVINGS,
+            language.steps(steps, at_jump),
         )
     )

@@ -32,8 +32,8 @@ _OCTAVE_WORDS = frozenset(
         "endfunction", "endif", "endmethods", "endparfor", "endproperties", "endspmd", "endswitch", "endwhile",
         "for", "function", "global", "if", "otherwise", "parfor", "persistent", "return", "spmd", "switch",
         "try", "unwind_protect", "unwind_protect_cleanup", "until", "while",
-        "abs", "arrayfun", "asin", "common_size", "differ", "error", "expm1", "fix", "floor", "half", "high",
-        "isempty", "kept", "largest", "log1p", "log2", "low", "max", "merge", "min", "mod", "numel",
+        "abs", "arrayfun", "asin", "common_size", "differ", "error", "expm1", "fix", "floor", "half",
+        "isempty", "kept", "largest", "log1p", "log2", "max", "merge", "min", "mod", "numel",
         "rows", "sort", "true",
     }
 )  # fmt: skip
@@ -41,10 +41,10 @@ _OCTAVE_WORDS = frozenset(
 
 _LOCALS = frozenset(
     {
-        "a", "added", "angle", "b", "base", "cancelled", "carry", "coarse", "columns", "count", "depth", "ends",
-        "exponent", "factors", "fine", "first", "g", "half_pi", "height", "here", "i", "j", "m", "mantissa",
-        "math", "middle", "np", "off", "panels", "part", "parts", "place", "power", "r", "ratio", "rest",
-        "result", "row", "scale", "scales", "shape", "shift", "sine", "size", "sum", "swap", "t",
+        "a", "added", "angle", "b", "base", "cancelled", "carry", "coarse", "columns", "count", "ends",
+        "exponent", "factors", "fine", "first", "g", "half_pi", "halvings", "height", "here", "i", "j",
+        "left", "m", "mantissa", "math", "np", "off", "panels", "part", "parts", "place", "power", "r", "ratio",
+        "rest", "result", "right", "row", "scale", "scales", "shape", "shift", "sine", "size", "sum", "swap", "t",
         "total", "try_", "upper", "v", "value", "w", "whole", "x", "z",
     }
 )  # fmt: skip

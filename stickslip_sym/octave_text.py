@@ -147,7 +147,8 @@ def steps(places_and_heights: list[tuple[str, str]], weight: str) -> str:
 
 def average(
     arguments: list[str], scales: list[str], kinks: list[str], weight: str, rules: list[tuple[str, str]],
-    nodes: tuple[int, int], first_panel: float, steps: str,
+    nodes: tuple[int, int], first_panel: float, most_halvings: int,
+    steps: str,
 ) -> str:  # fmt: skip
     """Return the adaptive average of the slope."""
     names = ", ".join(arguments)
@@ -171,29 +172,6 @@ function [value, size] = _rule(x, w, a, b, {names})
     end
 end
 
-function [value, total] = _panel(a, b, depth, total, {names})
-    value = 0.0;
-    if ~(b > a)
-        return;
-    end
-    [fine, size] = _rule(_fine_nodes(), _fine_weights(), a, b, {names});
-    off = abs(fine - _rule(_coarse_nodes(), _coarse_weights(), a, b, {names}));
-    if size > 0.0
-        off = size*min(off/size, (200.0*off/size)^1.5);
-    else
-        off = 0.0;
-    end
-    if depth == 0 || ~(off > 1e-17*max(total, size))
-        total = total + size;
-        value = fine;
-        return;
-    end
-    middle = (a + b)/2.0;
-    [low, total] = _panel(a, middle, depth - 1, total, {names});
-    [high, total] = _panel(middle, b, depth - 1, total, {names});
-    value = low + high;
-end
-
 function value = _criterion({names})
     if V == 0.0
         value = -N*_slope(0.0, {names});
@@ -208,11 +186,35 @@ function value = _criterion({names})
     end
     ends(end + 1) = pi/2.0;
 {split}    ends = sort(ends);
+    left = ends(end - 1:-1:1);
+    right = ends(end:-1:2);
     total = 0.0;
     largest = 0.0;
-    for i = numel(ends):-1:2
-        [part, largest] = _panel(ends(i - 1), ends(i), 40, largest, {names});
-        total = total + part;
+    halvings = {most_halvings};
+    i = 1;
+    while i <= numel(left)
+        a = left(i);
+        b = right(i);
+        i = i + 1;
+        if ~(b > a)
+            continue;
+        end
+        [fine, size] = _rule(_fine_nodes(), _fine_weights(), a, b, {names});
+        off = abs(fine - _rule(_coarse_nodes(), _coarse_weights(), a, b, {names}));
+        if size > 0.0
+            off = size*min(off/size, (200.0*off/size)^1.5);
+        else
+            off = 0.0;
+        end
+        if halvings == 0 || ~(off > 1e-17*max(largest, size))
+            largest = largest + size;
+            total = total + fine;
+        else
+            % Those that are halved are looked at after all others.
+            left(end + 1:end + 2) = [a, (a + b)/2.0];
+            right(end + 1:end + 2) = [(a + b)/2.0, b];
+            halvings = halvings - 1;
+        end
     end
 {steps}    value = -N*total;
 end

@@ -89,6 +89,11 @@ def _check_depth(text: str, source: Source) -> None:
             refuse(text, source.position(column), f"more than {MAX_DEPTH} nested parentheses")
 
 
+def _coefficient(expr: Any) -> Any:
+    """Return the rational factor of an expression, which a power raises with it."""
+    return expr if expr.is_Rational else expr.as_coeff_Mul(rational=True)[0]
+
+
 class _Translator:
     """One translation: keeps the text so that a refusal can point at its character."""
 
@@ -151,7 +156,7 @@ class _Translator:
     def _checked(self, node: ast.AST, result: Any) -> Any:
         if result in _NOT_FINITE:
             self._fail(node, "this part of the formula has no finite value")
-        if result.is_Rational and bits(result) > MAX_BITS:
+        if bits(_coefficient(result)) > MAX_BITS:
             self._fail(node, "a number in the formula grows too large")
         return result
 
@@ -178,6 +183,8 @@ class _Translator:
             self._fail(node, f"a numeric exponent is real and at most {MAX_EXPONENT} in size")
         if base == 0 and exponent.is_number and exponent.is_negative:
             self._fail(node, "division by zero")
+        if exponent.is_Integer and (bits(_coefficient(base)) - 1) * abs(exponent) > MAX_BITS:
+            self._fail(node, "a number in the formula grows too large")  # before it is computed
         if base.is_Rational and not exponent.is_Integer and bits(base) > _MAX_ROOT_BITS:
             self._fail(node, "a root is taken of a number with too many digits")
         return base**exponent

@@ -134,7 +134,8 @@ def steps(places_and_heights: list[tuple[str, str]], weight: str) -> str:
 
 def average(
     arguments: list[str], scales: list[str], kinks: list[str], weight: str, rules: list[tuple[str, str]],
-    nodes: tuple[int, int], first_panel: float, steps: str,
+    nodes: tuple[int, int], first_panel: float, most_halvings: int,
+    steps: str,
 ) -> str:  # fmt: skip
     """Return the adaptive average of the slope."""
     del nodes  # arrays know their length
@@ -165,18 +166,18 @@ def _average({names}):
         ends.append(2*ends[-1])
     ends += [math.pi/2, *(math.asin(math.sqrt(place/(2*V))) for place in (0.0{places}) if 0 < place < 2*V)]
     ends.sort()
-    panels = [(a, b, 40) for a, b in zip(ends, ends[1:]) if b > a]
-    added, total = 0.0, 0.0
-    while panels:
-        a, b, depth = panels.pop()
+    panels = [(a, b) for a, b in zip(ends, ends[1:]) if b > a][::-1]
+    added, total, halvings = 0.0, 0.0, {most_halvings}
+    for a, b in panels:  # those that are halved are looked at after all others
         fine, size = _rule(_fine_nodes, _fine_weights, a, b, {names})
         coarse, _ = _rule(_coarse_nodes, _coarse_weights, a, b, {names})
         off = abs(fine - coarse)
         off = size*min(off/size, (200*off/size)**1.5) if size > 0 else 0.0
-        if depth == 0 or not off > 1e-17*max(total, size):
+        if halvings == 0 or not off > 1e-17*max(total, size):
             added, total = added + fine, total + size
         else:
-            panels += [(a, (a + b)/2, depth - 1), ((a + b)/2, b, depth - 1)]
+            panels += [(a, (a + b)/2), ((a + b)/2, b)]
+            halvings -= 1
 {steps}    return -N*added
 
 
