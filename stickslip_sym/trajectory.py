@@ -13,7 +13,7 @@ import numpy as np
 from stickslip_sym import drawing, files, html_text
 from stickslip_sym.errors import InputError
 
-__all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Trajectory"]
+__all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Tendency", "Trajectory"]
 
 _ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
 _DRAWN = 8  # points drawn for each step of the integration
@@ -45,6 +45,20 @@ class Outcome(Enum):
     TIME_LIMIT = "time limit"
     UNBOUNDED = "grows without bound"
     UNDEFINED = "mu has no value there"
+
+
+class Tendency(Enum):
+    """What a motion has come to in its last rounds."""
+
+    REST = "rest"
+    STICK = "stick, nothing else so far"
+    STICK_SLIP = "stick-slip"
+    OVERTAKES = "slip that overtakes the belt"
+    PURE_SLIP = "pure slip"
+    SHRINKS = "slip that shrinks"
+    GROWS = "slip that grows"
+    UNBOUNDED = "grows without bound"
+    SHORT = "too short to tell"
 
 
 @dataclass(frozen=True)
@@ -95,6 +109,10 @@ class Trajectory:
         The phases in order, as functions of time.
     note : str
         What kept the motion from going on, and what to try; empty as a rule.
+    tendency : Tendency
+        What the motion has come to in its last rounds; not where it leads later, which `classify` says.
+    change : float or None
+        Where it only slips: the relative change of the swing of x in its last round.
     """
 
     t: Any
@@ -105,10 +123,21 @@ class Trajectory:
     outcome: Outcome
     stretches: tuple[Stretch, ...]
     note: str = ""
+    tendency: Tendency = Tendency.SHORT
+    change: float | None = None
+
+    @property
+    def summary(self) -> str:
+        """What the motion is, in a few words."""
+        if self.change is None or self.tendency is Tendency.PURE_SLIP:
+            return self.tendency.value
+        if self.tendency is Tendency.OVERTAKES:
+            return f"{self.tendency.value}, {100 * self.change:+.2g} % a round"
+        return f"{self.tendency.value} by {100 * abs(self.change):.2g} % a round"
 
     def __repr__(self) -> str:
         return (
-            f"Trajectory: {len(self.t)} samples from t = {self.t[0]:.6g} to {self.t[-1]:.6g} s, "
+            f"Trajectory: {self.summary}; {len(self.t)} samples from t = {self.t[0]:.6g} to {self.t[-1]:.6g} s, "
             f"x from {self.x.min():.6g} to {self.x.max():.6g} m, v from {self.v.min():.6g} to "
             f"{self.v.max():.6g} m/s, {len(self.events)} changes of phase, {self.outcome.value}"
         )

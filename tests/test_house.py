@@ -20,7 +20,7 @@ LAYERS = [
     "evaluate", "arguments", "dialects", "c_text", "python_text", "octave_text", "code_text",
     "averages", "closed_form",
     "trees", "law_content", "keeping",
-    "oscillator", "steppers", "slip_phase", "slip", "taylor", "engines", "trajectory", "automaton", "transit",
+    "oscillator", "steppers", "slip_phase", "slip", "taylor", "engines", "trajectory", "tendency", "automaton", "transit",
     "grazing",
     "perturbation", "orbit", "cycles", "rungs", "threshold", "transition", "crosscheck",
     "limits", "document", "export", "slip_orbits", "regimes", "classification",
