@@ -21,7 +21,7 @@ DECIDED = {
 
 
 def test_the_change_in_a_round_is_that_of_a_linear_oscillator():
-    """Constant friction leaves the mass to its damping: a swing is exp(-2 pi zeta/sqrt(1 - zeta^2)) of the last."""
+    """Under constant friction a swing is exp(-2 pi zeta/sqrt(1 - zeta^2)) of the last."""
     law, rng = ss.FrictionLaw("0.3"), np.random.default_rng(17)
     seen = set()
     for zeta in [0.0, *(rng.choice([-1, 1], 15) * 10 ** rng.uniform(-4, -0.5, 15)).tolist()]:
