@@ -62,8 +62,8 @@ __all__ = [  # noqa: RUF022  # modules first, then what they hold
     "Outcome", "Parameter", "Phase", "Regime", "Rest", "Separatrix", "SlopeAverage", "Status", "Step",
     "StickSlipCycle", "StickSlipError", "Tendency", "Threshold", "Trajectory", "TransitionSpeed", "Verdict",
     "basin_map", "classify", "derive", "export_c", "export_latex", "export_octave", "export_python",
-    "limit_cycles", "load", "load_all", "motion_map", "peak_velocity", "pure_slip_damping", "regime", "save", "save_all",
-    "simulate", "slope_average", "stick_slip_cycle", "transition_speed",
+    "limit_cycles", "load", "load_all", "motion_map", "peak_velocity", "pure_slip_damping", "regime", "save",
+    "save_all", "simulate", "slope_average", "stick_slip_cycle", "transition_speed",
 ]  # fmt: skip
 
 
