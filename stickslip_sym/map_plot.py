@@ -1,14 +1,13 @@
 """Drawings of maps: regions told apart by colour and hatching, and thresholds as curves."""
 
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stickslip_sym.classification import Motion
 from stickslip_sym.columns import Reason
-from stickslip_sym.drawing import require_matplotlib, save
+from stickslip_sym.drawing import require_matplotlib
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.symbols import QUANTITIES
 
@@ -69,19 +68,19 @@ def regions_of(found: Any) -> tuple[Any, list[Region]]:
     return places.reshape(index.shape), [kinds[i] for i in present]
 
 
-def draw_map(found: Any, path: Path) -> None:
-    """Draw a map of motions."""
+def draw_map(found: Any) -> Any:
+    """Return the figure of a map of motions."""
     figure, axes = _figure()
     place, kinds = regions_of(found)
     handles = _paint(axes, found.x.values, found.y.values, place, kinds)
     handles += _draw_curves(axes, found)
     axes.set(xlabel=found.x.label, ylabel=found.y.label)
     _title(axes, found.law, found.fixed)
-    _finish(figure, handles, path)
+    return _with_legend(figure, handles)
 
 
-def draw_basins(found: Any, path: Path) -> None:
-    """Draw the motions that starts lead to."""
+def draw_basins(found: Any) -> Any:
+    """Return the figure of the motions that starts lead to."""
     from matplotlib.lines import Line2D
 
     figure, axes = _figure()
@@ -98,7 +97,7 @@ def draw_basins(found: Any, path: Path) -> None:
     handles.append(Line2D([], [], color="black", linestyle=":", linewidth=1.0, label="belt speed"))
     axes.set(xlabel="initial displacement x (m)", ylabel="initial velocity x' (m/s)")
     _title(axes, found.law, asdict(found.oscillator))
-    _finish(figure, handles, path)
+    return _with_legend(figure, handles)
 
 
 def _title(axes: Any, law: FrictionLaw, values: dict[str, float]) -> None:
@@ -183,8 +182,8 @@ def _draw_curves(axes: Any, found: Any) -> list[Any]:
     return handles
 
 
-def _finish(figure: Any, handles: list[Any], path: Path) -> None:
+def _with_legend(figure: Any, handles: list[Any]) -> Any:
     figure.legend(
         handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6
     )
-    save(figure, path)
+    return figure

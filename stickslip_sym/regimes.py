@@ -9,11 +9,12 @@ place of both.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stickslip_sym import html_text
+from stickslip_sym import drawing, html_text
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
@@ -99,6 +100,8 @@ class Regime:
         coefficient of friction that falls below 0 for good.
     undecided : tuple of str
         What lies within the tolerance of a boundary, in words; empty as a rule.
+    law, oscillator : FrictionLaw, Oscillator
+        Whose motions they are.
     """
 
     rest: Rest
@@ -107,6 +110,8 @@ class Regime:
     separatrices: tuple[Separatrix, ...]
     unbounded: bool
     undecided: tuple[str, ...]
+    law: FrictionLaw | None = None
+    oscillator: Oscillator | None = None
 
     @property
     def attractors(self) -> tuple[Rest | LimitCycle | StickSlipCycle, ...]:
@@ -134,7 +139,32 @@ class Regime:
         attracting = self.attractors
         rows = [[str(motion), "attracts" if motion in attracting else "does not attract"] for motion in motions]
         notes = [*(["motions far out grow without bound"] if self.unbounded else []), *self.undecided]
-        return html_text.block(html_text.table(["motion", "neighbours"], rows, caption="motions"), *notes)
+        table = html_text.table(["motion", "neighbours"], rows, caption="motions")
+        return html_text.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *notes)
+
+    def plot(self, path: str | Path | None = None) -> Any:
+        """Draw the phase plane: rest, every periodic motion, and the separatrices.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            A file to draw to: SVG, PNG or PDF, by its ending.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not installed, or cannot write the file.
+        """
+        from stickslip_sym.regime_plot import draw_regime
+
+        figure = draw_regime(self)
+        if path is not None:
+            drawing.save(figure, Path(path))
+        return figure
 
 
 def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
@@ -178,6 +208,8 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12) -> Regime:
         separatrices=tuple(_separatrices(scene, osc, law, orbits, cycle is not None, rtol)),
         unbounded=grows_far_out(law, osc),
         undecided=tuple(undecided),
+        law=law,
+        oscillator=osc,
     )
 
 

@@ -23,7 +23,7 @@ LAYERS = [
     "oscillator", "steppers", "slip_phase", "slip", "taylor", "engines", "trajectory", "tendency", "automaton",
     "transit", "grazing",
     "perturbation", "orbit", "cycles", "rungs", "threshold", "transition", "crosscheck",
-    "limits", "document", "export", "slip_orbits", "regimes", "classification",
+    "limits", "document", "export", "slip_orbits", "regime_plot", "regimes", "classification",
     "workers", "checkpoint", "archive", "axes", "columns", "map_plot", "maps", "basins",
     "newmark", "tradeoff", "tradeoff_thresholds",
     "cli_names", "cli_reading", "cli_json",
