@@ -116,7 +116,7 @@ def _figure() -> tuple[Any, Any]:
 def _paint(axes: Any, x: Any, y: Any, place: Any, kinds: list[Region]) -> list[Any]:
     """Fill cells with colours and hatching; return the handles of the legend."""
     from matplotlib.colors import ListedColormap
-    from matplotlib.patches import Patch
+    from matplotlib.patches import Patch, PathPatch
 
     x_edges, y_edges = _edges(x), _edges(y)
     axes.pcolormesh(
@@ -125,11 +125,8 @@ def _paint(axes: Any, x: Any, y: Any, place: Any, kinds: list[Region]) -> list[A
     )  # fmt: skip
     for i, kind in enumerate(kinds):
         if kind.hatch:
-            inside = np.pad((place == i).astype(float), 1, mode="edge")
-            X, Y = (
-                np.concatenate([edges[:1], values, edges[-1:]]) for edges, values in ((x_edges, x), (y_edges, y))
-            )
-            axes.contourf(X, Y, inside, levels=[0.5, 1.5], colors="none", hatches=[kind.hatch])
+            cells = _outline(x_edges, y_edges, place == i)
+            axes.add_patch(PathPatch(cells, facecolor="none", edgecolor="black", hatch=kind.hatch, linewidth=0))
     for name, values in (("x", x), ("y", y)):
         if _is_logarithmic(values):
             axes.set(**{f"{name}scale": "log"})
@@ -138,6 +135,18 @@ def _paint(axes: Any, x: Any, y: Any, place: Any, kinds: list[Region]) -> list[A
         Patch(facecolor=kind.color, hatch=kind.hatch, edgecolor="0.25", linewidth=0.5, label=kind.name)
         for kind in kinds
     ]
+
+
+def _outline(x_edges: Any, y_edges: Any, chosen: Any) -> Any:
+    """Return the path round cells: a rectangle for each run of neighbours in a row."""
+    from matplotlib.path import Path
+
+    steps = np.diff(np.pad(chosen.astype(int), ((0, 0), (1, 1))), axis=1)
+    (rows, first), (_, behind) = np.nonzero(steps == 1), np.nonzero(steps == -1)
+    left, right, low, high = x_edges[first], x_edges[behind], y_edges[rows], y_edges[rows + 1]
+    corners = np.array([[left, low], [right, low], [right, high], [left, high], [left, low]])
+    codes = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
+    return Path(corners.transpose(2, 0, 1).reshape(-1, 2), np.tile(codes, rows.size))
 
 
 def _is_logarithmic(values: Any) -> bool:
