@@ -13,6 +13,7 @@ from typing import Any, BinaryIO
 
 import stickslip_sym
 from stickslip_sym.errors import InputError
+from stickslip_sym.files import require_name
 from stickslip_sym.workers import Workers, check_workers, run
 
 __all__ = ["Progress", "collect"]
@@ -93,8 +94,7 @@ def _digest(function: Callable[[Any], Any], tasks: Iterable[Any]) -> str:
 
 
 def _opened(path: Path) -> BinaryIO:
-    if "\0" in str(path):
-        raise InputError("the name of a file cannot hold a null byte")
+    require_name(path)
     with _explained(path):
         return path.open("a+b", buffering=0)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip_sym.errors import InputError, StickSlipError
+from stickslip_sym.files import require_name
 from stickslip_sym.html_text import Markup
 
 __all__ = ["label", "picture", "require_matplotlib", "save"]
@@ -92,6 +93,7 @@ def save(figure: Any, path: Path) -> None:
     InputError
         If the file cannot be written, or matplotlib does not know its format.
     """
+    require_name(path)
     from matplotlib import rc_context
 
     try:
