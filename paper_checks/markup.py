@@ -6,7 +6,7 @@ from html import escape
 __all__ = ["Html", "element", "prose", "raw"]
 
 _EMPTY = frozenset({"img", "meta", "br", "link"})
-_SUBSCRIPT = re.compile(r"\b(mu|[a-zA-Z])_([a-zA-Z]|max|min)\b")
+_SUBSCRIPT = re.compile(r"\b(mu|[a-zA-Z])_([a-zA-Z]|max|min|\d+)\b")
 _POWER = re.compile(r"(?:\*\*|\^)(-?[\d.]*\d)")
 _MINUS = re.compile(r"(?<![\w.])-(?=[\w(.<])|(?<= )-(?= )")
 _WORD = re.compile(r"\b(mu|alpha|eta|oo)\b")

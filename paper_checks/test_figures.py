@@ -18,7 +18,7 @@ from paper_checks.scene import (
     threshold,
     thresholds,
 )
-from paper_checks.wording import listed, percent
+from paper_checks.wording import by_law, listed, percent
 from stickslip_sym import classify, limit_cycles
 
 CONSTANT = 1e-3  # change of an amplitude or a period, relative, that counts as none
@@ -201,7 +201,7 @@ def test_F10_friction_parameters(find: Find, printed: dict[str, Any]) -> None:
     shrinks = [bool((np.diff(region[:, region.max(axis=0) > 0], axis=0) < 0).all()) for region in regions.values()]
     grows = [bool((np.diff(region[:, region.max(axis=0) > 0], axis=0) > 0).all()) for region in regions.values()]
     find(
-        ours="; ".join(" > ".join(f"{area:.3f}" for area in areas[name]) for name in LAWS) + " kg m/s^2",
+        ours=by_law(" > ".join(f"{area:.3f}" for area in areas[name]) + " kg m/s^2" for name in LAWS),
         evidence=f"area under the exact threshold for V up to 1 m/s and mu_m = {', '.join(printed['mu_m'])}: "
         + "; ".join(f"{name} {' '.join(f'{area:.4f}' for area in areas[name])} kg m/s^2" for name in LAWS)
         + f"; it {'falls' if all(shrinks) else 'does not fall'} at every single V",

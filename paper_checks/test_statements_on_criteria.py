@@ -24,7 +24,7 @@ from paper_checks.scene import (
     threshold,
     thresholds,
 )
-from paper_checks.wording import percent
+from paper_checks.wording import by_law, formula, percent
 from stickslip_sym import Phase, Regime, Status, Trajectory, laws, regime, simulate, slope_average
 from stickslip_sym.proving import prove_positive
 from stickslip_sym.symbols import V, k, m, v
@@ -197,7 +197,7 @@ def test_S9_difference_of_coefficients(find: Find, printed: dict[str, Any]) -> N
         evidence=f"(17) and (18) are {'' if linear else 'not '}proportional to mu_s - mu_m; the exact thresholds "
         f"{'rise' if exactly else 'do not rise'} at every V up to {slow[-1]:g} m/s as the difference goes from "
         "0.1 over 0.2 to 0.3, in all by "
-        + " and ".join(f"{ratio.min():.4f} to {ratio.max():.4f} times" for ratio in ratios),
+        + by_law(f"{ratio.min():.4f} to {ratio.max():.4f} times" for ratio in ratios),
         difference="none",
         reproduced=("rises" if rises and exactly else "falls") == printed["with mu_s - mu_m"],
     )
@@ -211,12 +211,14 @@ def test_S10_equilibrium_criteria(find: Find, printed: dict[str, Any]) -> None:
     formulas = printed["equilibrium"]
     error = [over_speeds(formulas[name], name, slow) / thresholds(name)[: slow.size] - 1 for name in LAWS]
     grows = all(bool((np.diff(abs(values)) > 0).all()) for values in error)
-    here = percent(*(values[AT_05] for values in error), digits=1)
+    slowest, here, fastest = (
+        by_law(percent(values[place], digits=digits) for values in error)
+        for place, digits in ((0, 2), (AT_05, 1), (-1, 1))
+    )
     find(
         ours=f"{here} at V = 0.5 m/s",
-        evidence=f"-N mu'(V) of the two laws is off by {percent(*(values[0] for values in error))} at V = 0.01 "
-        f"m/s, {here} at 0.5 m/s and {percent(*(values[-1] for values in error), digits=1)} at {slow[-1]:g} "
-        f"m/s; the error {'grows' if grows else 'does not grow'} with every step of V",
+        evidence=f"-N mu'(V) is off by {slowest} at V = 0.01 m/s, by {here} at 0.5 m/s and by {fastest} at "
+        f"{slow[-1]:g} m/s; the error {'grows' if grows else 'does not grow'} with every step of V",
         difference=here,
         reproduced=all(is_criterion(formulas[name], name, "equilibrium") for name in LAWS)
         and ("rises" if grows else "falls") == printed["error with amplitude"]
@@ -240,8 +242,8 @@ def test_S11_no_closed_form(find: Find, printed: dict[str, Any]) -> None:
         balance = float(abs(work.mean() / (c * velocity**2).mean()))
         answers.append("closed form" if balance < NONE else "no closed form")
         words.append(
-            f"{name} law: c = {form.expr}, {form.verdict.status.value}; it balances (6) to {balance:.0e}, and is "
-            f"{percent(c / threshold(name) - 1)} from the exact threshold at V = 0.5 m/s"
+            f"{name} law: c = {formula(form.expr)}, {form.verdict.status.value}; it balances (6) to "
+            f"{balance:.0e}, and is {percent(c / threshold(name) - 1)} from the exact threshold at V = 0.5 m/s"
         )
     agree = [answer == printed["nonlinear coefficient"] for answer in answers]
     find(

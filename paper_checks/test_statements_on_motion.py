@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 
 from paper_checks.conftest import Find
 from paper_checks.scene import LAWS, law, needed, orbit, oscillator, response, sticks_and_slips, threshold
-from paper_checks.wording import listed, percent
+from paper_checks.wording import by_law, listed, percent
 from stickslip_sym import Oscillator, simulate
 from stickslip_sym.orbit import orbits
 from stickslip_sym.symbols import V
@@ -95,15 +95,15 @@ def test_S3_pure_slip_motion(find: Find, printed: dict[str, Any]) -> None:
     holds = {"harmonic": overtones < HARMONIC, "far from harmonic": overtones > 1}[printed["motion"]]
     closed = max(abs(orbit(name).gap) for name in LAWS) < CLOSED * belt
     find(
-        ours=f"lowest {listed(lowest, 5)} m/s",
-        evidence=f"the orbits of the two laws that reach V = {belt:g} m/s come down to {listed(lowest, 5)} "
-        "m/s; the total harmonic distortion of the velocity is "
+        ours=f"lowest {by_law(f'{v:.5f} m/s' for v in lowest)}",
+        evidence=f"the orbits that reach V = {belt:g} m/s come down to "
+        f"{by_law(f'{v:.5f} m/s' for v in lowest)}; the total harmonic distortion of the velocity is "
         + " and ".join(
             f"{100 * part:.2f} % ({name} law: {'a' if part < HARMONIC else 'not a'} sine by the usual limit of "
             f"{HARMONIC:.0%})"
             for name, part in zip(LAWS, overtones, strict=True)
         ),
-        difference=f"{percent(*(bound - lowest) / belt)} of V below -V",
+        difference=f"{by_law(percent(part) for part in (bound - lowest) / belt)} of V below -V",
         reproduced=closed and bool((holds & (lowest >= bound) & (lowest < bound + SLIGHT * belt)).all()),
         qualified=closed and bool(holds.any()) and bool((abs(lowest - bound) < SLIGHT * belt).all()),
     )
@@ -131,7 +131,7 @@ def test_S7_one_value_separates(find: Find, printed: dict[str, Any]) -> None:
     between = (graze["exponential"] + hopf["exponential"]) / 2
     both = comes_to_rest(between) and sticks_and_slips("exponential", between)
     find(
-        ours=f"pure slip attracts over {listed(widths, 3)} kg/s",
+        ours=f"pure slip attracts over {by_law(f'{width:.3f} kg/s' for width in widths)}",
         evidence=f"{'one' if separates else 'no single'} damping separates stick-slip from slip, for c = 0 to 6 "
         "kg/s in steps of 0.1; "
         f"polynomial law: a stable pure-slip cycle for every c from {graze['polynomial']:.4f} to "
@@ -139,7 +139,7 @@ def test_S7_one_value_separates(find: Find, printed: dict[str, Any]) -> None:
         f"one for every c from {hopf['exponential']:.4f} to {graze['exponential']:.4f} kg/s, and the start "
         f"decides: at {between:.3f} kg/s a mass near rest and one from the paper's start "
         + ("do not part" if not both else "part, the first comes to rest and the other sticks and slips"),
-        difference=f"{listed(widths, 3)} kg/s",
+        difference=by_law(f"{width:.3f} kg/s" for width in widths),
         reproduced=separates and all(agree),
         qualified=separates and any(agree) and both,
     )

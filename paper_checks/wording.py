@@ -1,8 +1,13 @@
-"""Numbers as the evidence of a check words them."""
+"""Numbers and formulas as the evidence of a check words them."""
 
 from collections.abc import Iterable
+from typing import Any
 
-__all__ = ["listed", "percent"]
+from sympy.printing.str import StrPrinter
+
+from paper_checks.scene import LAWS
+
+__all__ = ["by_law", "formula", "listed", "percent"]
 
 
 def listed(numbers: Iterable[float], digits: int = 4) -> str:
@@ -13,3 +18,24 @@ def listed(numbers: Iterable[float], digits: int = 4) -> str:
 def percent(*fractions: float, digits: int = 2) -> str:
     """Write fractions as signed per cent, with commas."""
     return ", ".join(f"{100 * fraction:+.{digits}f} %" for fraction in fractions)
+
+
+def by_law(texts: Iterable[str]) -> str:
+    """Write what holds of each of the two laws, in their order, with the law's name."""
+    return ", ".join(f"{text} ({name} law)" for text, name in zip(texts, LAWS, strict=True))
+
+
+def formula(expr: Any) -> str:
+    """Write an expression as text: Bessel functions as I_1(z), and no sum that begins with a minus needlessly."""
+    written: str = _Printer().doprint(expr)
+    return written
+
+
+class _Printer(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
+    def _as_ordered_terms(self, expr: Any, order: str | None = None) -> list[Any]:
+        terms: list[Any] = super()._as_ordered_terms(expr, order=order)
+        return sorted(terms, key=lambda term: bool(term.could_extract_minus_sign()))
+
+    def _print_BesselBase(self, expr: Any) -> str:
+        letter = type(expr).__name__[-1].upper()
+        return f"{letter}_{expr.order}({self._print(expr.argument)})"

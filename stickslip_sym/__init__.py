@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from stickslip_sym.proving import Status, Verdict
     from stickslip_sym.regimes import Regime, Rest, Separatrix, regime
     from stickslip_sym.threshold import Threshold, pure_slip_damping
-    from stickslip_sym.trajectory import Event, EventKind, Outcome, Phase, Trajectory
+    from stickslip_sym.trajectory import Event, EventKind, Outcome, Phase, Tendency, Trajectory
     from stickslip_sym.transit import StickSlipCycle, peak_velocity, stick_slip_cycle
     from stickslip_sym.transition import TransitionSpeed, transition_speed
 
@@ -54,7 +54,7 @@ _HOME = {
     "Status": "proving", "Verdict": "proving",
     "SlopeAverage": "averages", "slope_average": "averages",
     "Event": "trajectory", "EventKind": "trajectory", "Outcome": "trajectory", "Phase": "trajectory",
-    "Trajectory": "trajectory", "simulate": "automaton",
+    "Tendency": "trajectory", "Trajectory": "trajectory", "simulate": "automaton",
     "LimitCycle": "cycles", "limit_cycles": "cycles",
     "Threshold": "threshold", "pure_slip_damping": "threshold",
     "TransitionSpeed": "transition", "transition_speed": "transition",
@@ -67,7 +67,7 @@ __all__ = [  # noqa: RUF022  # modules first, then what they hold
     "BasinMap", "ClosedForm", "Derivation", "Event", "EventKind", "FrictionLaw", "InputError", "InputWarning",
     "LimitCycle", "Motion", "MotionMap", "NoClosedForm", "NoThreshold", "NotConverged", "Oscillator",
     "OutOfTime", "Outcome", "Parameter", "Phase", "Regime", "Rest", "Separatrix", "SlopeAverage", "Status",
-    "Step", "StickSlipCycle", "StickSlipError", "Threshold", "Trajectory", "TransitionSpeed", "Verdict",
+    "Step", "StickSlipCycle", "StickSlipError", "Tendency", "Threshold", "Trajectory", "TransitionSpeed", "Verdict",
     "basin_map", "classify", "derive", "export_c", "export_latex", "export_octave", "export_python",
     "limit_cycles", "load", "load_all", "motion_map", "peak_velocity", "pure_slip_damping", "regime", "save",
     "save_all", "simulate", "slope_average", "stick_slip_cycle", "transition_speed",

@@ -6,7 +6,7 @@ Three states: stick, slip slower than the belt, slip faster than the belt. Slip 
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol, real
 from stickslip_sym.slip_phase import SlipPhase
 from stickslip_sym.steppers import Point
+from stickslip_sym.tendency import tendency
 from stickslip_sym.trajectory import Event, EventKind, Outcome, Phase, Stretch, Trajectory
 
 __all__ = ["simulate"]
@@ -92,7 +93,7 @@ def simulate(
         raise InputError(f"time_limit = {seconds:g} s must be positive")
     deadline = time.monotonic() + seconds
     scene = Scene.of(law, osc)
-    recorder = _Recorder(law, osc)
+    recorder = _Recorder(law, osc, rtol)
     horizon = t_end * osc.omega
     tau, q, w = 0.0, recorder.q_of(x0), (osc.V - v0) / osc.V
     side = 1 if w > 0 else -1
@@ -150,8 +151,8 @@ class _Slip:
 class _Recorder:
     """Collects phases and gives them their units back."""
 
-    def __init__(self, law: FrictionLaw, osc: Oscillator) -> None:
-        self.osc = osc
+    def __init__(self, law: FrictionLaw, osc: Oscillator, rtol: float) -> None:
+        self.osc, self.rtol = osc, rtol
         self.length = osc.length
         self.x_onset = osc.onset(law)
         self.samples: list[tuple[Any, Any, Any]] = []
@@ -203,4 +204,6 @@ class _Recorder:
         phases = np.empty(len(counts), dtype=object)
         phases[:] = [stretch.phase for stretch in self.stretches]
         events, stretches = tuple(self.events), tuple(self.stretches)
-        return Trajectory(t, x, v, np.repeat(phases, counts), events, outcome, stretches, note)
+        found = Trajectory(t, x, v, np.repeat(phases, counts), events, outcome, stretches, note)
+        word, change = tendency(found, length=self.length, rtol=self.rtol)
+        return replace(found, tendency=word, change=change)

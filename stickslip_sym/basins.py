@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import archive, deadline, html_text
+from stickslip_sym import archive, deadline, drawing, html_text
 from stickslip_sym.axes import Axis, read_values, require_few
 from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.classification import Motion, classify
@@ -58,7 +58,8 @@ class BasinMap:
 
     def _repr_html_(self) -> str:
         rows = [[motion.value, str(n)] for motion, n in self.count().items()]
-        return html_text.table(["motion", "starts"], rows, caption=self._place())
+        table = html_text.table(["motion", "starts"], rows, caption=self._place())
+        return html_text.block(drawing.picture(self.plot, self._place()), table)
 
     def _place(self) -> str:
         x0, v0 = Axis("x0", self.x0, "m", ""), Axis("v0", self.v0, "m/s", "")
@@ -90,17 +91,29 @@ class BasinMap:
         arrays |= {name: np.array(value) for name, value in asdict(self.oscillator).items()}
         archive.write_npz(Path(path), arrays)
 
-    def plot(self, path: str | Path) -> None:
-        """Draw the basins, told apart by colour and hatching, and the separatrices (PNG, SVG or PDF).
+    def plot(self, path: str | Path | None = None) -> Any:
+        """Draw the basins, told apart by colour and hatching, and the separatrices.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            A file to draw to: SVG, PNG or PDF, by its ending.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
 
         Raises
         ------
         InputError
-            If matplotlib is not installed, or the file cannot be written.
+            If matplotlib is not installed, or cannot write the file.
         """
         from stickslip_sym.map_plot import draw_basins
 
-        draw_basins(self, Path(path))
+        figure = draw_basins(self)
+        if path is not None:
+            drawing.save(figure, Path(path))
+        return figure
 
 
 def basin_map(

@@ -17,6 +17,7 @@ from typing import Any, BinaryIO
 import stickslip_sym
 from stickslip_sym.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.errors import InputError
+from stickslip_sym.files import require_name
 from stickslip_sym.workers import Workers, check_workers, run
 
 __all__ = ["UNFINISHED", "Progress", "collect"]
@@ -113,8 +114,7 @@ def _digest(function: Callable[[Any], Any], tasks: Iterable[Any]) -> str:
 
 
 def _opened(path: Path) -> BinaryIO:
-    if "\0" in str(path):
-        raise InputError("the name of a file cannot hold a null byte")
+    require_name(path)
     with _explained(path):
         return path.open("a+b", buffering=0)
 

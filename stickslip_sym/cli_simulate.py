@@ -3,7 +3,7 @@
 import math
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -24,10 +24,16 @@ from stickslip_sym.cli_reading import (
 )
 from stickslip_sym.cli_words import in_options
 
+if TYPE_CHECKING:
+    from stickslip_sym.friction import FrictionLaw
+    from stickslip_sym.oscillator import Oscillator
+    from stickslip_sym.trajectory import Trajectory
+
 __all__ = ["simulate"]
 
 _MOST_ROWS = 40  # of the table; the rest is in the file that --csv writes
 _PERIODS = 10  # natural periods, the duration if none is given
+_LONGEST = 5.0  # seconds, to find where the motion leads
 
 
 def simulate(
@@ -61,7 +67,7 @@ def simulate(
     overwrite: Overwrite = False,
     as_json: cli_json.AsJson = False,
 ) -> None:
-    """Simulate the mass from a start, and print its events and its periods.
+    """Simulate the mass from a start, and print its events, what motion it is, and its periods.
 
     Example: stickslip simulate exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 -c 1 --t-end 5 --plot motion.png
     """
@@ -82,19 +88,37 @@ def simulate(
     require_new(csv, "--csv", overwrite)
     require_writable(csv, plot=plot)
     motion = automaton.simulate(bound, osc, **values, engine=engine)
+    end = _end(bound, osc, motion, values)
     if as_json:
         scene = {"law": cli_json.law(bound), "scene": cli_json.values(given)}
-        cli_json.echo("simulate", **scene, **_as_json(motion))
+        cli_json.echo("simulate", **scene, **_as_json(motion, end))
     else:
-        typer.echo(_report(motion))
+        typer.echo(_report(motion, end))
     if csv is not None:
         motion.to_csv(csv)
     if plot is not None:
         motion.plot(plot)
 
 
-def _as_json(motion: Any) -> dict[str, Any]:
-    """Return the events and the outcome."""
+def _end(law: "FrictionLaw", osc: "Oscillator", motion: "Trajectory", values: dict[str, Any]) -> str | None:
+    """Return which motion the start leads to, or that it was not found; None where the motion shows it."""
+    from stickslip_sym.classification import classify
+    from stickslip_sym.deadline import time_limit
+    from stickslip_sym.errors import StickSlipError
+    from stickslip_sym.trajectory import Tendency
+
+    if motion.tendency in (Tendency.REST, Tendency.STICK_SLIP, Tendency.PURE_SLIP, Tendency.UNBOUNDED):
+        return None
+    start = {name: values[name] for name in ("x0", "v0") if name in values}
+    try:
+        with time_limit(min(_LONGEST, values.get("time_limit", _LONGEST))):
+            return classify(law, osc, **start).value
+    except StickSlipError as error:
+        return f"not found: {error}"
+
+
+def _as_json(motion: "Trajectory", end: str | None) -> dict[str, Any]:
+    """Return what motion it is, the events and the outcome."""
     events = [
         {
             "t": cli_json.quantity(event.t, "s"),
@@ -106,15 +130,12 @@ def _as_json(motion: Any) -> dict[str, Any]:
         for event in motion.events
     ]
     periods = [cli_json.quantity(period, "s") for period in _periods(motion)]
-    return {
-        "outcome": motion.outcome.value,
-        "note": motion.note and in_options(motion.note),
-        "events": events,
-        "periods": periods,
-    }
+    word = {"motion": motion.tendency.value, "change_in_a_round": motion.change, "in_the_end": end}
+    note = motion.note and in_options(motion.note)
+    return word | {"outcome": motion.outcome.value, "note": note, "events": events, "periods": periods}
 
 
-def _report(motion: Any) -> str:
+def _report(motion: "Trajectory", end: str | None) -> str:
     """Return the events as a table, and the motion in a few lines."""
     from stickslip_sym.tables import table
 
@@ -125,7 +146,8 @@ def _report(motion: Any) -> str:
     lines = [table(["t in s", "x in m", "v in m/s", "event", "phase that begins"], rows)]
     if (more := len(motion.events) - _MOST_ROWS) > 0:
         lines.append(f"and {more} more events")
-    lines += ["", f"outcome: {motion.outcome.value}, at t = {motion.t[-1]:.9g} s, {len(motion.events)} events"]
+    lines += ["", f"motion: {motion.summary}" + ("" if end is None else f"; in the end: {end}")]
+    lines.append(f"outcome: {motion.outcome.value}, at t = {motion.t[-1]:.9g} s, {len(motion.events)} events")
     lines += [in_options(motion.note)] if motion.note else []
     periods = _periods(motion)
     if periods:
@@ -136,7 +158,7 @@ def _report(motion: Any) -> str:
     return "\n".join(lines)
 
 
-def _periods(motion: Any) -> list[float]:
+def _periods(motion: "Trajectory") -> list[float]:
     """Return the times from one slip that follows stick to the next."""
     from stickslip_sym.trajectory import EventKind
 

@@ -1,18 +1,24 @@
 """What every drawing needs: matplotlib, or a word that it is missing, and a file that anybody draws again."""
 
-from collections.abc import Sequence
+import io
+from base64 import b64encode
+from collections.abc import Callable, Sequence
+from html import escape
 from pathlib import Path
 from typing import Any
 
-from stickslip_sym.errors import InputError
+from stickslip_sym.errors import InputError, StickSlipError
+from stickslip_sym.files import require_name
+from stickslip_sym.html_text import Markup
 
-__all__ = ["label", "require_matplotlib", "save"]
+__all__ = ["label", "picture", "require_matplotlib", "save"]
 
 _STYLE: Any = {
     "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "stickslip_sym",  # the same picture is the same file
     "hatch.linewidth": 0.6,
 }
+_INLINE = 90  # pixels an inch, of a picture among text
 _POINT = 4  # half the width of a point, in pixels
 _NEAR = 12  # points of height up to which a label needs no line to what it names
 _BESIDE = [
@@ -55,6 +61,30 @@ def label(axes: Any, labels: Sequence[tuple[str, tuple[float, float], str]]) -> 
         taken.append(box)
 
 
+def picture(draw: Callable[[], Any], alt: str) -> Markup:
+    """Return a drawing as HTML that holds it; nothing where matplotlib is missing, or there is nothing to draw.
+
+    Parameters
+    ----------
+    draw : callable
+        It returns the figure; it is not called without matplotlib.
+    alt : str
+        What the picture shows, for those who do not see it.
+    """
+    try:
+        require_matplotlib()
+        figure = draw()
+    except StickSlipError:
+        return Markup("")
+    from matplotlib import rc_context
+
+    stream = io.BytesIO()
+    with rc_context(_STYLE):
+        figure.savefig(stream, format="png", dpi=_INLINE, metadata={"Software": None})
+    content = b64encode(stream.getvalue()).decode()
+    return Markup(f'<img src="data:image/png;base64,{content}" alt="{escape(alt)}"/>')
+
+
 def save(figure: Any, path: Path) -> None:
     """Write a drawing to a file, in the format of its name.
 
@@ -63,6 +93,7 @@ def save(figure: Any, path: Path) -> None:
     InputError
         If the file cannot be written, or matplotlib does not know its format.
     """
+    require_name(path)
     from matplotlib import rc_context
 
     try:

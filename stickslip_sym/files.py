@@ -9,7 +9,7 @@ from pathlib import Path
 
 from stickslip_sym.errors import InputError
 
-__all__ = ["is_kept", "write_bytes", "write_text", "write_texts"]
+__all__ = ["is_kept", "require_name", "write_bytes", "write_text", "write_texts"]
 
 
 def is_kept(path: Path) -> bool:
@@ -20,6 +20,18 @@ def is_kept(path: Path) -> bool:
         os.close(own)
         return False
     return True
+
+
+def require_name(path: Path) -> None:
+    """Refuse what no system takes for the name of a file, each with words of its own.
+
+    Raises
+    ------
+    InputError
+        If it holds a null byte.
+    """
+    if "\0" in str(path):
+        raise InputError(f"the name of a file cannot hold a null byte, as {str(path)!r} does; choose another file")
 
 
 def write_text(path: Path, content: str) -> None:
@@ -54,6 +66,7 @@ def _write_all(contents: Mapping[Path, bytes]) -> None:
     streams: list[tuple[Path, Path | int, bytes]] = []
     try:
         for path, content in contents.items():
+            require_name(path)
             with _refusing(path):
                 # Before links are followed: /dev/stdout leads to a name such as pipe:[42] that no file has.
                 if path.exists() and not path.is_file():

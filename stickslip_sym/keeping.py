@@ -144,6 +144,7 @@ def _understood(content: dict[str, Any], path: str | Path) -> ClosedForm:
 
 
 def _read(path: Path) -> Any:
+    files.require_name(path)
     try:
         if path.stat().st_size > _LARGEST:
             raise InputError(f"{str(path)!r} has over {_LARGEST} bytes; no closed form is as long")

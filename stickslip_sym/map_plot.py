@@ -1,14 +1,13 @@
 """Drawings of maps: regions told apart by colour and hatching, and thresholds as curves."""
 
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stickslip_sym.classification import Motion
 from stickslip_sym.columns import Reason
-from stickslip_sym.drawing import require_matplotlib, save
+from stickslip_sym.drawing import require_matplotlib
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.symbols import QUANTITIES
 
@@ -69,19 +68,19 @@ def regions_of(found: Any) -> tuple[Any, list[Region]]:
     return places.reshape(index.shape), [kinds[i] for i in present]
 
 
-def draw_map(found: Any, path: Path) -> None:
-    """Draw a map of motions."""
+def draw_map(found: Any) -> Any:
+    """Return the figure of a map of motions."""
     figure, axes = _figure()
     place, kinds = regions_of(found)
     handles = _paint(axes, found.x.values, found.y.values, place, kinds)
     handles += _draw_curves(axes, found)
     axes.set(xlabel=found.x.label, ylabel=found.y.label)
     _title(axes, found.law, found.fixed)
-    _finish(figure, handles, path)
+    return _with_legend(figure, handles)
 
 
-def draw_basins(found: Any, path: Path) -> None:
-    """Draw the motions that starts lead to."""
+def draw_basins(found: Any) -> Any:
+    """Return the figure of the motions that starts lead to."""
     from matplotlib.lines import Line2D
 
     figure, axes = _figure()
@@ -98,7 +97,7 @@ def draw_basins(found: Any, path: Path) -> None:
     handles.append(Line2D([], [], color="black", linestyle=":", linewidth=1.0, label="belt speed"))
     axes.set(xlabel="initial displacement x (m)", ylabel="initial velocity x' (m/s)")
     _title(axes, found.law, asdict(found.oscillator))
-    _finish(figure, handles, path)
+    return _with_legend(figure, handles)
 
 
 def _title(axes: Any, law: FrictionLaw, values: dict[str, float]) -> None:
@@ -117,7 +116,7 @@ def _figure() -> tuple[Any, Any]:
 def _paint(axes: Any, x: Any, y: Any, place: Any, kinds: list[Region]) -> list[Any]:
     """Fill cells with colours and hatching; return the handles of the legend."""
     from matplotlib.colors import ListedColormap
-    from matplotlib.patches import Patch
+    from matplotlib.patches import Patch, PathPatch
 
     x_edges, y_edges = _edges(x), _edges(y)
     axes.pcolormesh(
@@ -126,11 +125,8 @@ def _paint(axes: Any, x: Any, y: Any, place: Any, kinds: list[Region]) -> list[A
     )  # fmt: skip
     for i, kind in enumerate(kinds):
         if kind.hatch:
-            inside = np.pad((place == i).astype(float), 1, mode="edge")
-            X, Y = (
-                np.concatenate([edges[:1], values, edges[-1:]]) for edges, values in ((x_edges, x), (y_edges, y))
-            )
-            axes.contourf(X, Y, inside, levels=[0.5, 1.5], colors="none", hatches=[kind.hatch])
+            cells = _outline(x_edges, y_edges, place == i)
+            axes.add_patch(PathPatch(cells, facecolor="none", edgecolor="black", hatch=kind.hatch, linewidth=0))
     for name, values in (("x", x), ("y", y)):
         if _is_logarithmic(values):
             axes.set(**{f"{name}scale": "log"})
@@ -139,6 +135,18 @@ def _paint(axes: Any, x: Any, y: Any, place: Any, kinds: list[Region]) -> list[A
         Patch(facecolor=kind.color, hatch=kind.hatch, edgecolor="0.25", linewidth=0.5, label=kind.name)
         for kind in kinds
     ]
+
+
+def _outline(x_edges: Any, y_edges: Any, chosen: Any) -> Any:
+    """Return the path round cells: a rectangle for each run of neighbours in a row."""
+    from matplotlib.path import Path
+
+    steps = np.diff(np.pad(chosen.astype(int), ((0, 0), (1, 1))), axis=1)
+    (rows, first), (_, behind) = np.nonzero(steps == 1), np.nonzero(steps == -1)
+    left, right, low, high = x_edges[first], x_edges[behind], y_edges[rows], y_edges[rows + 1]
+    corners = np.array([[left, low], [right, low], [right, high], [left, high], [left, low]])
+    codes = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
+    return Path(corners.transpose(2, 0, 1).reshape(-1, 2), np.tile(codes, rows.size))
 
 
 def _is_logarithmic(values: Any) -> bool:
@@ -183,8 +191,8 @@ def _draw_curves(axes: Any, found: Any) -> list[Any]:
     return handles
 
 
-def _finish(figure: Any, handles: list[Any], path: Path) -> None:
+def _with_legend(figure: Any, handles: list[Any]) -> Any:
     figure.legend(
         handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6
     )
-    save(figure, path)
+    return figure

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import archive, deadline, html_text
+from stickslip_sym import archive, deadline, drawing, html_text
 from stickslip_sym.axes import Axis, fixed_values, read_axes
 from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.classification import Motion
@@ -77,9 +77,9 @@ class MotionMap:
 
     def _repr_html_(self) -> str:
         rows = [[motion.value, str(n)] for motion, n in self.count().items()]
-        return html_text.table(
-            ["motion", "cells"], rows, caption=f"{self.law.name or 'law'}, {self.x} by {self.y}"
-        )
+        title = f"{self.law.name or 'law'}, {self.x} by {self.y}"
+        table = html_text.table(["motion", "cells"], rows, caption=title)
+        return html_text.block(drawing.picture(self.plot, title), table)
 
     def to_csv(self, path: str | Path) -> None:
         """Write a line for each cell: x, y, the motion, the attractors, the reason and the thresholds.
@@ -127,17 +127,29 @@ class MotionMap:
             arrays |= {side: axis.values, f"{side}_name": np.array(axis.name), f"{side}_unit": np.array(axis.unit)}
         archive.write_npz(Path(path), arrays)
 
-    def plot(self, path: str | Path) -> None:
-        """Draw the regions, told apart by colour and hatching, and the three thresholds (PNG, SVG or PDF).
+    def plot(self, path: str | Path | None = None) -> Any:
+        """Draw the regions, told apart by colour and hatching, and the three thresholds.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            A file to draw to: SVG, PNG or PDF, by its ending.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
 
         Raises
         ------
         InputError
-            If matplotlib is not installed, or the file cannot be written.
+            If matplotlib is not installed, or cannot write the file.
         """
         from stickslip_sym.map_plot import draw_map
 
-        draw_map(self, Path(path))
+        figure = draw_map(self)
+        if path is not None:
+            drawing.save(figure, Path(path))
+        return figure
 
 
 def motion_map(

@@ -10,11 +10,12 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stickslip_sym import deadline, html_text
+from stickslip_sym import deadline, drawing, html_text
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.errors import OutOfTime
 from stickslip_sym.friction import FrictionLaw
@@ -103,6 +104,8 @@ class Regime:
     undecided : tuple of str
         What lies within the tolerance of a boundary, or was not found within the time limit, in words; empty as
         a rule.
+    law, oscillator : FrictionLaw, Oscillator
+        Whose motions they are.
     """
 
     rest: Rest
@@ -111,6 +114,8 @@ class Regime:
     separatrices: tuple[Separatrix, ...]
     unbounded: bool
     undecided: tuple[str, ...]
+    law: FrictionLaw | None = None
+    oscillator: Oscillator | None = None
 
     @property
     def attractors(self) -> tuple[Rest | LimitCycle | StickSlipCycle, ...]:
@@ -138,7 +143,32 @@ class Regime:
         attracting = self.attractors
         rows = [[str(motion), "attracts" if motion in attracting else "does not attract"] for motion in motions]
         notes = [*(["motions far out grow without bound"] if self.unbounded else []), *self.undecided]
-        return html_text.block(html_text.table(["motion", "neighbours"], rows, caption="motions"), *notes)
+        table = html_text.table(["motion", "neighbours"], rows, caption="motions")
+        return html_text.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *notes)
+
+    def plot(self, path: str | Path | None = None) -> Any:
+        """Draw the phase plane: rest, every periodic motion, and the separatrices.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            A file to draw to: SVG, PNG or PDF, by its ending.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not installed, or cannot write the file.
+        """
+        from stickslip_sym.regime_plot import draw_regime
+
+        figure = draw_regime(self)
+        if path is not None:
+            drawing.save(figure, Path(path))
+        return figure
 
 
 def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, time_limit: float | None = None) -> Regime:
@@ -208,6 +238,8 @@ def _found(law: FrictionLaw, osc: Oscillator, rtol: float) -> Regime:
         separatrices=tuple(separatrices),
         unbounded=grows_far_out(law, osc),
         undecided=tuple(undecided),
+        law=law,
+        oscillator=osc,
     )
 
 

@@ -23,6 +23,7 @@ import sympy as sp
 from stickslip_sym import symbols
 from stickslip_sym.codegen import Backend
 from stickslip_sym.errors import InputError, InputWarning
+from stickslip_sym.files import require_name
 from stickslip_sym.headers import check_header
 from stickslip_sym.pieces import piecewise
 from stickslip_sym.values import Number, exact, to_mpf
@@ -251,8 +252,7 @@ def read_csv(path: Path) -> tuple[list[str], list[str]]:
     """
     speeds: list[str] = []
     coefficients: list[str] = []
-    if "\0" in str(path):
-        raise InputError("the name of a file cannot hold a null byte")
+    require_name(path)
     try:
         with path.open(encoding="utf-8-sig", newline="") as stream:
             rows = csv.reader(stream, skipinitialspace=True)

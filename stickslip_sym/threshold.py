@@ -37,7 +37,6 @@ _REFERENCE = 1e-10  # error of the best value, from which the error of others is
 _GOOD = 1e-8  # of that error, what need not be improved by simulation
 _LOOSEST = 1e-7  # of a simulation: what it costs hardly depends on it, and stiff motions get lost in rounding
 _TIGHTER = (0.1, 1e-3, 1e-5)  # tolerances of simulation over rtol, until the error is at most that
-_NAME = "<U13"
 
 
 @dataclass(frozen=True)
@@ -156,6 +155,7 @@ def pure_slip_damping(
         warn_where_negative(law, float(scenes.V.max()))
     with deadline.time_limit(time_limit):
         value, names, error = _found(scenes, method, rtol)
+    names = np.array(names.tolist(), dtype=str)
     if scenes.shape != ():
         columns = (column if column is None else column.reshape(scenes.shape) for column in (value, names, error))
         return Threshold(*columns)
@@ -209,7 +209,7 @@ def _named(scenes: Scenes, method: str, rtol: float) -> tuple[Any, Any]:
 def _best(scenes: Scenes, rtol: float, smooth: bool) -> tuple[Any, Any, Any]:
     """Return the best value known of each scene, its error, infinite where there is none, and the method."""
     value, error = np.zeros(len(scenes)), np.full(len(scenes), np.inf)
-    names = np.full(len(scenes), "orbit", dtype=_NAME)
+    names = np.full(len(scenes), "orbit", dtype=object)
     if smooth:
         value, error, _ = on_orbit(scenes, rtol)
     for row in np.flatnonzero(~(error <= max(rtol, _GOOD))):
@@ -275,7 +275,7 @@ class _Choice:
     def __init__(self, count: int, rtol: float) -> None:
         self.rtol = rtol
         self.value, self.error = np.zeros(count), np.full(count, np.inf)
-        self.method = np.full(count, "", dtype=_NAME)
+        self.method = np.full(count, "", dtype=object)  # texts of one width would cut longer ones
 
     @property
     def open(self) -> Any:

@@ -13,10 +13,11 @@ import numpy as np
 from stickslip_sym import drawing, files, html_text
 from stickslip_sym.errors import InputError
 
-__all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Trajectory"]
+__all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Tendency", "Trajectory"]
 
 _ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
 _DRAWN = 8  # points drawn for each step of the integration
+_SHOWN = 3000  # steps in the picture of a notebook, some hundred rounds; more take seconds to draw
 
 
 class Phase(Enum):
@@ -45,6 +46,20 @@ class Outcome(Enum):
     TIME_LIMIT = "time limit"
     UNBOUNDED = "grows without bound"
     UNDEFINED = "mu has no value there"
+
+
+class Tendency(Enum):
+    """What a motion has come to in its last rounds."""
+
+    REST = "rest"
+    STICK = "stick, nothing else so far"
+    STICK_SLIP = "stick-slip"
+    OVERTAKES = "slip that overtakes the belt"
+    PURE_SLIP = "pure slip"
+    SHRINKS = "slip that shrinks"
+    GROWS = "slip that grows"
+    UNBOUNDED = "grows without bound"
+    SHORT = "too short to tell"
 
 
 @dataclass(frozen=True)
@@ -95,6 +110,10 @@ class Trajectory:
         The phases in order, as functions of time.
     note : str
         What kept the motion from going on, and what to try; empty as a rule.
+    tendency : Tendency
+        What the motion has come to in its last rounds; not where it leads later, which `classify` says.
+    change : float or None
+        Where it only slips: the relative change of the swing of x in its last round.
     """
 
     t: Any
@@ -105,10 +124,21 @@ class Trajectory:
     outcome: Outcome
     stretches: tuple[Stretch, ...]
     note: str = ""
+    tendency: Tendency = Tendency.SHORT
+    change: float | None = None
+
+    @property
+    def summary(self) -> str:
+        """What the motion is, in a few words."""
+        if self.change is None or self.tendency is Tendency.PURE_SLIP:
+            return self.tendency.value
+        if self.tendency is Tendency.OVERTAKES:
+            return f"{self.tendency.value}, {100 * self.change:+.2g} % a round"
+        return f"{self.tendency.value} by {100 * abs(self.change):.2g} % a round"
 
     def __repr__(self) -> str:
         return (
-            f"Trajectory: {len(self.t)} samples from t = {self.t[0]:.6g} to {self.t[-1]:.6g} s, "
+            f"Trajectory: {self.summary}; {len(self.t)} samples from t = {self.t[0]:.6g} to {self.t[-1]:.6g} s, "
             f"x from {self.x.min():.6g} to {self.x.max():.6g} m, v from {self.v.min():.6g} to "
             f"{self.v.max():.6g} m/s, {len(self.events)} changes of phase, {self.outcome.value}"
         )
@@ -120,7 +150,11 @@ class Trajectory:
             else [f"{event.t:.9g}", f"{event.x:.9g}", f"{event.v:.9g}", event.begins.value]
             for event in html_text.shortened(self.events)
         ]
-        return html_text.block(repr(self), html_text.table(["t in s", "x in m", "v in m/s", "begins"], rows))
+        since = float(self.t[max(self.t.size - _SHOWN, 0)])
+        picture = drawing.picture(lambda: self.plot(since=since), self.summary)
+        cut = [] if since == self.t[0] or not picture else [f"The picture begins at t = {since:.6g} s."]
+        table = html_text.table(["t in s", "x in m", "v in m/s", "begins"], rows)
+        return html_text.block(repr(self), picture, *cut, table)
 
     def starts_of(self, phase: Phase) -> Any:
         """Return the times at which a phase began."""
@@ -187,13 +221,15 @@ class Trajectory:
         writer.writerows(zip(*columns, [phase.name.lower() for phase in state.phase], strict=True))
         files.write_text(Path(path), stream.getvalue())
 
-    def plot(self, path: str | Path | None = None) -> Any:
+    def plot(self, path: str | Path | None = None, *, since: float | None = None) -> Any:
         """Draw the time history and the phase plane, stick and slip told apart.
 
         Parameters
         ----------
         path : str or Path, optional
             A file to draw to: SVG, PNG or PDF, by its ending.
+        since : float, optional
+            Time in s; what came before is left out.
 
         Returns
         -------
@@ -211,7 +247,7 @@ class Trajectory:
         panels = figure.subplot_mosaic("xp;vp", width_ratios=(3, 2))
         panels["x"].sharex(panels["v"])
         for phase, style in _STYLES.items():
-            t, x, v = self._drawn(phase)
+            t, x, v = self._drawn(phase, self.t[0] if since is None else since)
             if t.size:
                 panels["x"].plot(t, x, **style)
                 panels["v"].plot(t, v, **style)
@@ -229,13 +265,14 @@ class Trajectory:
             drawing.save(figure, Path(path))
         return figure
 
-    def _drawn(self, phase: Phase) -> tuple[Any, Any, Any]:
-        """Return t, x and v of all stretches of a phase, with NaN between two of them."""
+    def _drawn(self, phase: Phase, since: float) -> tuple[Any, Any, Any]:
+        """Return t, x and v of all stretches of a phase that end after a time, with NaN between two of them."""
         parts = [np.empty((3, 0))]
         for stretch in self.stretches:
-            if stretch.phase is phase:
-                inner = self.t[(self.t > stretch.start) & (self.t < stretch.end)]
-                ends = np.array([stretch.start, *inner, stretch.end])
+            if stretch.phase is phase and stretch.end > since:
+                first = np.searchsorted(self.t, max(stretch.start, since), side="right")
+                inner = self.t[first : np.searchsorted(self.t, stretch.end)]
+                ends = np.array([max(stretch.start, since), *inner, stretch.end])
                 t = np.interp(np.arange(_DRAWN * (ends.size - 1) + 1) / _DRAWN, np.arange(ends.size), ends)
                 parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]
         return tuple(np.concatenate(parts, axis=1))

@@ -1,6 +1,7 @@
 """Maps of motions against simulation, and what may be asked of them."""
 
 import csv
+import dataclasses
 import re
 from collections import Counter
 
@@ -228,6 +229,35 @@ def test_the_legend_names_the_curves_that_are_drawn():
         handles = map_plot._draw_curves(axes, found)
         drawn = [collection for collection in axes.collections if collection.get_paths()]
         assert len(handles) == len(drawn) == (3 if len(rows) > 1 else 0)
+
+
+def test_hatching_fills_its_cells_and_no_others():
+    """Seeded motions on coarse grids, even, by ratios or neither: what is hatched is what has that colour."""
+    to_rgb = pytest.importorskip("matplotlib.colors").to_rgb
+    rng, hatched = np.random.default_rng(6), 0
+    basins = ss.basin_map(ss.laws.exponential.typical(), paper_oscillator(2.3), x0=[0.0], v0=[0.0])
+    for _ in range(12):
+        columns, rows = rng.integers(1, 9, 2).tolist()
+        x0 = rng.choice([np.geomspace(0.01, 9, columns), np.linspace(-1, 2, columns)])
+        v0 = np.cumsum(rng.uniform(0.1, 3, rows))
+        motion = rng.choice(list(Motion), (rows, columns))
+        axes = dataclasses.replace(basins, x0=x0, v0=v0, motion=motion).plot().axes[0]
+        (mesh,) = (one for one in axes.collections if hasattr(one, "get_coordinates"))
+        edges, colours = mesh.get_coordinates(), mesh.to_rgba(mesh.get_array())
+        (left, low), (right, high) = edges[:-1, :-1].T, edges[1:, 1:].T
+        share = rng.uniform(0.02, 0.98, (40, 2, columns, rows))
+        places = np.stack([left + share[:, 0] * (right - left), low + share[:, 1] * (high - low)], axis=-1)
+        inside = {
+            patch.get_hatch(): patch.get_path().contains_points(places.reshape(-1, 2)).reshape(40, columns, rows)
+            for patch in axes.patches
+        }
+        expected = (colours.transpose(1, 0, 2)[:, :, :3] == to_rgb("#009E73")).all(axis=-1)  # pure slip
+        assert set(inside) <= {"...."}
+        assert expected.any() == bool(inside)
+        for found in inside.values():
+            assert (found == expected).all()
+            hatched += 1
+    assert hatched >= 8
 
 
 # -- basins ----------------------------------------------------------------------------------------

@@ -1,7 +1,11 @@
 """What a notebook and a terminal show of every result, and that results can be copied and pickled."""
 
 import copy
+import dataclasses
 import pickle
+import re
+import sys
+from base64 import b64decode
 from html.parser import HTMLParser
 
 import numpy as np
@@ -161,6 +165,53 @@ def test_html_is_whole_and_says(name, words, results):
         assert word in page.text
 
 
+@pytest.mark.parametrize("name", ["trajectory", "map", "basins", "regime"])
+def test_a_picture_is_there_where_matplotlib_is(name, results, monkeypatch):
+    """Without it the text and the table are the same."""
+    pytest.importorskip("matplotlib")
+    html = results[name]._repr_html_()
+    ((content, alt),) = re.findall(r'<img src="data:image/png;base64,([^"]+)" alt="([^"]+)"/>', html)
+    assert b64decode(content).startswith(b"\x89PNG")
+    assert len(content) < 200_000
+    assert alt.strip()
+    assert results[name]._repr_html_() == html
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    plain = results[name]._repr_html_()
+    assert "img" not in Page(plain).tags
+    assert plain == re.sub(r"<img [^>]*/>", "", html)
+
+
+def test_a_long_motion_shows_its_end_and_says_so():
+    pytest.importorskip("matplotlib")
+    long = ss.simulate(ss.FrictionLaw("0.3"), paper_oscillator(0.0), t_end=160.0, x0=0.2, v0=0.0, rtol=1e-6)
+    assert len(long.t) > 3000
+    since = float(re.search(r"The picture begins at t = (\S+) s\.", long._repr_html_())[1])
+    assert since == pytest.approx(long.t[-3000], rel=1e-5)
+    lines = long.plot(since=since).axes[0].lines
+    times = np.concatenate([line.get_xdata() for line in lines])
+    assert np.nanmin(times) == pytest.approx(since)
+    assert np.nanmax(times) == long.t[-1]
+
+
+def test_the_phase_plane_of_a_regime_has_every_motion(results, tmp_path):
+    """Every curve is closed, and comes up to the velocity that the regime says."""
+    pytest.importorskip("matplotlib")
+    polynomial = ss.regime(ss.laws.polynomial.typical(), paper_oscillator(3.1))
+    overtaking = ss.regime(ss.laws.exponential.typical(), paper_oscillator(0.0, V=5.0, N=0.5))
+    for found in (results["regime"], polynomial, overtaking):
+        periodic = [*found.cycles, *([found.stick_slip] if found.stick_slip else [])]
+        top = sorted(getattr(one, "amplitude", None) or one.v_max for one in periodic)
+        axes = found.plot(tmp_path / "regime.svg").axes[0]
+        curves = [line.get_xydata() for line in axes.lines if len(line.get_xdata()) > 2]
+        assert sorted(float(curve[:, 1].max()) for curve in curves) == pytest.approx(top, rel=1e-5)
+        for curve in curves:
+            assert curve[-1] == pytest.approx(curve[0], abs=1e-5)
+        assert any(line.get_xydata().tolist() == [[found.rest.x, 0.0]] for line in axes.lines)
+    assert "pure-slip cycle, unstable" in {text.get_text() for text in results["regime"].plot().legends[0].texts}
+    with pytest.raises(ss.InputError, match="does not know its law"):
+        dataclasses.replace(results["regime"], law=None).plot()
+
+
 def test_many_thresholds_are_shortened(results):
     page = Page(results["thresholds"]._repr_html_())
     assert page.tags.count("tr") == 1 + 5 + 1 + 5
@@ -230,4 +281,5 @@ def test_a_notebook_shows_them():
     for data in shown[:3]:
         assert data["text/latex"].strip("$")
     assert "c in kg/s" in shown[4]["text/html"]
+    assert [("<img " in data["text/html"]) for data in shown] == [number in (6, 8) for number in range(9)]
     assert shown[1]["text/plain"] == "ClosedForm: exponential, least_squares, PROVED"

@@ -9,8 +9,11 @@ import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
+import sympy as sp
 
+from paper_checks import wording
 from paper_checks.claims import CLAIMS, Outcome
 from paper_checks.figure_style import svg
 from paper_checks.figures import FIGURES
@@ -201,6 +204,30 @@ def test_text_is_escaped():
         prose("-2*V**2 to V^-1.5, stick-slip at 1e-3")
         == "−2\u2009V<sup>2</sup> to V<sup>−1.5</sup>, stick-slip at 1e-3"
     )
+
+
+def test_indices_and_bessel_functions_are_typeset():
+    """Seeded orders, arguments and letters: no name of SymPy's and no underscore reaches the page."""
+    rng = np.random.default_rng(11)
+    x, y = sp.symbols("alpha V", positive=True)
+    for _ in range(40):
+        order = int(rng.integers(0, 30))
+        bessel, letter = [(sp.besseli, "I"), (sp.besselj, "J"), (sp.besselk, "K"), (sp.bessely, "Y")][order % 4]
+        expr = int(rng.integers(2, 9)) * bessel(order, x * y) * sp.exp(-x * y) / y
+        text = wording.formula(expr)
+        assert f"{letter}_{order}(" in text
+        value = sp.sympify(re.sub(r"([IJKY])_(\d+)\(", lambda f: f"bessel{f[1].lower()}({f[2]},", text))
+        assert sp.simplify(value.subs({"alpha": x, "V": y}) - expr) == 0
+        page = prose(text)
+        assert f"<i>{letter}</i><sub>{order}</sub>(" in page
+        assert "_" not in page
+    assert wording.formula(sp.Symbol("b") - sp.Symbol("a")) == "b - a"
+
+
+def test_numbers_of_laws_have_their_names():
+    assert wording.by_law(["1 m/s", "2 m/s"]) == "1 m/s (exponential law), 2 m/s (polynomial law)"
+    with pytest.raises(ValueError, match="zip"):
+        wording.by_law(["1 m/s"])
 
 
 def test_a_report_that_cannot_be_written_is_refused_at_once(tmp_path):

@@ -11,6 +11,7 @@ import sympy as sp
 import stickslip_sym as ss
 from stickslip_sym.headers import check_header
 from stickslip_sym.samples import MOST
+from tests.systems import FOLDER_OPENED
 
 SPEEDS = ["0", "0.05", "0.1", "0.2", "0.4", "0.7", "1.2"]
 COEFFICIENTS = ["0.5", "0.44", "0.4", "0.34", "0.29", "0.27", "0.28"]
@@ -237,8 +238,7 @@ def test_a_csv_file_that_is_no_curve_is_refused(tmp_path, text, message):
 def test_files_that_cannot_be_read_are_refused(tmp_path):
     for path, message in (
         (tmp_path / "none.csv", "cannot read .*No such file"),
-        (tmp_path, "cannot read .*Is a directory"),
-        ("a\0b", "null byte"),
+        (tmp_path, f"cannot read .*{FOLDER_OPENED}"),
     ):
         with pytest.raises(ss.InputError, match=message):
             ss.FrictionLaw.from_csv(path)

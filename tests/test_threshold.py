@@ -55,6 +55,23 @@ def test_estimates_bound_the_error_and_the_rung_is_the_cheapest():
     assert cheap == total
 
 
+def test_the_name_of_a_rung_is_never_cut(exponential, monkeypatch):
+    """Whatever it is called: the criterion of the lowest rung under seeded names of 1 to 60 letters."""
+    rng = np.random.default_rng(13)
+    for length in (1, 13, 14, *rng.integers(15, 61, 5).tolist()):
+        name = "".join(rng.choice(list("abcdefghij_"), length))
+
+        def renamed(scenes, name=name):
+            return {name: numerical_averages(scenes)["equilibrium"]} | numerical_averages(scenes)
+
+        monkeypatch.setattr(module, "numerical_averages", renamed)
+        assert ss.pure_slip_damping(exponential, **SCENE, rtol=0.5).method == name
+        several = ss.pure_slip_damping(exponential, **SCENE | {"V": [0.5, 0.5, 1.0]}, rtol=0.5)
+        assert several.method.dtype.kind == "U"
+        assert name in several.method
+        assert set(several.method) <= {name, *LADDER}
+
+
 @pytest.mark.parametrize(
     ("rtol", "method"),
     [(0.5, "equilibrium"), (0.05, "least_squares"), (5e-3, "harmonic"), (1e-4, "second_order"), (1e-9, "orbit")],
