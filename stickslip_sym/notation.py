@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from stickslip_sym.errors import InputError
 from stickslip_sym.values import suggestion
 
-__all__ = ["check_known", "latex_name", "notation_of"]
+__all__ = ["check_known", "latex_name", "look", "notation_of", "told_apart"]
 
 _GREEK = frozenset(
     {
@@ -75,15 +75,28 @@ def notation_of(names: Iterable[str], given: Mapping[str, str] | None = None) ->
             _check(name, latex)
         else:
             latex = latex_name(name)
-            if _look(latex) in looks and looks[_look(latex)] not in given:  # a1 beside a_1
-                latex = f"\\mathit{{{name}}}".replace("_", r"\_")
-        other = looks.setdefault(_look(latex), name)
+            if look(latex) in looks and looks[look(latex)] not in given:  # a1 beside a_1
+                latex = _spelled_out(name)
+        other = looks.setdefault(look(latex), name)
         if other != name:
             raise InputError(
                 f"{other} and {name} would both be printed as {latex!r}; choose another symbol for one"
             )
         found[name] = latex
     return found
+
+
+def told_apart(names: Iterable[str], known: Mapping[str, str]) -> dict[str, str]:
+    """Return the LaTeX of each name: what is known, and for others what looks like none of the rest."""
+    found = dict(known)
+    for name in sorted(set(names) - set(known)):
+        latex = latex_name(name)
+        found[name] = _spelled_out(name) if look(latex) in set(map(look, found.values())) else latex
+    return found
+
+
+def _spelled_out(name: str) -> str:
+    return f"\\mathit{{{name}}}".replace("_", r"\_")
 
 
 def check_known(given: Mapping[str, str], names: Iterable[str]) -> None:
@@ -149,6 +162,6 @@ def _levels(latex: str) -> Iterator[str]:
     yield plain
 
 
-def _look(latex: str) -> str:
+def look(latex: str) -> str:
     """Return what two symbols that look alike have in common."""
     return re.sub(r"\\mathrm|[{} ]", "", latex)
