@@ -15,7 +15,7 @@ _OPENING = frozenset({"{", "(", "[", r"\{", r"\left", r"\begin"})
 _CLOSING = frozenset({"}", ")", "]", r"\}", r"\right", r"\end"})
 _TALL = re.compile(r"\\frac|\\int|\\sum|\\left|\\bigg|\\begin")
 _SHORT = 48  # characters that one pair of brackets holds in a line
-_SPACES = frozenset({r"\,", r"\cdot"})
+_OPERATORS = (r"{\mathrm{d}", r"{\partial")  # what stands on the fraction of a derivative
 
 
 class Binding(IntEnum):
@@ -32,31 +32,25 @@ class Binding(IntEnum):
     FACTOR = 5
 
 
+_KINDS = {
+    r"\begin": Binding.CASES, **dict.fromkeys("+-=<>,;", Binding.SUM), r"\int": Binding.OPEN,
+    "/": Binding.QUOTIENT, r"\,": Binding.PRODUCT, r"\cdot": Binding.PRODUCT,
+}  # fmt: skip
+
+
 def binding(latex: str) -> Binding:
     """Return what a text is read as."""
-    found, depth, written = Binding.FACTOR, 0, ""
-    for token in _TOKEN.findall(latex):
-        if depth == 0 and (kind := _kind(token, written)) is not None:
-            found = min(found, kind)
-        depth += (token in _OPENING) - (token in _CLOSING)
-        if not token.isspace():
-            written += token
+    found, depth = Binding.FACTOR, 0
+    for token in _TOKEN.finditer(latex):
+        text = token[0]
+        if depth == 0:
+            found = min(found, _KINDS.get(text, Binding.FACTOR))
+            if text.isspace():
+                found = min(found, Binding.PRODUCT)
+            elif text == r"\frac" and latex.startswith(_OPERATORS, token.end()):
+                found = min(found, Binding.OPEN)
+        depth += (text in _OPENING) - (text in _CLOSING)
     return found
-
-
-def _kind(token: str, before: str) -> Binding | None:
-    r"""Return what a token outside all brackets makes of a text; a derivative begins ``\frac{\mathrm{d}``."""
-    if token == r"\begin":
-        return Binding.CASES
-    if token in ("+", "-", "=", "<", ">", ",", ";"):
-        return Binding.SUM
-    if token in (r"\int", r"\sum", r"\prod", r"\lim"):
-        return Binding.OPEN
-    if token == "/":
-        return Binding.QUOTIENT
-    if token.isspace() or token in _SPACES:
-        return Binding.OPEN if before.startswith(r"\frac{\mathrm{d}") else Binding.PRODUCT
-    return None
 
 
 def held(latex: str, least: Binding) -> str:

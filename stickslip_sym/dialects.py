@@ -51,6 +51,9 @@ _LOCALS = frozenset(
 """Names that the functions inside the text use for themselves."""
 
 
+_NUMBERS = {"math_macros": {}}  # M_SQRT2 and the like are neither C99's nor Octave's
+
+
 class _C(C99CodePrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_Float(self, expr: Any) -> str:
         return repr(float(expr))
@@ -147,8 +150,8 @@ def numeric_list(values: Any, brackets: str, indent: str = "    ") -> str:
     return brackets[0] + f",\n{indent}".join(lines) + brackets[1]
 
 
-c99 = Dialect(_C(), _C_WORDS | _LOCALS, "(M|FP)_[A-Z0-9_]+")  # M_PI and the like are macros
-octave = Dialect(_Octave(), _OCTAVE_WORDS | _LOCALS)
+c99 = Dialect(_C(_NUMBERS), _C_WORDS | _LOCALS, "(M|FP)_[A-Z0-9_]+")  # M_PI and the like are macros
+octave = Dialect(_Octave(_NUMBERS), _OCTAVE_WORDS | _LOCALS)
 python = Dialect(
     _Python({"fully_qualified_modules": True, "allow_unknown_functions": True}),
     frozenset(keyword.kwlist) | frozenset(dir(builtins)) | _LOCALS,

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import sympy as sp
+from sympy.printing.conventions import requires_partial
 from sympy.printing.latex import LatexPrinter
 
 from stickslip_sym.brackets import Binding, binding, bracketed, held, length
@@ -24,6 +25,8 @@ _NUMBER, _FORCE, _SYMBOL, _SPEED, _SUM, _EXP, _FUNCTION, _OTHER = range(8)
 
 
 class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
+    printmethod = None  # SymPy's constants would print themselves, Catalan's as G beside any G
+
     def __init__(self, names: Mapping[str, str], dummies: Mapping[Any, str], *, slashes: bool) -> None:
         super().__init__({"diff_operator": "rd", "imaginary_unit": "ri"})
         self.dummies = dummies
@@ -61,7 +64,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Exp1(self, expr: Any, exp: Any = None) -> str:
         del expr, exp
-        return r"\mathrm{e}"
+        return r"\exp(1)" if "e" in self._taken else r"\mathrm{e}"
 
     # -- sums ----------------------------------------------------------------------------------------
 
@@ -192,7 +195,9 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         argument = expr.args[0]
         with self._flat():
             printed = self._print(argument)
-        deep = argument.has(sp.Add) or any(not power.exp.is_number for power in argument.atoms(sp.Pow))
+        # Beside a symbol e, what stands upright is not enough to tell them apart.
+        powers = any(not power.exp.is_number for power in argument.atoms(sp.Pow))
+        deep = "e" in self._taken or argument.has(sp.Add) or powers
         result = f"\\exp{bracketed(printed)}" if deep else f"\\mathrm{{e}}^{{{printed}}}"
         return result if exp is None else f"{bracketed(result)}^{{{exp}}}"
 
@@ -214,6 +219,19 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _applied(self, name: str, *arguments: Any) -> str:
         with self._flat():
             return name + bracketed(", ".join(self._print(argument) for argument in arguments))
+
+    def _print_Derivative(self, expr: Any) -> str:
+        primed = self._primed(expr, expr.expr.args[0]) if expr.expr.args else ""
+        if primed:
+            return primed
+        sign = r"\partial" if requires_partial(expr.expr) else r"\mathrm{d}"
+        order = sum(count for _, count in expr.variable_count)
+        over = f"{sign}^{{{order}}}" if order != 1 else sign
+        below = " ".join(
+            f"{sign} {self._print(variable)}" + (f"^{{{count}}}" if count != 1 else "")
+            for variable, count in expr.variable_count
+        )
+        return f"\\frac{{{over}}}{{{below}}} {held(self._print(expr.expr), Binding.FACTOR)}"
 
     def _print_Integral(self, expr: Any) -> str:
         if len(expr.limits) != 1 or len(expr.limits[0]) != 3:
