@@ -185,8 +185,8 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         if isinstance(base, SQUARED) and exponent.is_Integer:
             return self._applied(f"{called(type(base), self._taken)}{raised}", base.args[0])
         printed = self._print(base)
-        if base.is_Symbol or base.is_NumberSymbol:
-            return f"{{{printed}}}{raised}" if "^" in printed or "'" in printed else f"{printed}{raised}"
+        if "^" not in printed and (base.is_Symbol or base.is_NumberSymbol):
+            return f"{{{printed}}}{raised}" if "'" in printed else f"{held(printed, Binding.FACTOR)}{raised}"
         if base.is_Integer and base >= 0:
             return f"{printed}{raised}"
         return f"{bracketed(printed)}{raised}"

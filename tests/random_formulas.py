@@ -6,6 +6,7 @@ point and it is well conditioned there, so that what is printed of it can be com
 
 import mpmath
 import sympy as sp
+from sympy.codegen.cfunctions import expm1, log1p
 
 from stickslip_sym.special import Lerch
 
@@ -26,6 +27,11 @@ ONE = {
     sp.atan: mpmath.atan, sp.erf: mpmath.erf, sp.Abs: abs,
 }  # fmt: skip
 """What laws and their slopes consist of."""
+CODE = ONE | {
+    expm1: mpmath.expm1, log1p: mpmath.log1p, sp.asin: mpmath.asin, sp.acos: mpmath.acos, sp.acosh: mpmath.acosh,
+    sp.atanh: mpmath.atanh, sp.coth: mpmath.coth, sp.sign: mpmath.sign,
+}  # fmt: skip
+"""What is written as code."""
 RARE = {
     sp.coth: mpmath.coth, sp.acosh: mpmath.acosh, sp.atanh: mpmath.atanh, sp.acos: mpmath.acos,
     sp.erfc: mpmath.erfc, sp.erfi: mpmath.erfi, sp.sign: mpmath.sign, sp.gamma: mpmath.gamma, sp.elliptic_k: mpmath.ellipk,
@@ -81,7 +87,7 @@ def value(expr, point, noise=lambda x: x):
             return mpmath.diff(lambda x: value(node.expr, point | {variable: x}), point[variable])
         if node.is_NumberSymbol:
             return mpmath.mpf({sp.pi: mpmath.pi, sp.E: mpmath.e, sp.Catalan: mpmath.catalan}[node])
-        return (ONE | RARE | SEVERAL)[type(node)](*map(walk, node.args))
+        return (CODE | RARE | SEVERAL)[type(node)](*map(walk, node.args))
 
     def true(relation):
         if not isinstance(relation, sp.core.relational.Relational):
@@ -124,7 +130,7 @@ class Draws:
         if self.rng.random() < 0.75:
             return self.rng.choice(self.symbols)
         small = [sp.Integer(2), sp.Integer(3), sp.Integer(-1), sp.Rational(1, 2), sp.Rational(-2, 3), sp.pi]
-        return self.rng.choice(small if self.plain else [*small, sp.Catalan])
+        return self.rng.choice([*small, sp.Catalan])
 
     def positive(self, depth):
         return self.rng.choice(self.symbols) if depth < 1 else sp.Abs(self.expression(depth - 1)) + self.leaf()
@@ -157,7 +163,7 @@ class Draws:
             exponent = rng.choice((number, number, inner()))
             return sp.Pow(inner(), exponent, evaluate=not loose)
         if kind == "function":
-            return rng.choice(list(ONE))(inner())
+            return rng.choice(list(CODE if self.plain else ONE))(inner())
         if kind == "kink":
             return self.kink(inner)
         return self.special(depth) if kind == "special" else self.open()
