@@ -46,7 +46,6 @@ def called(kind: Any, taken: Collection[str]) -> str:
     name = NAMED.get(kind) or INDEXED.get(kind) or _CONSTANTS[kind]
     # K_1 is not K, but a symbol K_1 looks like the function with the index 1.
     others = {other.partition("_")[0] for other in taken} if kind in INDEXED else taken
-    if look(name) not in others:
-        return name
-    word = kind.__name__ if isinstance(kind, type) else str(kind)
-    return f"\\operatorname{{{word.replace('_', '')}}}"
+    word = (kind.__name__ if isinstance(kind, type) else str(kind)).replace("_", "")
+    choices = (name, f"\\operatorname{{{word}}}")
+    return next((choice for choice in choices if look(choice) not in others), f"\\operatorname{{sympy.{word}}}")

@@ -15,7 +15,7 @@ from sympy.printing.latex import LatexPrinter
 from stickslip_sym.brackets import Binding, binding, bracketed, held, length
 from stickslip_sym.latex_functions import INDEXED, NAMED, SQUARED, called
 from stickslip_sym.notation import latex_name, look, told_apart
-from stickslip_sym.text_printer import Readable, spellings
+from stickslip_sym.text_printer import Readable, factors, spellings
 
 __all__ = ["latex"]
 
@@ -86,8 +86,8 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     # -- products ------------------------------------------------------------------------------------
 
     def _print_Mul(self, expr: Any) -> str:
-        number, factors = sp.Integer(1), []
-        for factor in _factors(expr):
+        number, parts = sp.Integer(1), []
+        for factor in factors(expr):
             if factor.is_Rational:
                 number *= factor
                 continue
@@ -95,11 +95,11 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
                 content, primitive = factor.primitive()
                 if content.is_Integer:  # 2 (a - b), where SymPy multiplies out
                     number, factor = number * content, primitive
-            factors.append(factor)
-        for position, factor in enumerate(factors):
+            parts.append(factor)
+        for position, factor in enumerate(parts):
             if number < 0 and factor.is_Add and factor.has(sp.Function) and -1 in factor.args:
-                number, factors[position] = -number, -factor  # not -(tanh(x) - 1)
-        product = self._product(abs(number), factors)
+                number, parts[position] = -number, -factor  # not -(tanh(x) - 1)
+        product = self._product(abs(number), parts)
         return f"-{held(product, Binding.OPEN)}" if number < 0 else product
 
     def _print_Rational(self, expr: Any) -> str:
@@ -261,15 +261,6 @@ def _special(self: _Latex, expr: Any, exp: Any = None) -> str:
 for _kind in [*NAMED, *INDEXED]:
     # SymPy's printer has a method of its own for some of them.
     setattr(_Latex, f"_print_{_kind.__name__}", _special)
-
-
-def _factors(product: Any) -> Iterator[Any]:
-    """Yield the factors of a product, and of products in it that were not multiplied out."""
-    for factor in product.args:
-        if factor.is_Mul:
-            yield from _factors(factor)
-        else:
-            yield factor
 
 
 def _is_below(factor: Any) -> bool:

@@ -32,7 +32,9 @@ _WIDE = {
 _BIG = {r"\bigl": 0.8, r"\bigr": 0.8, r"\biggl": 2.2, r"\biggr": 2.2, r"\left": 1.6, r"\right": 1.6}
 _TEXTS = (r"\mathrm", r"\operatorname", r"\mathit", r"\text", r"\textrm")
 _SCRIPT = 0.76
-_OPERATORS = frozenset({"", "+", "-", "=", "<", ">", ",", ";", r"\cdot", r"\,"})  # no product stands behind them
+_OPERATORS = frozenset({"", "+", "-", "=", "<", ">", ",", ";", r"\cdot", r"\,", r"\int"})
+"""What no sign of a product may follow; the operator of a derivative is taken for an integral."""
+_DIFFERENTIALS = (r"\mathrm", r"\partial")  # what a fraction begins with that is an operator
 
 
 def width(latex: str) -> float:
@@ -148,7 +150,10 @@ def _places(latex: str) -> tuple[list[tuple[int, int, float]], float]:
             depth += 1 if token in ("(", "[", r"\{") else -1
         part, following = _part(tokens, i)
         total += part
-        before = before if token.isspace() else token
+        if token == r"\frac" and tokens[i + 2] in _DIFFERENTIALS:
+            before = r"\int"
+        elif not token.isspace() and not (before == r"\int" and token in "_^"):
+            before = token
         position += sum(map(len, tokens[i:following]))
         i = following
     return found, total

@@ -4,13 +4,13 @@ A sum starts with a positive term, and the derivative of a function of one varia
 given place, where SymPy prints ``Subs(Derivative(x(t), t), t, t_P)``.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
-__all__ = ["Readable", "spellings", "text"]
+__all__ = ["Readable", "factors", "spellings", "text"]
 
 
 class Readable:
@@ -55,6 +55,28 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Dummy(self, expr: Any) -> str:
         return self.dummies[expr]
+
+    def _print_Mul(self, expr: Any) -> str:
+        if not any(factor.is_Rational or factor.is_Mul for factor in expr.args[1:]):
+            return str(super()._print_Mul(expr))
+        # Of a * (1/2) that was not multiplied out SymPy makes a/1/2.
+        numbers, others = sp.sift(factors(expr), lambda factor: factor.is_Rational, binary=True)
+        number = sp.Mul(*numbers)
+        parts = others if number == 1 and others else [number, *others]
+        return str(self._print(parts[0] if len(parts) == 1 else sp.Mul(*parts, evaluate=False)))
+
+    def _print_Exp1(self, expr: Any) -> str:
+        del expr
+        return "exp(1)"  # E may be a parameter
+
+
+def factors(product: Any) -> Iterator[Any]:
+    """Yield the factors of a product, and of products in it that were not multiplied out."""
+    for factor in product.args:
+        if factor.is_Mul:
+            yield from factors(factor)
+        else:
+            yield factor
 
 
 def spellings(expr: Any, names: Iterable[str] = ()) -> dict[Any, str]:

@@ -12,8 +12,8 @@ from stickslip_sym.special import Lerch
 
 NAMES = (
     "V", "N", "v", "a", "b", "w", "v_0", "mu_s", "mu_m", "alpha", "beta", "a1", "a_1", "drop", "E", "K", "G", "e",
-    "i", "eta", "gamma", "q", "q_1", "p", "h", "I_1", "double", "end", "lamda", "np", "M_PI", "x_", "Gamma", "zeta",
-    "d",
+    "i", "eta", "gamma", "q", "q_1", "p", "h", "I_1", "double", "end", "lamda", "np", "M_PI", "x_", "Gamma",
+    "zeta", "d",
 )  # fmt: skip
 """Names of symbols, many of them words of a language or names of functions in LaTeX."""
 NOTATION = {
@@ -34,8 +34,8 @@ CODE = ONE | {
 """What is written as code."""
 RARE = {
     sp.coth: mpmath.coth, sp.acosh: mpmath.acosh, sp.atanh: mpmath.atanh, sp.acos: mpmath.acos,
-    sp.erfc: mpmath.erfc, sp.erfi: mpmath.erfi, sp.sign: mpmath.sign, sp.gamma: mpmath.gamma, sp.elliptic_k: mpmath.ellipk,
-    sp.elliptic_e: mpmath.ellipe, sp.dirichlet_eta: mpmath.altzeta, sp.zeta: mpmath.zeta,
+    sp.erfc: mpmath.erfc, sp.erfi: mpmath.erfi, sp.sign: mpmath.sign, sp.gamma: mpmath.gamma,
+    sp.elliptic_k: mpmath.ellipk, sp.elliptic_e: mpmath.ellipe, sp.dirichlet_eta: mpmath.altzeta, sp.zeta: mpmath.zeta,
 }  # fmt: skip
 """What closed forms may have besides."""
 SEVERAL = {
@@ -43,6 +43,7 @@ SEVERAL = {
     sp.lowergamma: lambda s, x: mpmath.gammainc(s, 0, x),
     Lerch: lambda z, s, a: mpmath.nsum(lambda n: z**n / (n + a) ** s, [0, mpmath.inf], method="d"),
 }  # fmt: skip
+KNOWN = CODE | RARE | SEVERAL
 
 
 class Unfit(Exception):
@@ -87,7 +88,9 @@ def value(expr, point, noise=lambda x: x):
             return mpmath.diff(lambda x: value(node.expr, point | {variable: x}), point[variable])
         if node.is_NumberSymbol:
             return mpmath.mpf({sp.pi: mpmath.pi, sp.E: mpmath.e, sp.Catalan: mpmath.catalan}[node])
-        return (CODE | RARE | SEVERAL)[type(node)](*map(walk, node.args))
+        if type(node) not in KNOWN:
+            raise Unfit
+        return KNOWN[type(node)](*map(walk, node.args))
 
     def true(relation):
         if not isinstance(relation, sp.core.relational.Relational):
@@ -185,7 +188,7 @@ class Draws:
         if kind in (sp.lowergamma,):
             return kind(rng.choice(self.symbols), self.positive(depth - 1))
         if kind is sp.polylog:
-            return kind(rng.choice((2, 3)), -self.below_one())
+            return kind(rng.choice((2, 3)), -self.below_one(), evaluate=False)  # SymPy would compare for long
         if kind is Lerch:
             return kind(-self.below_one() / 2, rng.choice((1, 2)), self.positive(0))
         if kind is sp.elliptic_pi:

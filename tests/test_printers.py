@@ -20,9 +20,20 @@ import sympy as sp
 from random_formulas import NOTATION, Draws
 from text_reader import read_text
 
-from stickslip_sym import abbreviation, c_text, html_text, layout, octave_text, printing, python_text
+import stickslip_sym as ss
+from stickslip_sym import (
+    abbreviation,
+    c_text,
+    dialects,
+    html_text,
+    latex_printer,
+    layout,
+    octave_text,
+    printing,
+    python_text,
+    text_printer,
+)
 from stickslip_sym.dialects import c99, octave, python
-from stickslip_sym.errors import NoClosedForm
 from stickslip_sym.notation import notation_of
 
 COUNT = int(os.environ.get("STICKSLIP_PRINTED", "300"))
@@ -57,61 +68,111 @@ def notation(expr, number):
     return notation_of(names, {name: NOTATION[name] for name in names if name in NOTATION} if number % 2 else {})
 
 
-def inline(expr, names):
-    return printing.latex(expr, names, inline=True)
+def by_latex(shown, expr, point, names):
+    """The value that a person reads."""
+    return latex_reader.read(shown, {names[symbol.name]: point[symbol] for symbol in expr.atoms(sp.Symbol)})
 
 
-def in_html(expr, names):
-    shown = str(html_text.formula(printing.latex(expr, names)))
-    return html.unescape(re.fullmatch(r"<span>\$(.*)\$</span>", shown, re.S)[1])
+def by_lines(shown, point, names):
+    """The value of an equation that is broken into lines, with the definitions that follow it."""
+    first, *definitions = re.findall(r"\\begin\{equation\*\}\n.*?\\end\{equation\*\}", shown, re.S)
+    known = {names[symbol.name]: value for symbol, value in point.items() if symbol.name in names}
+    for equation in [first, *definitions]:
+        latex_reader.rows(equation)
+    for definition in definitions:
+        left, right = latex_reader.sides(definition)
+        assert left not in known, f"{left} has a meaning already"
+        known[left] = latex_reader.read(right, known)
+    return latex_reader.read(latex_reader.sides(first)[1], known)
 
 
-LATEX = {"display": printing.latex, "inline": inline, "HTML": in_html}
-
-
-@batches
-@pytest.mark.parametrize("kind", LATEX)
-def test_latex_says_what_it_is_printed_of(kind, batch):
-    with mpmath.workdps(DIGITS):
-        for number, (expr, point, expected) in enumerate(draws(batch)):
-            names = notation(expr, number)
-            known = {names[symbol.name]: point[symbol] for symbol in expr.atoms(sp.Symbol)}
-            shown = LATEX[kind](expr, names)
-            assert agrees(latex_reader.read(shown, known), expected), f"{expr!r}\n{shown}"
-
-
-def broken(expr, names):
-    """The value of an equation in narrow lines, with the abbreviations after it."""
-    shown = abbreviation.equation("c", expr, names)
-    return re.findall(r"\\begin\{equation\*\}\n.*?\\end\{equation\*\}", shown, re.S)
+def by_text(shown, point):
+    return read_text(shown, {symbol.name: value for symbol, value in point.items()})
 
 
 @batches
-def test_broken_and_abbreviated_equations_say_the_same(batch, monkeypatch):
+def test_latex_and_text_say_what_they_are_printed_of(batch, monkeypatch):
     monkeypatch.setattr(layout, "LINE", NARROW)
     monkeypatch.setattr(abbreviation, "LINE", NARROW)
     with mpmath.workdps(DIGITS):
         for number, (expr, point, expected) in enumerate(draws(batch)):
             names = notation(expr, number)
-            known = {names[symbol.name]: point[symbol] for symbol in expr.atoms(sp.Symbol)}
-            shown, *definitions = broken(expr, names)
-            for equation in [shown, *definitions]:
-                latex_reader.rows(equation)
-            for definition in definitions:
-                left, right = latex_reader.sides(definition)
-                assert left not in known, f"{left} has a meaning already in\n{shown}"
-                known[left] = latex_reader.read(right, known)
-            got = latex_reader.read(latex_reader.sides(shown)[1], known)
-            assert agrees(got, expected), f"{expr!r}\n{shown}\n{definitions}"
-
-
-@batches
-def test_text_says_what_it_is_printed_of(batch):
-    with mpmath.workdps(DIGITS):
-        for expr, point, expected in draws(batch):
+            for inline in (False, True):
+                shown = printing.latex(expr, names, inline=inline)
+                assert agrees(by_latex(shown, expr, point, names), expected), f"{expr!r}\n{shown}"
+                assert html.unescape(html_text.formula(shown)) in (f"<span>${shown}$</span>", too_long(shown))
+            shown = abbreviation.equation("c", expr, names)
+            assert agrees(by_lines(shown, point, names), expected), f"{expr!r}\n{shown}"
             shown = printing.text(expr)
-            known = {symbol.name: value for symbol, value in point.items()}
-            assert agrees(read_text(shown, known), expected), f"{expr!r}\n{shown}"
+            assert agrees(by_text(shown, point), expected), f"{expr!r}\n{shown}"
+
+
+def too_long(shown):
+    return f"<i>a formula of {len(shown)} characters of LaTeX</i>"
+
+
+@pytest.mark.parametrize("module", [latex_printer, text_printer])
+def test_a_printer_that_drops_brackets_is_caught(module, monkeypatch):
+    """The negative control: without the brackets of sums and quotients many formulas have another value."""
+    if module is latex_printer:
+        monkeypatch.setattr(latex_printer, "held", lambda latex, least: latex)
+    else:
+        monkeypatch.setattr(text_printer._Text, "parenthesize", lambda self, item, *_, **__: self._print(item))
+    others = refused = 0
+    with mpmath.workdps(DIGITS):
+        for number, (expr, point, expected) in enumerate(draws(0, plain=True)):
+            names = notation(expr, number)
+            if any(not power.exp.is_number for power in expr.atoms(sp.Pow)):
+                continue  # without brackets some would be towers of powers
+            try:
+                if module is latex_printer:
+                    got = by_latex(printing.latex(expr, names, inline=True), expr, point, names)
+                else:
+                    got = by_text(printing.text(expr), point)
+            except AssertionError:
+                refused += 1
+            else:
+                others += not agrees(got, expected)
+    assert others >= 10
+    assert refused >= (10 if module is latex_printer else 0)
+
+
+@pytest.mark.parametrize(
+    ("expr", "latex"),
+    [
+        (sp.exp((V + a) / b), r"\exp\bigl[(V + a)/b\bigr]"),
+        (sp.log((2 * V + a) / b), r"\ln\bigl[(2 V + a)/b\bigr]"),
+        (sp.erf((2 * V - a) / b), r"\operatorname{erf}\bigl[(2 V - a)/b\bigr]"),
+        (V ** ((a + 1) / b), r"V^{(1 + a)/b}"),
+        (2 * 3**V, r"2 \cdot 3^{V}"),
+        (sp.Mul(-1, a - b, evaluate=False), "-(a - b)"),
+        (sp.Catalan * sp.Symbol("G"), r"\operatorname{Catalan} G"),
+        (sp.exp(V) * sp.Symbol("e"), r"e \exp(V)"),
+        (sp.Symbol("a1") - sp.Symbol("a_1"), r"a_{1} - \mathit{a\_1}"),
+        (sp.Symbol("u") - 2 * sp.Dummy("u"), r"u - 2 \mathit{u\_}"),
+        (sp.Derivative(2 * a * V, V), r"\frac{\partial}{\partial V} (2 a V)"),
+    ],
+)  # fmt: skip
+def test_what_was_printed_as_something_else(expr, latex):
+    assert printing.latex(expr) == latex
+
+
+def test_text_tells_symbols_apart():
+    assert printing.text(sp.Symbol("u") - 2 * sp.Dummy("u")) == "u - 2*u_"
+    assert printing.text(sp.Symbol("E") * sp.E) == "exp(1)*E"
+
+
+@pytest.mark.parametrize(
+    "latex",
+    [
+        "a/b V", "a/b/V", r"2 3^{V}", r"2 \frac{1}{3}", r"\ln(V)^{2}", r"V^{a}^{b}", r"\tanh^{-1}(V)", "a + - b",
+        r"\begin{cases} a & \text{for}\: V < b \\b & \text{otherwise} \end{cases} + 1", r"a \times + b",
+        r"\int_{0}^{a} V \,\mathrm{d}V/2", r"\int_{0}^{a} V \,\mathrm{d}V b", r"\sqrt{V}^{2}", r"{a + b} V",
+    ],
+)  # fmt: skip
+def test_the_reader_refuses_what_can_be_read_in_two_ways(latex):
+    with pytest.raises(AssertionError):
+        latex_reader.read(latex, {"a": mpmath.mpf(2), "b": mpmath.mpf(3), "V": mpmath.mpf(5)})
 
 
 # -- code -------------------------------------------------------------------------------------------
@@ -185,3 +246,18 @@ def test_code_computes_what_it_is_written_of(run, dialect, batch, tmp_path):
     given = list(written(dialect, batch))
     for (expr, text, _, _, expected), got in zip(given, run(batch, tmp_path), strict=True):
         assert agrees(got, expected), f"{expr!r}\n{text}\n{got} is not {expected}"
+
+
+def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
+    monkeypatch.setattr(dialects._Python, "parenthesize", lambda self, item, *_, **__: self._print(item))
+    found = zip(written(python, 0), by_python(0, tmp_path), strict=True)
+    assert sum(not agrees(got, expected) for (*_, expected), got in found) >= 20
+
+
+@pytest.mark.parametrize("dialect", [python, c99, octave])
+@pytest.mark.parametrize(
+    "function", [sp.besseli(1, V), sp.polylog(2, -V), sp.erfi(V), sp.gamma(V), sp.elliptic_e(V)]
+)
+def test_functions_that_no_language_has_are_refused(function, dialect):
+    with pytest.raises(ss.NoClosedForm, match="cannot be written as code: C, Python and Octave do not all have"):
+        dialect.text(a + 2 * function / b, {V: "V", a: "a", b: "b"})
