@@ -57,17 +57,21 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
         return self.dummies[expr]
 
     def _print_Mul(self, expr: Any) -> str:
-        if not any(factor.is_Rational or factor.is_Mul for factor in expr.args[1:]):
+        if not any(_is_number(factor) or factor.is_Mul for factor in expr.args[1:]):
             return str(super()._print_Mul(expr))
-        # Of a * (1/2) that was not multiplied out SymPy makes a/1/2.
-        numbers, others = sp.sift(factors(expr), lambda factor: factor.is_Rational, binary=True)
-        number = sp.Mul(*numbers)
+        # Of a * (1/2) and a / (1/2) that were not multiplied out SymPy makes a/1/2.
+        numbers, others = sp.sift(factors(expr), _is_number, binary=True)
+        number = sp.Mul(*(factor.doit() for factor in numbers))
         parts = others if number == 1 and others else [number, *others]
         return str(self._print(parts[0] if len(parts) == 1 else sp.Mul(*parts, evaluate=False)))
 
     def _print_Exp1(self, expr: Any) -> str:
         del expr
         return "exp(1)"  # E may be a parameter
+
+
+def _is_number(factor: Any) -> bool:
+    return bool(factor.is_Rational or (factor.is_Pow and factor.base.is_Rational and factor.exp.is_Integer))
 
 
 def factors(product: Any) -> Iterator[Any]:

@@ -35,7 +35,8 @@ CODE = ONE | {
 RARE = {
     sp.coth: mpmath.coth, sp.acosh: mpmath.acosh, sp.atanh: mpmath.atanh, sp.acos: mpmath.acos,
     sp.erfc: mpmath.erfc, sp.erfi: mpmath.erfi, sp.sign: mpmath.sign, sp.gamma: mpmath.gamma,
-    sp.elliptic_k: mpmath.ellipk, sp.elliptic_e: mpmath.ellipe, sp.dirichlet_eta: mpmath.altzeta, sp.zeta: mpmath.zeta,
+    sp.elliptic_k: mpmath.ellipk, sp.elliptic_e: mpmath.ellipe, sp.dirichlet_eta: mpmath.altzeta,
+    sp.zeta: mpmath.zeta,
 }  # fmt: skip
 """What closed forms may have besides."""
 SEVERAL = {

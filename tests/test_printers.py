@@ -17,7 +17,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from random_formulas import NOTATION, Draws
+from random_formulas import NOTATION, SEVERAL, Draws
 from text_reader import read_text
 
 import stickslip_sym as ss
@@ -120,10 +120,10 @@ def test_a_printer_that_drops_brackets_is_caught(module, monkeypatch):
         monkeypatch.setattr(text_printer._Text, "parenthesize", lambda self, item, *_, **__: self._print(item))
     others = refused = 0
     with mpmath.workdps(DIGITS):
-        for number, (expr, point, expected) in enumerate(draws(0, plain=True)):
+        for number, (expr, point, expected) in enumerate(draws(0)):
             names = notation(expr, number)
-            if any(not power.exp.is_number for power in expr.atoms(sp.Pow)):
-                continue  # without brackets some would be towers of powers
+            if expr.has(*SEVERAL, sp.hyper) or any(not power.exp.is_number for power in expr.atoms(sp.Pow)):
+                continue  # misread, they would be towers of powers, or sums without an end
             try:
                 if module is latex_printer:
                     got = by_latex(printing.latex(expr, names, inline=True), expr, point, names)
@@ -133,8 +133,8 @@ def test_a_printer_that_drops_brackets_is_caught(module, monkeypatch):
                 refused += 1
             else:
                 others += not agrees(got, expected)
-    assert others >= 10
-    assert refused >= (10 if module is latex_printer else 0)
+    assert others >= 5
+    assert refused >= (5 if module is latex_printer else 0)
 
 
 @pytest.mark.parametrize(
