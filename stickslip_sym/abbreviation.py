@@ -6,7 +6,7 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym.layout import LINE, displayed, width
-from stickslip_sym.notation import notation_of
+from stickslip_sym.notation import look, notation_of
 from stickslip_sym.printing import latex
 
 __all__ = ["abbreviated", "equation"]
@@ -55,10 +55,17 @@ def abbreviated(expr: Any, names: Mapping[str, str]) -> tuple[Any, list[tuple[An
             symbol = sp.Dummy("denominator", positive=True)
             expr = expr.xreplace({power: symbol**power.exp})
             definitions.append((symbol, power.base))
-    letters = [letter for letter in _LETTERS if letter not in names.values()]
+    letter = _letter(expr, names)
     new = {
-        symbol: sp.Symbol(letters[0] if len(definitions) == 1 else f"{letters[0]}_{number}", positive=True)
+        symbol: sp.Symbol(letter if len(definitions) == 1 else f"{letter}_{number}", positive=True)
         for number, (symbol, _) in enumerate(definitions, 1)
     }
     known = dict(names) | notation_of(symbol.name for symbol in new.values())
     return expr.xreplace(new), [(new[symbol], value.xreplace(new)) for symbol, value in definitions], known
+
+
+def _letter(expr: Any, names: Mapping[str, str]) -> str:
+    """Return a letter that begins no name here, neither as it is given nor as it is printed."""
+    written = [*names, *names.values(), *(symbol.name for symbol in expr.atoms(sp.Symbol))]
+    free = (letter for letter in _LETTERS if not any(look(name).startswith(letter) for name in written))
+    return next(free, "Q")

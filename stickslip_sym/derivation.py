@@ -10,7 +10,7 @@ import sympy as sp
 from stickslip_sym import html_text, printing
 from stickslip_sym.abbreviation import equation
 from stickslip_sym.layout import prose
-from stickslip_sym.notation import notation_of
+from stickslip_sym.notation import notation_of, told_apart
 from stickslip_sym.proving import Status, Verdict, prove_equal, prove_positive
 from stickslip_sym.symbols import QUANTITIES
 from stickslip_sym.theorems import By
@@ -139,13 +139,14 @@ class Derivation:
             LaTeX that stands above instead of the title.
         """
         known = notation_of(QUANTITIES) | {"mu": r"\mu"} | dict(names or {})
+        names = self._names(names)
         parts = [f"\\paragraph{{{heading or prose(self.title, known)}.}}"]
         for step in self.steps:
             statement = step.statement
             shown = equation(
                 printing.latex(statement.lhs, names),
                 statement.rhs,
-                names or {},
+                names,
                 relation=statement.rel_op.replace("==", "="),
                 tag=step.label,
             )
@@ -153,13 +154,19 @@ class Derivation:
             parts.append(f"{words[0].upper()}{words[1:]}\n{shown}\n% {step.verdict.status.value}")
         return "\n\n".join(parts) + "\n"
 
+    def _names(self, given: Mapping[str, str] | None = None) -> dict[str, str]:
+        """Return the LaTeX of every symbol, the same in all steps."""
+        symbols = set().union(*(step.statement.atoms(sp.Symbol) for step in self.steps))
+        return told_apart((symbol.name for symbol in symbols if not symbol.is_Dummy), given or {})
+
     def _repr_html_(self) -> str:
+        names = self._names()
         rows = [
             [
                 f"{number} {step.label}".strip(),
                 step.operation,
                 step.reason,
-                html_text.formula(f"\\displaystyle {printing.latex(step.statement)}"),
+                html_text.formula(f"\\displaystyle {printing.latex(step.statement, names)}"),
                 str(step.verdict),
             ]
             for number, step in enumerate(self.steps, 1)
@@ -168,7 +175,8 @@ class Derivation:
         return html_text.table(header, rows, caption=f"{self.title} [{self.status.value}]")
 
     def _repr_latex_(self) -> str:
-        rows = " \\\\\n".join(printing.latex(step.statement).replace("=", "&=", 1) for step in self.steps)
+        names = self._names()
+        rows = " \\\\\n".join(printing.latex(step.statement, names).replace("=", "&=", 1) for step in self.steps)
         return f"$$\\begin{{aligned}}\n{rows}\n\\end{{aligned}}$$"
 
     def __repr__(self) -> str:

@@ -4,11 +4,16 @@ import builtins
 import keyword
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import sympy as sp
+from sympy.codegen.cfunctions import expm1, log1p
+from sympy.functions.elementary.piecewise import ExprCondPair
+from sympy.logic.boolalg import BooleanTrue
 from sympy.printing.c import C99CodePrinter
 from sympy.printing.numpy import NumPyPrinter
+
+from stickslip_sym.errors import NoClosedForm
 
 __all__ = ["Dialect", "c99", "numeric_list", "octave", "python"]
 
@@ -51,7 +56,28 @@ _LOCALS = frozenset(
 """Names that the functions inside the text use for themselves."""
 
 
-class _C(C99CodePrinter):  # type: ignore[misc]  # SymPy is untyped
+_WRITTEN = (
+    sp.Add, sp.Mul, sp.Pow, sp.Rational, sp.Float, sp.NumberSymbol, sp.Symbol, sp.Max, sp.Min, sp.Abs, sp.sign,
+    sp.Piecewise, ExprCondPair, sp.StrictLessThan, sp.StrictGreaterThan, BooleanTrue,
+    sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.coth,
+    sp.asinh, sp.acosh, sp.atanh, sp.erf, expm1, log1p,
+)  # fmt: skip
+"""What every language here can compute; SymPy's printers would write other functions as if they existed."""
+
+
+class _Reciprocal:
+    """Functions that are one over another one; SymPy would rewrite all that stands in their argument too."""
+
+    def _print_sech(self, expr: Any) -> str:
+        return f"(1.0/{self._print(sp.cosh(expr.args[0], evaluate=False))})"  # type: ignore[attr-defined]  # a printer's
+
+    def _print_coth(self, expr: Any) -> str:
+        return f"(1.0/{self._print(sp.tanh(expr.args[0], evaluate=False))})"  # type: ignore[attr-defined]  # a printer's
+
+
+class _C(_Reciprocal, C99CodePrinter):  # type: ignore[misc]  # SymPy is untyped
+    math_macros: ClassVar[dict[Any, str]] = {}  # M_SQRT2 and the like are neither C99's nor Octave's
+
     def _print_Float(self, expr: Any) -> str:
         return repr(float(expr))
 
@@ -97,15 +123,18 @@ class _Octave(_C):
         return str(text)
 
 
-class _Python(NumPyPrinter):  # type: ignore[misc]  # SymPy is untyped
+class _Python(_Reciprocal, NumPyPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_erf(self, expr: Any) -> str:
         return f"_erf({self._print(expr.args[0])})"
 
-    def _print_Exp1(self, expr: Any) -> str:
+    def _print_NumberSymbol(self, expr: Any) -> str:
         return repr(float(expr))
 
+    def _print_Exp1(self, expr: Any) -> str:
+        return self._print_NumberSymbol(expr)
+
     def _print_Pi(self, expr: Any) -> str:
-        return repr(float(expr))
+        return self._print_NumberSymbol(expr)
 
     def _print_Max(self, expr: Any) -> str:
         return self._nested("maximum", expr)
@@ -135,7 +164,19 @@ class Dialect:
         return f"{text}_" if text in self._words or text.endswith("_") or self._kept.fullmatch(text) else text
 
     def text(self, expr: Any, names: Mapping[Any, str]) -> str:
-        """Return an expression in this language."""
+        """Return an expression in this language.
+
+        Raises
+        ------
+        NoClosedForm
+            For a function that not every language here has.
+        """
+        for node in sp.preorder_traversal(sp.sympify(expr)):
+            if not isinstance(node, _WRITTEN):
+                raise NoClosedForm(
+                    f"{str(node)[:60]} cannot be written as code: C, Python and Octave do not all have "
+                    f"{type(node).__name__}; what needs no such function, like the slope of a law, can be written"
+                )
         renamed = {symbol: sp.Symbol(name, positive=True) for symbol, name in names.items()}
         return str(self._printer.doprint(sp.sympify(expr).xreplace(renamed)))
 

@@ -32,6 +32,9 @@ _WIDE = {
 _BIG = {r"\bigl": 0.8, r"\bigr": 0.8, r"\biggl": 2.2, r"\biggr": 2.2, r"\left": 1.6, r"\right": 1.6}
 _TEXTS = (r"\mathrm", r"\operatorname", r"\mathit", r"\text", r"\textrm")
 _SCRIPT = 0.76
+_OPERATORS = frozenset({"", "+", "-", "=", "<", ">", ",", ";", r"\cdot", r"\,", r"\int"})
+"""What no sign of a product may follow; the operator of a derivative is taken for an integral."""
+_DIFFERENTIALS = (r"\mathrm", r"\partial")  # what a fraction begins with that is an operator
 
 
 def width(latex: str) -> float:
@@ -133,13 +136,13 @@ def _places(latex: str) -> tuple[list[tuple[int, int, float]], float]:
     Never inside a group, or between \left and \right.
     """
     tokens = _TOKEN.findall(latex)
-    found, position, depth, fixed, total, i = [], 0, 0, 0, 0.0, 0
+    found, position, depth, fixed, total, i, before = [], 0, 0, 0, 0.0, 0, ""
     while i < len(tokens):
         token = tokens[i]
         apart = not fixed and i > 0 and tokens[i - 1].isspace()
         if apart and token in "+-" and tokens[i + 1].isspace():
             found.append((position, 2 * depth, total))
-        elif apart and token in (r"\bigl", r"\biggl"):
+        elif apart and token in (r"\bigl", r"\biggl") and before not in _OPERATORS:
             found.append((position, 2 * depth + 1, total))  # a product, rather than the sum inside
         if token in (r"\left", r"\begin", r"\right", r"\end"):
             fixed += 1 if token in (r"\left", r"\begin") else -1
@@ -147,6 +150,10 @@ def _places(latex: str) -> tuple[list[tuple[int, int, float]], float]:
             depth += 1 if token in ("(", "[", r"\{") else -1
         part, following = _part(tokens, i)
         total += part
+        if token == r"\frac" and tokens[i + 2] in _DIFFERENTIALS:
+            before = r"\int"
+        elif not token.isspace() and not (before == r"\int" and token in "_^"):
+            before = token
         position += sum(map(len, tokens[i:following]))
         i = following
     return found, total

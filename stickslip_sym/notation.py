@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from stickslip_sym.errors import InputError
 from stickslip_sym.values import suggestion
 
-__all__ = ["check_known", "latex_name", "notation_of"]
+__all__ = ["check_known", "latex_name", "look", "notation_of", "told_apart"]
 
 _GREEK = frozenset(
     {
@@ -27,8 +27,8 @@ _SIGNS = frozenset(
     }
 )  # fmt: skip
 _WORDS = frozenset({"text", "operatorname"})  # no mathematics stands in these
-_STYLES = _WORDS | {
-    "mathrm", "mathit", "mathbf", "mathsf", "mathcal", "boldsymbol",
+_ALPHABETS = frozenset({"mathrm", "mathit", "mathbf", "mathsf", "mathcal", "boldsymbol"})
+_STYLES = _WORDS | _ALPHABETS | {
     "hat", "widehat", "tilde", "widetilde", "bar", "overline", "underline", "vec", "dot", "ddot",
 }  # fmt: skip
 """Commands of amsmath that take an argument."""
@@ -38,6 +38,10 @@ _PARTS = re.compile(r"([A-Za-z]+?)_?(\d*)")
 _GROUP = re.compile(r"\{[^{}]")
 _WORD = re.compile(r"\{[A-Za-z0-9 -]+\}")
 _NO_SCRIPT = re.compile(r"[_^]\s*([_^'@]|$)|^\s*[_^']")
+_LETTER = rf"[A-Za-z]|\\(?:{'|'.join(sorted(_GREEK | {'ell', 'hbar'}))})(?![A-Za-z])"
+_MARK = r"\s|'|\\[,!;]|_\s*[A-Za-z0-9*'+-]|\^\s*[A-Za-z*'+-]|[_^]\s*\\[A-Za-z]+"
+_ONE = re.compile(rf"\s*(?:\\Delta(?![A-Za-z])\s*)?(?:{_LETTER})(?:{_MARK})*")
+"""A letter with its scripts, and the change of it."""
 _LONGEST = 60
 
 
@@ -69,21 +73,34 @@ def notation_of(names: Iterable[str], given: Mapping[str, str] | None = None) ->
     given = {name: latex for name, latex in (given or {}).items() if latex is not None}
     found: dict[str, str] = {}
     looks: dict[str, str] = {}
-    for name in names:
+    for name in sorted(set(names)):
         if name in given:
             latex = given[name]
             _check(name, latex)
         else:
             latex = latex_name(name)
-            if _look(latex) in looks and looks[_look(latex)] not in given:  # a1 beside a_1
-                latex = f"\\mathit{{{name}}}".replace("_", r"\_")
-        other = looks.setdefault(_look(latex), name)
+            if look(latex) in looks and looks[look(latex)] not in given:  # a1 beside a_1
+                latex = _spelled_out(name)
+        other = looks.setdefault(look(latex), name)
         if other != name:
             raise InputError(
                 f"{other} and {name} would both be printed as {latex!r}; choose another symbol for one"
             )
         found[name] = latex
     return found
+
+
+def told_apart(names: Iterable[str], known: Mapping[str, str]) -> dict[str, str]:
+    """Return the LaTeX of each name: what is known, and for others what looks like none of the rest."""
+    found = dict(known)
+    for name in sorted(set(names) - set(known)):
+        latex = latex_name(name)
+        found[name] = _spelled_out(name) if look(latex) in set(map(look, found.values())) else latex
+    return found
+
+
+def _spelled_out(name: str) -> str:
+    return f"\\mathit{{{name}}}".replace("_", r"\_")
 
 
 def check_known(given: Mapping[str, str], names: Iterable[str]) -> None:
@@ -138,6 +155,11 @@ def _check(name: str, latex: str) -> None:
                 f"the LaTeX of {name}, {latex!r}, has a subscript or superscript of nothing, or two of them, "
                 f"or one without its braces; {example}"
             )
+    if not _is_one_symbol(latex):
+        raise InputError(
+            f"the LaTeX of {name}, {latex!r}, reads as a product, a sum or a number, not as one symbol; "
+            f"put several letters into \\mathit{{...}}; {example}"
+        )
 
 
 def _levels(latex: str) -> Iterator[str]:
@@ -149,6 +171,25 @@ def _levels(latex: str) -> Iterator[str]:
     yield plain
 
 
-def _look(latex: str) -> str:
+def _is_one_symbol(latex: str) -> bool:
+    r"""Tell whether LaTeX is a letter or a word with scripts and accents, or the change of one like \Delta v."""
+    while inner := re.search(r"(\\[A-Za-z]+|[_^])?\s*\{([^{}]*)\}", latex):
+        before, content = inner[1] or "", inner[2]
+        if before in ("_", "^"):
+            # An exponent that is a number would be taken for a power.
+            shorter = f"{before}{'2' if re.match(r'[ +-]*[0-9]', content) else 'x'} "
+        elif before[1:] in _ALPHABETS | _WORDS:
+            # Words need a letter in front, and no sign but a hyphen where it is not a minus.
+            word = r"[A-Za-z][A-Za-z0-9 -]*" if before == r"\text" else r"[A-Za-z][A-Za-z0-9 ]*"
+            if not re.fullmatch(word, content) and not _ONE.fullmatch(content):
+                return False
+            shorter = " x"
+        else:  # braces are not seen; an accent covers all that it stands over
+            shorter = " x" if before[1:] in _STYLES else f"{before} {content}"
+        latex = latex[: inner.start()] + shorter + latex[inner.end() :]
+    return bool(_ONE.fullmatch(latex))
+
+
+def look(latex: str) -> str:
     """Return what two symbols that look alike have in common."""
-    return re.sub(r"\\mathrm|[{} ]", "", latex)
+    return re.sub(r"\\mathrm|\\operatorname|\\text(?![a-z])|[{} ]", "", latex)

@@ -6,8 +6,9 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import html_text, printing, symbols
+from stickslip_sym import html_text, symbols
 from stickslip_sym.errors import InputError
+from stickslip_sym.notation import notation_of
 from stickslip_sym.parsing import CONSTANTS, FUNCTIONS, KINKED, NAME
 from stickslip_sym.spelling import ALIASES, INSTEAD
 from stickslip_sym.units import parse_unit
@@ -63,9 +64,10 @@ class Parameter:
 
 def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> html_text.Markup:
     """Return the parameters of a law, with the values that they have, as HTML."""
+    names = notation_of(parameters)
     rows = [
         [
-            html_text.formula(printing.latex(parameter.symbol)),
+            html_text.formula(names[name]),
             f"{float(values[name]):g}" if name in values else "",
             parameter.typical or "",
             parameter.unit or "",

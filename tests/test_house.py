@@ -11,8 +11,9 @@ import stickslip_sym as ss
 
 PACKAGE = Path(ss.__file__).parent
 LAYERS = [
-    "errors", "deadline", "values", "symbols", "pieces", "spelling", "parsing", "units", "notation", "printing",
-    "layout", "abbreviation", "special", "codegen", "tables", "html_text", "files", "drawing",
+    "errors", "deadline", "values", "symbols", "pieces", "spelling", "parsing", "units", "notation", "special",
+    "brackets", "text_printer", "latex_functions", "latex_printer", "printing", "layout",
+    "abbreviation", "codegen", "tables", "html_text", "files", "drawing",
     "parameters", "misspelt", "formula", "headers", "samples", "coefficient", "evaluated", "friction",
     "doubts", "laws", "criteria", "quadrature",
     "normal_form", "theorems", "proving", "derivation",

@@ -71,11 +71,24 @@ def test_notation_may_be_replaced():
         ("v\\", r"command \\"), (r"\mathbb{V}", r"command \\mathbb"), (r"\hat", r"\\hat .* in braces"),
         (r"a\mathrm b", "in braces"), (r"\text{a_b}", "in braces"), (r"v_{a_b_c}", "two of them"),
         (r"\mathrm{a_b_c}", "two of them"), (r"v_\hat{b}", "without its braces"),
+        *((read_otherwise, "not as one symbol") for read_otherwise in (
+            "2", "a+b", "N V", "AB", "-v", "v,w", r"\alpha\beta", r"v_{0} w", r"\hat{a} b", "v^{2}",
+            r"\mathrm{a+b}", r"\delta v",
+        )),
     ],
 )  # fmt: skip
 def test_notation_that_prints_no_symbol_is_refused(latex, complaint):
     with pytest.raises(ss.InputError, match=complaint):
         form_of("exponential", "equilibrium").latex({"alpha": latex})
+
+
+@pytest.mark.parametrize(
+    "latex",
+    ["v_b", r"\hat{v}_{1}", r"\Delta v", r"\Delta v_{\mathrm{s}}", r"\mathit{Sk}", r"\text{stick-slip}",
+     r"\boldsymbol{\hat{v}}", "v^{+}", r"\bar{v_{0}}", "{V'}", r"v_{a,b}", r"\operatorname{Re}", r"v^{\prime}"],
+)  # fmt: skip
+def test_notation_that_prints_one_symbol_is_taken(latex):
+    assert notation_of(["alpha", "V"], {"alpha": latex})["alpha"] == latex
 
 
 def test_unknown_symbols_are_suggested():

@@ -1,0 +1,284 @@
+"""SymPy's printer for LaTeX, with sums, products and functions as a person writes them.
+
+Long sums stand beside their fraction, not on it, exponents and arguments have slashes, and brackets grow from ( )
+to [ ] to { }. What is printed must be read in one way only: after a slash stands one factor, and nothing after it.
+"""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import sympy as sp
+from sympy.printing.conventions import requires_partial
+from sympy.printing.latex import LatexPrinter
+
+from stickslip_sym.brackets import Binding, binding, bracketed, held, length
+from stickslip_sym.latex_functions import INDEXED, NAMED, SQUARED, called
+from stickslip_sym.notation import latex_name, look, told_apart
+from stickslip_sym.text_printer import Readable, factors, spellings
+
+__all__ = ["latex"]
+
+_SHORT_SUM = 30  # characters of LaTeX without braces and styles, of a sum that may stand on a fraction
+_SHORT = 48  # of one that may stand there alone
+_NUMBER, _FORCE, _SYMBOL, _SPEED, _SUM, _EXP, _FUNCTION, _OTHER = range(8)
+
+
+class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
+    printmethod = None  # SymPy's constants would print themselves, Catalan's as G beside any G
+
+    def __init__(self, names: Mapping[str, str], dummies: Mapping[Any, str], *, slashes: bool) -> None:
+        super().__init__({"diff_operator": "rd", "imaginary_unit": "ri"})
+        self.dummies = dummies
+        self._names_of = names
+        self._taken = frozenset(map(look, names.values()))
+        self._slashes = slashes
+
+    @contextmanager
+    def _flat(self) -> Iterator[None]:
+        """Print fractions with slashes."""
+        before, self._slashes = self._slashes, True
+        try:
+            yield
+        finally:
+            self._slashes = before
+
+    # -- names ---------------------------------------------------------------------------------------
+
+    def _print_Symbol(self, expr: Any, style: str = "plain") -> str:
+        del style
+        return self._names_of.get(expr.name) or latex_name(expr.name)
+
+    def _print_Dummy(self, expr: Any) -> str:
+        return self._names_of[self.dummies[expr]]
+
+    def _print_Pi(self, expr: Any, exp: Any = None) -> str:
+        del exp
+        return called(expr, self._taken)
+
+    def _print_Catalan(self, expr: Any, exp: Any = None) -> str:
+        return self._print_Pi(expr, exp)
+
+    def _print_EulerGamma(self, expr: Any, exp: Any = None) -> str:
+        return self._print_Pi(expr, exp)
+
+    def _print_Exp1(self, expr: Any, exp: Any = None) -> str:
+        del expr, exp
+        return r"\exp(1)" if "e" in self._taken else r"\mathrm{e}"
+
+    # -- sums ----------------------------------------------------------------------------------------
+
+    def _print_Add(self, expr: Any, order: str | None = None) -> str:
+        terms = self._as_ordered_terms(expr, order=order)
+        # Polynomials first; what decays comes after them.
+        terms = sorted(terms, key=lambda term: bool(term.atoms(sp.Function, sp.exp)))
+        first = next((term for term in terms if not term.could_extract_minus_sign()), terms[0])
+        if len(terms) == 2:  # 1 + v/v_s
+            first = next((term for term in terms if term.is_Rational and term > 0), first)
+        terms.remove(first)
+        # The brace of a choice would take in the terms after it.
+        first_printed, *others = (held(self._print(term), Binding.SUM) for term in [first, *terms])
+        parts = [first_printed]
+        for printed in others:
+            parts += ["-", printed[1:]] if printed.startswith("-") else ["+", printed]
+        return " ".join(parts)
+
+    # -- products ------------------------------------------------------------------------------------
+
+    def _print_Mul(self, expr: Any) -> str:
+        number, parts = sp.Integer(1), []
+        for factor in factors(expr):
+            if factor.is_Rational:
+                number *= factor
+                continue
+            if factor.is_Add:
+                content, primitive = factor.primitive()
+                if content.is_Integer:  # 2 (a - b), where SymPy multiplies out
+                    number, factor = number * content, primitive
+            parts.append(factor)
+        for position, factor in enumerate(parts):
+            if number < 0 and factor.is_Add and factor.has(sp.Function) and -1 in factor.args:
+                number, parts[position] = -number, -factor  # not -(tanh(x) - 1)
+        product = self._product(abs(number), parts)
+        return f"-{held(product, Binding.OPEN)}" if number < 0 else product
+
+    def _print_Rational(self, expr: Any) -> str:
+        if expr.q == 1:
+            return str(expr.p)
+        fraction = f"{abs(expr.p)}/{expr.q}" if self._slashes else f"\\frac{{{abs(expr.p)}}}{{{expr.q}}}"
+        return f"-{fraction}" if expr < 0 else fraction
+
+    def _product(self, number: Any, factors: list[Any]) -> str:
+        top = [factor for factor in factors if not _is_below(factor)]
+        below = [sp.Pow(factor.base, -factor.exp, evaluate=False) if factor.exp != -1 else factor.base
+                 for factor in factors if _is_below(factor)]  # fmt: skip
+        top, below = (sorted(part, key=self._place) for part in (top, below))
+        if not below and number.q == 1:
+            return self._row(number.p, top)
+        with self._flat():
+            denominator = self._row(number.q, below)
+        if self._slashes:
+            numerator = held(self._row(number.p, top), Binding.PRODUCT)
+            return f"{numerator}/{held(denominator, Binding.FACTOR)}"
+        head = [factor for factor in top if self._place(factor)[0] <= _SPEED or self._is_short(factor)]
+        tail = [factor for factor in top if factor not in head]
+        if not head and number.p == 1 and len(tail) == 1 and length(self._print(tail[0])) < _SHORT:
+            head, tail = tail, []
+        with self._flat():
+            fraction = f"\\frac{{{self._row(number.p, head)}}}{{{denominator}}}"
+        return self._row(1, tail, fraction) if tail else fraction
+
+    def _is_short(self, factor: Any) -> bool:
+        return bool(factor.is_Add) and len(factor.args) <= 2 and length(self._print(factor)) < _SHORT_SUM
+
+    def _row(self, number: Any, factors: list[Any], fraction: str = "") -> str:
+        """Return factors beside each other, after a fraction; a sum that stands alone has no brackets."""
+        if not fraction and not factors:
+            return str(self._print(sp.sympify(number)))
+        if not fraction and number == 1 and len(factors) == 1:
+            return str(self._print(factors[0]))
+        texts = [fraction] if fraction else [] if number == 1 else [self._print(sp.sympify(number))]
+        for position, factor in enumerate(factors):
+            printed = self._print(factor)
+            last = position == len(factors) - 1
+            if (kind := binding(printed)) in (Binding.CASES, Binding.SUM, Binding.QUOTIENT) or (
+                kind is Binding.OPEN and not last
+            ):
+                printed = bracketed(printed)
+            if printed.startswith(r"\mathrm{e}^") and texts:
+                printed = f"\\,{printed}"
+            elif texts and (printed[0].isdigit() or printed.startswith(r"\frac")):
+                printed = f"\\cdot {printed}"  # 2 3^x would be a power of 23, and 2 1/3 a mixed number
+            texts.append(printed)
+        return " ".join(texts)
+
+    def _place(self, factor: Any) -> tuple[int, str]:
+        """Return where a factor stands in a product: 5 N alpha V (mu_s - mu_m) e^x f(x)."""
+        base = factor.base if factor.is_Pow else factor
+        if base.is_number:
+            return (_NUMBER, "")
+        if base.is_Symbol:
+            name = base.name
+            kind = _FORCE if name == "N" else _SPEED if name in "Vvx" else _SYMBOL
+            greek = latex_name(name).startswith("\\") and not latex_name(name).startswith("\\mathit")
+            return (kind, f"{not greek}{name}")
+        if base.is_Add:
+            return (_SUM, f"{len(base.args):04}{base.has(sp.Pow)}{base}")
+        if isinstance(base, sp.exp):
+            return (_EXP, str(base))
+        if isinstance(base, sp.Function) and not isinstance(base, sp.Piecewise):
+            return (_FUNCTION, str(base))
+        return (_OTHER if isinstance(base, sp.Integral) else _SUM, str(base))
+
+    # -- powers and functions ------------------------------------------------------------------------
+
+    def _print_Pow(self, expr: Any) -> str:
+        base, exponent = expr.base, expr.exp
+        if base is sp.E:
+            return self._print_exp(sp.exp(exponent, evaluate=False))
+        if _is_below(expr):
+            return self._product(sp.Integer(1), [expr])
+        if exponent == sp.Rational(1, 2):
+            return f"\\sqrt{{{self._print(base)}}}"
+        with self._flat():
+            raised = f"^{{{self._print(exponent)}}}"
+        if isinstance(base, SQUARED) and exponent.is_Integer:
+            return self._applied(f"{called(type(base), self._taken)}{raised}", base.args[0])
+        printed = self._print(base)
+        if "^" not in printed and (base.is_Symbol or base.is_NumberSymbol):
+            return f"{{{printed}}}{raised}" if "'" in printed else f"{held(printed, Binding.FACTOR)}{raised}"
+        if base.is_Integer and base >= 0:
+            return f"{printed}{raised}"
+        return f"{bracketed(printed)}{raised}"
+
+    def _print_exp(self, expr: Any, exp: Any = None) -> str:
+        argument = expr.args[0]
+        with self._flat():
+            printed = self._print(argument)
+        # Beside a symbol e, what stands upright is not enough to tell them apart.
+        powers = any(not power.exp.is_number for power in argument.atoms(sp.Pow))
+        deep = "e" in self._taken or argument.has(sp.Add) or powers
+        result = f"\\exp{bracketed(printed)}" if deep else f"\\mathrm{{e}}^{{{printed}}}"
+        return result if exp is None else f"{bracketed(result)}^{{{exp}}}"
+
+    def _print_Function(self, expr: Any, exp: Any = None) -> str:
+        kind = type(expr)
+        if kind in INDEXED:
+            index, *arguments = expr.args
+            with self._flat():
+                name = f"{called(kind, self._taken)}_{{{self._print(index)}}}"
+        elif kind in NAMED:
+            name, arguments = called(kind, self._taken), expr.args
+        elif isinstance(expr, sp.core.function.AppliedUndef):
+            name, arguments = self._print(sp.Symbol(kind.__name__)), expr.args
+        else:
+            return str(super()._print_Function(expr, exp))
+        result = self._applied(name, *arguments)
+        return result if exp is None else f"{bracketed(result)}^{{{exp}}}"
+
+    def _applied(self, name: str, *arguments: Any) -> str:
+        with self._flat():
+            return name + bracketed(", ".join(self._print(argument) for argument in arguments))
+
+    def _print_Derivative(self, expr: Any) -> str:
+        primed = self._primed(expr, expr.expr.args[0]) if expr.expr.args else ""
+        if primed:
+            return primed
+        sign = r"\partial" if requires_partial(expr.expr) else r"\mathrm{d}"
+        order = sum(count for _, count in expr.variable_count)
+        over = f"{sign}^{{{order}}}" if order != 1 else sign
+        below = " ".join(
+            f"{sign} {self._print(variable)}" + (f"^{{{count}}}" if count != 1 else "")
+            for variable, count in expr.variable_count
+        )
+        return f"\\frac{{{over}}}{{{below}}} {held(self._print(expr.expr), Binding.FACTOR)}"
+
+    def _print_Integral(self, expr: Any) -> str:
+        if len(expr.limits) != 1 or len(expr.limits[0]) != 3:
+            return str(super()._print_Integral(expr))
+        variable, *ends = expr.limits[0]
+        printed = self._print(expr.function)
+        sign = "-" if printed.startswith("-") and not expr.function.is_Add else ""
+        if expr.function.is_Add:
+            printed = bracketed(printed)
+        with self._flat():
+            low, high = map(self._print, ends)
+        differential = f"\\,\\mathrm{{d}}{self._print(variable)}"
+        return f"{sign}\\int_{{{low}}}^{{{high}}} {printed.removeprefix(sign)} {differential}"
+
+    def _print_hyper(self, expr: Any, exp: Any = None) -> str:
+        del exp
+        with self._flat():
+            rows = [", ".join(self._print(argument) for argument in group) for group in expr.args[:2]]
+            inside = "; ".join([*rows, self._print(expr.args[2])])
+            return f"{{}}_{{{len(expr.ap)}}}F_{{{len(expr.bq)}}}{bracketed(inside)}"
+
+
+def _special(self: _Latex, expr: Any, exp: Any = None) -> str:
+    return self._print_Function(expr, exp)
+
+
+for _kind in [*NAMED, *INDEXED]:
+    # SymPy's printer has a method of its own for some of them.
+    setattr(_Latex, f"_print_{_kind.__name__}", _special)
+
+
+def _is_below(factor: Any) -> bool:
+    """Whether a factor belongs under the fraction bar."""
+    return bool(factor.is_Pow and factor.base is not sp.E and factor.exp.could_extract_minus_sign())
+
+
+def latex(expr: Any, names: Mapping[str, str] | None = None, *, inline: bool = False) -> str:
+    r"""Return an expression or a relation as LaTeX, e.g. ``N (\mu_{\mathrm{s}} - \mu_{\mathrm{m}})``.
+
+    Parameters
+    ----------
+    expr : sympy.Expr or sympy.Rel
+    names : mapping of str to str, optional
+        LaTeX of symbols that shall not be written as usual (`notation`).
+    inline : bool
+        For a line of text: fractions have slashes.
+    """
+    dummies = spellings(expr, names or ())
+    written = [dummies.get(symbol, symbol.name) for symbol in expr.atoms(sp.Symbol)]
+    return str(_Latex(told_apart(written, names or {}), dummies, slashes=inline).doprint(expr))

@@ -1,0 +1,106 @@
+"""Expressions as a line of text, with sums and derivatives as a person writes them.
+
+A sum starts with a positive term, and the derivative of a function of one variable is x'(t), also at a
+given place, where SymPy prints ``Subs(Derivative(x(t), t), t, t_P)``.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+import sympy as sp
+from sympy.printing.str import StrPrinter
+
+__all__ = ["Readable", "factors", "spellings", "text"]
+
+
+class Readable:
+    """What the printers for text and LaTeX have in common."""
+
+    dummies: Mapping[Any, str]
+    """The names of the dummies in what is printed, none that of another symbol."""
+
+    def _as_ordered_terms(self, expr: Any, order: str | None = None) -> list[Any]:
+        terms: list[Any] = super()._as_ordered_terms(expr, order=order)  # type: ignore[misc]  # a printer's
+        for position, term in enumerate(terms):
+            if not term.could_extract_minus_sign():
+                return [term, *terms[:position], *terms[position + 1 :]]
+        return terms
+
+    def _print_Derivative(self, expr: Any) -> str:
+        return self._primed(expr, expr.expr.args[0]) or str(super()._print_Derivative(expr))  # type: ignore[misc]  # a printer's
+
+    def _print_Subs(self, expr: Any) -> str:
+        if isinstance(expr.expr, sp.Derivative) and len(expr.point) == 1:
+            primed = self._primed(expr.expr, expr.point[0])
+            if primed:
+                return primed
+        return str(super()._print_Subs(expr))  # type: ignore[misc]  # a printer's
+
+    def _primed(self, derivative: Any, argument: Any) -> str:
+        function = derivative.expr
+        if not isinstance(function, sp.core.function.AppliedUndef) or len(function.args) != 1:
+            return ""
+        mark = "'" * sum(count for _, count in derivative.variable_count)
+        name = self._print(sp.Symbol(function.func.__name__))  # type: ignore[attr-defined]  # a printer's
+        return self._applied(f"{name}{mark}", argument)
+
+    def _applied(self, name: str, argument: Any) -> str:
+        return f"{name}({self._print(argument)})"  # type: ignore[attr-defined]  # a printer's
+
+
+class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
+    def __init__(self, dummies: Mapping[Any, str]) -> None:
+        super().__init__()
+        self.dummies = dummies
+
+    def _print_Dummy(self, expr: Any) -> str:
+        return self.dummies[expr]
+
+    def _print_Mul(self, expr: Any) -> str:
+        if not any(_is_number(factor) or factor.is_Mul for factor in expr.args[1:]):
+            return str(super()._print_Mul(expr))
+        # Of a * (1/2) and a / (1/2) that were not multiplied out SymPy makes a/1/2.
+        numbers, others = sp.sift(factors(expr), _is_number, binary=True)
+        number = sp.Mul(*(factor.doit() for factor in numbers))
+        parts = others if number == 1 and others else [number, *others]
+        return str(self._print(parts[0] if len(parts) == 1 else sp.Mul(*parts, evaluate=False)))
+
+    def _print_Exp1(self, expr: Any) -> str:
+        del expr
+        return "exp(1)"  # E may be a parameter
+
+
+def _is_number(factor: Any) -> bool:
+    return bool(factor.is_Rational or (factor.is_Pow and factor.base.is_Rational and factor.exp.is_Integer))
+
+
+def factors(product: Any) -> Iterator[Any]:
+    """Yield the factors of a product, and of products in it that were not multiplied out."""
+    for factor in product.args:
+        if factor.is_Mul:
+            yield from factors(factor)
+        else:
+            yield factor
+
+
+def spellings(expr: Any, names: Iterable[str] = ()) -> dict[Any, str]:
+    """Return a name for each dummy of an expression: its own, with underscores where another symbol has that.
+
+    `names` are those of symbols elsewhere that no dummy may have either.
+    """
+    symbols = expr.atoms(sp.Symbol)
+    taken = {symbol.name for symbol in symbols if not symbol.is_Dummy} | set(names)
+    found = {}
+    for dummy in sorted((symbol for symbol in symbols if symbol.is_Dummy), key=sp.default_sort_key):
+        found[dummy] = dummy.name
+        while found[dummy] in taken:
+            found[dummy] += "_"
+        taken.add(found[dummy])
+    return found
+
+
+def text(expr: Any) -> str:
+    """Return an expression or a relation as one line of text, e.g. ``N*(mu_s - mu_m)``."""
+    if getattr(expr, "is_Relational", False):
+        return f"{text(expr.lhs)} {expr.rel_op.replace('==', '=')} {text(expr.rhs)}"
+    return str(_Text(spellings(expr)).doprint(expr))

@@ -1,0 +1,263 @@
+"""What every printer prints of random formulas, read back by readers of their own, has the formula's value.
+
+STICKSLIP_PRINTED sets how many formulas are drawn; the seeds are the numbers of the batches.
+"""
+
+import functools
+import html
+import os
+import random
+import re
+import runpy
+import shutil
+import subprocess
+
+import latex_reader
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from random_formulas import NOTATION, SEVERAL, Draws
+from text_reader import read_text
+
+import stickslip_sym as ss
+from stickslip_sym import (
+    abbreviation,
+    c_text,
+    dialects,
+    html_text,
+    latex_printer,
+    layout,
+    octave_text,
+    printing,
+    python_text,
+    text_printer,
+)
+from stickslip_sym.dialects import c99, octave, python
+from stickslip_sym.notation import notation_of
+
+COUNT = int(os.environ.get("STICKSLIP_PRINTED", "300"))
+BATCH = 100  # formulas; one run of the compiler and of Octave for each
+NARROW = 100.0  # points, so that small formulas are broken into lines and abbreviated
+DIGITS = 30
+CLOSE = mpmath.mpf("1e-9")  # a draw that changes by 1e-6 when its parts change by 1e-9 is not drawn
+V, a, b = (sp.Symbol(name, positive=True) for name in ("V", "a", "b"))
+
+
+@functools.cache
+def draws(batch, plain=False):
+    """Formulas with a point and a value each, and whether a user wants other letters."""
+    rng = random.Random(f"{batch} {plain}")
+    with mpmath.workdps(DIGITS):
+        found = []
+        while len(found) < BATCH:
+            drawn = Draws(rng, plain=plain)
+            found += [drawn.draw() for _ in range(5)]
+    return found
+
+
+batches = pytest.mark.parametrize("batch", range(max(COUNT // BATCH, 1)))
+
+
+def agrees(got, expected):
+    return isinstance(got, mpmath.mpf | float) and abs(got - expected) <= CLOSE * abs(expected)
+
+
+def notation(expr, number):
+    names = sorted(symbol.name for symbol in expr.atoms(sp.Symbol))
+    return notation_of(names, {name: NOTATION[name] for name in names if name in NOTATION} if number % 2 else {})
+
+
+def by_latex(shown, expr, point, names):
+    """The value that a person reads."""
+    return latex_reader.read(shown, {names[symbol.name]: point[symbol] for symbol in expr.atoms(sp.Symbol)})
+
+
+def by_lines(shown, point, names):
+    """The value of an equation that is broken into lines, with the definitions that follow it."""
+    first, *definitions = re.findall(r"\\begin\{equation\*\}\n.*?\\end\{equation\*\}", shown, re.S)
+    known = {names[symbol.name]: value for symbol, value in point.items() if symbol.name in names}
+    for equation in [first, *definitions]:
+        latex_reader.rows(equation)
+    for definition in definitions:
+        left, right = latex_reader.sides(definition)
+        assert left not in known, f"{left} has a meaning already"
+        known[left] = latex_reader.read(right, known)
+    return latex_reader.read(latex_reader.sides(first)[1], known)
+
+
+def by_text(shown, point):
+    return read_text(shown, {symbol.name: value for symbol, value in point.items()})
+
+
+@batches
+def test_latex_and_text_say_what_they_are_printed_of(batch, monkeypatch):
+    monkeypatch.setattr(layout, "LINE", NARROW)
+    monkeypatch.setattr(abbreviation, "LINE", NARROW)
+    with mpmath.workdps(DIGITS):
+        for number, (expr, point, expected) in enumerate(draws(batch)):
+            names = notation(expr, number)
+            for inline in (False, True):
+                shown = printing.latex(expr, names, inline=inline)
+                assert agrees(by_latex(shown, expr, point, names), expected), f"{expr!r}\n{shown}"
+                assert html.unescape(html_text.formula(shown)) in (f"<span>${shown}$</span>", too_long(shown))
+            shown = abbreviation.equation("c", expr, names)
+            assert agrees(by_lines(shown, point, names), expected), f"{expr!r}\n{shown}"
+            shown = printing.text(expr)
+            assert agrees(by_text(shown, point), expected), f"{expr!r}\n{shown}"
+
+
+def too_long(shown):
+    return f"<i>a formula of {len(shown)} characters of LaTeX</i>"
+
+
+@pytest.mark.parametrize("module", [latex_printer, text_printer])
+def test_a_printer_that_drops_brackets_is_caught(module, monkeypatch):
+    """The negative control: without the brackets of sums and quotients many formulas have another value."""
+    if module is latex_printer:
+        monkeypatch.setattr(latex_printer, "held", lambda latex, least: latex)
+    else:
+        monkeypatch.setattr(text_printer._Text, "parenthesize", lambda self, item, *_, **__: self._print(item))
+    others = refused = 0
+    with mpmath.workdps(DIGITS):
+        for number, (expr, point, expected) in enumerate(draws(0)):
+            names = notation(expr, number)
+            if expr.has(*SEVERAL, sp.hyper) or any(not power.exp.is_number for power in expr.atoms(sp.Pow)):
+                continue  # misread, they would be towers of powers, or sums without an end
+            try:
+                if module is latex_printer:
+                    got = by_latex(printing.latex(expr, names, inline=True), expr, point, names)
+                else:
+                    got = by_text(printing.text(expr), point)
+            except AssertionError:
+                refused += 1
+            else:
+                others += not agrees(got, expected)
+    assert others >= 5
+    assert refused >= (5 if module is latex_printer else 0)
+
+
+@pytest.mark.parametrize(
+    ("expr", "latex"),
+    [
+        (sp.exp((V + a) / b), r"\exp\bigl[(V + a)/b\bigr]"),
+        (sp.log((2 * V + a) / b), r"\ln\bigl[(2 V + a)/b\bigr]"),
+        (sp.erf((2 * V - a) / b), r"\operatorname{erf}\bigl[(2 V - a)/b\bigr]"),
+        (V ** ((a + 1) / b), r"V^{(1 + a)/b}"),
+        (2 * 3**V, r"2 \cdot 3^{V}"),
+        (sp.Mul(-1, a - b, evaluate=False), "-(a - b)"),
+        (sp.Catalan * sp.Symbol("G"), r"\operatorname{Catalan} G"),
+        (sp.exp(V) * sp.Symbol("e"), r"e \exp(V)"),
+        (sp.Symbol("a1") - sp.Symbol("a_1"), r"a_{1} - \mathit{a\_1}"),
+        (sp.Symbol("u") - 2 * sp.Dummy("u"), r"u - 2 \mathit{u\_}"),
+        (sp.Derivative(2 * a * V, V), r"\frac{\partial}{\partial V} (2 a V)"),
+    ],
+)  # fmt: skip
+def test_what_was_printed_as_something_else(expr, latex):
+    assert printing.latex(expr) == latex
+
+
+def test_text_tells_symbols_apart():
+    assert printing.text(sp.Symbol("u") - 2 * sp.Dummy("u")) == "u - 2*u_"
+    assert printing.text(sp.Symbol("E") * sp.E) == "exp(1)*E"
+
+
+@pytest.mark.parametrize(
+    "latex",
+    [
+        "a/b V", "a/b/V", r"2 3^{V}", r"2 \frac{1}{3}", r"\ln(V)^{2}", r"V^{a}^{b}", r"\tanh^{-1}(V)", "a + - b",
+        r"\begin{cases} a & \text{for}\: V < b \\b & \text{otherwise} \end{cases} + 1", r"a \times + b",
+        r"\int_{0}^{a} V \,\mathrm{d}V/2", r"\int_{0}^{a} V \,\mathrm{d}V b", r"\sqrt{V}^{2}", r"{a + b} V",
+    ],
+)  # fmt: skip
+def test_the_reader_refuses_what_can_be_read_in_two_ways(latex):
+    with pytest.raises(AssertionError):
+        latex_reader.read(latex, {"a": mpmath.mpf(2), "b": mpmath.mpf(3), "V": mpmath.mpf(5)})
+
+
+# -- code -------------------------------------------------------------------------------------------
+
+
+def written(dialect, batch):
+    """The formulas of a batch in one language: text, names and values of the arguments."""
+    for expr, point, expected in draws(batch, plain=True):
+        names = {symbol: dialect.name(symbol) for symbol in point}
+        values = [float(value) for value in point.values()]
+        yield expr, dialect.text(expr, names), list(names.values()), values, expected
+
+
+def by_python(batch, folder):
+    parts, given = [python_text.head("formulas", products=False)], list(written(python, batch))
+    for number, (_, text, names, _, _) in enumerate(given):
+        parts.append(f"\n\ndef f_{number}({', '.join(names)}):\n    return {text}\n")
+    (folder / "formulas.py").write_text("".join(parts))
+    module = runpy.run_path(str(folder / "formulas.py"))
+    with np.errstate(all="ignore"):
+        # Each formula at the point and, in the same array, at a place beside it: nothing may hang on a scalar.
+        return [
+            float(np.broadcast_to(module[f"f_{number}"](*(np.array([x, 1.01 * x]) for x in values)), 2)[0])
+            for number, (_, _, _, values, _) in enumerate(given)
+        ]
+
+
+def by_c(batch, folder):
+    parts, calls = [c_text.head("formulas", products=False), "#include <stdio.h>\n"], []
+    for number, (_, text, names, values, _) in enumerate(written(c99, batch)):
+        listed = ", ".join(f"double {name}" for name in names)
+        parts.append(f"static double f_{number}({listed})\n{{\n    return {text};\n}}\n")
+        calls.append(f'    printf("%.17g\\n", f_{number}({", ".join(map(repr, values))}));\n')
+    (folder / "formulas.c").write_text("".join([*parts, "int main(void)\n{\n", *calls, "    return 0;\n}\n"]))
+    program = str(folder / "formulas")
+    flags = ["-std=c99", "-Wall", "-Wno-unused-parameter", "-Wno-parentheses", "-Werror", "-O0"]
+    subprocess.run(["cc", *flags, "-o", program, str(folder / "formulas.c"), "-lm"], check=True, timeout=60)
+    return numbers(subprocess.run([program], capture_output=True, text=True, check=True, timeout=60).stdout)
+
+
+def by_octave(batch, folder):
+    parts = [octave_text.head("formulas", products=False)]
+    calls = []
+    for number, (_, text, names, values, _) in enumerate(written(octave, batch)):
+        parts.append(f"function value = f_{number}({', '.join(names)})\n    value = {text};\nend\n")
+        calls.append(f'printf("%.17g\\n", f_{number}({", ".join(map(repr, values))}));\n')
+    (folder / "formulas.m").write_text("".join([*parts, *calls]))
+    command = ["octave-cli", "--norc", "--quiet", str(folder / "formulas.m")]
+    return numbers(subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout)
+
+
+def numbers(text):
+    return [float(line) for line in text.split()]
+
+
+LANGUAGES = {
+    "Python": pytest.param(by_python, python),
+    "C": pytest.param(
+        by_c, c99, marks=pytest.mark.skipif(not shutil.which("cc"), reason="there is no C compiler")
+    ),
+    "Octave": pytest.param(
+        by_octave, octave,
+        marks=pytest.mark.skipif(not shutil.which("octave-cli"), reason="there is no octave; Debian has it"),
+    ),
+}  # fmt: skip
+
+
+@batches
+@pytest.mark.parametrize(("run", "dialect"), LANGUAGES.values(), ids=LANGUAGES)
+def test_code_computes_what_it_is_written_of(run, dialect, batch, tmp_path):
+    given = list(written(dialect, batch))
+    for (expr, text, _, _, expected), got in zip(given, run(batch, tmp_path), strict=True):
+        assert agrees(got, expected), f"{expr!r}\n{text}\n{got} is not {expected}"
+
+
+def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
+    monkeypatch.setattr(dialects._Python, "parenthesize", lambda self, item, *_, **__: self._print(item))
+    found = zip(written(python, 0), by_python(0, tmp_path), strict=True)
+    assert sum(not agrees(got, expected) for (*_, expected), got in found) >= 20
+
+
+@pytest.mark.parametrize("dialect", [python, c99, octave])
+@pytest.mark.parametrize(
+    "function", [sp.besseli(1, V), sp.polylog(2, -V), sp.erfi(V), sp.gamma(V), sp.elliptic_e(V)]
+)
+def test_functions_that_no_language_has_are_refused(function, dialect):
+    with pytest.raises(ss.NoClosedForm, match="cannot be written as code: C, Python and Octave do not all have"):
+        dialect.text(a + 2 * function / b, {V: "V", a: "a", b: "b"})
