@@ -3,6 +3,8 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import mpmath
+
 from stickslip_sym import symbols
 from stickslip_sym.codegen import Backend, function_of
 from stickslip_sym.values import to_mpf
@@ -34,6 +36,14 @@ class Compiled:
             self._functions[key] = function_of([symbols.v, *self._parameters], expr, backend)
         compiled = self._functions[key]
         if backend == "mpmath":
-            return lambda v: compiled(v, *(to_mpf(value) for value in values))
+            rounded: dict[int, list[Any]] = {}
+
+            def at_precision(v: Any) -> Any:
+                precision = mpmath.mp.prec
+                if precision not in rounded:
+                    rounded[precision] = [to_mpf(value) for value in values]
+                return compiled(v, *rounded[precision])
+
+            return at_precision
         floats = [float(value) for value in values]
         return lambda v: compiled(v, *floats)

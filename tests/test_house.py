@@ -14,7 +14,7 @@ LAYERS = [
     "errors", "deadline", "values", "symbols", "pieces", "parsing", "units", "notation", "printing", "layout",
     "abbreviation", "special", "codegen", "compiled", "tables", "html_text", "files", "drawing",
     "parameters", "formula", "samples", "friction", "laws", "criteria", "quadrature",
-    "normal_form", "theorems", "proving", "derivation",
+    "normal_form", "theorems", "bounded", "certain", "proving", "derivation",
     "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
     "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",
     "evaluate", "arguments", "dialects", "c_text", "python_text", "octave_text", "code_text",
