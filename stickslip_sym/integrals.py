@@ -18,7 +18,7 @@ from stickslip_sym.errors import NoClosedForm
 from stickslip_sym.harmonics import harmonic_average, kinked_polynomial_average
 from stickslip_sym.pieces import pieces_of
 from stickslip_sym.terms import grouped
-from stickslip_sym.theorems import By, PieceByPiece, ends_of_pieces
+from stickslip_sym.theorems import By, PieceByPiece, ends_of_pieces, value_at
 
 __all__ = ["Part", "Progress", "integrate_terms", "law_integral"]
 
@@ -54,8 +54,19 @@ def law_integral(mu: Any, criterion: Criterion) -> Any:
     """Return the criterion of a coefficient mu(v) as an integral."""
     v, V, theta = symbols.v, symbols.V, symbols.theta
     if criterion.is_polynomial:
-        return sp.Integral(mu * criterion.moment_kernel, (v, 0, 2 * V))
+        kernel = criterion.moment_kernel
+        return sp.Integral(mu * kernel, (v, 0, 2 * V)) + _boundary(mu, criterion)
     return sp.Integral(mu.subs(v, V * (1 - sp.cos(theta))) * criterion.angle_kernel, (theta, 0, sp.pi))
+
+
+def _boundary(mu: Any, criterion: Criterion) -> Any:
+    """Return the boundary terms of the integration by parts."""
+    found = criterion.boundary(mu)
+    if found.has(sp.zoo, sp.oo, sp.nan):
+        raise NoClosedForm(
+            f"the weight of {criterion.name!r} is not 0 at s = -1, where {printing.text(mu)} has no value as it stands"
+        )
+    return found
 
 
 def integrate_terms(mu: Any, criterion: Criterion, time_limit: float, progress: Progress) -> list[Part]:
@@ -99,7 +110,9 @@ def integrate_terms(mu: Any, criterion: Criterion, time_limit: float, progress: 
             if primitives
             else None
         )
-        parts.append(Part(constant * rest, law_integral(constant * rest, criterion), constant * value, rule, by))
+        term = constant * rest
+        whole = constant * value + (_boundary(term, criterion) if criterion.is_polynomial else 0)
+        parts.append(Part(term, law_integral(term, criterion), whole, rule, by))
     return parts
 
 
@@ -127,7 +140,7 @@ def _by_antiderivatives(
     ends = ends_of_pieces(places, 2 * symbols.V)
     value = sp.Add(
         *[
-            sp.Add(*(sign * primitive.subs(symbols.v, end) for sign, end in ((1, high), (-1, low))))
+            value_at(primitive, symbols.v, high) - value_at(primitive, symbols.v, low)
             for primitive, low, high in zip(primitives, ends, ends[1:], strict=False)
         ]
     )

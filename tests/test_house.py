@@ -11,14 +11,14 @@ import stickslip_sym as ss
 
 PACKAGE = Path(ss.__file__).parent
 LAYERS = [
-    "errors", "deadline", "values", "symbols", "pieces", "parsing", "units", "notation", "printing", "layout",
+    "errors", "deadline", "interruption", "values", "symbols", "pieces", "parsing", "units", "notation", "printing", "layout",
     "abbreviation", "special", "codegen", "compiled", "tables", "html_text", "files", "drawing",
     "parameters", "formula", "samples", "friction", "laws", "criteria", "quadrature",
     "normal_form", "theorems", "bounded", "certain", "proving", "derivation",
     "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
     "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",
     "evaluate", "arguments", "dialects", "c_text", "python_text", "octave_text", "code_text",
-    "averages", "closed_form",
+    "averages", "gate", "closed_form",
     "trees", "law_content", "keeping",
     "oscillator", "steppers", "slip_phase", "slip", "taylor", "engines", "trajectory", "automaton", "transit",
     "grazing",
