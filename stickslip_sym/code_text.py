@@ -146,9 +146,12 @@ def _gauss(function: StableFunction, names: dict[Any, str], dialect: Dialect, la
     scales = [dialect.text(scale, names) for scale in speed_scales(slope, symbols.v)]
     kinks = [dialect.text(place, names) for place in places(function.mu)]
     steps = [(dialect.text(place, names), dialect.text(height, names)) for place, height in jumps(function.mu)]
-    m = sp.Symbol("m", positive=True)
-    at_jump = dialect.text(weight_of(function.criterion, m), {m: "m"})
-    weight = dialect.text(angle_weight(function.criterion, m), {m: "m"})
+    m, sine, angle, place, V = sp.symbols("m sine angle place V", positive=True)
+    given = {symbol: symbol.name for symbol in (m, sine, angle, place, V)}
+    at_jump = dialect.text(weight_of(function.criterion, m, place / V, 2 - place / V), given)
+    weight = dialect.text(
+        angle_weight(function.criterion, m, 2 * sine**2, 2 * sp.cos(angle, evaluate=False) ** 2), given
+    )
     rules = [
         (name, numeric_list(numbers, language.brackets))
         for n, label in ((COARSE, "coarse"), (FINE, "fine"))

@@ -73,7 +73,10 @@ class Criterion:
         """The power of 1 + s like which the weight vanishes at s = -1, where the slip speed is 0."""
         if not self.is_polynomial:
             return sp.Rational(1, 2)
-        return sp.roots(sp.Poly(self.weight, symbols.s)).get(sp.Integer(-1), 0) if self.ends[0] == 0 else 0
+        polynomial, order = sp.Poly(self.weight, symbols.s), 0
+        while polynomial.eval(-1) == 0:
+            polynomial, order = polynomial.exquo(sp.Poly(1 + symbols.s, symbols.s)), order + 1
+        return sp.Integer(order)
 
     @property
     def moment_kernel(self) -> Any:
