@@ -182,7 +182,8 @@ def _power(base: Bounded, exponent: Bounded) -> Bounded:
     if exponent.value == 0 and exponent.is_exact:
         return _exact(1)
     if base.is_exact and base.value == 0:
-        if exponent.value > exponent.error:
+        x = _rounded(exponent)
+        if x.value > x.error:
             return _exact(0)
         raise ZeroDivisionError("a power of 0 that is not positive")
     if base.is_exact and exponent.is_exact:
@@ -257,7 +258,7 @@ def _propagated(function: Callable[..., Any], arguments: list[Bounded], oscillat
 
 
 def _leaves(node: Any) -> list[Any]:
-    """Return the arguments of a function that are no plain numbers; those of hypergeometric ones stand in tuples."""
+    """Return the arguments of a function that are no plain numbers; hypergeometric ones stand in tuples."""
     found: dict[Any, None] = {}
     for argument in node.args:
         for part in argument if isinstance(argument, sp.Tuple) else (argument,):

@@ -31,7 +31,7 @@ class NotFinite(ArithmeticError):
 
 
 def certain_value(expr: Any, point: Mapping[Any, Any]) -> Bounded:
-    """Return an expression at exact values of its symbols and polynomials for its functions, and a bound of the error.
+    """Return an expression at exact values of its symbols and examples of its functions, and a bound of the error.
 
     Raises
     ------
@@ -115,8 +115,8 @@ def _integral(integral: Any, point: Mapping[Any, Any]) -> Bounded:
 def _panel(function: Callable[[Any], Any], left: Any, right: Any) -> tuple[Any, Any]:
     """Integrate between two places at which the integrand may be infinite; return also an estimate of the error.
 
-    With x = left + h t^4 near the left end, and likewise at the right one, roots and logarithms are followed far below
-    the rounding of x itself.
+    With x = left + h t^4 near the left end, and likewise at the right one, roots and logarithms are followed far
+    below the rounding of x itself.
     """
     middle = (left + right) / 2
     total, doubt = mpmath.mpf(0), mpmath.mpf(0)

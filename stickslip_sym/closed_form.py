@@ -32,7 +32,6 @@ __all__ = ["ClosedForm", "derive"]
 _SEARCHING = 0.5  # of the time for SymPy's integrator: the rest is for simplifying, checking and proving
 
 
-
 @dataclass(frozen=True, eq=False)
 class ClosedForm:
     """The damping coefficient of a criterion as a formula.
@@ -199,7 +198,6 @@ def derive(
     law : FrictionLaw
         Bound values become the defaults of a call; the formula stays symbolic.
     criterion : str or Criterion
-        "least_squares", "harmonic" or "equilibrium".
     time_limit : float
         Seconds that all of this may take.
     search : bool
@@ -279,11 +277,13 @@ def _require(verdict: Verdict) -> None:
     if verdict.status is Status.REFUTED:
         raise NoClosedForm(f"a formula was found but refuted, so it is not returned: {verdict.evidence}")
     if verdict.status is Status.UNDECIDED:
-        raise NoClosedForm(f"a formula was found but could not be checked, so it is not returned: {verdict.evidence}")
+        raise NoClosedForm(
+            f"a formula was found but could not be checked, so it is not returned: {verdict.evidence}"
+        )
 
 
 def _require_integrable(law: FrictionLaw, criterion: Criterion) -> None:
-    """Refuse a law that has no criterion because mu is infinite at v = 0+, faster than the weight vanishes there."""
+    """Refuse a law whose mu is infinite at v = 0+, faster than the weight vanishes there."""
     if criterion.weight is None or law.expr.subs(symbols.v, 0).is_finite is not False:
         return
     order = criterion.order_at_rest

@@ -25,8 +25,8 @@ class Criterion:
     ----------
     name : str
     weight : sympy.Expr or None
-        w(s) on [-1, 1] with unit integral: a polynomial in s with exact coefficients, symmetric or not, zero at the
-        ends or not; or (2/pi) sqrt(1 - s^2). None for the Dirac delta at s = 0.
+        w(s) on [-1, 1] with unit integral: a polynomial in s with exact coefficients, symmetric or not, zero at
+        the ends or not; or (2/pi) sqrt(1 - s^2). None for the Dirac delta at s = 0.
     source : str
 
     Raises
@@ -124,11 +124,12 @@ def _checked_weight(name: str, weight: Any) -> Any:
     free = {symbol.name for symbol in weight.free_symbols}
     if free - {"s"}:
         raise InputError(f"{what} depends on {', '.join(sorted(free - {'s'}))}; it may hold s only")
-    weight = weight.xreplace({symbol: symbols.s for symbol in weight.free_symbols})
+    weight = weight.xreplace(dict.fromkeys(weight.free_symbols, symbols.s))
     if weight == _HARMONIC:
         return weight
     weight = sp.nsimplify(weight, rational=True) if weight.has(sp.Float) else weight
-    if not weight.is_polynomial(symbols.s) or not all(c.is_Rational for c in sp.Poly(weight, symbols.s).all_coeffs()):
+    polynomial = weight.is_polynomial(symbols.s)
+    if not polynomial or not all(c.is_Rational for c in sp.Poly(weight, symbols.s).all_coeffs()):
         raise InputError(f"{what} is {weight}; it must be a polynomial in s with rational coefficients")
     total = sp.integrate(sp.expand(weight), (symbols.s, -1, 1))
     if total != 1:

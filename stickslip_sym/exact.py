@@ -72,7 +72,7 @@ def _missing(value: Any, error: Any, digits: int) -> int:
     """Return the digits that are missing in a value, or how many to add where it may be 0."""
     if abs(value) <= error:
         return int(mpmath.mp.dps)
-    return max(0, math.ceil(digits + 1 + (mpmath.mag(error) - mpmath.mag(value) + 1) * math.log10(2)))
+    return max(0, math.ceil(digits + 1 + int(mpmath.mag(error) - mpmath.mag(value) + 1) * math.log10(2)))
 
 
 def _at(expr: Any, known: Mapping[Any, Bounded], point: Mapping[Any, Any]) -> tuple[Any, Any, str | None]:

@@ -46,7 +46,8 @@ def taylor(slope: Any, criterion: Criterion, decay: float) -> tuple[list[Any], f
         coefficients, radius = (large, 24.0) if agree and large is not None else (small, 0.25)
         tiny = scale * mpmath.mpf("1e-30")
         moments = [
-            -g_k * mpmath.mpf(moment(criterion, k).p) / moment(criterion, k).q for k, g_k in enumerate(coefficients)
+            -g_k * mpmath.mpf(moment(criterion, k).p) / moment(criterion, k).q
+            for k, g_k in enumerate(coefficients)
         ]
         rate = mpmath.mpf(decay)
         exponential = [rate**k / mpmath.factorial(k) for k in range(len(moments))]

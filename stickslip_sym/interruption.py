@@ -1,6 +1,6 @@
 """A limit on the time of work that never asks for the time itself, such as SymPy's algebra.
 
-A watching thread raises an exception in the thread that works, at whatever bytecode it has come to; it raises it again
+A watching thread raises an exception in the thread that works, at whatever bytecode it has come to, and again
 after a while should something on the way have swallowed it. When the work ends, in whatever way, what is still
 pending is dropped, so nothing is raised later. What SymPy had begun to deduce is forgotten: an interrupted
 deduction would stay "unknown" for good.
@@ -115,7 +115,7 @@ class _Watch:
 
 
 def _forget() -> None:
-    """Make SymPy deduce anew what it knows about every expression that is alive; symbols keep what they were given."""
+    """Make SymPy deduce anew what it knows about every expression; symbols keep what they were given."""
     clear_cache()
     for node in gc.get_objects():
         if issubclass(type(node), sp.Basic) and not issubclass(type(node), sp.Symbol):

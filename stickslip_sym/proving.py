@@ -3,8 +3,8 @@
 An equation is PROVED when the difference of its sides reduces to zero by exact symbolic computation,
 for every value of its symbols and every choice of its unknown functions. Where a theorem is needed on
 the way (a change of variable, the fundamental theorem of calculus) a `by` names it, and its hypotheses
-are checked. An equation that fails is REFUTED by a point: exact values at which its sides differ by more than the errors of evaluating them. Where these
-errors leave it open it is UNDECIDED, and no formula with such a step is returned.
+are checked. An equation that fails is REFUTED by a point: exact values at which its sides differ by more
+than the errors of evaluating them. Where these errors leave it open it is UNDECIDED.
 """
 
 import math
@@ -83,7 +83,8 @@ def prove_equal(lhs: Any, rhs: Any, by: By | None = None) -> Verdict:
     Returns
     -------
     Verdict
-        PROVED, or REFUTED with a point, or CHECKED if the sides agree at points but the proof failed, or UNDECIDED.
+        PROVED, or REFUTED with a point, or CHECKED if the sides agree at points but the proof failed,
+        or UNDECIDED.
     """
     lhs, rhs = sp.sympify(lhs), sp.sympify(rhs)
     obstacle = "the difference does not reduce to 0"

@@ -125,7 +125,9 @@ def _require_integrable(mu: Callable[[Any], Any], criterion: Criterion, speed: A
     """Refuse a coefficient that is infinite at v = 0 faster than the weight vanishes there."""
     order = criterion.order_at_rest
     with mpmath.workdps(_GUARD + 15):
-        near, nearer = (abs(mu(v)) * v ** to_mpf(order) for v in (to_mpf(speed) * mpmath.mpf(10) ** -k for k in _NEAR))
+        near, nearer = (
+            abs(mu(v)) * v ** to_mpf(order) for v in (to_mpf(speed) * mpmath.mpf(10) ** -k for k in _NEAR)
+        )
         grows = nearer > near * (mpmath.mpf("1.01") if order == 0 else mpmath.mpf("0.5"))
     if grows and nearer > 0:
         raise InputError(
@@ -191,7 +193,11 @@ def _over_angle(
     kernel = function_of([symbols.theta, symbols.V, symbols.N], criterion.angle_kernel, "mpmath")
     angles = [mpmath.asin(mpmath.sqrt(place / (2 * V))) for place in _inside(kinks, speed)]
     ends = [mpmath.mpf(0), *sorted({mpmath.pi / 4, *angles}), mpmath.pi / 2]
-    return _pieces(lambda phi: 2 * mu(2 * V * mpmath.sin(phi) ** 2) * kernel(2 * phi, V, N), ends, tolerance, singular)
+
+    def integrand(phi: Any) -> Any:
+        return 2 * mu(2 * V * mpmath.sin(phi) ** 2) * kernel(2 * phi, V, N)
+
+    return _pieces(integrand, ends, tolerance, singular)
 
 
 def _inside(kinks: list[Any], speed: Any) -> list[Any]:

@@ -126,7 +126,8 @@ def _difference(primitive: Any, integrand: Any, x: Any, low: Any, high: Any) -> 
         raise ValueError(f"{x} is nonnegative, the limits {low} and {high} are not known to be")
     # Above a place that is positive, or 0 if the primitive has a limit there, x is positive: so log(x) is smooth.
     above = sp.Dummy(x.name, positive=True)
-    if not (_is_smooth(primitive, x) or (low.is_nonnegative and _is_smooth(primitive.xreplace({x: above}), above))):
+    smooth_above = low.is_nonnegative and _is_smooth(primitive.xreplace({x: above}), above)
+    if not (_is_smooth(primitive, x) or smooth_above):
         raise ValueError(f"{primitive} is not known to be smooth between {low} and {high}")
     return value_at(primitive, x, high) - value_at(primitive, x, low)
 
