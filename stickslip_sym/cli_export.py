@@ -33,8 +33,8 @@ def export(
         typer.Option("--symbol", metavar="NAME=LATEX", help="Print a symbol otherwise; may be repeated."),
     ] = None,
     time_limit: Annotated[
-        float, typer.Option("--time-limit", metavar="S", help="Seconds for SymPy's integrator, per criterion.")
-    ] = 20.0,
+        float, typer.Option("--time-limit", metavar="S", help="Seconds for each criterion.")
+    ] = 120.0,
 ) -> None:
     """Write criteria as LaTeX, Python, C, Octave or JSON. If anything fails, nothing is written.
 

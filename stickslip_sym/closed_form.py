@@ -20,7 +20,7 @@ from stickslip_sym.errors import InputError, NoClosedForm, OutOfTime
 from stickslip_sym.evaluate import StableFunction, exact_value
 from stickslip_sym.friction import FrictionLaw, limit_at_rest
 from stickslip_sym.gate import GATE_POINTS, verify
-from stickslip_sym.integrals import Part, Progress, integrate_terms
+from stickslip_sym.integrals import Part, Progress, Told, integrate_terms
 from stickslip_sym.interruption import within
 from stickslip_sym.notation import check_known, notation_of
 from stickslip_sym.proving import Status, Verdict
@@ -29,7 +29,9 @@ from stickslip_sym.values import Number, exact
 
 __all__ = ["ClosedForm", "derive"]
 
-_SEARCHING = 0.5  # of the time for SymPy's integrator: the rest is for simplifying, checking and proving
+_SEARCHING = (
+    20.0  # seconds for SymPy's integrator, or half of the time: what it has not found by then, it seldom finds
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +185,7 @@ def derive(
     law: FrictionLaw,
     criterion: str | Criterion = "least_squares",
     *,
-    time_limit: float = 40.0,
+    time_limit: float = 120.0,
     search: bool = True,
     progress: Progress | None = None,
 ) -> ClosedForm:
@@ -201,7 +203,7 @@ def derive(
     time_limit : float
         Seconds that all of this may take.
     search : bool
-        Let SymPy's integrator try what no rule covers, for half of the time.
+        Let SymPy's integrator try what no rule covers, for 20 s or half of the time.
     progress : callable, optional
         Called with a few words whenever another piece of work begins.
 
@@ -217,7 +219,7 @@ def derive(
         or what was under way and what was found until then.
     """
     criterion = find(criterion)
-    told = _Told(progress or (lambda _: None))
+    told = Told(progress or (lambda _: None))
     try:
         return within(time_limit, lambda: _derived(law, criterion, search, told))
     except OutOfTime:
@@ -227,19 +229,7 @@ def derive(
         ) from None
 
 
-class _Told:
-    """What a derivation is at, and what it has found."""
-
-    def __init__(self, progress: Progress) -> None:
-        self._progress = progress
-        self.stage, self.found = "reading the law", "no formula was found"
-
-    def __call__(self, stage: str) -> None:
-        self.stage = stage
-        self._progress(stage)
-
-
-def _derived(law: FrictionLaw, criterion: Criterion, search: bool, told: _Told) -> ClosedForm:
+def _derived(law: FrictionLaw, criterion: Criterion, search: bool, told: Told) -> ClosedForm:
     """Derive, check and prove a closed form, without a look at the time."""
     _require_integrable(law, criterion)
     name = f"{law.name or 'law'}/{criterion.name}"
@@ -248,7 +238,7 @@ def _derived(law: FrictionLaw, criterion: Criterion, search: bool, told: _Told) 
         parts = []
         raw = -symbols.N * law.slope_expr.subs(symbols.v, symbols.V)
     else:
-        parts = integrate_terms(law.expr, criterion, time_left() * _SEARCHING if search else 0.0, told)
+        parts = integrate_terms(law.expr, criterion, min(time_left() / 2, _SEARCHING) if search else 0.0, told)
         raw = sp.Add(*[part.value for part in parts])
     told.found = "a formula was found, but not checked"
     told("simplifying")

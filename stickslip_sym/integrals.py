@@ -21,9 +21,21 @@ from stickslip_sym.search import Found, Nothing
 from stickslip_sym.terms import grouped
 from stickslip_sym.theorems import By, PieceByPiece, ends_of_pieces, value_at
 
-__all__ = ["Part", "Progress", "integrate_terms", "law_integral"]
+__all__ = ["Part", "Progress", "Told", "integrate_terms", "law_integral"]
 
 Progress = Callable[[str], None]
+
+
+class Told:
+    """What a derivation is at, and what it has found."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self.stage, self.found = "reading the law", "no formula was found"
+
+    def __call__(self, stage: str) -> None:
+        self.stage = stage
+        self._progress(stage)
 
 
 @dataclass(frozen=True)

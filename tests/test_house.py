@@ -12,8 +12,8 @@ import stickslip_sym as ss
 PACKAGE = Path(ss.__file__).parent
 LAYERS = [
     "errors", "deadline", "interruption", "values", "symbols", "pieces", "parsing", "units", "notation",
-    "printing", "layout", "abbreviation", "special", "codegen", "compiled", "tables", "html_text", "files", "drawing",
-    "parameters", "formula", "samples", "friction", "laws", "criteria", "quadrature",
+    "printing", "layout", "abbreviation", "special", "codegen", "compiled", "tables", "html_text", "files",
+    "drawing", "parameters", "formula", "samples", "friction", "laws", "criteria", "quadrature",
     "normal_form", "theorems", "bounded", "certain", "proving", "derivation",
     "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
     "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",
