@@ -34,6 +34,7 @@ class Told:
         self.stage, self.found = "reading the law", "no formula was found"
 
     def __call__(self, stage: str) -> None:
+        """Say what begins."""
         self.stage = stage
         self._progress(stage)
 
@@ -129,7 +130,10 @@ def integrate_terms(mu: Any, criterion: Criterion, seconds: float, progress: Pro
     return parts
 
 
-_REMEDY = "Quadrature serves all the same: stickslip_sym.quadrature.damping"
+_REMEDY = (
+    "Quadrature serves all the same: stickslip_sym.quadrature.damping; so does the fast function, slope_average, which "
+    "stickslip export writes as Python and C"
+)
 
 _Integrated = tuple[str, Any, list[Any]] | Nothing
 """The rule's name, the value, and the antiderivatives of the pieces where there are such; or why not."""

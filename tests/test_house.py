@@ -22,7 +22,7 @@ LAYERS = [
     "trees", "law_content", "keeping",
     "oscillator", "steppers", "slip_phase", "slip", "taylor", "engines", "trajectory", "automaton", "transit",
     "grazing",
-    "perturbation", "orbit", "cycles", "rungs", "threshold", "transition", "crosscheck",
+    "perturbation", "orbit", "cycles", "rungs", "threshold", "transition", "deviation", "crosscheck",
     "limits", "document", "export", "slip_orbits", "regimes", "classification",
     "workers", "checkpoint", "archive", "axes", "columns", "map_plot", "maps", "basins",
     "newmark", "tradeoff", "tradeoff_thresholds",
