@@ -1,4 +1,4 @@
-"""Why a criterion and the oscillator's threshold differ in a scene, and what the scatter of measured points makes."""
+"""Why a criterion and the oscillator's threshold differ in a scene, and what scattered points deserve."""
 
 import math
 from collections.abc import Mapping

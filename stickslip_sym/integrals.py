@@ -131,8 +131,8 @@ def integrate_terms(mu: Any, criterion: Criterion, seconds: float, progress: Pro
 
 
 _REMEDY = (
-    "Quadrature serves all the same: stickslip_sym.quadrature.damping; so does the fast function, slope_average, which "
-    "stickslip export writes as Python and C"
+    "Quadrature serves all the same: stickslip_sym.quadrature.damping; so does the fast function, slope_average, "
+    "which stickslip export writes as Python and C"
 )
 
 _Integrated = tuple[str, Any, list[Any]] | Nothing

@@ -1,6 +1,8 @@
 """What is said about a difference from the threshold is computed; measured points get the digits they deserve."""
 
+import math
 import random
+from types import SimpleNamespace
 
 import pytest
 
@@ -30,18 +32,13 @@ def test_another_weight_is_named_as_the_reason():
     assert f"the harmonic average, {weak:.4g} kg/s" in found[0]
 
 
-def test_scattered_points_do_not_get_fifty_digits():
+def test_scattered_points_do_not_get_fifty_digits(monkeypatch):
     rng = random.Random(6)
-    v = [0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.2]
-    exact = [0.2 + 0.3 * 2.718281828 ** (-3 * speed) for speed in v]
-    errors = {}
-    for scatter in (0.0, 0.06):
-        mu = [round(value * (1 + rng.uniform(-scatter, scatter)), 6) for value in exact]
-        errors[scatter] = deviation.spread(
-            ss.FrictionLaw.from_samples(v, mu), ss.criteria.least_squares, 0.5, 9.81
-        )
-    assert 0.02 < errors[0.06]
+    v = [0, 0.1, 0.3, 0.6, 1.2]
+    mu = [round((0.2 + 0.3 * math.exp(-3 * speed)) * (1 + rng.uniform(-0.06, 0.06)), 6) for speed in v]
     law = ss.FrictionLaw.from_samples(v, mu)
+    # The threshold has its own tests, and is slow.
+    monkeypatch.setattr(crosscheck, "pure_slip_damping", lambda *_, **__: SimpleNamespace(value=2.2))
     checks = crosscheck.crosscheck(law, ss.criteria.least_squares, {k: str(x) for k, x in SCENE.items()}, None)
     quadrature = next(check for check in checks if check.method.startswith("quadrature"))
     assert len(quadrature.value) < 7
