@@ -68,7 +68,7 @@ class SlopeAverage:
         given = self._defaults | values
         check_names(self.arguments, given)
         check_reach(self.law, self.criterion, given["V"])
-        return call(self.function, self.arguments, given, on_invalid)
+        return call(self.function, self.arguments, given, on_invalid) + 0.0  # -0.0 becomes 0.0
 
     def __reduce__(self) -> tuple[Any, ...]:
         return SlopeAverage, (self.law, self.criterion, self._exact)

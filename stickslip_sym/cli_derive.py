@@ -39,8 +39,8 @@ def derive(
         Path | None, typer.Option("--save", metavar="FILE", help="Keep the form, for stickslip_sym.load.")
     ] = None,
     time_limit: Annotated[
-        float, typer.Option("--time-limit", metavar="S", help="Seconds for SymPy's integrator.")
-    ] = 20.0,
+        float, typer.Option("--time-limit", metavar="S", help="Seconds for each criterion.")
+    ] = 120.0,
     as_json: cli_json.AsJson = False,
 ) -> None:
     """Derive the closed form of a criterion, prove it, and cross-check its value.

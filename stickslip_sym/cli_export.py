@@ -38,8 +38,8 @@ def export(
         typer.Option("--symbol", metavar="NAME=LATEX", help="Print a symbol otherwise; may be repeated."),
     ] = None,
     time_limit: Annotated[
-        float, typer.Option("--time-limit", metavar="S", help="Seconds for SymPy's integrator, per criterion.")
-    ] = 20.0,
+        float, typer.Option("--time-limit", metavar="S", help="Seconds for each criterion.")
+    ] = 120.0,
 ) -> None:
     """Write criteria as LaTeX, Python, C, Octave or JSON. If anything fails, nothing is written.
 
@@ -56,32 +56,39 @@ def export(
     require_writable(*targets.values())
     notation = assignments(symbol or [])
     from stickslip_sym import criteria, files
+    from stickslip_sym.averages import slope_average
 
     chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]
     laws = _laws(law or [], everything, {"static": static, "name": name, "unit": unit, "source": source})
     if notation:
         _check_notation(notation, laws)
-    forms, missing = [], []
+    forms, missing, averages = [], [], []
+    code = targets.keys() <= {"python", "c", "octave"}
     for one in laws:
         for wanted in chosen:
             try:
                 forms.append(_derived(one, wanted, time_limit))
             except NoClosedForm as error:
-                if len(chosen) == 1 and not everything:
+                if len(chosen) == 1 and not everything and not code:
                     raise
                 missing.append((one, wanted.name, str(error)))
-    if not forms:
+                averages.append(slope_average(one, wanted))
+    if not forms and not code:
         raise NoClosedForm(f"none of the criteria has a closed form: {missing[0][2]}")
-    texts = {path: _text(kind, forms, missing, notation, fragment, steps) for kind, path in targets.items()}
+    texts = {
+        path: _text(kind, forms, averages, missing, notation, fragment, steps) for kind, path in targets.items()
+    }
     if len({path.resolve() for path in texts}) < len(targets):
         raise InputError("two outputs have the same file; give each one of its own")
     files.write_texts(texts)
     for one, name, _ in missing:
-        typer.echo(f"no closed form: {one.name or one.text}, {name}; it is left out", err=True)
+        what = "its fast function is written" if code else "only its fast function is written, to code"
+        typer.echo(f"no closed form: {one.name or one.text}, {name}; {what}", err=True)
     # /dev/stdout holds what was asked for, and nothing else.
     streamed = any(path.exists() and not path.is_file() for path in texts)
-    count = "1 criterion" if len(forms) == 1 else f"{len(forms)} criteria"
     for kind, path in targets.items():
+        number = len(forms) + (len(averages) if kind in ("python", "c", "octave") else 0)
+        count = "1 criterion" if number == 1 else f"{number} criteria"
         typer.echo(f"{kind}: {count} in {path}", err=streamed)
 
 
@@ -122,8 +129,9 @@ def _derived(law: Any, criterion: Any, time_limit: float) -> Any:
 
 
 def _text(
-    kind: str, forms: list[Any], missing: list[Any], notation: dict[str, str], fragment: bool, steps: bool
-) -> str:
+    kind: str, forms: list[Any], averages: list[Any], missing: list[Any], notation: dict[str, str],
+    fragment: bool, steps: bool,
+) -> str:  # fmt: skip
     from stickslip_sym import export as write
     from stickslip_sym import keeping
 
@@ -132,4 +140,4 @@ def _text(
     if kind == "json":
         return keeping.collection(forms)
     writers = {"python": write.export_python, "c": write.export_c, "octave": write.export_octave}
-    return writers[kind](forms)
+    return writers[kind]([*forms, *averages])

@@ -1,40 +1,37 @@
 """`derive`: from a friction law and a criterion to a proved closed form."""
 
-import random
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
-import mpmath
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from stickslip_sym import html_text, printing, quadrature, symbols
+from stickslip_sym import html_text, printing, symbols
 from stickslip_sym.arguments import OnInvalid, check_names, check_reach
 from stickslip_sym.averages import SlopeAverage
 from stickslip_sym.code_text import c_code, octave_code, python_code
 from stickslip_sym.criteria import Criterion, find
+from stickslip_sym.deadline import time_left
 from stickslip_sym.derivation import Derivation
-from stickslip_sym.errors import InputError, NoClosedForm, NotConverged
+from stickslip_sym.errors import InputError, NoClosedForm, OutOfTime
 from stickslip_sym.evaluate import StableFunction, exact_value
 from stickslip_sym.friction import FrictionLaw, limit_at_rest
-from stickslip_sym.integrals import Part, Progress, integrate_terms
+from stickslip_sym.gate import GATE_POINTS, verify
+from stickslip_sym.integrals import Part, Progress, Told, integrate_terms
+from stickslip_sym.interruption import within
 from stickslip_sym.notation import check_known, notation_of
 from stickslip_sym.proving import Status, Verdict
 from stickslip_sym.tidy import tidy
 from stickslip_sym.values import Number, exact
 
-__all__ = ["ClosedForm", "derive", "verify"]
+__all__ = ["ClosedForm", "derive"]
 
-LONGEST = 86_400  # seconds, a day
-GATE_POINTS = 12
-GATE_DIGITS = 30
-_GATE_SEED = 1
-_MOST_DRAWS = 40
-_DECADES = (-3, 3)  # of every parameter, for the points of the gate
-_EXPONENT_DECADES = (-0.5, 0.7)  # of a parameter that is an exponent
-_COUNTS_AS_ZERO = mpmath.mpf("1e-350")  # quadrature returns 0 for less than 1e-400 of its integrand
+_SEARCHING = (
+    20.0  # seconds for SymPy's integrator, or half of the time: what it has not found by then, it seldom finds
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +185,8 @@ def derive(
     law: FrictionLaw,
     criterion: str | Criterion = "least_squares",
     *,
-    time_limit: float = 20.0,
+    time_limit: float = 120.0,
+    search: bool = True,
     progress: Progress | None = None,
 ) -> ClosedForm:
     """Derive the closed form of a criterion for a law, prove it, and check it against quadrature.
@@ -202,9 +200,10 @@ def derive(
     law : FrictionLaw
         Bound values become the defaults of a call; the formula stays symbolic.
     criterion : str or Criterion
-        "least_squares", "harmonic" or "equilibrium".
     time_limit : float
-        Seconds that SymPy's integrator may take, all terms together.
+        Seconds that all of this may take.
+    search : bool
+        Let SymPy's integrator try what no rule covers, for 20 s or half of the time.
     progress : callable, optional
         Called with a few words whenever another piece of work begins.
 
@@ -216,28 +215,39 @@ def derive(
     Raises
     ------
     NoClosedForm
-        If a term resists, or the result does not pass every check. The message names the term.
+        If a term resists, or the result does not pass every check, or the time is up. The message names the term,
+        or what was under way and what was found until then.
     """
     criterion = find(criterion)
-    if not 0 <= time_limit <= LONGEST:
-        raise InputError(f"time_limit = {time_limit} is not a number of seconds from 0 to {LONGEST}")
-    _require_integrable(law)
-    say: Progress = progress or (lambda _: None)
+    told = Told(progress or (lambda _: None))
+    try:
+        return within(time_limit, lambda: _derived(law, criterion, search, told))
+    except OutOfTime:
+        raise NoClosedForm(
+            f"the time limit of {time_limit:g} s was reached while {told.stage}; until then {told.found}. Give it "
+            "more time with time_limit=..., or take the criterion by stickslip_sym.slope_average"
+        ) from None
+
+
+def _derived(law: FrictionLaw, criterion: Criterion, search: bool, told: Told) -> ClosedForm:
+    """Derive, check and prove a closed form, without a look at the time."""
+    _require_integrable(law, criterion)
     name = f"{law.name or 'law'}/{criterion.name}"
     derivation = Derivation(name, f"The {criterion.name} criterion for mu(v) = {law.text}")
     if criterion.weight is None:
         parts = []
         raw = -symbols.N * law.slope_expr.subs(symbols.v, symbols.V)
     else:
-        parts = integrate_terms(law.expr, criterion, time_limit, say)
+        parts = integrate_terms(law.expr, criterion, min(time_left() / 2, _SEARCHING) if search else 0.0, told)
         raw = sp.Add(*[part.value for part in parts])
-    say("simplifying")
+    told.found = "a formula was found, but not checked"
+    told("simplifying")
     expr = tidy(raw, law.expr, symbols.V)
-    say(f"comparing with quadrature at {GATE_POINTS} points")
+    told(f"comparing with quadrature at {GATE_POINTS} points")
     gate = verify(law, criterion, expr)
-    if gate.status is Status.REFUTED:
-        raise NoClosedForm(f"a formula was found but refuted, so it is not returned: {gate.evidence}")
-    say("proving")
+    _require(gate)
+    told.found = "a formula was found that agrees with quadrature, but its proof was not finished"
+    told("proving")
     if criterion.weight is not None:
         _state(derivation, law, criterion, parts, gate)
     derivation.equal(
@@ -247,18 +257,32 @@ def derive(
         expr,
         shown=symbols.c,
     )
-    if derivation.status is Status.REFUTED:
-        refuted = next(step.verdict for step in derivation.steps if step.verdict.status is Status.REFUTED)
-        raise NoClosedForm(f"a formula was found but refuted, so it is not returned: {refuted.evidence}")
+    for step in derivation.steps:
+        _require(step.verdict)
     return ClosedForm(law, criterion, expr, derivation, gate)
 
 
-def _require_integrable(law: FrictionLaw) -> None:
-    """Refuse a law whose criteria have no value because mu grows like 1/v or faster as v falls to 0."""
-    if law.expr.subs(symbols.v, 0).is_finite is False:
-        strength = abs(limit_at_rest(symbols.v * law.expr))
-        if strength > 0:
-            raise NoClosedForm("mu is not integrable at v = 0+, so its criteria have no value; cut it off there")
+def _require(verdict: Verdict) -> None:
+    """Refuse a formula that was refuted, or that could be neither proved nor checked."""
+    if verdict.status is Status.REFUTED:
+        raise NoClosedForm(f"a formula was found but refuted, so it is not returned: {verdict.evidence}")
+    if verdict.status is Status.UNDECIDED:
+        raise NoClosedForm(
+            f"a formula was found but could not be checked, so it is not returned: {verdict.evidence}"
+        )
+
+
+def _require_integrable(law: FrictionLaw, criterion: Criterion) -> None:
+    """Refuse a law whose mu is infinite at v = 0+, faster than the weight vanishes there."""
+    if criterion.weight is None or law.expr.subs(symbols.v, 0).is_finite is not False:
+        return
+    order = criterion.order_at_rest
+    strength = abs(limit_at_rest(symbols.v**order * law.expr))
+    if strength > 0 and (order > 0 or strength == math.inf):
+        raise NoClosedForm(
+            f"mu is not integrable at v = 0+ with the weight of the criterion {criterion.name!r}, so it has no "
+            "value; cut mu off there"
+        )
 
 
 def _state(
@@ -284,43 +308,3 @@ def _state(
                 part.value,
                 by=part.by,
             )
-
-
-def verify(law: FrictionLaw, criterion: Criterion, expr: Any) -> Verdict:
-    """Compare a formula for the damping coefficient with quadrature at seeded log-uniform points.
-
-    Points at which the law has no real value, or the criterion is too small for either side to tell from 0, say
-    nothing; others are drawn in their place.
-    """
-    rng = random.Random(_GATE_SEED)
-    symbol_of = {"V": symbols.V, "N": symbols.N} | {n: p.symbol for n, p in law.parameters.items()}
-    exponents = {node.exp for node in law.expr.atoms(sp.Pow)}
-    compared = 0
-    for _ in range(_MOST_DRAWS):
-        values = {
-            name: f"{10 ** rng.uniform(*(_EXPONENT_DECADES if symbol in exponents else _DECADES)):.6g}"
-            for name, symbol in symbol_of.items()
-        }
-        if law.v_max is not None:
-            # Every piece has its turn, the lowest speeds too.
-            share = rng.uniform(0, 1) if compared % 2 else 10 ** rng.uniform(2 * _DECADES[0], 0)
-            values["V"] = f"{share * float(law.v_max / 2):.6g}"
-        scene = {name: values.pop(name) for name in ("V", "N")}
-        point = {symbol_of[name]: exact(value, name) for name, value in (scene | values).items()}
-        try:
-            expected = quadrature.damping(law.bind(**values), criterion, **scene, digits=GATE_DIGITS)
-            got = exact_value(expr, law.slope_expr, point, GATE_DIGITS)
-        except (InputError, NotConverged):
-            continue
-        with mpmath.workdps(GATE_DIGITS):
-            allowed = max(abs(expected) * mpmath.mpf(10) ** (3 - GATE_DIGITS), _COUNTS_AS_ZERO)
-            if abs(got - expected) > allowed:
-                words = ", ".join(f"{symbol} = {float(value):g}" for symbol, value in point.items())
-                found = f"formula {mpmath.nstr(got, 8)}, quadrature {mpmath.nstr(expected, 8)} at {words}"
-                return Verdict(Status.REFUTED, found, point)
-        compared += 1
-        if compared == GATE_POINTS:
-            evidence = f"agrees with quadrature to {GATE_DIGITS - 3} digits at {GATE_POINTS} seeded points"
-            return Verdict(Status.CHECKED, evidence)
-    evidence = f"only {compared} of {_MOST_DRAWS} points could be compared with quadrature"
-    return Verdict(Status.REFUTED, evidence)

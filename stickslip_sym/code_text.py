@@ -14,7 +14,6 @@ from stickslip_sym import c_text, octave_text, python_text, symbols
 from stickslip_sym.branches import Closed, Formula, LogTail, Series, Table
 from stickslip_sym.conditioned import conditioned, speed_scales
 from stickslip_sym.dialects import Dialect, c99, numeric_list, octave, python
-from stickslip_sym.errors import NoClosedForm
 from stickslip_sym.evaluate import StableFunction
 from stickslip_sym.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre, weight_of
 from stickslip_sym.pieces import jumps, places
@@ -56,7 +55,10 @@ def _write(functions: Mapping[str, StableFunction], title: str, dialect: Dialect
 def _branched(function: StableFunction) -> list[Any] | None:
     """Return the terms of a criterion that have branches; None if it is averaged by Gauss rules."""
     terms = function.terms
-    return None if terms is None or any(term.shapes for term in terms) else terms
+    if terms is None or any(term.shapes for term in terms):
+        return None
+    profiles = [term.profile((), 1) for term in terms]
+    return terms if all(profile is not None and all(profile.branches) for profile in profiles) else None
 
 
 def _body(function: StableFunction, dialect: Dialect, language: Any) -> str:
@@ -68,10 +70,7 @@ def _body(function: StableFunction, dialect: Dialect, language: Any) -> str:
         parts.append(_gauss(function, names, dialect, language))
     for number, term in enumerate(terms or []):
         profile = term.profile((), 1)
-        if profile is None or any(branch is None for branch in profile.branches):
-            raise NoClosedForm(
-                "a term of this law has no branches for all speeds, so it cannot be written as text"
-            )
+        assert profile is not None
         bases = [dialect.text(base, names) for base in term.base_exprs]
         branches = [
             (
@@ -147,9 +146,12 @@ def _gauss(function: StableFunction, names: dict[Any, str], dialect: Dialect, la
     scales = [dialect.text(scale, names) for scale in speed_scales(slope, symbols.v)]
     kinks = [dialect.text(place, names) for place in places(function.mu)]
     steps = [(dialect.text(place, names), dialect.text(height, names)) for place, height in jumps(function.mu)]
-    m = sp.Symbol("m", positive=True)
-    at_jump = dialect.text(weight_of(function.criterion, m), {m: "m"})
-    weight = dialect.text(angle_weight(function.criterion, m), {m: "m"})
+    m, sine, angle, place, V = sp.symbols("m sine angle place V", positive=True)
+    given = {symbol: symbol.name for symbol in (m, sine, angle, place, V)}
+    at_jump = dialect.text(weight_of(function.criterion, m, place / V, 2 - place / V), given)
+    weight = dialect.text(
+        angle_weight(function.criterion, m, 2 * sine**2, 2 * sp.cos(angle, evaluate=False) ** 2), given
+    )
     rules = [
         (name, numeric_list(numbers, language.brackets))
         for n, label in ((COARSE, "coarse"), (FINE, "fine"))

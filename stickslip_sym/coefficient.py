@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
+import mpmath
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
@@ -65,7 +66,15 @@ class Coefficient:
             self._functions[key] = function_of([symbols.v, *self.parameters], expr, backend)
         compiled, ordered = self._functions[key], [values[symbol] for symbol in self.parameters]
         if backend == "mpmath":
-            return lambda v: compiled(v, *(to_mpf(value) for value in ordered))
+            rounded: dict[int, list[Any]] = {}  # by working precision
+
+            def at_precision(v: Any) -> Any:
+                precision = mpmath.mp.prec
+                if precision not in rounded:
+                    rounded[precision] = [to_mpf(value) for value in ordered]
+                return compiled(v, *rounded[precision])
+
+            return at_precision
         floats = [float(value) for value in ordered]
         return lambda v: compiled(v, *floats)
 

@@ -25,29 +25,62 @@ class Criterion:
     ----------
     name : str
     weight : sympy.Expr or None
-        w(s) on [-1, 1] with unit integral and w(-1) = w(1) = 0; None for the Dirac delta at s = 0.
+        w(s) on [-1, 1] with unit integral: a polynomial in s with exact coefficients, symmetric or not, zero at
+        the ends or not; or (2/pi) sqrt(1 - s^2). None for the Dirac delta at s = 0.
     source : str
+
+    Raises
+    ------
+    InputError
+        For any other weight.
+
+    Examples
+    --------
+    >>> s = symbols.s
+    >>> Criterion("early", sp.Rational(3, 4) * (1 - s**2) * (1 - s), "a weight on low slip speeds").moment(1)
+    -1/5
     """
 
     name: str
     weight: Any | None
     source: str
 
-    def even_moment(self, j: int) -> Any:
-        """Return the mean of s^2j: an integral for a polynomial weight, a Beta function for the harmonic one."""
-        s = symbols.s
+    def __post_init__(self) -> None:
+        """Refuse a weight that is no average, or that nothing here can integrate."""
+        if self.weight is not None:
+            object.__setattr__(self, "weight", _checked_weight(self.name, self.weight))
+
+    def moment(self, k: int) -> Any:
+        """Return the mean of s^k: an integral for a polynomial weight, a Beta function for the harmonic one."""
         if self.is_polynomial:
-            return sp.integrate(sp.expand(self.weight * s ** (2 * j)), (s, -1, 1))
-        if self.weight == harmonic.weight:
-            return sp.catalan(j) / sp.Integer(4) ** j
-        return sp.integrate(self.weight * s ** (2 * j), (s, -1, 1))
+            terms = sp.Poly(self.weight, symbols.s).terms()
+            return sp.Add(*[2 * w / (n + k + 1) for (n,), w in terms if (n + k) % 2 == 0])
+        return sp.Integer(0) if k % 2 else sp.catalan(k // 2) / sp.Integer(4) ** (k // 2)
+
+    def even_moment(self, j: int) -> Any:
+        """Return the mean of s^2j."""
+        return self.moment(2 * j)
+
+    @property
+    def ends(self) -> tuple[Any, Any]:
+        """The weight at s = -1 and at s = 1."""
+        if self.weight is None:
+            return sp.Integer(0), sp.Integer(0)
+        return self.weight.subs(symbols.s, -1), self.weight.subs(symbols.s, 1)
+
+    @property
+    def order_at_rest(self) -> Any:
+        """The power of 1 + s like which the weight vanishes at s = -1, where the slip speed is 0."""
+        if not self.is_polynomial:
+            return sp.Rational(1, 2)
+        polynomial, order = sp.Poly(self.weight, symbols.s), 0
+        while polynomial.eval(-1) == 0:
+            polynomial, order = polynomial.exquo(sp.Poly(1 + symbols.s, symbols.s)), order + 1
+        return sp.Integer(order)
 
     @property
     def moment_kernel(self) -> Any:
-        """The kernel K(v) with c = integral_0^{2V} mu(v) K(v) dv, from one integration by parts.
-
-        The boundary terms vanish because the weight does at s = -1 and s = 1.
-        """
+        """The kernel K(v) with c = integral_0^{2V} mu(v) K(v) dv + `boundary`, from one integration by parts."""
         s_of_v = (symbols.v - symbols.V) / symbols.V
         return sp.factor(symbols.N * self._weight_slope.subs(symbols.s, s_of_v) / symbols.V**2)
 
@@ -59,6 +92,13 @@ class Criterion:
         # sin(theta) is not negative on [0, pi], so sqrt(1 - cos^2) is sin.
         kernel = kernel.subs(sp.sqrt(1 - sp.cos(symbols.theta) ** 2), sp.sin(symbols.theta))
         return symbols.N / symbols.V * kernel
+
+    def boundary(self, mu: Any) -> Any:
+        """Return the boundary terms for a coefficient mu(v): 0 where the weight vanishes at s = -1 and s = 1."""
+        low, high = self.ends
+        terms = ((low, sp.Integer(0)), (-high, 2 * symbols.V))
+        parts = [weight * mu.subs(symbols.v, v) for weight, v in terms if weight != 0]
+        return symbols.N / symbols.V * sp.Add(*parts)
 
     @property
     def is_polynomial(self) -> bool:
@@ -72,6 +112,32 @@ class Criterion:
         return sp.diff(self.weight, symbols.s)
 
 
+_HARMONIC = 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
+
+
+def _checked_weight(name: str, weight: Any) -> Any:
+    """Return a weight in the symbol s of this package, if it can be served."""
+    what = f"the weight of the criterion {name!r}"
+    weight = sp.sympify(weight)
+    if not isinstance(weight, sp.Expr):
+        raise InputError(f"{what} is an expression in s, got {type(weight).__name__}")
+    free = {symbol.name for symbol in weight.free_symbols}
+    if free - {"s"}:
+        raise InputError(f"{what} depends on {', '.join(sorted(free - {'s'}))}; it may hold s only")
+    weight = weight.xreplace(dict.fromkeys(weight.free_symbols, symbols.s))
+    if weight == _HARMONIC:
+        return weight
+    weight = sp.nsimplify(weight, rational=True) if weight.has(sp.Float) else weight
+    polynomial = weight.is_polynomial(symbols.s)
+    if not polynomial or not all(c.is_Rational for c in sp.Poly(weight, symbols.s).all_coeffs()):
+        raise InputError(f"{what} is {weight}; it must be a polynomial in s with rational coefficients")
+    total = sp.integrate(sp.expand(weight), (symbols.s, -1, 1))
+    if total != 1:
+        scaled = f"; multiply it by {1 / total}" if total != 0 else ""
+        raise InputError(f"{what} integrates to {total} over -1 <= s <= 1; an average needs 1{scaled}")
+    return weight
+
+
 equilibrium = Criterion("equilibrium", None, "linear stability of the equilibrium, e.g. Galvanetto & Bishop 1999")
 least_squares = Criterion(
     "least_squares", sp.Rational(5, 8) * (1 - symbols.s**4), "Won & Chung 2016, eq. (16), integrated by parts"
@@ -79,7 +145,7 @@ least_squares = Criterion(
 
 harmonic = Criterion(
     "harmonic",
-    2 / sp.pi * sp.sqrt(1 - symbols.s**2),
+    _HARMONIC,
     "first-harmonic energy balance at velocity amplitude V; for the polynomial law Thomsen & Fidlin 2003",
 )
 

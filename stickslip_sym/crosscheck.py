@@ -1,5 +1,6 @@
 """One number three ways: the closed form, quadrature of the definition, and the oscillator itself."""
 
+import textwrap
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ import mpmath
 from stickslip_sym import quadrature
 from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.criteria import Criterion
+from stickslip_sym.deviation import LARGE, reasons, spread
 from stickslip_sym.errors import StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.tables import duration, table
@@ -17,6 +19,8 @@ from stickslip_sym.threshold import pure_slip_damping
 from stickslip_sym.values import Number, exact
 
 __all__ = ["SCENE", "Check", "crosscheck", "report"]
+
+_WIDTH = 100  # characters of a line of text
 
 SCENE = {"V": "0.5", "N": "9.81", "m": "1", "k": "100"}
 """The scene of the paper's section 3, in SI units."""
@@ -83,6 +87,10 @@ def crosscheck(
     if form is not None:
         ways = {"closed form": lambda: (form.evaluate(digits, V=V, N=N), digits)} | ways
     checks: list[Check] = []
+    values: list[Any] = []
+    error_of_data = None
+    if law.curve is not None:
+        error_of_data = spread(law, criterion, numbers["V"], numbers["N"])
     reference = None
     for method, compute in ways.items():
         start = time.perf_counter()
@@ -96,19 +104,41 @@ def crosscheck(
         with mpmath.workdps(digits):
             difference = abs(value - reference)
             relative = float(difference / abs(reference)) if reference else float(difference)
-        checks.append(Check(method, mpmath.nstr(value, known), relative, seconds))
+        deserved = known if error_of_data is None else min(known, _deserved(value, error_of_data))
+        checks.append(Check(method, mpmath.nstr(value, deserved), relative, seconds))
+        values.append(value)
+    if error_of_data:
+        shown = f"the points' scatter alone makes that +-{error_of_data:.1g} kg/s, one standard error (jackknife)"
+        checks.append(Check("measured points", shown, None, 0.0))
+    last = checks[len(ways) - 1].difference
+    if last is not None and last > LARGE and reference:
+        for reason in reasons(law, criterion, numbers, float(reference), float(values[-1])):
+            checks.append(Check("why the threshold differs", reason, None, 0.0))
     return checks
 
 
+def _deserved(value: Any, error: float) -> int:
+    """Return the digits of a value that its standard error leaves, and one more."""
+    if not value or not error:
+        return 17
+    return max(2, 2 + int(mpmath.floor(mpmath.log10(abs(value) / error))))
+
+
 def report(checks: list[Check]) -> str:
-    """Return the checks as a table."""
+    """Return the checks as a table, and below it, in lines of a readable length, what has no number."""
     rows = [
         [
             check.method,
             check.value,
-            "" if check.difference is None else f"{check.difference:.2g}",
-            duration(check.seconds) if check.difference is not None else "",
+            f"{check.difference:.2g}",
+            duration(check.seconds),
         ]
         for check in checks
+        if check.difference is not None
     ]
-    return table(["method", "c in kg/s", "difference", "time"], rows)
+    words = [
+        textwrap.fill(f"{check.method}: {check.value}", _WIDTH, subsequent_indent="  ", break_long_words=False)
+        for check in checks
+        if check.difference is None
+    ]
+    return "\n".join([table(["method", "c in kg/s", "difference", "time"], rows), *words])

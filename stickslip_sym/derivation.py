@@ -101,7 +101,7 @@ class Derivation:
     def status(self) -> Status:
         """The weakest verdict among the steps."""
         found = {step.verdict.status for step in self.steps}
-        for status in (Status.REFUTED, Status.CHECKED):
+        for status in (Status.REFUTED, Status.UNDECIDED, Status.CHECKED):
             if status in found:
                 return status
         return Status.PROVED

@@ -5,12 +5,13 @@ Every formula is printed from the expression that is evaluated, and stands once 
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import sympy as sp
 
 from stickslip_sym import printing, symbols
 from stickslip_sym.abbreviation import equation
+from stickslip_sym.averages import SlopeAverage
 from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.errors import InputError
 from stickslip_sym.layout import LINE, displayed, key, prose, width
@@ -77,9 +78,12 @@ def _marks(laws: Sequence[Any]) -> list[str]:
     return found
 
 
-def chapters(forms: Sequence[ClosedForm]) -> list[tuple[Any, list[ClosedForm]]]:
+Form = TypeVar("Form", bound=ClosedForm | SlopeAverage)
+
+
+def chapters(forms: Sequence[Form]) -> list[tuple[Any, list[Form]]]:
     """Return the laws in order, each with its closed forms."""
-    found: dict[int, tuple[Any, list[ClosedForm]]] = {}
+    found: dict[int, tuple[Any, list[Form]]] = {}
     for form in forms:
         found.setdefault(id(form.law), (form.law, []))[1].append(form)
     return list(found.values())

@@ -324,14 +324,17 @@ class StableFunction:
         with np.errstate(invalid="ignore"):
             for place, height, bound in self._jumps(*parameters, speed):
                 # Of the slope there, a delta function of that height over V.
-                m, epsilon = place / speed * (2 - place / speed), np.finfo(speed.dtype).eps
-                share, near = self._weight(m) / speed, self._weight(np.abs(m) + _JUMP * epsilon) / speed
+                p, epsilon = place / speed, np.finfo(speed.dtype).eps
+                q, width = 2 - p, _JUMP * epsilon
+                m = p * q
+                share = self._weight(m, p, q) / speed
+                near = self._weight(np.abs(m) + width, np.abs(p) + width, np.abs(q) + width) / speed
                 inside = (place > 0) & (place < 2 * speed)
                 share = np.where(inside, share, 0)
                 value, size = value + height * share, size + np.abs(height * share)
                 # Right at an end of [0, 2V] rounding decides how much of the jump there is.
-                off = np.where(inside | (np.abs(m) < _JUMP * epsilon), np.abs(near - share), 0)
-                error = error + np.abs(height) * off + (bound + _JUMP * np.abs(height)) * share * epsilon
+                off = np.where(np.abs(m) < width, np.abs(near), np.where(inside, np.abs(near - share), 0))
+                error = error + np.abs(height) * off + (bound + _JUMP * np.abs(height)) * np.abs(share) * epsilon
         return value, error / np.where(size > 0, size, 1)
 
     @cached_property
@@ -342,10 +345,10 @@ class StableFunction:
         return lambda *columns: compiled(*columns[:-1]) if steps else []
 
     @cached_property
-    def _weight(self) -> Callable[[Any], Any]:
-        """The weight w(s) as a function of m = 1 - s^2."""
-        m = sp.Dummy("m", positive=True)
-        return function_of([m], gauss.weight_of(self.criterion, m), "numpy")
+    def _weight(self) -> Callable[..., Any]:
+        """The weight w(s) as a function of m = 1 - s^2, 1 + s and 1 - s."""
+        places = sp.symbols("m p q", positive=True, cls=sp.Dummy)
+        return function_of(places, gauss.weight_of(self.criterion, *places), "numpy")
 
     @cached_property
     def _slope(self) -> Callable[..., tuple[Any, Any]]:

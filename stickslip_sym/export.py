@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from stickslip_sym.averages import SlopeAverage
 from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.code_text import c_code, octave_code, python_code
 from stickslip_sym.document import chapters, document
@@ -51,37 +52,41 @@ def export_latex(
     InputError
         For symbols that cannot be used, or a law of measured points, which has no formula to print.
     """
-    listed = _listed(forms)
+    listed = [forms] if isinstance(forms, ClosedForm) else list(forms)
+    if not listed:
+        raise InputError(_NOTHING)
     return document(
         listed, given=symbols or {}, fragment=fragment, steps=steps, missing=missing, time_limit=time_limit
     )
 
 
-def export_python(forms: ClosedForm | Sequence[ClosedForm]) -> str:
+Written = ClosedForm | SlopeAverage
+"""What can be written as code: a closed form, or the fast function of a criterion that has none."""
+
+
+def export_python(forms: Written | Sequence[Written]) -> str:
     """Return a NumPy module: one form as ``damping``, several as ``damping_<law>_<criterion>``."""
     return python_code(*_named(forms))
 
 
-def export_c(forms: ClosedForm | Sequence[ClosedForm]) -> str:
+def export_c(forms: Written | Sequence[Written]) -> str:
     """Return C99 that needs libm only; functions are named as by `export_python`."""
     return c_code(*_named(forms))
 
 
-def export_octave(forms: ClosedForm | Sequence[ClosedForm]) -> str:
+def export_octave(forms: Written | Sequence[Written]) -> str:
     """Return an Octave script that defines functions; they are named as by `export_python`."""
     return octave_code(*_named(forms))
 
 
-def _listed(forms: ClosedForm | Sequence[ClosedForm]) -> list[ClosedForm]:
-    listed = [forms] if isinstance(forms, ClosedForm) else list(forms)
-    if not listed:
-        raise InputError("there is nothing to export; give at least one closed form")
-    return listed
+_NOTHING = "there is nothing to export; give at least one closed form"
 
 
-def _named(forms: ClosedForm | Sequence[ClosedForm]) -> tuple[dict[str, StableFunction], str]:
+def _named(forms: Written | Sequence[Written]) -> tuple[dict[str, StableFunction], str]:
     """Return the functions by the names that they shall have, and a title."""
-    listed = _listed(forms)
+    listed = [forms] if isinstance(forms, Written) else list(forms)
+    if not listed:
+        raise InputError(_NOTHING)
     if len(listed) == 1:
         return {"damping": listed[0].function}, repr(listed[0])
     found = {}

@@ -23,15 +23,7 @@ DIGITS = 40  # in which coefficients are computed
 @lru_cache(maxsize=256)
 def moment(criterion: Criterion, k: int) -> Any:
     """Return <(1 + s)^k>_w, exact."""
-    return sp.Add(*[sp.binomial(k, 2 * j) * _even_moment(criterion, j) for j in range(k // 2 + 1)])
-
-
-@lru_cache(maxsize=256)
-def _even_moment(criterion: Criterion, j: int) -> Any:
-    if not criterion.is_polynomial:
-        return criterion.even_moment(j)
-    terms = sp.Poly(criterion.weight, symbols.s).terms()
-    return sp.Add(*[2 * w / (n + 2 * j + 1) for (n,), w in terms if n % 2 == 0])
+    return sp.Add(*[sp.binomial(k, j) * criterion.moment(j) for j in range(k + 1)])
 
 
 def taylor(slope: Any, criterion: Criterion, decay: float) -> tuple[list[Any], float] | None:
@@ -54,7 +46,8 @@ def taylor(slope: Any, criterion: Criterion, decay: float) -> tuple[list[Any], f
         coefficients, radius = (large, 24.0) if agree and large is not None else (small, 0.25)
         tiny = scale * mpmath.mpf("1e-30")
         moments = [
-            -g_k * mpmath.mpf(m.p) / m.q for k, g_k in enumerate(coefficients) if (m := moment(criterion, k))
+            -g_k * mpmath.mpf(moment(criterion, k).p) / moment(criterion, k).q
+            for k, g_k in enumerate(coefficients)
         ]
         rate = mpmath.mpf(decay)
         exponential = [rate**k / mpmath.factorial(k) for k in range(len(moments))]

@@ -53,22 +53,31 @@ def gauss_legendre(n: int, extended: bool = False) -> tuple[Any, Any]:
     return x.astype(dtype), (2 / ((1 - x * x) * slope * slope)).astype(dtype)
 
 
-def weight_of(criterion: Criterion, m: Any) -> Any:
-    """Return w(s) in terms of m = 1 - s^2, which does not cancel at the ends."""
+def weight_of(criterion: Criterion, m: Any, p: Any, q: Any) -> Any:
+    """Return w(s) in terms of m = 1 - s^2, p = 1 + s and q = 1 - s, which do not cancel at the ends."""
     assert criterion.weight is not None
-    even = sp.powdenest(criterion.weight.subs(symbols.s, sp.sqrt(1 - m)), force=True)
-    return sp.factor(even) if even.is_polynomial(m) else even
+    weight, s = criterion.weight, symbols.s
+    if sp.expand(weight.subs(s, -s) - weight) == 0:
+        even = sp.powdenest(weight.subs(s, sp.sqrt(1 - m)), force=True)
+        return sp.factor(even) if even.is_polynomial(m) else even
+    content, factors = sp.factor_list(weight, s)
+    result = content
+    for factor, power in factors:
+        # In the middle s = (p - q)/2 cancels, to an absolute error of one unit.
+        known = {1 + s: p, s - 1: -q}
+        result *= known.get(factor, factor.subs(s, (p - q) / 2)) ** power
+    return result
 
 
-def angle_weight(criterion: Criterion, m: Any) -> Any:
-    """Return w(s) ds/dphi in terms of m = 4 sin(phi)^2 cos(phi)^2."""
-    return 2 * sp.sqrt(m) * weight_of(criterion, m)
+def angle_weight(criterion: Criterion, m: Any, p: Any, q: Any) -> Any:
+    """Return w(s) ds/dphi in the same terms; m = 4 sin(phi)^2 cos(phi)^2, p = 2 sin(phi)^2, q = 2 cos(phi)^2."""
+    return 2 * sp.sqrt(m) * weight_of(criterion, m, p, q)
 
 
 @lru_cache(maxsize=16)
-def _weight(criterion: Criterion) -> Callable[[Any], Any]:
-    m = sp.Dummy("m", positive=True)
-    return function_of([m], angle_weight(criterion, m), "numpy")
+def _weight(criterion: Criterion) -> Callable[..., Any]:
+    places = sp.symbols("m p q", positive=True, cls=sp.Dummy)
+    return function_of(places, angle_weight(criterion, *places), "numpy")
 
 
 def average(
@@ -195,8 +204,8 @@ def _panel_sums(
         x, w = gauss_legendre(n, extended)
         angle = center + half * x
         sine = np.sin(angle)
-        m = (2 * sine * np.cos(angle)) ** 2
-        parts = half * w * weight(m)
+        cosine = np.cos(angle)
+        parts = half * w * weight((2 * sine * cosine) ** 2, 2 * sine * sine, 2 * cosine * cosine)
         with np.errstate(all="ignore"):
             slopes, bound = slope(2 * speed * sine * sine, *(column[owner][:, None] for column in columns[1:]))
             sums.append(((parts * slopes).sum(axis=1), parts, slopes, bound))

@@ -17,12 +17,26 @@ from stickslip_sym.criteria import Criterion
 from stickslip_sym.errors import NoClosedForm
 from stickslip_sym.harmonics import harmonic_average, kinked_polynomial_average
 from stickslip_sym.pieces import pieces_of
+from stickslip_sym.search import Found, Nothing
 from stickslip_sym.terms import grouped
-from stickslip_sym.theorems import By, PieceByPiece, ends_of_pieces
+from stickslip_sym.theorems import By, PieceByPiece, ends_of_pieces, value_at
 
-__all__ = ["Part", "Progress", "integrate_terms", "law_integral"]
+__all__ = ["Part", "Progress", "Told", "integrate_terms", "law_integral"]
 
 Progress = Callable[[str], None]
+
+
+class Told:
+    """What a derivation is at, and what it has found."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self.stage, self.found = "reading the law", "no formula was found"
+
+    def __call__(self, stage: str) -> None:
+        """Say what begins."""
+        self.stage = stage
+        self._progress(stage)
 
 
 @dataclass(frozen=True)
@@ -54,11 +68,22 @@ def law_integral(mu: Any, criterion: Criterion) -> Any:
     """Return the criterion of a coefficient mu(v) as an integral."""
     v, V, theta = symbols.v, symbols.V, symbols.theta
     if criterion.is_polynomial:
-        return sp.Integral(mu * criterion.moment_kernel, (v, 0, 2 * V))
+        kernel = criterion.moment_kernel
+        return sp.Integral(mu * kernel, (v, 0, 2 * V)) + _boundary(mu, criterion)
     return sp.Integral(mu.subs(v, V * (1 - sp.cos(theta))) * criterion.angle_kernel, (theta, 0, sp.pi))
 
 
-def integrate_terms(mu: Any, criterion: Criterion, time_limit: float, progress: Progress) -> list[Part]:
+def _boundary(mu: Any, criterion: Criterion) -> Any:
+    """Return the boundary terms of the integration by parts."""
+    found = criterion.boundary(mu)
+    if found.has(sp.zoo, sp.oo, sp.nan):
+        raise NoClosedForm(
+            f"the weight of {criterion.name!r} is not 0 at s = -1, where {printing.text(mu)} has no value"
+        )
+    return found
+
+
+def integrate_terms(mu: Any, criterion: Criterion, seconds: float, progress: Progress) -> list[Part]:
     """Integrate a law term by term.
 
     Parameters
@@ -67,8 +92,8 @@ def integrate_terms(mu: Any, criterion: Criterion, time_limit: float, progress: 
         The coefficient as a function of v.
     criterion : Criterion
         With a weight.
-    time_limit : float
-        Seconds for SymPy's integrator, all terms together.
+    seconds : float
+        For SymPy's integrator, all terms together.
     progress : callable
         Told what is being done, in a few words.
 
@@ -77,7 +102,7 @@ def integrate_terms(mu: Any, criterion: Criterion, time_limit: float, progress: 
     NoClosedForm
         Naming the first term that resisted, and what was tried.
     """
-    deadline = time.monotonic() + time_limit
+    deadline = time.monotonic() + seconds
     terms = grouped(mu, symbols.v)
     parts = []
     for number, (rest, constant) in enumerate(terms.items(), 1):
@@ -88,10 +113,10 @@ def integrate_terms(mu: Any, criterion: Criterion, time_limit: float, progress: 
             raise NoClosedForm(f"two kinks stand in one product, {name}; their order is not known. {_REMEDY}")
         integrate = _by_antiderivatives if criterion.is_polynomial else _by_averages
         found = integrate(*split, criterion, deadline, progress)
-        if found is None:
+        if isinstance(found, Nothing):
             raise NoClosedForm(
                 f"the term {name} resisted: none of our rules for the {criterion.name} criterion covers it, and "
-                f"SymPy's integrator found nothing in its {time_limit:g} s. {_REMEDY}"
+                f"{found.reason}. {_REMEDY}"
             )
         rule, value, primitives = found
         by = (
@@ -99,35 +124,42 @@ def integrate_terms(mu: Any, criterion: Criterion, time_limit: float, progress: 
             if primitives
             else None
         )
-        parts.append(Part(constant * rest, law_integral(constant * rest, criterion), constant * value, rule, by))
+        term = constant * rest
+        whole = constant * value + (_boundary(term, criterion) if criterion.is_polynomial else 0)
+        parts.append(Part(term, law_integral(term, criterion), whole, rule, by))
     return parts
 
 
-_REMEDY = "Quadrature serves all the same: stickslip_sym.quadrature.damping"
+_REMEDY = (
+    "Quadrature serves all the same: stickslip_sym.quadrature.damping; so does the fast function, slope_average, "
+    "which stickslip export writes as Python and C"
+)
 
-_Found = tuple[str, Any, list[Any]] | None
-"""The rule's name, the value, and the antiderivatives of the pieces where there are such."""
+_Integrated = tuple[str, Any, list[Any]] | Nothing
+"""The rule's name, the value, and the antiderivatives of the pieces where there are such; or why not."""
 
 
 def _by_antiderivatives(
     pieces: list[Any], places: list[Any], criterion: Criterion, deadline: float, progress: Progress
-) -> _Found:
+) -> _Integrated:
     """Integrate by an antiderivative of each piece."""
     kernel = criterion.moment_kernel
     primitives, rules = [], []
     for piece in pieces:
-        found = antiderivative(piece, kernel, symbols.v) or search.antiderivative(
-            piece * kernel, symbols.v, deadline, progress
-        )
-        if found is None:
-            return None
-        rule, primitive = found
-        rules.append(rule)
-        primitives.append(primitive)
+        by_rule = antiderivative(piece, kernel, symbols.v)
+        if by_rule is not None:
+            found = Found(*by_rule)
+        else:
+            searched = search.antiderivative(piece * kernel, symbols.v, deadline, progress)
+            if isinstance(searched, Nothing):
+                return searched
+            found = searched
+        rules.append(found.rule)
+        primitives.append(found.value)
     ends = ends_of_pieces(places, 2 * symbols.V)
     value = sp.Add(
         *[
-            sp.Add(*(sign * primitive.subs(symbols.v, end) for sign, end in ((1, high), (-1, low))))
+            value_at(primitive, symbols.v, high) - value_at(primitive, symbols.v, low)
             for primitive, low, high in zip(primitives, ends, ends[1:], strict=False)
         ]
     )
@@ -136,15 +168,17 @@ def _by_antiderivatives(
 
 def _by_averages(
     pieces: list[Any], places: list[Any], criterion: Criterion, deadline: float, progress: Progress
-) -> _Found:
+) -> _Integrated:
     """Take the harmonic average of a term by a rule that gives it at once."""
     if places:
         average = kinked_polynomial_average(pieces, ends_of_pieces(places, 2 * symbols.V), symbols.v, symbols.V)
-        return None if average is None else ("Fourier sums between kinks", symbols.N * average, [])
+        if average is None:
+            return Nothing("of terms in pieces only polynomials have a harmonic average here")
+        return "Fourier sums between kinks", symbols.N * average, []
     found = harmonic_average(pieces[0], symbols.v, symbols.V)
     if found is None:
         integral = law_integral(pieces[0], criterion)
         searched = search.definite_integral(integral, deadline, progress)
-        return None if searched is None else (*searched, [])
+        return searched if isinstance(searched, Nothing) else (searched.rule, searched.value, [])
     rule, average = found
     return rule, symbols.N * average, []

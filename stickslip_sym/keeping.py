@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from stickslip_sym import criteria, files, printing
-from stickslip_sym.closed_form import ClosedForm, verify
+from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.derivation import Derivation, Step
 from stickslip_sym.errors import InputError, NoClosedForm
+from stickslip_sym.gate import verify
 from stickslip_sym.law_content import law_in, law_out
 from stickslip_sym.proving import Status, Verdict
 from stickslip_sym.trees import from_tree, to_tree
@@ -184,8 +185,8 @@ def _form_in(content: dict[str, Any]) -> ClosedForm:
         raise InputError(f"its formula holds {', '.join(map(str, strange))}, which the law does not have")
     if not steps:
         raise InputError("its derivation has no steps")
-    if Status.REFUTED in (derivation.status, form.gate.status):
-        raise InputError("it is marked as refuted, and such a form is never returned")
+    if {Status.REFUTED, Status.UNDECIDED} & {derivation.status, form.gate.status}:
+        raise InputError("it is marked as refuted or undecided, and such a form is never returned")
     return form
 
 
@@ -193,6 +194,8 @@ def _verified(form: ClosedForm) -> ClosedForm:
     gate = verify(form.law, form.criterion, form.expr)
     if gate.status is Status.REFUTED:
         raise NoClosedForm(f"the formula in the file is refuted, so it is not returned: {gate.evidence}")
+    if gate.status is Status.UNDECIDED:
+        raise NoClosedForm(f"the formula in the file could not be checked, so it is not returned: {gate.evidence}")
     return ClosedForm(form.law, form.criterion, form.expr, form.derivation, gate)
 
 

@@ -14,6 +14,7 @@ import sympy as sp
 
 from stickslip_sym import search, symbols
 from stickslip_sym.closed_form import ClosedForm
+from stickslip_sym.criteria import catalogue
 from stickslip_sym.errors import StickSlipError
 from stickslip_sym.tidy import tidy
 from stickslip_sym.transition import transition_speed
@@ -91,7 +92,7 @@ def _mean_power(form: ClosedForm, n: int) -> Any:
     """Return the mean of (1 + s)^n."""
     if form.criterion.weight is None:
         return sp.S.One
-    return sp.Add(*[sp.binomial(n, 2 * j) * form.criterion.even_moment(j) for j in range(n // 2 + 1)])
+    return sp.Add(*[sp.binomial(n, j) * form.criterion.moment(j) for j in range(n + 1)])
 
 
 def _growth(expr: Any) -> Any | None:
@@ -155,7 +156,7 @@ def zeros(form: ClosedForm) -> Zeros:
             if found.is_positive:
                 return Zeros(found, None)
     law = form.law.typical()
-    if law.missing:
+    if law.missing or catalogue.get(form.criterion.name) != form.criterion:
         return Zeros(None, None)
     try:
         speeds = transition_speed(law, c=0.0, N=1.0, method=form.criterion.name)

@@ -3,19 +3,26 @@
 An equation is PROVED when the difference of its sides reduces to zero by exact symbolic computation,
 for every value of its symbols and every choice of its unknown functions. Where a theorem is needed on
 the way (a change of variable, the fundamental theorem of calculus) a `by` names it, and its hypotheses
-are checked. An equation that fails is REFUTED by a point: exact values at which its sides differ.
+are checked. An equation that fails is REFUTED by a point: exact values at which its sides differ by more
+than the errors of evaluating them. Where these errors leave it open it is UNDECIDED.
 """
 
+import math
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from fractions import Fraction
 from typing import Any
 
+import mpmath
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from stickslip_sym import html_text
+from stickslip_sym.bounded import Bounded
+from stickslip_sym.certain import NotFinite, certain_value
+from stickslip_sym.errors import NotConverged
 from stickslip_sym.normal_form import normal_form
 from stickslip_sym.theorems import By
 
@@ -23,7 +30,8 @@ __all__ = ["Status", "Verdict", "prove_equal", "prove_positive"]
 
 _SAMPLES = 8
 _DIGITS = 30
-_AGREE = sp.Rational(1, 10**22)  # sides that differ by less, relatively, count as equal in a sample
+_AGREE = mpmath.mpf("1e-22")  # of the sides' size: what they may differ by, errors included, to count as equal
+_NOTHING = mpmath.mpf("1e-60")  # what both sides may differ by where they are 0
 
 
 class Status(Enum):
@@ -31,6 +39,7 @@ class Status(Enum):
 
     PROVED = "PROVED"
     CHECKED = "CHECKED"
+    UNDECIDED = "UNDECIDED"
     REFUTED = "REFUTED"
 
 
@@ -74,7 +83,8 @@ def prove_equal(lhs: Any, rhs: Any, by: By | None = None) -> Verdict:
     Returns
     -------
     Verdict
-        PROVED, or REFUTED with a point, or CHECKED if no point refutes it but the proof failed.
+        PROVED, or REFUTED with a point, or CHECKED if the sides agree at points but the proof failed,
+        or UNDECIDED.
     """
     lhs, rhs = sp.sympify(lhs), sp.sympify(rhs)
     obstacle = "the difference does not reduce to 0"
@@ -83,15 +93,46 @@ def prove_equal(lhs: Any, rhs: Any, by: By | None = None) -> Verdict:
             return Verdict(Status.PROVED, "the difference reduces to 0")
     except ValueError as error:
         obstacle = str(error)
+    return _compared(lhs, rhs, obstacle)
+
+
+def _compared(lhs: Any, rhs: Any, obstacle: str) -> Verdict:
+    """Compare two sides at points: refute them only if they differ by more than the errors of both."""
+    agreed = 0
     for point in _points(lhs, rhs):
-        left, right = (_at(side, point) for side in (lhs, rhs))
-        if not (left.is_finite and right.is_finite and left.is_number and right.is_number):
-            evidence = f"left {left}, right {right}, not both finite, at {_words(point)}"
-            return Verdict(Status.REFUTED, evidence, point)
-        if abs(left - right) > _AGREE * (abs(left) + abs(right)):
-            evidence = f"left {sp.N(left, 8)}, right {sp.N(right, 8)} at {_words(point)}"
-            return Verdict(Status.REFUTED, evidence, point)
-    return Verdict(Status.CHECKED, f"equal to {_DIGITS - 8} digits at {_SAMPLES} seeded points; {obstacle}")
+        sides: list[Bounded] = []
+        for name, side in (("left", lhs), ("right", rhs)):
+            try:
+                sides.append(certain_value(side, point))
+            except NotFinite as failure:
+                evidence = f"{name} is not finite, {failure}, at {_words(point)}"
+                return Verdict(Status.REFUTED, evidence, point)
+            except NotConverged as failure:
+                obstacle = f"{obstacle}; {failure}"
+        if len(sides) < 2:
+            continue
+        with mpmath.workdps(4 * _DIGITS):
+            (left, left_error), (right, right_error) = ((_number(side.value), side.error) for side in sides)
+            difference, error, size = abs(left - right), left_error + right_error, abs(left) + abs(right)
+            if difference > error:
+                shown = [mpmath.nstr(value, _digits_apart(size, difference)) for value in (left, right)]
+                evidence = f"left {shown[0]}, right {shown[1]} at {_words(point)}"
+                return Verdict(Status.REFUTED, evidence, point)
+            agreed += difference + error <= max(_AGREE * size, _NOTHING)
+    if agreed < _SAMPLES // 2:
+        evidence = f"only {agreed} of {_SAMPLES} points say anything to {_DIGITS - 8} digits; {obstacle}"
+        return Verdict(Status.UNDECIDED, evidence)
+    where = f"{_SAMPLES} seeded points" if agreed == _SAMPLES else f"{agreed} of {_SAMPLES} seeded points"
+    return Verdict(Status.CHECKED, f"equal to {_DIGITS - 8} digits at {where}; {obstacle}")
+
+
+def _number(value: Any) -> Any:
+    return mpmath.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
+
+
+def _digits_apart(size: Any, difference: Any) -> int:
+    """Return how many digits of two numbers show that they differ."""
+    return 8 + max(0, int(math.log10(2) * (mpmath.mag(size) - mpmath.mag(difference))))
 
 
 def prove_positive(expr: Any) -> Verdict:
@@ -99,10 +140,21 @@ def prove_positive(expr: Any) -> Verdict:
     for form in (expr, sp.factor(expr), sp.expand(expr)):
         if form.is_positive:
             return Verdict(Status.PROVED, "every factor is positive")
+    known = 0
     for point in _points(expr):
-        value = _at(expr, point)
-        if not value.is_positive:
-            return Verdict(Status.REFUTED, f"it is {sp.N(value, 8)} at {_words(point)}", point)
+        try:
+            value, error = certain_value(expr, point)
+        except NotFinite as failure:
+            return Verdict(Status.REFUTED, f"it is not finite, {failure}, at {_words(point)}", point)
+        except NotConverged:
+            continue
+        number = _number(value)
+        real = not isinstance(number, mpmath.mpc)
+        if not real or number <= -error:
+            return Verdict(Status.REFUTED, f"it is {mpmath.nstr(number, 8)} at {_words(point)}", point)
+        known += number > error
+    if known < _SAMPLES:
+        return Verdict(Status.UNDECIDED, f"its sign is certain at {known} of {_SAMPLES} seeded points only")
     return Verdict(Status.CHECKED, f"positive at {_SAMPLES} seeded points; no proof was found")
 
 
@@ -131,25 +183,6 @@ def _points(*sides: Any) -> list[dict[Any, Any]]:
             point[function] = sp.Lambda(w, sp.Poly(coefficients, w).as_expr())
         points.append(point)
     return points
-
-
-def _at(expr: Any, point: Mapping[Any, Any]) -> Any:
-    """Evaluate at a point to `_DIGITS` digits; integrals of polynomials exactly, others by quadrature."""
-    functions = {key: value for key, value in point.items() if isinstance(value, sp.Lambda)}
-    for function, example in functions.items():
-        expr = expr.replace(function, example)
-    expr = expr.replace(lambda node: isinstance(node, sp.Derivative | sp.Subs), lambda node: node.doit())
-    expr = expr.subs({key: value for key, value in point.items() if key not in functions})
-    expr = expr.replace(lambda node: isinstance(node, sp.Integral), _polynomial_integral)
-    try:
-        return sp.N(expr, _DIGITS)
-    except TypeError:  # SymPy's way to say that an integrand is infinite somewhere
-        return sp.nan
-
-
-def _polynomial_integral(integral: Any) -> Any:
-    variable = integral.variables[0]
-    return integral.doit() if integral.function.is_polynomial(variable) else integral
 
 
 def _words(point: Mapping[Any, Any]) -> str:

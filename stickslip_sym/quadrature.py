@@ -25,6 +25,8 @@ _GUARD = 10  # digits beyond those asked for, against rounding in the sum
 _MOST_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
 _MOST_LOST_IN_SLOPE = 2000  # of a slope, which costs a few values of mu only
 _MOST_PANELS = 120
+_STRETCHING = 8  # the power of the variable where mu is infinite at v = 0
+_NEAR = (50, 100)  # decimal orders below the belt speed at which a coefficient is seen to be integrable
 _LOOKS = (0.001, 0.25, 0.5, 0.75, 0.999)  # of the way through a panel, where its size is looked at
 
 
@@ -76,6 +78,9 @@ def damping(
         raise InputError(f"digits = {digits} is outside 1 to 10000")
     law.require_speed(speed if criterion.weight is None else 2 * speed)
     mu = _real(law.function("mpmath"))
+    singular = criterion.weight is not None and _is_singular(law.function("mpmath"))
+    if singular:
+        _require_integrable(mu, criterion, speed)
     if force == 0 or not law.expr.has(symbols.v):
         return mpmath.mpf(0)  # every kernel averages a slope: it integrates to zero
     if criterion.weight is None:
@@ -83,8 +88,12 @@ def damping(
     else:
         integrate = _over_speed if criterion.is_polynomial else _over_angle
         result = _following_cancellation(
-            lambda tolerance: integrate(mu, law.kinks(), criterion, speed, force, tolerance), digits, _MOST_LOST
-        )
+            lambda tolerance: _with_ends(
+                integrate(mu, law.kinks(), criterion, speed, force, tolerance, singular),
+                mu, criterion, speed, force, singular,
+            ),
+            digits, _MOST_LOST,
+        )  # fmt: skip
     with mpmath.workdps(digits):
         return +result
 
@@ -102,6 +111,44 @@ def _real(mu: Callable[[Any], Any]) -> Callable[[Any], Any]:
         return value
 
     return guarded
+
+
+def _is_singular(mu: Callable[[Any], Any]) -> bool:
+    """Tell whether a coefficient has no finite value as it stands at v = 0, such as log(v) and v*log(v)."""
+    try:
+        return not mpmath.isfinite(mu(mpmath.mpf(0)))
+    except (ZeroDivisionError, ValueError):
+        return True
+
+
+def _require_integrable(mu: Callable[[Any], Any], criterion: Criterion, speed: Any) -> None:
+    """Refuse a coefficient that is infinite at v = 0 faster than the weight vanishes there."""
+    order = criterion.order_at_rest
+    with mpmath.workdps(_GUARD + 15):
+        near, nearer = (
+            abs(mu(v)) * v ** to_mpf(order) for v in (to_mpf(speed) * mpmath.mpf(10) ** -k for k in _NEAR)
+        )
+        grows = nearer > near * (mpmath.mpf("1.01") if order == 0 else mpmath.mpf("0.5"))
+    if grows and nearer > 0:
+        raise InputError(
+            f"mu is infinite at v = 0+, faster than the weight of the criterion {criterion.name!r} allows, so it "
+            "has no value; cut mu off there"
+        )
+
+
+def _with_ends(
+    inside: tuple[Any, Any], mu: Any, criterion: Criterion, speed: Any, force: Any, singular: bool
+) -> tuple[Any, Any]:
+    """Add the boundary terms of the integration by parts to an integral and its size, where the weight has any."""
+    low, high = criterion.ends
+    total, size = inside
+    V, N = to_mpf(speed), to_mpf(force)
+    rest = V * mpmath.mpf(10) ** (-4 * mpmath.mp.dps) if singular else mpmath.mpf(0)
+    for weight, v in ((to_mpf(low), rest), (-to_mpf(high), 2 * V)):
+        if weight:
+            term = weight * mu(v) * N / V
+            total, size = total + term, size + abs(term)
+    return total, size
 
 
 def _following_cancellation(compute: Callable[[Any], tuple[Any, Any]], digits: int, most: int) -> Any:
@@ -128,35 +175,55 @@ def _following_cancellation(compute: Callable[[Any], tuple[Any, Any]], digits: i
 
 
 def _over_speed(
-    mu: Any, kinks: list[Any], criterion: Criterion, speed: Any, force: Any, tolerance: Any
+    mu: Any, kinks: list[Any], criterion: Criterion, speed: Any, force: Any, tolerance: Any, singular: bool
 ) -> tuple[Any, Any]:
     """Integrate mu(v) times the kernel over the slip speed."""
     V, N = to_mpf(speed), to_mpf(force)
     kernel = function_of([symbols.v, symbols.V, symbols.N], criterion.moment_kernel, "mpmath")
     # The kernel changes sign at V, and the two sides cancel.
     ends = [mpmath.mpf(0), *sorted({V, *_inside(kinks, speed)}), 2 * V]
-    return _pieces(lambda v: mu(v) * kernel(v, V, N), ends, tolerance)
+    return _pieces(lambda v: mu(v) * kernel(v, V, N), ends, tolerance, singular)
 
 
 def _over_angle(
-    mu: Any, kinks: list[Any], criterion: Criterion, speed: Any, force: Any, tolerance: Any
+    mu: Any, kinks: list[Any], criterion: Criterion, speed: Any, force: Any, tolerance: Any, singular: bool
 ) -> tuple[Any, Any]:
     """Integrate over theta = 2 phi, v = V(1 - cos(theta)) = 2V sin(phi)^2: no singular ends, no cancelled v."""
     V, N = to_mpf(speed), to_mpf(force)
     kernel = function_of([symbols.theta, symbols.V, symbols.N], criterion.angle_kernel, "mpmath")
     angles = [mpmath.asin(mpmath.sqrt(place / (2 * V))) for place in _inside(kinks, speed)]
     ends = [mpmath.mpf(0), *sorted({mpmath.pi / 4, *angles}), mpmath.pi / 2]
-    return _pieces(lambda phi: 2 * mu(2 * V * mpmath.sin(phi) ** 2) * kernel(2 * phi, V, N), ends, tolerance)
+
+    def integrand(phi: Any) -> Any:
+        return 2 * mu(2 * V * mpmath.sin(phi) ** 2) * kernel(2 * phi, V, N)
+
+    return _pieces(integrand, ends, tolerance, singular)
 
 
 def _inside(kinks: list[Any], speed: Any) -> list[Any]:
     return [to_mpf(place) for place in kinks if place < 2 * speed]
 
 
-def _pieces(f: Callable[[Any], Any], ends: list[Any], tolerance: Any) -> tuple[Any, Any]:
-    """Integrate between consecutive ends; return the sum and the sum of sizes."""
+def _pieces(f: Callable[[Any], Any], ends: list[Any], tolerance: Any, singular: bool) -> tuple[Any, Any]:
+    """Integrate between consecutive ends, the first one 0; return the sum and the sum of sizes."""
+    if singular:
+        ends, f = [_stretched(end, -1) for end in ends], _with_stretched_variable(f)
     parts = [_adaptive(f, left, right, tolerance) for left, right in pairwise(ends)]
     return mpmath.fsum(parts), mpmath.fsum(parts, absolute=True)
+
+
+def _stretched(x: Any, way: int) -> Any:
+    """Return x to the power of the stretching, or its root for -1."""
+    return x**_STRETCHING if way > 0 else mpmath.root(x, _STRETCHING)
+
+
+def _with_stretched_variable(f: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Return the integrand in y, x = y^8: what is infinite at x = 0 but integrable vanishes at y = 0."""
+
+    def stretched(y: Any) -> Any:
+        return f(_stretched(y, 1)) * _STRETCHING * y ** (_STRETCHING - 1) if y else mpmath.mpf(0)
+
+    return stretched
 
 
 def _confirmed_slope(mu: Any, speed: Any, force: Any, digits: int) -> Any:

@@ -4,53 +4,75 @@ SymPy's `integrate` and `limit` may take minutes, hang, or return something wron
 prevented from inside. Expressions travel between the two processes as pickles made here, never as text.
 """
 
+import contextlib
 import pickle
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
-__all__ = ["antiderivative", "definite_integral", "limit"]
+__all__ = ["Found", "Nothing", "antiderivative", "definite_integral", "limit"]
 
 _RULE = "SymPy's integrator"
 _LEAST = 0.5  # seconds; with less there is no point in starting a process
+_MEMORY = 4  # GB that the process may take: SymPy's intermediate results can explode
 
 
-def antiderivative(f: Any, x: Any, deadline: float, progress: Callable[[str], None]) -> tuple[str, Any] | None:
-    """Return the rule's name and an antiderivative of f(x), or None if none came by the deadline."""
+@dataclass(frozen=True)
+class Found:
+    """What came out, and the name of the rule that gave it."""
+
+    rule: str
+    value: Any
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """Why nothing came out, in words that follow the name of what was asked."""
+
+    reason: str
+
+
+def antiderivative(f: Any, x: Any, deadline: float, progress: Callable[[str], None]) -> Found | Nothing:
+    """Return an antiderivative of f(x), or why none came by the deadline."""
     return _ask(sp.Integral(f, x), deadline, progress)
 
 
-def definite_integral(integral: Any, deadline: float, progress: Callable[[str], None]) -> tuple[str, Any] | None:
-    """Return the rule's name and the value of an integral, or None if none came by the deadline."""
+def definite_integral(integral: Any, deadline: float, progress: Callable[[str], None]) -> Found | Nothing:
+    """Return the value of an integral, or why none came by the deadline."""
     return _ask(integral, deadline, progress)
 
 
 def limit(expr: Any, variable: Any, place: Any, deadline: float) -> Any | None:
     """Return the finite limit of an expression from above, or from below at infinity; None if none came."""
     found = _done(sp.Limit(expr, variable, place, "-" if place == sp.oo else "+"), deadline)
-    unfinished = found is None or found.has(sp.Limit, sp.AccumBounds, sp.oo, sp.zoo, sp.nan, sp.I, variable)
+    unfinished = isinstance(found, Nothing) or found.has(
+        sp.Limit, sp.AccumBounds, sp.oo, sp.zoo, sp.nan, sp.I, variable
+    )
     return None if unfinished else found
 
 
-def _ask(integral: Any, deadline: float, progress: Callable[[str], None]) -> tuple[str, Any] | None:
-    left = deadline - time.monotonic()
-    if left < _LEAST:
-        return None
-    progress(f"{_RULE} for at most {left:.0f} s: {integral.function}")
+def _ask(integral: Any, deadline: float, progress: Callable[[str], None]) -> Found | Nothing:
+    start = time.monotonic()
+    if deadline - start >= _LEAST:
+        progress(f"{_RULE} for at most {deadline - start:.0f} s: {integral.function}")
     result = _done(integral, deadline)
-    unfinished = result is None or result.has(sp.Integral, sp.Piecewise, sp.oo, sp.zoo, sp.nan, sp.I)
-    return None if unfinished else (_RULE, result)
+    if isinstance(result, Nothing):
+        return Nothing(f"{_RULE} {result.reason}")
+    if result.has(sp.Integral, sp.Piecewise, sp.oo, sp.zoo, sp.nan, sp.I):
+        return Nothing(f"{_RULE} ended after {time.monotonic() - start:.1f} s without a usable result")
+    return Found(_RULE, result)
 
 
-def _done(expr: Any, deadline: float) -> Any | None:
-    """Carry out an integral or a limit by SymPy; None if nothing came by the deadline."""
+def _done(expr: Any, deadline: float) -> Any:
+    """Carry out an integral or a limit by SymPy, or return `Nothing`."""
     left = deadline - time.monotonic()
     if left < _LEAST:
-        return None
+        return Nothing("was not asked, as there was no time for it")
     try:
         # On any exception, Ctrl-C included, `run` kills the process and waits for it.
         done = subprocess.run(
@@ -61,15 +83,31 @@ def _done(expr: Any, deadline: float) -> Any | None:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return None
+        return Nothing(f"found nothing in its {left:.0f} s")
     if done.returncode != 0:
-        return None
+        said = done.stderr.decode(errors="replace").strip().splitlines()
+        why = f": {said[-1][:200]}" if said else ""
+        return Nothing(f"failed without a look at it: its process ended with {done.returncode}{why}")
     return pickle.loads(done.stdout)
 
 
-if __name__ == "__main__":
-    # Refuse to outlive the parent's patience by memory either: SymPy's intermediate results can explode.
-    import resource
+def _carried_out(expr: Any) -> Any:
+    """Carry out an integral or a limit, or say how that ended."""
+    # Refuse to outlive the parent's patience by memory; only Unix can tell a process so.
+    with contextlib.suppress(ImportError, ValueError, OSError):
+        import resource
 
-    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
-    sys.stdout.buffer.write(pickle.dumps(pickle.load(sys.stdin.buffer).doit()))
+        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY << 30, _MEMORY << 30))
+    try:
+        return expr.doit()
+    except MemoryError:
+        return Nothing(f"needed more than {_MEMORY} GB")
+    except Exception as error:  # SymPy raises whatever it stumbles over
+        return Nothing(f"gave up with {type(error).__name__}: {str(error)[:200]}")
+
+
+if __name__ == "__main__":
+    # As the module's own, for the classes to be the parent's.
+    from stickslip_sym.search import _carried_out as carried_out
+
+    sys.stdout.buffer.write(pickle.dumps(carried_out(pickle.load(sys.stdin.buffer))))

@@ -9,7 +9,7 @@ import sympy as sp
 from stickslip_sym.normal_form import normal_form, single_limit
 from stickslip_sym.special import Lerch
 
-__all__ = ["Antiderivative", "By", "ChangeOfVariable", "PieceByPiece", "ends_of_pieces"]
+__all__ = ["Antiderivative", "By", "ChangeOfVariable", "PieceByPiece", "ends_of_pieces", "value_at"]
 
 
 class By(Protocol):
@@ -124,12 +124,44 @@ def _difference(primitive: Any, integrand: Any, x: Any, low: Any, high: Any) -> 
         raise ValueError(f"{primitive} is not known to be an antiderivative of {integrand}")
     if x.is_nonnegative and not (low.is_nonnegative and high.is_nonnegative):
         raise ValueError(f"{x} is nonnegative, the limits {low} and {high} are not known to be")
-    if not _is_smooth(primitive, x):
+    # Above a place that is positive, or 0 if the primitive has a limit there, x is positive: so log(x) is smooth.
+    above = sp.Dummy(x.name, positive=True)
+    smooth_above = low.is_nonnegative and _is_smooth(primitive.xreplace({x: above}), above)
+    if not (_is_smooth(primitive, x) or smooth_above):
         raise ValueError(f"{primitive} is not known to be smooth between {low} and {high}")
-    ends = [primitive.subs(x, end) for end in (high, low)]
-    if any(end.has(sp.zoo, sp.oo, sp.nan) for end in ends):
-        raise ValueError(f"{primitive} is not finite from {low} to {high}")
-    return ends[0] - ends[1]
+    return value_at(primitive, x, high) - value_at(primitive, x, low)
+
+
+def value_at(primitive: Any, x: Any, place: Any) -> Any:
+    """Return a primitive at a place, or its limit from above at 0 where powers outweigh logarithms.
+
+    Raises
+    ------
+    ValueError
+        If it is not finite there.
+    """
+    value = primitive.subs(x, place)
+    if place == 0 and value.has(sp.zoo, sp.oo, sp.nan):
+        value = sp.Add(*[_limit_of_term(term, x) for term in sp.Add.make_args(sp.expand(primitive))])
+    if value.has(sp.zoo, sp.oo, sp.nan):
+        raise ValueError(f"{primitive} is not finite at {x} = {place}")
+    return value
+
+
+def _limit_of_term(term: Any, x: Any) -> Any:
+    """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0."""
+    power, singular, rest = sp.Integer(0), False, sp.Integer(1)
+    for factor in sp.Mul.make_args(term):
+        base, exponent = factor.as_base_exp()
+        if base == x and not exponent.has(x):
+            power += exponent
+        elif isinstance(base, sp.log) and base.args[0].subs(x, 0) == 0 and exponent.is_Integer and exponent > 0:
+            singular = True
+        else:
+            rest *= factor.subs(x, 0)
+    if not singular:
+        return term.subs(x, 0)
+    return sp.Integer(0) if power.is_positive and not rest.has(sp.zoo, sp.oo, sp.nan) else sp.nan
 
 
 _ENTIRE = (

@@ -133,13 +133,14 @@ def _time(compute: Callable[[], Any]) -> float:
 
 
 def _integrand(form: ClosedForm, slope: Any, numbers: Mapping[str, float]) -> Callable[[Any], Any]:
-    m = sp.Dummy("m", positive=True)
-    weight = function_of([m], gauss.angle_weight(form.criterion, m), "numpy")
+    places = sp.symbols("m p q", positive=True, cls=sp.Dummy)
+    weight = function_of(places, gauss.angle_weight(form.criterion, *places), "numpy")
     V, N = numbers["V"], numbers["N"]
 
     def integrand(angle: Any) -> Any:
-        sine = np.sin(angle)
-        return -N * weight((2 * sine * np.cos(angle)) ** 2) * slope(2 * V * sine * sine)
+        sine, cosine = np.sin(angle), np.cos(angle)
+        share = weight((2 * sine * cosine) ** 2, 2 * sine * sine, 2 * cosine * cosine)
+        return -N * share * slope(2 * V * sine * sine)
 
     return integrand
 

@@ -83,6 +83,6 @@ def units(form, columns, values, exact=None):
 def form_of(name, criterion):
     """Derive a closed form by rules alone; None where there is none."""
     try:
-        return ss.derive(ss.laws.catalogue[name], criterion, time_limit=0)
+        return ss.derive(ss.laws.catalogue[name], criterion, search=False)
     except ss.NoClosedForm:
         return None

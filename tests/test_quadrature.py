@@ -98,7 +98,8 @@ def test_refusals():
             ss.quadrature.damping(**{"law": law.typical(), "V": 1, "N": 1} | arguments)
 
 
-def test_too_irregular_an_integrand_is_an_error():
+def test_too_irregular_an_integrand_is_an_error(monkeypatch):
+    monkeypatch.setattr(ss.quadrature, "_MOST_PANELS", 6)
     with pytest.raises(ss.NotConverged, match="did not reach"):
         ss.quadrature.damping(ss.FrictionLaw("sin(1000000*v)*exp(-v)"), V=1000, N=1, digits=15)
 

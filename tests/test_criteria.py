@@ -1,0 +1,100 @@
+"""A user's criterion: every way to its value agrees, or it is refused."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import stickslip_sym as ss
+from stickslip_sym.code_text import python_code
+
+s = ss.symbols.s
+R = sp.Rational
+WEIGHTS = {
+    "asymmetric": R(3, 4) * (1 - s**2) * (1 + s),
+    "not 0 at the ends": R(3, 2) * s**2,
+    "not 0 at one end, and negative": R(1, 2) - s,
+}
+LAWS = {
+    "smooth": "mu_m + (mu_s - mu_m)*exp(-alpha*v)",
+    "in pieces, with a jump": "Piecewise((mu_s, v < v_w), mu_m + (mu_s - mu_m)*exp(-v/v_w)/2)",
+    "without a rule": "0.3*exp(-sin(v)^2)",
+}
+VALUES = {"mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0, "v_w": 0.7}
+
+
+def values_of(law):
+    return {name: VALUES[name] for name in law.parameters}
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("weight", WEIGHTS)
+def test_all_ways_to_a_user_s_criterion_agree(weight, law):
+    criterion = ss.criteria.Criterion("mine", WEIGHTS[weight], "nobody")
+    law = ss.FrictionLaw(LAWS[law])
+    law = law.bind(**values_of(law))
+    ways = [ss.slope_average(law, criterion)]
+    if law.parameters:
+        form = ss.derive(law, criterion)
+        ways += [form, lambda **scene: float(form.evaluate(20, **scene))]
+    namespace = {}
+    exec(python_code({"damping": ways[0].function}, "mine"), namespace)
+    ways.append(lambda V, N: namespace["damping"](V, N, *values_of(law).values()))
+    for V in (0.45, 3.0):
+        expected = float(ss.quadrature.damping(law, criterion, V=V, N=2, digits=20))
+        assert abs(expected) > 1e-3
+        for way in ways:
+            assert way(V=V, N=2.0) == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_example_that_came_back_wrong():
+    """The asymmetric weight, for which a formula was proved and then evaluated as if the weight were even."""
+    law = ss.laws.exponential.typical()
+    criterion = ss.criteria.Criterion("late", WEIGHTS["asymmetric"], "nobody")
+    assert ss.slope_average(law, criterion)(V=0.5, N=9.81) == pytest.approx(1.75828010647948, rel=1e-13)
+    assert ss.derive(law, criterion)(V=0.5, N=9.81) == pytest.approx(1.75828010647948, rel=1e-13)
+
+
+def test_random_weights_and_thin_layers():
+    """Relative accuracy at low and high speeds: each weight vanishes at the ends in its own way."""
+    rng = np.random.default_rng(3)
+    law = ss.laws.exponential.typical()
+    for _ in range(2):
+        a, b, root = int(rng.integers(0, 3)), int(rng.integers(0, 3)), R(int(rng.integers(3, 9)), 2)
+        shape = (1 + s) ** a * (1 - s) ** b * (s + root)
+        criterion = ss.criteria.Criterion("random", shape / sp.integrate(sp.expand(shape), (s, -1, 1)), "seeded")
+        form = ss.derive(law, criterion)
+        V = 10 ** rng.uniform(-6, 5, 8)
+        expected = [float(form.evaluate(20, V=speed, N=1)) for speed in V]
+        assert form(V=V, N=1.0) == pytest.approx(expected, rel=1e-13)
+        assert float(ss.quadrature.damping(law, criterion, V=V[0], N=1, digits=17)) == pytest.approx(expected[0])
+
+
+@pytest.mark.parametrize(
+    ("weight", "message"),
+    [
+        (R(3, 4) * (1 - s**4), "integrates to 6/5.*multiply it by 5/6"),
+        (s, "integrates to 0"),
+        (sp.Symbol("q") / 2, "depends on q; it may hold s only"),
+        (sp.cos(s) / (2 * sp.sin(1)), "must be a polynomial in s with rational coefficients"),
+        (1 / (2 + s), "must be a polynomial in s"),
+        (sp.oo, "must be a polynomial in s"),
+        (s < 1, "is an expression in s"),
+    ],
+)
+def test_a_weight_that_is_no_average_is_refused(weight, message):
+    with pytest.raises(ss.InputError, match=message):
+        ss.criteria.Criterion("mine", weight, "nobody")
+
+
+def test_a_weight_in_floats_or_in_the_users_own_s():
+    own = ss.criteria.Criterion("mine", 0.75 * (1 - sp.Symbol("s") ** 2), "nobody")
+    assert own.weight == R(3, 4) * (1 - s**2) or sp.expand(own.weight - R(3, 4) * (1 - s**2)) == 0
+
+
+def test_a_logarithm_at_rest_needs_a_weight_that_vanishes_there():
+    law = ss.FrictionLaw("0.3 - 0.01*log(v/0.1)")
+    flat = ss.criteria.Criterion("flat", sp.Integer(1) / 2, "nobody")
+    with pytest.raises(ss.NoClosedForm, match=r"not integrable at v = 0\+"):
+        ss.derive(law, flat)
+    with pytest.raises(ss.InputError, match=r"infinite at v = 0\+"):
+        ss.quadrature.damping(law, flat, V=1, N=1, digits=15)
