@@ -11,7 +11,8 @@ import stickslip_sym as ss
 
 PACKAGE = Path(ss.__file__).parent
 LAYERS = [
-    "errors", "deadline", "interruption", "values", "symbols", "pieces", "spelling", "parsing", "units", "notation", "special",
+    "errors", "deadline", "interruption", "values", "symbols", "pieces", "spelling",
+    "parsing", "units", "notation", "special",
     "brackets", "text_printer", "latex_functions", "latex_printer", "printing", "layout",
     "abbreviation", "codegen", "tables", "html_text", "files", "drawing",
     "parameters", "misspelt", "formula", "headers", "samples", "coefficient", "evaluated", "friction",
@@ -24,7 +25,8 @@ LAYERS = [
     "trees", "law_content", "keeping",
     "oscillator", "steppers", "slip_phase", "slip", "taylor", "engines", "trajectory", "tendency", "automaton",
     "transit", "grazing",
-    "perturbation", "collocation", "orbit", "cycles", "rungs", "threshold", "transition", "deviation", "crosscheck",
+    "perturbation", "collocation", "orbit", "cycles", "rungs", "threshold", "transition",
+    "deviation", "crosscheck",
     "limits", "document", "export", "slip_orbits", "regime_plot", "regimes", "classification",
     "workers", "checkpoint", "archive", "axes", "columns", "map_plot", "maps", "basins",
     "newmark", "tradeoff", "tradeoff_thresholds",
