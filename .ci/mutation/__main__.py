@@ -47,6 +47,18 @@ def texts_of(tests: list[str]) -> dict[str, str]:
     return {test: f"{test} {files[test.partition('::')[0]]}" for test in tests}
 
 
+def drawn(sources: list[Path], seed: str, count: int, kept: Path) -> list[Mutant]:
+    """Return the sample, as it was kept if it was drawn before."""
+    if not kept.exists():
+        everything = [mutant for path in sources for mutant in mutants_of(path)]
+        sample = sampled(everything, seed, count)
+        found = [asdict(mutant) | {"path": str(mutant.path)} for mutant in sample]
+        kept.write_text(json.dumps({"all": len(everything), "sample": found}))
+    known = json.loads(kept.read_text())
+    print(f"{known['all']} mutants of {len(sources)} files; {len(known['sample'])} drawn with the seed {seed}")
+    return [Mutant(**of | {"path": Path(of["path"])}) for of in known["sample"]]
+
+
 def copied(place: Path, number: int) -> Path:
     """Return a copy of the folder we are in, compiled, for one worker."""
     root = place / f"worker{number}"
@@ -79,7 +91,7 @@ def try_all(
         if before and not tests:
             return
         usual = {test: covering.seconds[test] for test in tests}
-        told = {"mutant": asdict(mutant) | {"path": str(mutant.path)}, "tests": tests, "usual": usual}
+        told = {"path": str(mutant.path), "mutated": mutant.text, "tests": tests, "usual": usual}
         process = workers.process
         process.stdin.write(json.dumps(told) + "\n")
         process.stdin.flush()
@@ -113,10 +125,9 @@ def main() -> None:
     parser.add_argument("--only-report", action="store_true")
     asked = parser.parse_args()
     sources = sorted(path for folder in MUTATED for path in Path(folder).rglob("*.py"))
-    everything = [mutant for path in sources for mutant in mutants_of(path)]
-    sample = sampled(everything, asked.seed, asked.count)
-    print(f"{len(everything)} mutants of {len(sources)} files; {len(sample)} drawn with the seed {asked.seed}")
-    session = Session(asked.session / "trials.jsonl", text_of(sources))
+    ground = text_of(sources)
+    sample = drawn(sources, asked.seed, asked.count, asked.session / f"{ground}-{asked.seed}-{asked.count}.json")
+    session = Session(asked.session / "trials.jsonl", ground)
     if not asked.only_report:
         covering = Covering(cover_all(asked.session / "covering", asked.jobs, asked.longest), sources)
         # Whoever ends a run early has seen a part of every folder.

@@ -1,6 +1,7 @@
 """Which tests may notice a mutant, those that cost least first."""
 
 import ast
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -58,8 +59,8 @@ class Covering:
                     tests |= self._inside(function, path)
         return tests
 
-    def tiers(self, mutant: Mutant) -> list[set[str]]:
-        """Return sets of tests, those first that are likeliest to notice.
+    def tiers(self, mutant: Mutant) -> Iterator[set[str]]:
+        """Yield sets of tests, those first that are likeliest to notice.
 
         First come those that run the statement, or that run what uses the names it defines, if it runs at import.
         What an earlier test has cached is not run again in a later one, so there follow those that run anything
@@ -75,20 +76,18 @@ class Covering:
         functions = [node for node in around if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
         innermost = max(around, key=lambda node: (_first(node), -(node.end_lineno or 0)))
         within = [function for function in functions if line >= function.body[0].lineno]
-        tiers = []
         if within:
-            tiers.append(self.running(path, *_lines(innermost)))
+            yield self.running(path, *_lines(innermost))
         elif functions:
-            tiers.append(self._inside(functions[-1], path))
+            yield self._inside(functions[-1], path)
         else:
-            tiers.append(self._naming(_defined(innermost)))
-        tiers += [self._inside(function, path) for function in reversed(functions)]
-        everything = set().union(
+            yield self._naming(_defined(innermost))
+        for function in reversed(functions):
+            yield self._inside(function, path)
+        yield set().union(
             *(self._inside(node, path) for node in ast.walk(tree) if isinstance(node, ast.FunctionDef))
         )
-        tiers.append(everything)
-        naming = {test for test in self.seconds if path.stem in Path(test.partition("::")[0]).read_text()}
-        return [*tiers, naming]
+        yield {test for test in self.seconds if path.stem in Path(test.partition("::")[0]).read_text()}
 
     def chosen(self, mutant: Mutant, budget: float) -> list[str]:
         """Return the tests to run, in their order; together they take no more CPU seconds than the budget."""

@@ -12,8 +12,12 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
+from traceback import walk_stack
+from types import FrameType
 
 import coverage
 import pytest
@@ -42,6 +46,11 @@ def used_seconds() -> float:
     return times.user + times.system + times.children_user + times.children_system
 
 
+def is_tracer(path: str) -> bool:
+    """Tell whether a file is one of the tracer's, or of the locks it uses."""
+    return f"{os.sep}coverage{os.sep}" in path or path.endswith((f"{os.sep}threading.py", f"{os.sep}sqlite3.py"))
+
+
 class TooLong(BaseException):
     """A test has used the time that one may use."""
 
@@ -54,6 +63,7 @@ class Contexts:
 
     def __init__(self, measured: coverage.Coverage, longest: float) -> None:
         self._measured, self._longest = measured, longest
+        self._start = self._began = 0.0
         self.tests: dict[str, dict[str, float | bool]] = {}
 
     @pytest.hookimpl(wrapper=True)
@@ -62,21 +72,41 @@ class Contexts:
         self.tests[item.nodeid] = {"seconds": 0.0, "passed": False}
         os.environ["MUTANTS_TEST"] = item.nodeid
         self._measured.switch_context(item.nodeid)
-        start, began = used_seconds(), time.monotonic()
+        self._start, self._began = used_seconds(), time.monotonic()
+        try:
+            return (yield)
+        finally:
+            self.tests[item.nodeid]["seconds"] = used_seconds() - self._start
+            self._measured.switch_context("")
+            os.environ["MUTANTS_TEST"] = ""
 
-        def look(*_: object) -> None:
-            if used_seconds() - start > self._longest or time.monotonic() - began > WAITING * self._longest:
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_setup(self) -> object:
+        """Limit the time that what a test needs may take."""
+        with self._limited():
+            return (yield)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_call(self) -> object:
+        """Limit the time that a test may take."""
+        with self._limited():
+            return (yield)
+
+    @contextmanager
+    def _limited(self) -> Iterator[None]:
+        def look(_: int, frame: FrameType | None) -> None:
+            waited = time.monotonic() - self._began
+            long = used_seconds() - self._start > self._longest or waited > WAITING * self._longest
+            # Whoever holds a lock of the tracer's would hold it for ever.
+            if long and not any(is_tracer(outer.f_code.co_filename) for outer, _ in walk_stack(frame)):
                 raise TooLong
 
         signal.signal(signal.SIGALRM, look)
         signal.setitimer(signal.ITIMER_REAL, 1.0, 1.0)
         try:
-            return (yield)
+            yield
         finally:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
-            self.tests[item.nodeid]["seconds"] = used_seconds() - start
-            self._measured.switch_context("")
-            os.environ["MUTANTS_TEST"] = ""
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Note whether a test passed: one that does not pass without a mutation notices none."""
@@ -97,9 +127,11 @@ def cover(test_file: str, place: Path, longest: float) -> None:
     measured.start()
     os.environ["COVERAGE_PROCESS_START"] = str(settings)
     os.environ["PYTHONPATH"] = os.pathsep.join([str(place), os.environ.get("PYTHONPATH", "")])
-    pytest.main([test_file, "-q", "-n", "0", "-p", "no:cacheprovider"], plugins=[contexts])
+    code = pytest.main([test_file, "-q", "-n", "0", "-p", "no:cacheprovider"], plugins=[contexts])
     measured.stop()
     measured.save()
+    if code not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED):
+        raise RuntimeError(f"{test_file} ended with {code!r}")
     lines: dict[str, dict[int, set[str]]] = {}
     for path in place.glob("data*"):
         data = coverage.CoverageData(str(path))

@@ -23,7 +23,7 @@ class Equivalents:
 
     def why(self, mutant: Mutant) -> str:
         """Return why a mutant is equivalent, nothing if that was not shown."""
-        key = (mutant.definition, *mutant.change())
+        key = (mutant.definition, *mutant.change)
         if key in self._why:
             self.used.add(key)
         return self._why.get(key, "")

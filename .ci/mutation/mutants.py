@@ -10,6 +10,7 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from cosmic_ray.ast import ast_nodes, get_ast
@@ -53,13 +54,15 @@ class Mutant:
         """Which of the changes that the operator makes at the site."""
         return int(self.site.rpartition("#")[2])
 
+    @cached_property
     def text(self) -> str:
-        """Return the mutated file's text."""
+        """The mutated file's text."""
         return mutate_code(self.path.read_text(), get_operator(self.operator)(), self.occurrence) or ""
 
+    @cached_property
     def change(self) -> tuple[str, str]:
-        """Return the lines before and after, without what they have in common, each stripped."""
-        before, after = self.path.read_text().splitlines(), self.text().splitlines()
+        """The lines before and after, without those they have in common, each stripped."""
+        before, after = self.path.read_text().splitlines(), self.text.splitlines()
         while before and after and before[0] == after[0]:
             del before[0], after[0]
         while before and after and before[-1] == after[-1]:
@@ -71,7 +74,7 @@ class Mutant:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error", SyntaxWarning)
-                mutated = ast.parse(self.text())
+                mutated = ast.parse(self.text)
                 compile(mutated, str(self.path), "exec")
         except (SyntaxError, SyntaxWarning):
             return False

@@ -35,7 +35,7 @@ def report(mutants: list[Mutant], trials: dict[str, dict[str, object]]) -> str:
         if outcome in ("survived", "not yet") and equivalents.why(mutant):
             outcome = "equivalent"
         if outcome == "survived" and trial:
-            before, after = mutant.change()
+            before, after = mutant.change
             place = f"{mutant.path}:{mutant.line} {mutant.definition or 'module'}"
             passed = f"{len(trial['tests'])} tests pass, {trial['seconds']:.0f} s"
             survivors.append(f"{place} [{mutant.operator.partition('/')[2]}] {passed}\n  - {before}\n  + {after}")

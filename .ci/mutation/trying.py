@@ -15,8 +15,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from mutants import Mutant
-
 LARGE = (
     *("sympy", "mpmath", "numpy", "scipy.integrate", "scipy.optimize", "scipy.interpolate", "scipy.special"),
     *("scipy.sparse.linalg", "hypothesis", "typer", "pytest", "_pytest.assertion.rewrite", "xdist.plugin"),
@@ -186,12 +184,11 @@ def run(root: Path, tests: list[str], usual: dict[str, float]) -> Trial:
 
 
 @contextlib.contextmanager
-def in_place(mutant: Mutant, root: Path) -> Iterator[None]:
-    """Put a mutant into a copy of the sources for a while; what is compiled follows."""
-    path = root / mutant.path
+def in_place(path: Path, mutated: str) -> Iterator[None]:
+    """Put another text into a file of a copy for a while; what is compiled follows."""
     text = path.read_text()
     try:
-        _write(path, mutant.text())
+        _write(path, mutated)
         yield
     finally:
         _write(path, text)

@@ -5,7 +5,6 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from mutants import Mutant
 from trying import Trial, in_place, run, warm_up
 
 
@@ -17,11 +16,11 @@ class Worker:
         self._sound: set[str] = set()
         self._unsound: set[str] = set()
 
-    def tried(self, mutant: Mutant, tests: list[str], usual: dict[str, float]) -> Trial:
+    def tried(self, path: Path, mutated: str, tests: list[str], usual: dict[str, float]) -> Trial:
         """Return what becomes of a mutant. A test that fails without one as well is not asked."""
         while True:
             asked = [test for test in tests if test not in self._unsound]
-            with in_place(mutant, self.root):
+            with in_place(self.root / path, mutated):
                 trial = run(self.root, asked, usual)
             self._sound.update(trial.tests)
             noticed = trial.by or (asked[0] if trial.outcome == "at import" else "")
@@ -45,8 +44,7 @@ def main() -> None:
     worker = Worker(root)
     for line in sys.stdin:
         told = json.loads(line)
-        mutant = Mutant(**told["mutant"] | {"path": Path(told["mutant"]["path"])})
-        trial = worker.tried(mutant, told["tests"], told["usual"])
+        trial = worker.tried(Path(told["path"]), told["mutated"], told["tests"], told["usual"])
         print(json.dumps(asdict(trial)), flush=True)
 
 
