@@ -1,6 +1,7 @@
-"""Single functions against their definitions: where they are wrong, slower ways take over and larger tests pass."""
+"""Single functions against their definitions: where one is wrong, a slower way takes over and larger tests pass."""
 
 import os
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -109,7 +110,7 @@ def test_jumps_are_the_differences_of_neighbours(rng):
         places = sorted(sp.Rational(int(place), 10) for place in rng.choice(100, n - 1, replace=False))
         values = [sp.Integer(int(value)) for value in rng.choice(50, n, replace=False)]
         law = sp.Piecewise(*zip(values, [*(v < place for place in places), True], strict=True))
-        heights = [after - before for before, after in zip(values, values[1:], strict=False)]
+        heights = [after - before for before, after in pairwise(values)]
         assert pieces.jumps(1 + 2 * law) == [(place, 2 * h) for place, h in zip(places, heights, strict=True)]
 
 
