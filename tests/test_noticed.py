@@ -1,6 +1,8 @@
-"""Single functions against their definitions: where one is wrong, a slower way takes over and larger tests pass."""
+"""Single functions against their definitions: where one is wrong, a slower way takes over and other tests pass."""
 
+import math
 import os
+from dataclasses import is_dataclass
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,22 +15,30 @@ import stickslip_sym as ss
 from stickslip_sym import (
     antiderivatives,
     criteria,
+    engines,
     files,
     fitting,
+    formula,
     gauss,
+    layout,
     map_plot,
     pieces,
+    profile,
     regimes,
     samples,
+    slip_orbits,
+    symbols,
     tidy,
 )
 from stickslip_sym.arguments import check_reach
+from stickslip_sym.branches import CENTERS, MIDDLE, STRETCHES
 from stickslip_sym.conditioned import speed_scales
 from stickslip_sym.ladders import LADDERS
 from stickslip_sym.orbit import obstacle, orbits
 from stickslip_sym.oscillator import Scene
 from stickslip_sym.parsing import MAX_DEPTH
 from stickslip_sym.perturbation import expand
+from stickslip_sym.steppers import Point
 from stickslip_sym.symbols import v
 from tests.conftest import paper_oscillator
 
@@ -71,7 +81,7 @@ def test_the_series_of_an_average_is_the_average(criterion, slope, decay):
     coefficients, radius = fitting.taylor(slope, criterion, decay)
     r = radius / 8
     with mp.workdps(25):
-        weight, of_v = sp.lambdify(ss.symbols.s, criterion.weight, "mpmath"), sp.lambdify(v, slope, "mpmath")
+        weight, of_v = sp.lambdify(symbols.s, criterion.weight, "mpmath"), sp.lambdify(v, slope, "mpmath")
         mean = -mp.quad(lambda s: weight(s) * of_v(r * (1 + s)), [-1, 0, 1])
         assert mp.polyval(coefficients[::-1], r) == pytest.approx(mp.exp(decay * r) * mean, rel=1e-14)
 
@@ -205,8 +215,81 @@ def test_a_pipe_is_written_into(tmp_path):
 def test_quadrature_splits_at_kinks_however_it_integrates():
     law = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.36)")
     for criterion in SMOOTH:
-        weight = sp.lambdify(ss.symbols.s, criterion.weight, "mpmath")
+        weight = sp.lambdify(symbols.s, criterion.weight, "mpmath")
         with mp.workdps(30):
             exact = 2 * mp.mpf("0.2") * mp.quad(weight, [-1, mp.mpf("0.7") / mp.mpf("0.5") - 1])
         found = ss.quadrature.damping(law, criterion, V="0.5", N=2, digits=20)
         assert float(abs(found / exact - 1)) < 1e-18
+
+
+def test_public_results_cannot_be_changed():
+    results = [value for value in (getattr(ss, name) for name in ss.__all__) if is_dataclass(value)]
+    assert len(results) > 10
+    # Steps are added to a derivation.
+    assert [result.__name__ for result in results if not result.__dataclass_params__.frozen] == ["Derivation"]
+
+
+def test_what_symbols_stand_for_is_known():
+    for name in "VNmk":
+        assert symbols.QUANTITIES[name].symbol.is_positive
+    assert symbols.QUANTITIES["v"].symbol.is_nonnegative
+    assert not symbols.QUANTITIES["v"].symbol.is_positive
+    for name in "cxt":
+        assert symbols.QUANTITIES[name].symbol.is_real
+        assert symbols.QUANTITIES[name].symbol.is_positive is None
+
+
+@pytest.mark.parametrize(("name", "zero"), [("V", False), ("N", True), ("m", False), ("k", False)])
+def test_quantities_of_a_threshold_have_their_signs(name, zero):
+    law, scene = ss.laws.polynomial.typical(), {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0, "method": "harmonic"}
+    for value in (-1.0, [0.5, -1e-300]) + (() if zero else (0.0,)):
+        with pytest.raises(ss.InputError, match=rf"{name} = .* must"):
+            ss.pure_slip_damping(law, **scene | {name: value})
+    if zero:
+        assert ss.pure_slip_damping(law, **scene | {name: 0.0}).value == 0
+
+
+def test_halves_of_an_octave_have_their_middles_and_widths():
+    for center, stretch, low, high in zip(CENTERS, STRETCHES, (0.5, MIDDLE), (MIDDLE, 1.0), strict=True):
+        assert [center - 1 / stretch, center + 1 / stretch] == pytest.approx([low, high], abs=1e-16)
+
+
+def test_terms_are_counted_before_they_are_multiplied_out(rng):
+    names = sp.symbols("p:9")
+    for _ in range(10):
+        n, power, more = (int(i) for i in rng.integers(1, 5, 3))
+        expr = sp.Add(*names[:n]) ** power * sp.Add(*names[4 : 4 + more])
+        assert formula._terms(expr) == math.prod(
+            len(sp.Add.make_args(sp.expand(factor))) for factor in sp.Mul.make_args(expr)
+        )
+
+
+def test_a_line_is_not_broken_where_next_to_nothing_stands_on_it():
+    inner = " + ".join(f"b_{{{i}}}" for i in range(40))
+    rows = layout._lines(f"a + ({inner})", 200.0, 200.0)
+    assert len(rows[0]) > 40
+
+
+@pytest.mark.parametrize("power", [-1, sp.Rational(-1, 2), 0, sp.Rational(1, 2), 2])
+def test_far_out_an_average_goes_by_the_power_of_the_slope(power):
+    law = sp.log(1 + v) if power == -1 else (1 + v) ** (power + 1)
+    assert profile._Builder(law, criteria.harmonic)._power(2.0**60) == float(power)
+
+
+def test_without_friction_a_round_is_a_swing(rng):
+    """x' = V - r cos: from the belt's speed and back to it, the peak of the velocity is its amplitude."""
+    law = ss.laws.polynomial.typical()
+    for q in rng.uniform(0.2, 5, 5):
+        scene = Scene.of(law, paper_oscillator(N=0.0))
+        back, tau, speed = slip_orbits.round_from(scene, q, 1e-10)
+        assert back == pytest.approx(q, rel=1e-7)
+        assert tau == pytest.approx(2 * math.pi, rel=1e-8)
+        assert speed == pytest.approx(math.hypot(1, q) - 1, rel=1e-7)
+
+
+@pytest.mark.parametrize("engine", sorted(engines.ENGINES))
+def test_motions_that_move_away_for_ever_say_so(engine):
+    pytest.importorskip("heyoka" if engine == "heyoka" else "scipy")
+    law = ss.FrictionLaw("0.5 - 0.8*v")
+    scene = Scene.of(law, paper_oscillator(N=40.0))
+    assert engines.ENGINES[engine](scene, Point(0.0, 1.0, 0.0), 1, horizon=1e3, rtol=1e-8).end == "unbounded"
