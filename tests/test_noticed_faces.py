@@ -1,0 +1,122 @@
+"""What users read and the limits they meet: each stated outcome, on the cheapest case that has it."""
+
+import inspect
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import stickslip_sym as ss
+from stickslip_sym import bounds, closed_form, codegen, deadline, document, theorems
+from stickslip_sym.cli_reading import LARGEST, check_size
+from stickslip_sym.symbols import v
+from stickslip_sym.values import exact
+
+SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}
+x = sp.Symbol("x", real=True)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("1e-400", "below what double precision can hold"),
+        ("-1e-400", "below what double precision can hold"),
+        ("1e400", "beyond what double precision can hold"),
+        (str(1.01 / LARGEST), None),
+        (str(0.99 / LARGEST), "too small"),
+        (str(0.99 * LARGEST), None),
+        (str(1.01 * LARGEST), "too large"),
+        ("0", None),
+    ],
+)
+def test_sizes_of_numbers_that_no_scene_has(text, says):
+    if says is None:
+        check_size("N", exact(text, "N"))
+    else:
+        with pytest.raises(ss.InputError, match=says):
+            check_size("N", exact(text, "N"))
+
+
+@pytest.mark.parametrize("strength", ["0.3", "3", "-0.3"])
+def test_laws_that_have_no_average_are_refused_however_weak(strength):
+    with pytest.raises(ss.NoClosedForm, match="not integrable"):
+        closed_form._require_integrable(ss.FrictionLaw(f"0.4 + {strength}/v"))
+    closed_form._require_integrable(ss.FrictionLaw(f"0.4 + {strength}/sqrt(v)"))
+
+
+@pytest.mark.parametrize("seconds", [-1e-3, 1.001 * deadline.LONGEST, float("nan"), float("inf")])
+def test_times_that_are_no_limit_are_refused(seconds):
+    with pytest.raises(ss.InputError, match="not a number of seconds"), deadline.time_limit(seconds):
+        pass
+
+
+def test_the_time_left_is_that_of_the_tightest_limit():
+    assert deadline.time_left() == np.inf
+    with deadline.time_limit(None), deadline.time_limit(100.0), deadline.time_limit(1000.0):
+        assert 99.0 < deadline.time_left() <= 100.0
+    with deadline.time_limit(0.0), deadline.time_limit(deadline.LONGEST):
+        assert deadline.time_left() <= 0.0
+    assert deadline.time_left() == np.inf
+
+
+@pytest.mark.parametrize("method", ["equilibrium", "least_squares", "harmonic", "second_order"])
+def test_a_transition_speed_has_the_method_that_was_asked_for(method):
+    law = ss.laws.polynomial.typical()
+    (with_mass,) = ss.transition_speed(law, c=2.0, **SCENE, method=method)
+    assert with_mass.method == method
+    back = ss.pure_slip_damping(law, V=with_mass.value, **SCENE, method=method)
+    assert back.value == pytest.approx(2.0, rel=1e-9)
+    if method == "second_order":
+        with pytest.raises(ss.InputError, match="needs the mass"):
+            ss.transition_speed(law, c=2.0, N=9.81, method=method)
+    else:
+        (without,) = ss.transition_speed(law, c=2.0, N=9.81, method=method)
+        assert (without.method, without.value) == (method, pytest.approx(with_mass.value, rel=1e-12))
+
+
+def test_a_notebook_shows_a_formula_or_says_what_was_measured():
+    formula = ss.FrictionLaw("mu_s - a*v**2")._repr_html_()
+    assert r"\mu(v) = " in formula
+    curve = ss.FrictionLaw.from_samples([0, 1, 2, 3], [0.5, 0.4, 0.35, 0.33])._repr_html_()
+    assert "piecewise cubic" in curve
+    assert r"\mu(v) = " not in curve
+
+
+@pytest.mark.parametrize("power", [2, -1, sp.Rational(1, 2)])
+def test_what_is_rounded_once_counts_half_a_unit(power):
+    bound = codegen.function_of([v], bounds.rounding_bound(v**power), "numpy")
+    twice = codegen.function_of([v], bounds.rounding_bound(sp.exp(v)), "numpy")
+    for speed in (0.3, 2.0, 17.0):
+        assert bound(speed) == pytest.approx(0.5 * speed ** float(power), rel=1e-12)
+        assert twice(speed) == pytest.approx(2 * np.exp(speed), rel=1e-12)
+
+
+def test_only_what_is_known_to_be_positive_is():
+    a, b = sp.symbols("a b", positive=True)
+    for expr, known in (
+        (x**2 + a, True),
+        (a * x**2 + b * x + b**2 / a, True),
+        (x**2 - a, False),
+        (x**2 + b * x + a, False),
+        (x + a, False),
+        (x**3 + a, False),
+        (sp.sin(x), False),
+        (sp.exp(x), True),
+        (-(x**2) - a, False),
+    ):
+        assert theorems._is_positive(expr, x) is known
+
+
+def test_units_of_parameters_are_typeset():
+    for unit, written in (("m/s", r"\mathrm{m/s}"), ("kg*m^2", r"\mathrm{kg\,m^{2}}"), ("s^3", r"\mathrm{s^{3}}")):
+        assert written in document._unit(unit)
+
+
+def test_defaults_are_those_of_the_documentation():
+    defaults = {
+        (ss.quadrature.damping, "digits"): 50,
+        (ss.pure_slip_damping, "rtol"): 1e-3,
+        (ss.pure_slip_damping, "method"): "auto",
+    }
+    for (function, name), value in defaults.items():
+        assert inspect.signature(function).parameters[name].default == value
