@@ -2,15 +2,31 @@
 
 import inspect
 
+import mpmath
 import numpy as np
 import pytest
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym import bounds, closed_form, codegen, deadline, document, theorems
+from stickslip_sym import (
+    bounds,
+    closed_form,
+    codegen,
+    deadline,
+    document,
+    fitting,
+    integrals,
+    proving,
+    symbols,
+    theorems,
+)
 from stickslip_sym.cli_reading import LARGEST, check_size
+from stickslip_sym.oscillator import Scene
+from stickslip_sym.slip_phase import attracted_to_rest
+from stickslip_sym.steppers import Point
 from stickslip_sym.symbols import v
 from stickslip_sym.values import exact
+from tests.conftest import paper_oscillator
 
 SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}
 x = sp.Symbol("x", real=True)
@@ -120,3 +136,46 @@ def test_defaults_are_those_of_the_documentation():
     }
     for (function, name), value in defaults.items():
         assert inspect.signature(function).parameters[name].default == value
+
+
+@pytest.mark.parametrize("criterion", [ss.criteria.least_squares, ss.criteria.harmonic], ids=lambda one: one.name)
+def test_the_integral_of_a_law_is_its_criterion(criterion):
+    law = ss.FrictionLaw("0.5 - 0.2*v + 0.1*v**3")
+    scene = {symbols.V: 0.5, symbols.N: 2}
+    found = sp.N(integrals.law_integral(law.expr, criterion).subs(scene), 15)
+    assert float(found) == pytest.approx(
+        float(ss.quadrature.damping(law, criterion, V="0.5", N=2, digits=15)), rel=1e-12
+    )
+
+
+def test_what_is_not_equal_for_all_functions_is_refuted_with_one():
+    f = sp.Function("f", real=True)
+    for wrong in (f(x) + 1, 2 * f(x), f(x) * (1 + f(x))):
+        verdict = proving.prove_equal(f(x), wrong)
+        assert verdict.status is proving.Status.REFUTED
+        values = [side.replace(f, verdict.point[f]).subs(x, verdict.point[x]) for side in (f(x), wrong)]
+        assert values[0] != values[1]
+        assert f"f(w) = {verdict.point[f].expr}" in verdict.evidence
+
+
+def test_only_what_decays_comes_to_rest():
+    law, rest = ss.FrictionLaw("0.5 - 0.1*v"), {}
+    for c in (0.0, 0.981, 2.0):
+        scene = Scene.of(law, paper_oscillator(c=c))
+        rest[c] = attracted_to_rest(scene, 1, 1e-6)(Point(0.0, *scene.rest))
+        assert not attracted_to_rest(scene, 1, 1e-6)(Point(0.0, scene.rest[0] + 1.0, scene.rest[1]))
+        assert not attracted_to_rest(scene, -1, 1e-6)(Point(0.0, *scene.rest))
+    assert rest[0.0] is False
+    assert rest[2.0] is True
+    undamped = Scene.of(law, paper_oscillator(N=0.0))
+    assert not attracted_to_rest(undamped, 1, 1e-6)(Point(0.0, *undamped.rest))
+
+
+@pytest.mark.parametrize("error", [ValueError, TypeError, ZeroDivisionError, OverflowError])
+def test_a_function_without_values_off_the_axis_has_no_series(error):
+    def fails(_):
+        raise error
+
+    assert fitting._on_circle(fails, mpmath.mpf(1)) is None
+    assert fitting._on_circle(lambda z: mpmath.inf if z.real > 0 else z, mpmath.mpf(1)) is None
+    assert fitting._on_circle(lambda z: 1 / (z - mpmath.mpf("0.2")), mpmath.mpf("0.25")) is None
