@@ -17,6 +17,7 @@ from stickslip_sym import (
     fitting,
     integrals,
     proving,
+    special,
     symbols,
     theorems,
 )
@@ -179,3 +180,31 @@ def test_a_function_without_values_off_the_axis_has_no_series(error):
     assert fitting._on_circle(fails, mpmath.mpf(1)) is None
     assert fitting._on_circle(lambda z: mpmath.inf if z.real > 0 else z, mpmath.mpf(1)) is None
     assert fitting._on_circle(lambda z: 1 / (z - mpmath.mpf("0.2")), mpmath.mpf("0.25")) is None
+
+
+def test_the_lerch_transcendent_has_the_digits_of_the_working_precision():
+    for digits in (15, 50):
+        with mpmath.workdps(digits):
+            for z, order, a in ((-0.9, 2, 1.5), (-0.01, 1, 0.25), (-1, 3, 7.0)):
+                exact = mpmath.nsum(
+                    lambda k, z=z, s=order, a=a: mpmath.mpf(z) ** k / (k + a) ** s, [0, mpmath.inf]
+                )
+                assert abs(special.lerch(mpmath.mpf(z), order, a) / exact - 1) < mpmath.mpf(10) ** (2 - digits)
+
+
+def test_a_cycle_that_sticks_is_never_faster_than_the_belt_unless_it_overtakes():
+    law = ss.laws.polynomial.typical()
+    cycle = ss.stick_slip_cycle(law, paper_oscillator())
+    assert cycle.v_max == 0.5
+    assert cycle.v_min < 0.0
+    fast = ss.stick_slip_cycle(ss.FrictionLaw("0.2", static=0.5), paper_oscillator(c=0.0, V=0.01))
+    assert fast is None or fast.v_max >= 0.01
+
+
+def test_a_notebook_shows_the_changes_of_phase():
+    motion = ss.simulate(ss.laws.polynomial.typical(), paper_oscillator(), t_end=1.0)
+    assert 1 <= len(motion.events) <= 8
+    page = motion._repr_html_()
+    assert "..." not in page
+    for event in motion.events:
+        assert f"{event.t:.9g}" in page
