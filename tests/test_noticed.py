@@ -293,3 +293,15 @@ def test_motions_that_move_away_for_ever_say_so(engine):
     law = ss.FrictionLaw("0.5 - 0.8*v")
     scene = Scene.of(law, paper_oscillator(N=40.0))
     assert engines.ENGINES[engine](scene, Point(0.0, 1.0, 0.0), 1, horizon=1e3, rtol=1e-8).end == "unbounded"
+
+
+def test_a_table_of_an_average_is_the_average(rng):
+    """In all its panels, for arrays and for single numbers alike."""
+    builder = profile._Builder(sp.exp(-v), criteria.harmonic)
+    table = builder._table(0.25, 4.0)
+    r = 2 ** rng.uniform(-2, 2, 200)
+    value, size, _ = builder.averages(r)
+    exact = np.asarray(value, dtype=float) * r**-table.power
+    allowed = 4e-16 * np.asarray(size, dtype=float) * r**-table.power
+    assert (np.abs(table.array(r) - exact) <= allowed).all()
+    assert [table.scalar(one) for one in r.tolist()] == pytest.approx(table.array(r), rel=4e-16)

@@ -23,6 +23,7 @@ AVERAGED = {
     "double imaginary poles": lambda p, q, r: (p * u + q) / (u**2 + r) ** 2,
     "a quadratic": lambda p, q, r: (p * u + q) / (u**2 + r * u + 1 + r**2),
     "a squared quadratic": lambda p, q, r: (p * u + q) / (u**2 + r * u + 1 + r**2) ** 2,
+    "real roots": lambda p, q, r: (p * u + q) / (u**2 + (r + 4) * u + 3),
     "an exponential": lambda p, q, r: u**2 * sp.exp(-p * u + q),
     "a sine": lambda p, q, r: u**2 * sp.sin(p * u + q),
     "a cosine": lambda p, q, r: (1 + r * u) * sp.cos(p * u + q),
