@@ -216,13 +216,3 @@ def test_what_differs_by_less_than_rounding_counts_as_equal(off, status):
     one = sp.Symbol("one", positive=True) * sp.gamma(sp.Rational(1, 3))
     near = one * (1 + sp.Rational(off) * sp.zeta(3) / sp.Rational(str(sp.N(sp.zeta(3), 40))))
     assert proving.prove_equal(one, near).status.value == status
-
-
-def test_the_command_lists_laws_or_shows_one(run):
-    code, listed, _ = run("laws")
-    assert code == 0
-    assert all(name in listed for name in ss.laws.catalogue)
-    code, shown, _ = run("laws", "polynomial")
-    assert code == 0
-    assert "exponential" not in shown
-    assert "v_m" in shown
