@@ -2,11 +2,9 @@
 
 import importlib
 import math
-import os
 import pkgutil
 from dataclasses import is_dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +16,6 @@ from stickslip_sym import (
     antiderivatives,
     criteria,
     engines,
-    files,
     fitting,
     formula,
     gauss,
@@ -107,6 +104,21 @@ def test_gauss_averages_of_polynomials_are_their_moments(criterion, rng):
         assert size == pytest.approx(exact, rel=1e-14)
         assert (abs(value - exact) <= error + 1e-16 * exact).all()
         assert (error < 1e-14 * exact).all()
+
+
+def test_gauss_averages_are_split_at_kinks(rng):
+    speed, height = 10 ** rng.uniform(-3, 3, 40), rng.uniform(0.1, 1, 40)
+    kink = speed * rng.uniform(0.1, 1.9, 40)
+
+    def slope(v, height, kink):
+        value = np.where(v < kink, height, 0.0)
+        return value, value
+
+    s = kink / speed - 1
+    exact = height * (0.5 + 0.625 * (s - s**5 / 5))
+    value, _, error = gauss.average(slope, speed, [height, kink], criteria.least_squares, kinks=[kink])
+    assert value == pytest.approx(exact, rel=1e-12)
+    assert (error < 1e-13).all()
 
 
 def test_scales_of_sums_are_where_two_terms_balance(rng):
@@ -203,15 +215,6 @@ def test_a_factor_has_the_sign_of_the_law():
     for model in (3 * x - 3 * y, sp.exp(3 * x - 3 * y), (3 * x - 3 * y) ** 2):
         assert tidy._should_flip(y - x, model, small)
         assert not tidy._should_flip(x - y, model, small)
-
-
-def test_a_pipe_is_written_into(tmp_path):
-    reading, writing = os.pipe()
-    files.write_texts({Path(f"/dev/fd/{writing}"): "told", tmp_path / "kept": "kept"})
-    os.close(writing)
-    with os.fdopen(reading) as pipe:
-        assert pipe.read() == "told"
-    assert (tmp_path / "kept").read_text() == "kept"
 
 
 def test_quadrature_splits_at_kinks_however_it_integrates():

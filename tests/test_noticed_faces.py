@@ -1,6 +1,8 @@
 """What users read and the limits they meet: each stated outcome, on the cheapest case that has it."""
 
 import inspect
+import os
+from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -22,6 +24,7 @@ from stickslip_sym import (
     theorems,
 )
 from stickslip_sym.cli_reading import LARGEST, check_size
+from stickslip_sym.files import write_texts
 from stickslip_sym.oscillator import Scene
 from stickslip_sym.slip_phase import attracted_to_rest
 from stickslip_sym.steppers import Point
@@ -216,3 +219,32 @@ def test_what_differs_by_less_than_rounding_counts_as_equal(off, status):
     one = sp.Symbol("one", positive=True) * sp.gamma(sp.Rational(1, 3))
     near = one * (1 + sp.Rational(off) * sp.zeta(3) / sp.Rational(str(sp.N(sp.zeta(3), 40))))
     assert proving.prove_equal(one, near).status.value == status
+
+
+def test_brackets_that_are_closed_do_not_count_as_nested():
+    assert ss.FrictionLaw(" + ".join(["(v)"] * 100)).expr == 100 * v
+
+
+def test_a_new_file_has_the_permissions_of_any_other(tmp_path):
+    before = os.umask(0o027)
+    try:
+        write_texts({tmp_path / "new": "text"})
+    finally:
+        os.umask(before)
+    assert (tmp_path / "new").stat().st_mode & 0o777 == 0o640
+
+
+def test_errors_of_transition_speeds_are_known_where_the_orbit_is():
+    (known,) = ss.transition_speed(ss.laws.polynomial.typical(), c=2.0, **SCENE, rtol=0.1)
+    assert 0 < known.error <= 0.1
+    (unknown,) = ss.transition_speed(ss.laws.polynomial.typical(), c=2.0, N=9.81)
+    assert (unknown.method, unknown.error) == ("harmonic", None)
+
+
+def test_a_pipe_is_written_into(tmp_path):
+    reading, writing = os.pipe()
+    write_texts({Path(f"/dev/fd/{writing}"): "told", tmp_path / "kept": "kept"})
+    os.close(writing)
+    with os.fdopen(reading) as pipe:
+        assert pipe.read() == "told"
+    assert (tmp_path / "kept").read_text() == "kept"
