@@ -18,12 +18,15 @@ from stickslip_sym import (
     document,
     fitting,
     integrals,
+    map_plot,
     proving,
     special,
     symbols,
+    tables,
     theorems,
 )
 from stickslip_sym.cli_reading import LARGEST, check_size
+from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.files import write_texts
 from stickslip_sym.oscillator import Scene
 from stickslip_sym.slip_phase import attracted_to_rest
@@ -248,3 +251,22 @@ def test_a_pipe_is_written_into(tmp_path):
     with os.fdopen(reading) as pipe:
         assert pipe.read() == "told"
     assert (tmp_path / "kept").read_text() == "kept"
+
+
+@pytest.mark.parametrize(("stable", "kind"), [(True, ">stable pure-slip"), (False, ">unstable pure-slip")])
+def test_a_notebook_says_whether_a_cycle_is_stable(stable, kind):
+    cycle = LimitCycle(amplitude=0.5, period=0.6, floquet=-0.1 if stable else 0.1, stable=stable)
+    assert kind in cycle._repr_html_()
+    assert repr(cycle).count("unstable") == (not stable)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(2.5, "2.5 s"), (1.0, "1 s"), (0.5, "500 ms"), (2e-6, "2 us"), (5e-9, "5 ns")]
+)
+def test_durations_have_the_unit_that_suits_them(seconds, text):
+    assert tables.duration(seconds) == text
+
+
+@pytest.mark.parametrize(("value", "half"), [(2.0, 0.1), (-2.0, 0.1), (0.0, 0.05)])
+def test_a_single_cell_has_edges_beside_its_value(value, half):
+    assert map_plot._edges(np.array([value])) == pytest.approx([value - half, value + half])
