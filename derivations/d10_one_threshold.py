@@ -13,7 +13,7 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import Derivation
-from stickslip_sym.symbols import N, V, c, k, m, mu, x
+from stickslip_sym.core.symbols import N, V, c, k, m, mu, x
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

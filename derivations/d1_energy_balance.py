@@ -11,7 +11,7 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import Derivation
-from stickslip_sym.symbols import c, k, m, t
+from stickslip_sym.core.symbols import c, k, m, t
 from stickslip_sym.theorems import Antiderivative
 
 

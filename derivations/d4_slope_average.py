@@ -11,7 +11,7 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import Derivation, criteria
-from stickslip_sym.symbols import N, V, c, mu, s, u
+from stickslip_sym.core.symbols import N, V, c, mu, s, u
 from stickslip_sym.theorems import Antiderivative, ChangeOfVariable
 
 

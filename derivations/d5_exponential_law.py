@@ -8,7 +8,7 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import ClosedForm, Derivation, FrictionLaw, derive, laws
-from stickslip_sym.symbols import c, mu, u, v
+from stickslip_sym.core.symbols import c, mu, u, v
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

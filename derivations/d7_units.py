@@ -12,7 +12,7 @@ from sympy.physics.units import meter, second
 
 from derivations import paper
 from stickslip_sym import Derivation, derive, laws
-from stickslip_sym.symbols import QUANTITIES, c, mu, s, u
+from stickslip_sym.core.symbols import QUANTITIES, c, mu, s, u
 from stickslip_sym.theorems import ChangeOfVariable
 from stickslip_sym.units import parse_unit, with_units
 

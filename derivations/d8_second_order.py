@@ -16,7 +16,7 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import Derivation, laws
-from stickslip_sym.symbols import N, V, c, k, m, mu, theta, u, v
+from stickslip_sym.core.symbols import N, V, c, k, m, mu, theta, u, v
 
 eta = sp.Symbol("eta", positive=True)
 chat0, chat1, chat2, W = sp.symbols("chat_0 chat_1 chat_2 W", real=True)

@@ -13,7 +13,7 @@ import sympy as sp
 from derivations import paper
 from derivations.d8_second_order import take_polynomial_law
 from stickslip_sym import Derivation
-from stickslip_sym.symbols import N, V, c, k, m, mu, theta, v
+from stickslip_sym.core.symbols import N, V, c, k, m, mu, theta, v
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym import laws
-from stickslip_sym.symbols import N, V, a, b, c, k, m, mu, t, u
+from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, t, u
 
 motion = sp.Function("x", real=True)(t)
 t_P, t_Q = sp.symbols("t_P t_Q", real=True)

@@ -7,7 +7,7 @@ import sympy as sp
 from sympy.printing.mathml import MathMLPresentationPrinter
 
 from derivations import paper
-from stickslip_sym.symbols import N, V, a, b, c, k, m, mu, t, u
+from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, t, u
 
 __all__ = ["EQUATIONS", "PrintedEquation", "mathml"]
 

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym.symbols import N, V, c, k, m
+from stickslip_sym.core.symbols import N, V, c, k, m
 
 __all__ = ["PRINTED", "acceleration", "displacement", "kinetic", "relative"]
 

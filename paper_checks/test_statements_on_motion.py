@@ -12,8 +12,8 @@ from paper_checks.conftest import Find
 from paper_checks.scene import LAWS, law, needed, orbit, oscillator, response, sticks_and_slips, threshold
 from paper_checks.wording import by_law, listed, percent
 from stickslip_sym import Oscillator, simulate
+from stickslip_sym.core.symbols import V
 from stickslip_sym.orbit import orbits
-from stickslip_sym.symbols import V
 
 NONE = 1e-6  # a relative change that may be the error of what is computed
 SLIGHT = 0.01  # one that no figure of the paper shows

@@ -9,15 +9,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stickslip_sym import criteria, laws, quadrature, symbols
+    from stickslip_sym import criteria, laws, quadrature
     from stickslip_sym.automaton import simulate
     from stickslip_sym.averages import SlopeAverage, slope_average
     from stickslip_sym.basins import BasinMap, basin_map
     from stickslip_sym.classification import Motion, classify
     from stickslip_sym.closed_form import ClosedForm, derive
-    from stickslip_sym.cycles import LimitCycle, limit_cycles
-    from stickslip_sym.derivation import Derivation, Step
-    from stickslip_sym.errors import (
+    from stickslip_sym.core import symbols
+    from stickslip_sym.core.errors import (
         InputError,
         InputWarning,
         NoClosedForm,
@@ -25,6 +24,8 @@ if TYPE_CHECKING:
         NoThreshold,
         StickSlipError,
     )
+    from stickslip_sym.cycles import LimitCycle, limit_cycles
+    from stickslip_sym.derivation import Derivation, Step
     from stickslip_sym.export import export_c, export_latex, export_octave, export_python
     from stickslip_sym.friction import FrictionLaw, Parameter
     from stickslip_sym.keeping import load, load_all, save, save_all

@@ -6,11 +6,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import suggestion
 from stickslip_sym.criteria import Criterion
-from stickslip_sym.errors import InputError
 from stickslip_sym.evaluate import StableFunction
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.values import suggestion
 
 __all__ = ["OnInvalid", "call", "check_names", "check_reach"]
 

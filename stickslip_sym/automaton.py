@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.engines import follower
-from stickslip_sym.errors import InputError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol, real
 from stickslip_sym.slip_phase import SlipPhase

@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import archive, deadline, drawing, html_text
+from stickslip_sym import archive, drawing, html_text
 from stickslip_sym.axes import Axis, read_values, require_few
 from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.classification import Motion, classify
 from stickslip_sym.columns import MOTIONS
-from stickslip_sym.errors import NotConverged, OutOfTime, StickSlipError
+from stickslip_sym.core import deadline
+from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.law_content import law_of_text, text_of_law
 from stickslip_sym.oscillator import Oscillator, read_rtol

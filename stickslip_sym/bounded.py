@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import mpmath
 import sympy as sp
 
-from stickslip_sym.codegen import function_of
+from stickslip_sym.core.lambdify import function_of
 
 __all__ = ["Bounded", "Uncertain", "bounded"]
 

@@ -14,8 +14,8 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from stickslip_sym.bounded import Bounded, Uncertain, bounded
-from stickslip_sym.codegen import function_of
-from stickslip_sym.errors import NotConverged
+from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.lambdify import function_of
 
 __all__ = ["NotFinite", "certain_value"]
 

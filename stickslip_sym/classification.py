@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from stickslip_sym import deadline
+from stickslip_sym.core import deadline
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol, real

@@ -21,7 +21,7 @@ from stickslip_sym.cli_reading import Command
 from stickslip_sym.cli_simulate import simulate
 from stickslip_sym.cli_tradeoff import tradeoff
 from stickslip_sym.cli_words import in_options
-from stickslip_sym.errors import InputError, InputWarning, StickSlipError
+from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 
 app = typer.Typer(
     name="stickslip",

@@ -9,7 +9,7 @@ from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, S
 from stickslip_sym.cli_names import complete_method
 from stickslip_sym.cli_reading import Values, assignments, check_size, read_numbers
 from stickslip_sym.cli_words import in_options
-from stickslip_sym.errors import StickSlipError
+from stickslip_sym.core.errors import StickSlipError
 
 __all__ = ["damping"]
 
@@ -44,9 +44,9 @@ def damping(
 
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
+    from stickslip_sym.core.numbers import exact
     from stickslip_sym.tables import duration, table
     from stickslip_sym.threshold import LADDER
-    from stickslip_sym.values import exact
 
     friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
     bound = friction.typical(**assignments(parameter or []))

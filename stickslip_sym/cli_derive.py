@@ -12,7 +12,7 @@ from stickslip_sym import cli_json
 from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
 from stickslip_sym.cli_reading import CriteriaName, Values, assignments, check_size, require_writable
 from stickslip_sym.cli_words import in_options
-from stickslip_sym.errors import InputError, NoClosedForm
+from stickslip_sym.core.errors import InputError, NoClosedForm
 
 __all__ = ["derive", "progress"]
 
@@ -48,9 +48,9 @@ def derive(
     Example: stickslip derive "mu_m + (mu_s - mu_m)*exp(-alpha*v)" -p mu_s=0.5 -p mu_m=0.2 -p alpha=3
     """
     from stickslip_sym import criteria, files, keeping
+    from stickslip_sym.core.numbers import exact
     from stickslip_sym.doubts import warn_where_negative
     from stickslip_sym.oscillator import Oscillator
-    from stickslip_sym.values import exact
 
     chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]
     if save is not None and len(chosen) > 1:

@@ -8,7 +8,7 @@ import typer
 from stickslip_sym.cli_derive import progress
 from stickslip_sym.cli_law import Name, Source, Static, Units, read_law
 from stickslip_sym.cli_reading import CriteriaName, assignments, require_writable
-from stickslip_sym.errors import InputError, NoClosedForm
+from stickslip_sym.core.errors import InputError, NoClosedForm
 
 __all__ = ["export"]
 
@@ -112,7 +112,7 @@ def _laws(texts: list[str], everything: bool, described: dict[str, Any]) -> list
 
 def _check_notation(notation: dict[str, str], laws: list[Any]) -> None:
     """Refuse symbols before anything is derived, which may take long."""
-    from stickslip_sym import symbols
+    from stickslip_sym.core import symbols
     from stickslip_sym.notation import check_known, notation_of
 
     every = ["mu", *symbols.QUANTITIES]

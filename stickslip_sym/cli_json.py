@@ -47,7 +47,7 @@ def missing(unit: str, reason: str) -> dict[str, Any]:
 
 def values(given: Mapping[str, str]) -> dict[str, Any]:
     """Return V, N, m and k with their units, and as they were given."""
-    from stickslip_sym.values import exact
+    from stickslip_sym.core.numbers import exact
 
     return {name: quantity(float(exact(text, name)), UNITS[name], text=text) for name, text in given.items()}
 

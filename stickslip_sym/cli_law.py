@@ -8,7 +8,7 @@ import typer
 
 from stickslip_sym.cli_names import complete_law
 from stickslip_sym.cli_reading import assignments
-from stickslip_sym.errors import InputError
+from stickslip_sym.core.errors import InputError
 
 __all__ = ["Extrapolate", "FromCsv", "LawName", "Name", "Source", "Static", "Units", "read_law"]
 

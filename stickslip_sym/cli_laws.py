@@ -6,7 +6,7 @@ import typer
 
 from stickslip_sym import cli_json
 from stickslip_sym.cli_names import complete_law
-from stickslip_sym.errors import NoClosedForm
+from stickslip_sym.core.errors import NoClosedForm
 
 __all__ = ["laws"]
 

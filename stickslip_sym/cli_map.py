@@ -25,7 +25,7 @@ from stickslip_sym.cli_reading import (
     require_writable,
 )
 from stickslip_sym.cli_words import in_options
-from stickslip_sym.errors import InputError
+from stickslip_sym.core.errors import InputError
 
 __all__ = ["motion_map"]
 
@@ -115,7 +115,7 @@ def _axis(option: str, text: str) -> tuple[str, Any]:
     """Read NAME=START:STOP:COUNT."""
     import numpy as np
 
-    from stickslip_sym.values import exact
+    from stickslip_sym.core.numbers import exact
 
     name, equals, range_text = text.partition("=")
     parts = range_text.split(":")

@@ -8,7 +8,7 @@ import typer
 from typer.core import TyperCommand
 
 from stickslip_sym.cli_names import complete_criterion, complete_criterion_or_all
-from stickslip_sym.errors import InputError
+from stickslip_sym.core.errors import InputError
 
 __all__ = [
     "SCENE", "Command", "CriteriaName", "CriterionName", "Force", "Mass", "Overwrite", "Speed", "Stiffness",
@@ -78,7 +78,7 @@ def assignments(texts: Sequence[str], example: str = "-p alpha=3") -> dict[str, 
 
 def read_numbers(given: Mapping[str, str | None]) -> dict[str, float]:
     """Read numbers as floats of a possible size; those that were not given are left out."""
-    from stickslip_sym.values import exact
+    from stickslip_sym.core.numbers import exact
 
     numbers = {name: exact(text, name) for name, text in given.items() if text is not None}
     for name, value in numbers.items():

@@ -9,23 +9,24 @@ from typing import Any
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from stickslip_sym import html_text, printing, symbols
+from stickslip_sym import html_text, printing
 from stickslip_sym.arguments import OnInvalid, check_names, check_reach
 from stickslip_sym.averages import SlopeAverage
 from stickslip_sym.code_text import c_code, octave_code, python_code
+from stickslip_sym.core import symbols
+from stickslip_sym.core.deadline import time_left
+from stickslip_sym.core.errors import InputError, NoClosedForm, OutOfTime
+from stickslip_sym.core.interruption import within
+from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria import Criterion, find
-from stickslip_sym.deadline import time_left
 from stickslip_sym.derivation import Derivation
-from stickslip_sym.errors import InputError, NoClosedForm, OutOfTime
 from stickslip_sym.evaluate import StableFunction, exact_value
 from stickslip_sym.friction import FrictionLaw, limit_at_rest
 from stickslip_sym.gate import GATE_POINTS, verify
 from stickslip_sym.integrals import Part, Progress, Told, integrate_terms
-from stickslip_sym.interruption import within
 from stickslip_sym.notation import check_known, notation_of
 from stickslip_sym.proving import Status, Verdict
 from stickslip_sym.tidy import tidy
-from stickslip_sym.values import Number, exact
 
 __all__ = ["ClosedForm", "derive"]
 

@@ -10,11 +10,11 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from stickslip_sym import symbols
-from stickslip_sym.codegen import Backend, function_of
+from stickslip_sym.core import symbols
+from stickslip_sym.core.lambdify import Backend, function_of
+from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.pieces import at_rest, branch_from, places
 from stickslip_sym.samples import SampledCurve
-from stickslip_sym.values import to_mpf
 
 __all__ = ["Coefficient", "limit_at_rest"]
 

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from stickslip_sym.deadline import check_time
+from stickslip_sym.core.deadline import check_time
 
 __all__ = [
     "CLOSE", "GRIDS", "ROUNDING", "Problem", "State", "Work", "close", "frequency", "grid", "largest_slope",

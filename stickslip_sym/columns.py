@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 
 from stickslip_sym.classification import Motion, classify
+from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.cycles import needed_damping
-from stickslip_sym.deadline import check_time
-from stickslip_sym.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.grazing import grazing_damping
 from stickslip_sym.orbit import obstacle, orbits

@@ -6,7 +6,7 @@ from typing import Any
 import sympy as sp
 from sympy.codegen.cfunctions import expm1
 
-from stickslip_sym import symbols
+from stickslip_sym.core import symbols
 
 __all__ = ["conditioned", "speed_scales", "without_squares"]
 

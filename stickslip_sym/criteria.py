@@ -10,9 +10,9 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import symbols
-from stickslip_sym.errors import InputError
-from stickslip_sym.values import lookup
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import lookup
 
 __all__ = ["Criterion", "catalogue", "equilibrium", "find", "harmonic", "least_squares"]
 

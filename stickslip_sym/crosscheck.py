@@ -10,13 +10,13 @@ import mpmath
 
 from stickslip_sym import quadrature
 from stickslip_sym.closed_form import ClosedForm
+from stickslip_sym.core.errors import StickSlipError
+from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria import Criterion
 from stickslip_sym.deviation import LARGE, reasons, spread
-from stickslip_sym.errors import StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.tables import duration, table
 from stickslip_sym.threshold import pure_slip_damping
-from stickslip_sym.values import Number, exact
 
 __all__ = ["SCENE", "Check", "crosscheck", "report"]
 

@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from stickslip_sym import deadline, html_text
+from stickslip_sym import html_text
 from stickslip_sym.collocation import Work
-from stickslip_sym.errors import InputError, NotConverged
+from stickslip_sym.core import deadline
+from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import Orbits, obstacle, orbits
 from stickslip_sym.oscillator import Oscillator

@@ -9,10 +9,10 @@ import sympy as sp
 
 from stickslip_sym import html_text, printing
 from stickslip_sym.abbreviation import equation
+from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.layout import prose
 from stickslip_sym.notation import notation_of, told_apart
 from stickslip_sym.proving import Status, Verdict, prove_equal, prove_positive
-from stickslip_sym.symbols import QUANTITIES
 from stickslip_sym.theorems import By
 
 __all__ = ["Derivation", "Step"]

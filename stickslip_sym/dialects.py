@@ -13,7 +13,7 @@ from sympy.logic.boolalg import BooleanTrue
 from sympy.printing.c import C99CodePrinter
 from sympy.printing.numpy import NumPyPrinter
 
-from stickslip_sym.errors import NoClosedForm
+from stickslip_sym.core.errors import NoClosedForm
 
 __all__ = ["Dialect", "c99", "numeric_list", "octave", "python"]
 

@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 
-from stickslip_sym.errors import InputWarning
+from stickslip_sym.core.errors import InputWarning
 from stickslip_sym.friction import FrictionLaw
 
 __all__ = ["lowest", "warn_where_negative"]

@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from stickslip_sym.errors import InputError, StickSlipError
+from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.files import require_name
 from stickslip_sym.html_text import Markup
 

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 from stickslip_sym import slip, taylor
+from stickslip_sym.core.numbers import lookup
 from stickslip_sym.slip_phase import SlipPhase
-from stickslip_sym.values import lookup
 
 __all__ = ["ENGINES", "follower"]
 

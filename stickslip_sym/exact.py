@@ -9,7 +9,7 @@ import mpmath
 import sympy as sp
 
 from stickslip_sym.bounded import Bounded, Uncertain, bounded
-from stickslip_sym.errors import InputError, NotConverged
+from stickslip_sym.core.errors import InputError, NotConverged
 
 __all__ = ["to_digits"]
 

@@ -8,8 +8,8 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from stickslip_sym import symbols
-from stickslip_sym.codegen import function_of
+from stickslip_sym.core import symbols
+from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria import Criterion
 
 __all__ = ["TERMS", "chebyshev_fit", "chebyshev_nodes", "economised", "moment", "taylor", "to_monomials"]

@@ -7,13 +7,13 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import symbols
-from stickslip_sym.errors import InputError
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import bits, exact
 from stickslip_sym.misspelt import check_constant, check_speed
 from stickslip_sym.parameters import Parameter
 from stickslip_sym.parsing import FUNCTIONS, MAX_BITS, parse_expression
 from stickslip_sym.pieces import Bound, absolute, in_pieces, larger, sign, smaller
-from stickslip_sym.values import bits, exact
 
 __all__ = ["read_formula"]
 

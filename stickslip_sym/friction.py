@@ -6,14 +6,15 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Self
 
-from stickslip_sym import html_text, printing, symbols
+from stickslip_sym import html_text, printing
 from stickslip_sym.coefficient import Coefficient, limit_at_rest
-from stickslip_sym.errors import InputError
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import Number, exact_values, suggestion
 from stickslip_sym.evaluated import Evaluated
 from stickslip_sym.formula import read_formula
 from stickslip_sym.parameters import Parameter, parameter_table
 from stickslip_sym.samples import SampledCurve, read_csv
-from stickslip_sym.values import Number, exact_values, suggestion
 
 __all__ = ["FrictionLaw", "Parameter", "limit_at_rest"]
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from stickslip_sym import symbols
-from stickslip_sym.codegen import function_of
+from stickslip_sym.core import symbols
+from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria import Criterion
 
 __all__ = ["COARSE", "FINE", "FIRST_PANEL", "angle_weight", "average", "gauss_legendre", "weight_of"]

@@ -6,7 +6,7 @@ Units and columns are not converted or reordered; a header that says anything el
 import re
 from collections.abc import Sequence
 
-from stickslip_sym.errors import InputError
+from stickslip_sym.core.errors import InputError
 
 __all__ = ["check_header"]
 

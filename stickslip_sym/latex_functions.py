@@ -8,8 +8,8 @@ from typing import Any
 
 import sympy as sp
 
+from stickslip_sym.core.lerch import Lerch
 from stickslip_sym.notation import look
-from stickslip_sym.special import Lerch
 
 __all__ = ["INDEXED", "NAMED", "SQUARED", "called"]
 

@@ -4,8 +4,8 @@
 cited work itself. Typical values are for trying a law out: they make it fall somewhere in 0.1 to 1 m/s.
 """
 
+from stickslip_sym.core.numbers import lookup
 from stickslip_sym.friction import FrictionLaw, Parameter
-from stickslip_sym.values import lookup
 
 __all__ = ["catalogue", "coulomb", "exponential", "find", "hyperbolic", "polynomial", "popp_stelter", "stribeck"]
 

@@ -9,7 +9,7 @@ import re
 import unicodedata
 from collections.abc import Mapping, Sequence
 
-from stickslip_sym.errors import InputError
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.notation import latex_name
 
 __all__ = ["LINE", "displayed", "key", "prose", "width"]

@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import archive, deadline, drawing, html_text
+from stickslip_sym import archive, drawing, html_text
 from stickslip_sym.axes import Axis, fixed_values, read_axes
 from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.classification import Motion
 from stickslip_sym.columns import MOTIONS, REASONS, Attractor, Cells, Reason, decide
-from stickslip_sym.errors import NotConverged, StickSlipError
+from stickslip_sym.core import deadline
+from stickslip_sym.core.errors import NotConverged, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.law_content import law_of_text, text_of_law
 from stickslip_sym.oscillator import Oscillator, read_rtol

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Sequence
 from difflib import get_close_matches
 
-from stickslip_sym.errors import InputError, InputWarning
+from stickslip_sym.core.errors import InputError, InputWarning
 
 __all__ = ["check_constant", "check_speed"]
 

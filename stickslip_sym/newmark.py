@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym.deadline import check_time
-from stickslip_sym.errors import NoThreshold
+from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.errors import NoThreshold
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator
 

@@ -7,8 +7,8 @@ gives instead goes into the document as it is, so only commands that print a sym
 import re
 from collections.abc import Iterable, Iterator, Mapping
 
-from stickslip_sym.errors import InputError
-from stickslip_sym.values import suggestion
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import suggestion
 
 __all__ = ["check_known", "latex_name", "look", "notation_of", "told_apart"]
 

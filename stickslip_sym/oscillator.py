@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
-from stickslip_sym import symbols
-from stickslip_sym.errors import InputError
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.friction import FrictionLaw, limit_at_rest
 
 __all__ = ["Oscillator", "Scene", "read_rtol", "real"]

@@ -6,13 +6,14 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import html_text, symbols
-from stickslip_sym.errors import InputError
+from stickslip_sym import html_text
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import exact
 from stickslip_sym.notation import notation_of
 from stickslip_sym.parsing import CONSTANTS, FUNCTIONS, KINKED, NAME
 from stickslip_sym.spelling import ALIASES, INSTEAD
 from stickslip_sym.units import parse_unit
-from stickslip_sym.values import exact
 
 __all__ = ["Parameter", "parameter_table"]
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import symbols
-from stickslip_sym.errors import InputError
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError
 
 __all__ = [
     "Bound", "absolute", "at_rest", "branch_from", "in_pieces", "jumps", "larger", "pieces_of", "piecewise",

@@ -22,7 +22,7 @@ from sympy.core.function import AppliedUndef
 from stickslip_sym import html_text
 from stickslip_sym.bounded import Bounded
 from stickslip_sym.certain import NotFinite, certain_value
-from stickslip_sym.errors import NotConverged
+from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.normal_form import normal_form
 from stickslip_sym.theorems import By
 

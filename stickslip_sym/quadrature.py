@@ -12,12 +12,12 @@ from typing import Any
 
 import mpmath
 
-from stickslip_sym import symbols
-from stickslip_sym.codegen import function_of
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.numbers import Number, exact, to_mpf
 from stickslip_sym.criteria import Criterion, find
-from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.values import Number, exact, to_mpf
 
 __all__ = ["damping"]
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from stickslip_sym.automaton import simulate
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.drawing import require_matplotlib
-from stickslip_sym.errors import InputError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator
 

@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import deadline, drawing, html_text
+from stickslip_sym import drawing, html_text
+from stickslip_sym.core import deadline
+from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.cycles import LimitCycle
-from stickslip_sym.errors import OutOfTime
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
 from stickslip_sym.slip import follow

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym import symbols
 from stickslip_sym.averages import SlopeAverage, slope_average
-from stickslip_sym.errors import InputError
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.grazing import grazing_damping
 from stickslip_sym.orbit import obstacle, orbits

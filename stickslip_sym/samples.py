@@ -20,13 +20,13 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from stickslip_sym import symbols
-from stickslip_sym.codegen import Backend
-from stickslip_sym.errors import InputError, InputWarning
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError, InputWarning
+from stickslip_sym.core.lambdify import Backend
+from stickslip_sym.core.numbers import Number, exact, to_mpf
 from stickslip_sym.files import require_name
 from stickslip_sym.headers import check_header
 from stickslip_sym.pieces import piecewise
-from stickslip_sym.values import Number, exact, to_mpf
 
 __all__ = ["SampledCurve", "read_csv"]
 

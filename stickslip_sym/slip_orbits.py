@@ -17,8 +17,8 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
+from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.cycles import LimitCycle, cycles_among, needed_damping
-from stickslip_sym.errors import InputError, NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene
 from stickslip_sym.slip import follow

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from stickslip_sym.deadline import check_time, time_left
-from stickslip_sym.errors import StickSlipError
+from stickslip_sym.core.deadline import check_time, time_left
+from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.oscillator import Scene
 from stickslip_sym.steppers import Piece, Point
 

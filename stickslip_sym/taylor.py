@@ -19,8 +19,8 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import brentq
 
-from stickslip_sym import symbols
-from stickslip_sym.errors import InputError, NotConverged
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.oscillator import Scene
 from stickslip_sym.slip_phase import RUNAWAY, SlipPhase, attracted_to_rest, exhausted
 from stickslip_sym.steppers import Point

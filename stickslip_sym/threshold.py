@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym import deadline, html_text, symbols
+from stickslip_sym import html_text
+from stickslip_sym.core import deadline, symbols
+from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
+from stickslip_sym.core.numbers import lookup
 from stickslip_sym.doubts import warn_where_negative
-from stickslip_sym.errors import InputError, NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import obstacle
 from stickslip_sym.oscillator import read_rtol
@@ -25,7 +27,6 @@ from stickslip_sym.rungs import (
     second_order,
     simulated,
 )
-from stickslip_sym.values import lookup
 
 __all__ = ["METHODS", "Threshold", "pure_slip_damping"]
 

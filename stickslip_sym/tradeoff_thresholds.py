@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import deadline
-from stickslip_sym.errors import NotConverged, NoThreshold, OutOfTime
+from stickslip_sym.core import deadline
+from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.newmark import Scan, pure_slip_by_scan
 from stickslip_sym.oscillator import Oscillator

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stickslip_sym import drawing, files, html_text
-from stickslip_sym.errors import InputError
+from stickslip_sym.core.errors import InputError
 
 __all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Tendency", "Trajectory"]
 

@@ -12,9 +12,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 
-from stickslip_sym import deadline, html_text
+from stickslip_sym import html_text
+from stickslip_sym.core import deadline
+from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.engines import follower
-from stickslip_sym.errors import NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
 from stickslip_sym.slip_phase import SlipPhase

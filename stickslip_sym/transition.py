@@ -13,16 +13,17 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import brentq, minimize_scalar
 
-from stickslip_sym import deadline, html_text, symbols
+from stickslip_sym import html_text
+from stickslip_sym.core import deadline, symbols
+from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime
+from stickslip_sym.core.numbers import exact, lookup
 from stickslip_sym.criteria import catalogue
-from stickslip_sym.errors import InputError, NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import obstacle
 from stickslip_sym.oscillator import read_rtol, real
 from stickslip_sym.perturbation import averages, slopes
 from stickslip_sym.rungs import AVERAGES, Scenes, average, on_orbit, second_order, simulated
 from stickslip_sym.threshold import METHODS
-from stickslip_sym.values import exact, lookup
 
 __all__ = ["TransitionSpeed", "transition_speed"]
 

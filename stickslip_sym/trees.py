@@ -11,10 +11,10 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import symbols
-from stickslip_sym.errors import InputError
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.lerch import Lerch
 from stickslip_sym.parsing import FUNCTIONS
-from stickslip_sym.special import Lerch
 
 __all__ = ["from_tree", "to_tree"]
 

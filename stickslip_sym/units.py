@@ -9,7 +9,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from stickslip_sym.errors import InputError
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.parsing import parse_expression
 
 __all__ = ["parse_unit", "with_units"]

@@ -14,7 +14,7 @@ from multiprocessing import active_children, get_context
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar
 
-from stickslip_sym.errors import InputError, NotConverged
+from stickslip_sym.core.errors import InputError, NotConverged
 
 __all__ = ["Workers", "check_workers", "run"]
 

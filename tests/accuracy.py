@@ -7,8 +7,8 @@ import numpy as np
 
 import stickslip_sym as ss
 from stickslip_sym import gauss, symbols
-from stickslip_sym.codegen import function_of
 from stickslip_sym.conditioned import conditioned, speed_scales
+from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.profile import slope_with_bound
 
 EPSILON = 2.0**-52

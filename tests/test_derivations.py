@@ -6,8 +6,8 @@ import sympy as sp
 from derivations import CHAPTERS, chapter, paper
 from derivations.d8_second_order import law_4
 from stickslip_sym import Status
+from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, s, u
 from stickslip_sym.proving import prove_equal, prove_positive
-from stickslip_sym.symbols import N, V, a, b, c, k, m, mu, s, u
 from stickslip_sym.theorems import Antiderivative, ChangeOfVariable
 
 PRINTED = paper.equations()

@@ -11,12 +11,12 @@ from test_catalogue import form_of
 
 import stickslip_sym as ss
 from stickslip_sym import limits, symbols
+from stickslip_sym.core.lerch import Lerch
+from stickslip_sym.core.numbers import bits
+from stickslip_sym.core.symbols import V, u
 from stickslip_sym.notation import notation_of
 from stickslip_sym.proving import Status, prove_equal
-from stickslip_sym.special import Lerch
-from stickslip_sym.symbols import V, u
 from stickslip_sym.theorems import Antiderivative
-from stickslip_sym.values import bits
 
 # -- the fundamental theorem needs a continuous primitive ---------------------------------------------
 

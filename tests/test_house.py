@@ -1,8 +1,10 @@
-"""Rules of the house: imports that run one way, a cheap import, a whole public interface."""
+"""Rules of the house: folders in their order, imports that run one way, a cheap import, a whole public interface."""
 
 import ast
+import importlib
 import subprocess
 import sys
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -10,59 +12,100 @@ import pytest
 import stickslip_sym as ss
 
 PACKAGE = Path(ss.__file__).parent
-LAYERS = [
-    "errors", "deadline", "interruption", "values", "symbols", "pieces", "spelling",
-    "parsing", "units", "notation", "special",
-    "brackets", "text_printer", "latex_functions", "latex_printer", "printing", "layout",
-    "abbreviation", "codegen", "tables", "html_text", "files", "drawing",
-    "parameters", "misspelt", "formula", "headers", "samples", "coefficient", "evaluated", "friction",
-    "doubts", "laws", "criteria", "quadrature",
-    "normal_form", "theorems", "bounded", "certain", "proving", "derivation",
-    "terms", "ladders", "antiderivatives", "harmonics", "search", "integrals", "tidy",
-    "bounds", "exact", "conditioned", "branches", "gauss", "fitting", "profile", "splitting", "products",
-    "evaluate", "arguments", "dialects", "c_text", "python_text", "octave_text", "code_text",
-    "averages", "gate", "closed_form",
-    "trees", "law_content", "keeping",
-    "oscillator", "steppers", "slip_phase", "slip", "taylor", "engines", "trajectory", "tendency", "automaton",
-    "transit", "grazing",
-    "perturbation", "collocation", "orbit", "cycles", "rungs", "threshold", "transition",
-    "deviation", "crosscheck",
-    "limits", "document", "export", "slip_orbits", "regime_plot", "regimes", "classification",
-    "workers", "checkpoint", "archive", "axes", "columns", "map_plot", "maps", "basins",
-    "newmark", "tradeoff", "tradeoff_thresholds",
-    "cli_words", "cli_names", "cli_reading", "cli_json", "cli_law",
-    "cli_laws", "cli_derive", "cli_damping", "cli_simulate", "cli_map", "cli_tradeoff", "cli_export", "cli",
-]  # fmt: skip
-"""The modules of the package in the order in which they may import: each only from those before it."""
+FOLDERS = ["core", "output", "model", "criteria", "formula", "motion", "comparison", "cli"]
+"""The folders of the package in the order in which they may import: each only from those before it."""
+ROOMS = {
+    "model": ["expression"],
+    "formula": ["integration", "evaluation", "code", "derivation", "export"],
+    "motion": ["simulation", "orbits", "thresholds", "regimes", "maps"],
+}
+"""The rooms inside a folder, in the same sense; what stands in the folder itself comes after them."""
+LONGEST = 320
+MOST_FILES = 15
+MODULES = {
+    ".".join(("stickslip_sym", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path
+    for path in sorted(PACKAGE.rglob("*.py"))
+}
 
 
-def imported_modules(path):
-    """Names of this package's modules that a file imports anywhere."""
+def imported(path):
+    """Modules of this package that a file imports anywhere."""
     for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ImportFrom) and node.module == "stickslip_sym":
-            yield from (alias.name for alias in node.names if alias.name != "__version__")
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("stickslip_sym."):
-            yield node.module.split(".")[1]
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("stickslip_sym"):
+            for alias in node.names:
+                whole = f"{node.module}.{alias.name}"
+                yield whole if whole in MODULES else node.module
 
 
-def test_every_module_has_its_layer():
-    assert {path.stem for path in PACKAGE.glob("*.py")} - {"__init__"} == set(LAYERS)
+def place(module):
+    """Return where a module stands in the order: its folder, then its room."""
+    folder, *rest = module.split(".")[1:]
+    rooms = ROOMS.get(folder, [])
+    return FOLDERS.index(folder), rooms.index(rest[0]) if rest and rest[0] in rooms else len(rooms)
 
 
-@pytest.mark.parametrize("module", LAYERS)
-def test_imports_run_downward(module):
-    allowed = set(LAYERS[: LAYERS.index(module)])
-    assert set(imported_modules(PACKAGE / f"{module}.py")) <= allowed
+def is_face(module):
+    """Whether a module is the package itself or a folder's __init__, which hands names on."""
+    return MODULES[module].name == "__init__.py"
 
 
-def test_files_are_short():
+def test_the_folders_are_these():
+    folders = {path.parent.relative_to(PACKAGE) for path in MODULES.values()} - {Path()}
+    assert folders == {Path(folder) for folder in FOLDERS} | {
+        Path(folder, room) for folder, rooms in ROOMS.items() for room in rooms
+    }
+    assert [path.name for path in PACKAGE.glob("*.py")] == ["__init__.py"]
+
+
+@pytest.mark.parametrize("module", [module for module in MODULES if not is_face(module)])
+def test_imports_run_one_way(module):
+    wrong = [name for name in imported(MODULES[module]) if name != "stickslip_sym" and place(name) > place(module)]
+    assert wrong == []
+
+
+def test_no_imports_run_in_a_circle():
+    graph = {module: set(imported(path)) - {module} for module, path in MODULES.items() if not is_face(module)}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        pytest.fail(f"{error.args[1]} import each other")
+
+
+def test_one_arrow_crosses_from_motion_to_formula():
+    """Otherwise a cross-check of one by the other would check nothing."""
+    crossing = {
+        (module.split(".")[2], name.split(".")[2])
+        for module, path in MODULES.items()
+        if module.startswith("stickslip_sym.motion.")
+        for name in imported(path)
+        if name.startswith("stickslip_sym.formula.")
+    }
+    assert crossing == {("thresholds", "evaluation")}
+    back = [
+        module
+        for module, path in MODULES.items()
+        if module.startswith("stickslip_sym.formula.")
+        and any(name.startswith("stickslip_sym.motion") for name in imported(path))
+    ]
+    assert back == []
+
+
+def test_each_folder_says_what_it_is_for():
+    for module in filter(is_face, MODULES):
+        assert ast.get_docstring(ast.parse(MODULES[module].read_text())), module
+
+
+def test_files_are_short_and_folders_small():
     root = PACKAGE.parent
     paths = [
         path
         for part in ("stickslip_sym", "derivations", "tests", "paper_checks")
         for path in (root / part).rglob("*.py")
     ]
-    assert {path.name: n for path in paths if (n := len(path.read_text().splitlines())) > 400} == {}
+    lengths = {str(path.relative_to(root)): len(path.read_text().splitlines()) for path in paths}
+    assert {name: n for name, n in lengths.items() if n > LONGEST} == {}
+    folders = {path.parent for path in paths if "stickslip_sym" in path.parts}
+    assert {folder.name: n for folder in folders if (n := len(list(folder.glob("*.py")))) > MOST_FILES} == {}
 
 
 def run(code):
@@ -73,7 +116,7 @@ def run(code):
 
 def test_importing_the_package_imports_next_to_nothing():
     loaded = run("import stickslip_sym, sys; print(*sys.modules)").split()
-    assert not {"sympy", "scipy", "numpy", "matplotlib", "typer", "heyoka", "dask"} & set(loaded)
+    assert not {"sympy", "scipy", "numpy", "mpmath", "matplotlib", "typer", "heyoka", "dask"} & set(loaded)
 
 
 def test_using_the_package_imports_no_extra():
@@ -88,23 +131,30 @@ def test_using_the_package_imports_no_extra():
 
 
 def test_every_public_name_is_there_whatever_was_imported_before():
-    import importlib
-
-    for module in LAYERS:
-        importlib.import_module(f"stickslip_sym.{module}")
+    for module in MODULES:
+        importlib.import_module(module)
+    modules = {"criteria", "laws", "quadrature", "symbols"}
     for name in ss.__all__:
         value = getattr(ss, name)
         assert value.__doc__
-        if name not in ss._MODULES:
-            assert callable(value), name
-    assert set(ss.__all__) <= set(dir(ss))
-    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        assert callable(value) != (name in modules), name
+    assert set(ss.__all__) | {"__version__"} <= set(dir(ss)) | {"__version__"}
+    assert ss.__version__
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'|No stickslip_sym attribute nonsense"):
         _ = ss.nonsense
+
+
+def test_every_law_of_the_catalogue_is_an_attribute():
+    assert set(ss.laws.catalogue) <= set(dir(ss.laws))
+    for name, law in ss.laws.catalogue.items():
+        assert getattr(ss.laws, name) is law
+    with pytest.raises(AttributeError, match="exponental.*did you mean 'exponential'"):
+        _ = ss.laws.exponental
 
 
 def test_derivations_and_checks_compute_nothing_at_import():
     code = (
-        "import stickslip_sym.proving as p, stickslip_sym.closed_form as f\n"
+        "import stickslip_sym.formula.derivation.proving as p, stickslip_sym.formula.derivation.closed_form as f\n"
         "def no(*args, **kwargs): raise SystemExit('computed at import')\n"
         "p.prove_equal = p.prove_positive = f.derive = no\n"
         "import derivations, derivations.paper\n"

@@ -14,7 +14,7 @@ import paper_checks
 from derivations import paper
 from paper_checks.claims import CLAIMS, Outcome
 from paper_checks.printed import PRINTED, acceleration, displacement, kinetic, relative
-from stickslip_sym.symbols import N, V, a, b, c, k, m, mu, u
+from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, u
 
 FILES = sorted(Path(paper_checks.__file__).parent.glob("test_*.py"))
 

@@ -32,13 +32,13 @@ from stickslip_sym import (
 from stickslip_sym.arguments import check_reach
 from stickslip_sym.branches import CENTERS, MIDDLE, STRETCHES
 from stickslip_sym.conditioned import speed_scales
+from stickslip_sym.core.symbols import v
 from stickslip_sym.ladders import LADDERS
 from stickslip_sym.orbit import obstacle, orbits
 from stickslip_sym.oscillator import Scene
 from stickslip_sym.parsing import MAX_DEPTH
 from stickslip_sym.perturbation import expand
 from stickslip_sym.steppers import Point
-from stickslip_sym.symbols import v
 from tests.conftest import paper_oscillator
 
 SMOOTH = [criteria.least_squares, criteria.harmonic]

@@ -13,26 +13,24 @@ import stickslip_sym as ss
 from stickslip_sym import (
     bounds,
     closed_form,
-    codegen,
-    deadline,
     document,
     fitting,
     integrals,
     map_plot,
     proving,
-    special,
     symbols,
     tables,
     theorems,
 )
 from stickslip_sym.cli_reading import LARGEST, check_size
+from stickslip_sym.core import deadline, lambdify, lerch
+from stickslip_sym.core.numbers import exact
+from stickslip_sym.core.symbols import v
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.files import write_texts
 from stickslip_sym.oscillator import Scene
 from stickslip_sym.slip_phase import attracted_to_rest
 from stickslip_sym.steppers import Point
-from stickslip_sym.symbols import v
-from stickslip_sym.values import exact
 from tests.conftest import paper_oscillator
 
 SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}
@@ -107,8 +105,8 @@ def test_a_notebook_shows_a_formula_or_says_what_was_measured():
 
 @pytest.mark.parametrize("power", [2, -1, sp.Rational(1, 2)])
 def test_what_is_rounded_once_counts_half_a_unit(power):
-    bound = codegen.function_of([v], bounds.rounding_bound(v**power), "numpy")
-    twice = codegen.function_of([v], bounds.rounding_bound(sp.exp(v)), "numpy")
+    bound = lambdify.function_of([v], bounds.rounding_bound(v**power), "numpy")
+    twice = lambdify.function_of([v], bounds.rounding_bound(sp.exp(v)), "numpy")
     for speed in (0.3, 2.0, 17.0):
         assert bound(speed) == pytest.approx(0.5 * speed ** float(power), rel=1e-12)
         assert twice(speed) == pytest.approx(2 * np.exp(speed), rel=1e-12)
@@ -195,7 +193,7 @@ def test_the_lerch_transcendent_has_the_digits_of_the_working_precision():
                 exact = mpmath.nsum(
                     lambda k, z=z, s=order, a=a: mpmath.mpf(z) ** k / (k + a) ** s, [0, mpmath.inf]
                 )
-                assert abs(special.lerch(mpmath.mpf(z), order, a) / exact - 1) < mpmath.mpf(10) ** (2 - digits)
+                assert abs(lerch.lerch(mpmath.mpf(z), order, a) / exact - 1) < mpmath.mpf(10) ** (2 - digits)
 
 
 def test_a_cycle_that_sticks_is_never_faster_than_the_belt_unless_it_overtakes():

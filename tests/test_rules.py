@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 
 from stickslip_sym.antiderivatives import antiderivative
-from stickslip_sym.codegen import function_of
 from stickslip_sym.conditioned import without_squares
+from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.harmonics import harmonic_average, kinked_polynomial_average
 
 u, V, x = sp.Symbol("u", positive=True), sp.Symbol("V", positive=True), sp.Symbol("x", real=True)

@@ -16,8 +16,8 @@ import mpmath
 import sympy as sp
 from sympy.core.cache import clear_cache
 
-from stickslip_sym.deadline import check_time, time_left, time_limit
-from stickslip_sym.errors import OutOfTime
+from stickslip_sym.core.deadline import check_time, time_left, time_limit
+from stickslip_sym.core.errors import OutOfTime
 
 __all__ = ["within"]
 

@@ -14,7 +14,7 @@ from typing import Any, SupportsFloat, TypeVar
 import mpmath
 import sympy as sp
 
-from stickslip_sym.errors import InputError
+from stickslip_sym.core.errors import InputError
 
 __all__ = ["Number", "bits", "exact", "exact_values", "lookup", "suggestion", "to_mpf", "within"]
 

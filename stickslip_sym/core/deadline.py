@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-from stickslip_sym.errors import InputError, OutOfTime
+from stickslip_sym.core.errors import InputError, OutOfTime
 
 __all__ = ["LONGEST", "check_time", "time_left", "time_limit"]
 

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 import sympy as sp
 
-from stickslip_sym.special import lerch
+from stickslip_sym.core.lerch import lerch
 
 __all__ = ["Backend", "function_of"]
 

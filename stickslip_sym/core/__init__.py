@@ -1,0 +1,4 @@
+"""What everything stands on: errors, time limits, numbers as users give them, symbols, compiling an expression.
+
+Imports nothing of the package. One more error is a class in `errors`, with what its message must say.
+"""
