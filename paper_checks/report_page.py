@@ -11,7 +11,7 @@ from paper_checks.findings import Finding, summary
 from paper_checks.formulas import EQUATIONS, PrintedEquation
 from paper_checks.markup import Html, element, prose, raw
 from paper_checks.terminal import SHORT
-from stickslip_sym.tables import duration
+from stickslip_sym.output.tables import duration
 
 if TYPE_CHECKING:
     from paper_checks.report import Report

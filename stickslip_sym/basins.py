@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import archive, drawing, html_text
 from stickslip_sym.axes import Axis, read_values, require_few
 from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.classification import Motion, classify
@@ -17,6 +16,7 @@ from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.law_content import law_of_text, text_of_law
 from stickslip_sym.oscillator import Oscillator, read_rtol
+from stickslip_sym.output import archive, drawing, markup
 from stickslip_sym.regimes import Regime, regime
 from stickslip_sym.workers import Workers
 
@@ -59,8 +59,8 @@ class BasinMap:
 
     def _repr_html_(self) -> str:
         rows = [[motion.value, str(n)] for motion, n in self.count().items()]
-        table = html_text.table(["motion", "starts"], rows, caption=self._place())
-        return html_text.block(drawing.picture(self.plot, self._place()), table)
+        table = markup.table(["motion", "starts"], rows, caption=self._place())
+        return markup.block(drawing.picture(self.plot, self._place()), table)
 
     def _place(self) -> str:
         x0, v0 = Axis("x0", self.x0, "m", ""), Axis("v0", self.v0, "m/s", "")

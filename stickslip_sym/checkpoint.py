@@ -17,7 +17,7 @@ from typing import Any, BinaryIO
 import stickslip_sym
 from stickslip_sym.core.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.files import require_name
+from stickslip_sym.output.files import require_name
 from stickslip_sym.workers import Workers, check_workers, run
 
 __all__ = ["UNFINISHED", "Progress", "collect"]

@@ -45,7 +45,7 @@ def damping(
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
     from stickslip_sym.core.numbers import exact
-    from stickslip_sym.tables import duration, table
+    from stickslip_sym.output.tables import duration, table
     from stickslip_sym.threshold import LADDER
 
     friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)

@@ -47,10 +47,11 @@ def derive(
 
     Example: stickslip derive "mu_m + (mu_s - mu_m)*exp(-alpha*v)" -p mu_s=0.5 -p mu_m=0.2 -p alpha=3
     """
-    from stickslip_sym import criteria, files, keeping
+    from stickslip_sym import criteria, keeping
     from stickslip_sym.core.numbers import exact
     from stickslip_sym.doubts import warn_where_negative
     from stickslip_sym.oscillator import Oscillator
+    from stickslip_sym.output import files
 
     chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]
     if save is not None and len(chosen) > 1:
@@ -110,7 +111,7 @@ def _checks(law: Any, criterion: Any, form: Any, scene: dict[str, str]) -> list[
 
 
 def _as_json(criterion: Any, form: Any, checks: list[Any], steps: bool) -> dict[str, Any]:
-    from stickslip_sym import printing
+    from stickslip_sym.output import printing
 
     if isinstance(form, NoClosedForm):
         known: dict[str, Any] = {"formula": None, "reason": in_options(str(form))}
@@ -147,7 +148,8 @@ def _check(check: Any) -> dict[str, Any]:
 
 
 def _report(law: Any, criterion: Any, form: Any, checks: list[Any], steps: bool) -> str:
-    from stickslip_sym import crosscheck, printing
+    from stickslip_sym import crosscheck
+    from stickslip_sym.output import printing
 
     if isinstance(form, NoClosedForm):
         lines = [f"no closed form: {law.name or 'the law'}, {criterion.name}"]
@@ -167,8 +169,8 @@ _LONGEST = 4000  # characters of a formula on the screen
 
 
 def _latex(form: Any, steps: bool) -> str:
-    from stickslip_sym import printing
-    from stickslip_sym.layout import displayed, key
+    from stickslip_sym.output import printing
+    from stickslip_sym.output.layout import displayed, key
 
     label = f"eq:{key(form.law.name)}-{form.criterion.name}"
     content = f"% {' '.join(repr(form).split())}\n{displayed('c', printing.latex(form.expr), label=label)}\n"

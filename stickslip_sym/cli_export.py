@@ -55,8 +55,9 @@ def export(
         raise InputError("--fragment, --steps and --symbol belong to --latex FILE")
     require_writable(*targets.values())
     notation = assignments(symbol or [])
-    from stickslip_sym import criteria, files
+    from stickslip_sym import criteria
     from stickslip_sym.averages import slope_average
+    from stickslip_sym.output import files
 
     chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]
     laws = _laws(law or [], everything, {"static": static, "name": name, "unit": unit, "source": source})
@@ -113,7 +114,7 @@ def _laws(texts: list[str], everything: bool, described: dict[str, Any]) -> list
 def _check_notation(notation: dict[str, str], laws: list[Any]) -> None:
     """Refuse symbols before anything is derived, which may take long."""
     from stickslip_sym.core import symbols
-    from stickslip_sym.notation import check_known, notation_of
+    from stickslip_sym.output.notation import check_known, notation_of
 
     every = ["mu", *symbols.QUANTITIES]
     check_known(notation, [*every, *(name for law in laws for name in law.parameters)])

@@ -54,7 +54,7 @@ def values(given: Mapping[str, str]) -> dict[str, Any]:
 
 def law(friction: Any) -> dict[str, Any]:
     """Return a law: its name, its formula, and its parameters with their bound values."""
-    from stickslip_sym import printing
+    from stickslip_sym.output import printing
 
     parameters = {
         name: {

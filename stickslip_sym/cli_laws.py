@@ -23,7 +23,7 @@ def laws(
     Example: stickslip laws hyperbolic
     """
     from stickslip_sym.laws import catalogue, find
-    from stickslip_sym.tables import table
+    from stickslip_sym.output.tables import table
 
     if name is not None:
         law, forms = find(name), _forms(find(name))
@@ -62,7 +62,7 @@ def _forms(law: Any) -> dict[str, Any]:
 
 
 def _described_form(form: Any) -> dict[str, Any]:
-    from stickslip_sym import printing
+    from stickslip_sym.output import printing
 
     if isinstance(form, NoClosedForm):
         return {"formula": None, "reason": str(form)}
@@ -71,8 +71,8 @@ def _described_form(form: Any) -> dict[str, Any]:
 
 def _about(law: Any, forms: dict[str, Any]) -> str:
     """Return a law's formula, parameters, source and criteria as text."""
-    from stickslip_sym import printing
-    from stickslip_sym.tables import table
+    from stickslip_sym.output import printing
+    from stickslip_sym.output.tables import table
 
     rows = [[p.name, p.typical or "", p.unit or "", p.meaning] for p in law.parameters.values()]
     lines = [

@@ -162,7 +162,7 @@ def _report(found: Any) -> str:
     import numpy as np
 
     from stickslip_sym.map_plot import regions_of
-    from stickslip_sym.tables import table
+    from stickslip_sym.output.tables import table
 
     place, kinds = regions_of(found)
     rows, columns = (

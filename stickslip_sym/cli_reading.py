@@ -100,7 +100,7 @@ def check_size(name: str, value: Any) -> None:
 
 def require_new(path: Path | None, option: str, overwrite: bool) -> None:
     """Refuse to replace a file without a word: it may hold what was measured, and was meant to be read."""
-    from stickslip_sym.files import is_kept
+    from stickslip_sym.output.files import is_kept
 
     if path is not None and not overwrite and is_kept(path):
         raise InputError(
@@ -115,6 +115,6 @@ def require_writable(*paths: Path | None, plot: Path | None = None) -> None:
         if path is not None and not path.parent.is_dir():
             raise InputError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}; make it first")
     if plot is not None:
-        from stickslip_sym.drawing import require_matplotlib
+        from stickslip_sym.output.drawing import require_matplotlib
 
         require_matplotlib()

@@ -137,7 +137,7 @@ def _as_json(motion: "Trajectory", end: str | None) -> dict[str, Any]:
 
 def _report(motion: "Trajectory", end: str | None) -> str:
     """Return the events as a table, and the motion in a few lines."""
-    from stickslip_sym.tables import table
+    from stickslip_sym.output.tables import table
 
     rows = [
         [f"{event.t:.9g}", f"{event.x:.9g}", f"{event.v:.9g}", event.kind.value, event.begins.value]

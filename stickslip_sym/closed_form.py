@@ -9,7 +9,6 @@ from typing import Any
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from stickslip_sym import html_text, printing
 from stickslip_sym.arguments import OnInvalid, check_names, check_reach
 from stickslip_sym.averages import SlopeAverage
 from stickslip_sym.code_text import c_code, octave_code, python_code
@@ -24,7 +23,8 @@ from stickslip_sym.evaluate import StableFunction, exact_value
 from stickslip_sym.friction import FrictionLaw, limit_at_rest
 from stickslip_sym.gate import GATE_POINTS, verify
 from stickslip_sym.integrals import Part, Progress, Told, integrate_terms
-from stickslip_sym.notation import check_known, notation_of
+from stickslip_sym.output import markup, printing
+from stickslip_sym.output.notation import check_known, notation_of
 from stickslip_sym.proving import Status, Verdict
 from stickslip_sym.tidy import tidy
 
@@ -172,7 +172,7 @@ class ClosedForm:
 
     def _repr_html_(self) -> str:
         where = f"{self.law.name or self.law.text}, {self.criterion.name}: damping coefficient in kg/s"
-        return html_text.block(where, html_text.formula(f"\\displaystyle {self.latex()}"), str(self.verdict))
+        return markup.block(where, markup.formula(f"\\displaystyle {self.latex()}"), str(self.verdict))
 
     def _repr_latex_(self) -> str:
         return f"$\\displaystyle {self.latex()}$"

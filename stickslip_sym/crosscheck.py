@@ -15,7 +15,7 @@ from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria import Criterion
 from stickslip_sym.deviation import LARGE, reasons, spread
 from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.tables import duration, table
+from stickslip_sym.output.tables import duration, table
 from stickslip_sym.threshold import pure_slip_damping
 
 __all__ = ["SCENE", "Check", "crosscheck", "report"]

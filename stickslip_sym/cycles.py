@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from stickslip_sym import html_text
 from stickslip_sym.collocation import Work
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import Orbits, obstacle, orbits
 from stickslip_sym.oscillator import Oscillator
+from stickslip_sym.output import markup
 
 __all__ = ["LimitCycle", "NeededDamping", "cycles_among", "limit_cycles", "needed_damping"]
 
@@ -70,7 +70,7 @@ class LimitCycle:
             ["Floquet exponent", f"{self.floquet:.9g}", "1/s"],
         ]
         kind = "stable" if self.stable else "unstable"
-        return html_text.table(["quantity", "value", "unit"], rows, caption=f"{kind} pure-slip limit cycle")
+        return markup.table(["quantity", "value", "unit"], rows, caption=f"{kind} pure-slip limit cycle")
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import html_text, printing
-from stickslip_sym.abbreviation import equation
 from stickslip_sym.core.symbols import QUANTITIES
-from stickslip_sym.layout import prose
-from stickslip_sym.notation import notation_of, told_apart
+from stickslip_sym.output import markup, printing
+from stickslip_sym.output.abbreviation import equation
+from stickslip_sym.output.layout import prose
+from stickslip_sym.output.notation import notation_of, told_apart
 from stickslip_sym.proving import Status, Verdict, prove_equal, prove_positive
 from stickslip_sym.theorems import By
 
@@ -166,13 +166,13 @@ class Derivation:
                 f"{number} {step.label}".strip(),
                 step.operation,
                 step.reason,
-                html_text.formula(f"\\displaystyle {printing.latex(step.statement, names)}"),
+                markup.formula(f"\\displaystyle {printing.latex(step.statement, names)}"),
                 str(step.verdict),
             ]
             for number, step in enumerate(self.steps, 1)
         ]
         header = ["step", "what is done", "because", "result", "verdict"]
-        return html_text.table(header, rows, caption=f"{self.title} [{self.status.value}]")
+        return markup.table(header, rows, caption=f"{self.title} [{self.status.value}]")
 
     def _repr_latex_(self) -> str:
         names = self._names()

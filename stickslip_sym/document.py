@@ -9,15 +9,15 @@ from typing import Any, TypeVar
 
 import sympy as sp
 
-from stickslip_sym import printing
-from stickslip_sym.abbreviation import equation
 from stickslip_sym.averages import SlopeAverage
 from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.layout import LINE, displayed, key, prose, width
 from stickslip_sym.limits import ends, zeros
-from stickslip_sym.notation import check_known, notation_of
+from stickslip_sym.output import printing
+from stickslip_sym.output.abbreviation import equation
+from stickslip_sym.output.layout import LINE, displayed, key, prose, width
+from stickslip_sym.output.notation import check_known, notation_of
 
 __all__ = ["chapters", "document"]
 

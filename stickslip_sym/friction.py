@@ -6,13 +6,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Self
 
-from stickslip_sym import html_text, printing
 from stickslip_sym.coefficient import Coefficient, limit_at_rest
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, exact_values, suggestion
 from stickslip_sym.evaluated import Evaluated
 from stickslip_sym.formula import read_formula
+from stickslip_sym.output import markup, printing
 from stickslip_sym.parameters import Parameter, parameter_table
 from stickslip_sym.samples import SampledCurve, read_csv
 
@@ -278,12 +278,12 @@ class FrictionLaw(Evaluated):
         return f"\\mu(v) = {printing.latex(self.expr)}"
 
     def _repr_html_(self) -> str:
-        head = self.text if self.curve is not None else html_text.formula(self._latex())
+        head = self.text if self.curve is not None else markup.formula(self._latex())
         static = None if self.static is None else printing.text(self.static)
         known = {"static coefficient": static, "validity": self.validity, "source": self.source}
         notes = [f"{kind}: {text}" for kind, text in known.items() if text]
         tables = [parameter_table(self.parameters, self.values)] if self.parameters else []
-        return html_text.block(self.name or "friction law", head, *tables, *notes)
+        return markup.block(self.name or "friction law", head, *tables, *notes)
 
 
 def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:

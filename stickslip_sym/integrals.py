@@ -11,12 +11,13 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import printing, search
+from stickslip_sym import search
 from stickslip_sym.antiderivatives import antiderivative
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.criteria import Criterion
 from stickslip_sym.harmonics import harmonic_average, kinked_polynomial_average
+from stickslip_sym.output import printing
 from stickslip_sym.pieces import pieces_of
 from stickslip_sym.search import Found, Nothing
 from stickslip_sym.terms import grouped

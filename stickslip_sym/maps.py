@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import archive, drawing, html_text
 from stickslip_sym.axes import Axis, fixed_values, read_axes
 from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.classification import Motion
@@ -18,6 +17,7 @@ from stickslip_sym.core.errors import NotConverged, StickSlipError
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.law_content import law_of_text, text_of_law
 from stickslip_sym.oscillator import Oscillator, read_rtol
+from stickslip_sym.output import archive, drawing, markup
 from stickslip_sym.workers import Workers
 
 __all__ = ["MotionMap", "motion_map"]
@@ -79,8 +79,8 @@ class MotionMap:
     def _repr_html_(self) -> str:
         rows = [[motion.value, str(n)] for motion, n in self.count().items()]
         title = f"{self.law.name or 'law'}, {self.x} by {self.y}"
-        table = html_text.table(["motion", "cells"], rows, caption=title)
-        return html_text.block(drawing.picture(self.plot, title), table)
+        table = markup.table(["motion", "cells"], rows, caption=title)
+        return markup.block(drawing.picture(self.plot, title), table)
 
     def to_csv(self, path: str | Path) -> None:
         """Write a line for each cell: x, y, the motion, the attractors, the reason and the thresholds.

@@ -6,11 +6,11 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import html_text
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact
-from stickslip_sym.notation import notation_of
+from stickslip_sym.output import markup
+from stickslip_sym.output.notation import notation_of
 from stickslip_sym.parsing import CONSTANTS, FUNCTIONS, KINKED, NAME
 from stickslip_sym.spelling import ALIASES, INSTEAD
 from stickslip_sym.units import parse_unit
@@ -63,12 +63,12 @@ class Parameter:
         return f"Parameter({self.name!r}, {self.meaning!r}, unit={self.unit!r}, typical={self.typical!r})"
 
 
-def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> html_text.Markup:
+def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> markup.Markup:
     """Return the parameters of a law, with the values that they have, as HTML."""
     names = notation_of(parameters)
     rows = [
         [
-            html_text.formula(names[name]),
+            markup.formula(names[name]),
             f"{float(values[name]):g}" if name in values else "",
             parameter.typical or "",
             parameter.unit or "",
@@ -76,7 +76,7 @@ def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, An
         ]
         for name, parameter in parameters.items()
     ]
-    return html_text.table(["parameter", "value", "typical", "unit", "meaning"], rows)
+    return markup.table(["parameter", "value", "typical", "unit", "meaning"], rows)
 
 
 _ARGUMENTS = frozenset({"self", "digits", "on_invalid"})

@@ -19,11 +19,11 @@ import mpmath
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from stickslip_sym import html_text
 from stickslip_sym.bounded import Bounded
 from stickslip_sym.certain import NotFinite, certain_value
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.normal_form import normal_form
+from stickslip_sym.output import markup
 from stickslip_sym.theorems import By
 
 __all__ = ["Status", "Verdict", "prove_equal", "prove_positive"]
@@ -67,7 +67,7 @@ class Verdict:
         return f"Verdict: {self}"
 
     def _repr_html_(self) -> str:
-        return html_text.block(str(self))
+        return markup.block(str(self))
 
 
 def prove_equal(lhs: Any, rhs: Any, by: By | None = None) -> Verdict:

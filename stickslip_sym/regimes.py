@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym import drawing, html_text
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
+from stickslip_sym.output import drawing, markup
 from stickslip_sym.slip import follow
 from stickslip_sym.slip_orbits import SlipOrbits, next_peak, overtaking_cycle, slip_orbits
 from stickslip_sym.slip_phase import SlipPhase
@@ -144,8 +144,8 @@ class Regime:
         attracting = self.attractors
         rows = [[str(motion), "attracts" if motion in attracting else "does not attract"] for motion in motions]
         notes = [*(["motions far out grow without bound"] if self.unbounded else []), *self.undecided]
-        table = html_text.table(["motion", "neighbours"], rows, caption="motions")
-        return html_text.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *notes)
+        table = markup.table(["motion", "neighbours"], rows, caption="motions")
+        return markup.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *notes)
 
     def plot(self, path: str | Path | None = None) -> Any:
         """Draw the phase plane: rest, every periodic motion, and the separatrices.

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym import html_text
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import lookup
@@ -18,6 +17,7 @@ from stickslip_sym.doubts import warn_where_negative
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import obstacle
 from stickslip_sym.oscillator import read_rtol
+from stickslip_sym.output import markup
 from stickslip_sym.rungs import (
     AVERAGES,
     Scenes,
@@ -83,11 +83,11 @@ class Threshold:
                 str(method[place]),
                 _accuracy(error[place]),
             ]
-            for place in html_text.shortened(list(np.ndindex(value.shape)))
+            for place in markup.shortened(list(np.ndindex(value.shape)))
         ]
         header = ["scene", "c in kg/s", "method", "relative error"]
         start = 0 if np.ndim(self.value) else 1
-        return html_text.table(header[start:], [row[start:] for row in rows], caption="pure-slip damping")
+        return markup.table(header[start:], [row[start:] for row in rows], caption="pure-slip damping")
 
 
 def _accuracy(error: float | None) -> str:

@@ -13,7 +13,7 @@ from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.newmark import Scan, pure_slip_by_scan
 from stickslip_sym.oscillator import Oscillator
-from stickslip_sym.tables import duration, table
+from stickslip_sym.output.tables import duration, table
 from stickslip_sym.threshold import LADDER, Threshold, pure_slip_damping
 from stickslip_sym.tradeoff import Way
 

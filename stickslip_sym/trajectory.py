@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stickslip_sym import drawing, files, html_text
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.output import drawing, files, markup
 
 __all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Tendency", "Trajectory"]
 
@@ -148,13 +148,13 @@ class Trajectory:
             ["..."] * 4
             if event is None
             else [f"{event.t:.9g}", f"{event.x:.9g}", f"{event.v:.9g}", event.begins.value]
-            for event in html_text.shortened(self.events)
+            for event in markup.shortened(self.events)
         ]
         since = float(self.t[max(self.t.size - _SHOWN, 0)])
         picture = drawing.picture(lambda: self.plot(since=since), self.summary)
         cut = [] if since == self.t[0] or not picture else [f"The picture begins at t = {since:.6g} s."]
-        table = html_text.table(["t in s", "x in m", "v in m/s", "begins"], rows)
-        return html_text.block(repr(self), picture, *cut, table)
+        table = markup.table(["t in s", "x in m", "v in m/s", "begins"], rows)
+        return markup.block(repr(self), picture, *cut, table)
 
     def starts_of(self, phase: Phase) -> Any:
         """Return the times at which a phase began."""

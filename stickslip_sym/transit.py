@@ -12,12 +12,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 
-from stickslip_sym import html_text
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.engines import follower
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
+from stickslip_sym.output import markup
 from stickslip_sym.slip_phase import SlipPhase
 from stickslip_sym.steppers import Point
 
@@ -64,7 +64,7 @@ class StickSlipCycle:
     def _repr_html_(self) -> str:
         units = {"period": "s", "stick_time": "s", "slip_time": "s", "x_min": "m", "x_max": "m"}
         rows = [[f.name, f"{getattr(self, f.name):.9g}", units.get(f.name, "m/s")] for f in fields(self)]
-        return html_text.table(["quantity", "value", "unit"], rows, caption="stick-slip cycle")
+        return markup.table(["quantity", "value", "unit"], rows, caption="stick-slip cycle")
 
 
 def stick_slip_cycle(

@@ -13,7 +13,6 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import brentq, minimize_scalar
 
-from stickslip_sym import html_text
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.core.numbers import exact, lookup
@@ -21,6 +20,7 @@ from stickslip_sym.criteria import catalogue
 from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.orbit import obstacle
 from stickslip_sym.oscillator import read_rtol, real
+from stickslip_sym.output import markup
 from stickslip_sym.perturbation import averages, slopes
 from stickslip_sym.rungs import AVERAGES, Scenes, average, on_orbit, second_order, simulated
 from stickslip_sym.threshold import METHODS
@@ -66,7 +66,7 @@ class TransitionSpeed:
         return f"TransitionSpeed: {self}"
 
     def _repr_html_(self) -> str:
-        return html_text.block(f"transition speed: {self}")
+        return markup.block(f"transition speed: {self}")
 
 
 def transition_speed(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import drawing, files
+from stickslip_sym.output import drawing, files
 from tests.conftest import paper_oscillator
 
 LAW = ss.laws.exponential.typical()

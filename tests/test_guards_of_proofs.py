@@ -14,7 +14,7 @@ from stickslip_sym import limits, symbols
 from stickslip_sym.core.lerch import Lerch
 from stickslip_sym.core.numbers import bits
 from stickslip_sym.core.symbols import V, u
-from stickslip_sym.notation import notation_of
+from stickslip_sym.output.notation import notation_of
 from stickslip_sym.proving import Status, prove_equal
 from stickslip_sym.theorems import Antiderivative
 

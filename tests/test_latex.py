@@ -9,9 +9,10 @@ import sympy as sp
 from test_catalogue import form_of
 
 import stickslip_sym as ss
-from stickslip_sym import layout, printing, symbols
+from stickslip_sym import symbols
 from stickslip_sym.core.lerch import Lerch
-from stickslip_sym.notation import latex_name, notation_of
+from stickslip_sym.output import layout, printing
+from stickslip_sym.output.notation import latex_name, notation_of
 
 V, N, v = symbols.V, symbols.N, symbols.v
 a, b, mu_s, mu_m, alpha = (sp.Symbol(name, positive=True) for name in ("a", "b", "mu_s", "mu_m", "alpha"))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import html_text
+from stickslip_sym.output import markup
 from stickslip_sym.proving import prove_equal
 from tests.conftest import paper_oscillator
 
@@ -235,8 +235,8 @@ def test_no_text_of_a_user_becomes_html_or_a_formula():
         assert "<script" not in html
     page = Page(law._repr_html_())
     assert page.text.count(evil) == 3
-    assert html_text.table(["<i>"], [["<b>", html_text.Markup("<b></b>")]]).count("<b>") == 1
-    assert '<td class="mathjax_ignore tex2jax_ignore">$x$</td>' in html_text.table([""], [["$x$"]])
+    assert markup.table(["<i>"], [["<b>", markup.Markup("<b></b>")]]).count("<b>") == 1
+    assert '<td class="mathjax_ignore tex2jax_ignore">$x$</td>' in markup.table([""], [["$x$"]])
 
 
 NOTEBOOK = """

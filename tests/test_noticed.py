@@ -19,7 +19,6 @@ from stickslip_sym import (
     fitting,
     formula,
     gauss,
-    layout,
     map_plot,
     pieces,
     profile,
@@ -36,6 +35,7 @@ from stickslip_sym.core.symbols import v
 from stickslip_sym.ladders import LADDERS
 from stickslip_sym.orbit import obstacle, orbits
 from stickslip_sym.oscillator import Scene
+from stickslip_sym.output import layout
 from stickslip_sym.parsing import MAX_DEPTH
 from stickslip_sym.perturbation import expand
 from stickslip_sym.steppers import Point

@@ -21,20 +21,10 @@ from random_formulas import NOTATION, SEVERAL, Draws
 from text_reader import read_text
 
 import stickslip_sym as ss
-from stickslip_sym import (
-    abbreviation,
-    c_text,
-    dialects,
-    html_text,
-    latex_printer,
-    layout,
-    octave_text,
-    printing,
-    python_text,
-    text_printer,
-)
+from stickslip_sym import c_text, dialects, octave_text, python_text
 from stickslip_sym.dialects import c99, octave, python
-from stickslip_sym.notation import notation_of
+from stickslip_sym.output import abbreviation, latex_printer, layout, markup, printing, text_printer
+from stickslip_sym.output.notation import notation_of
 
 COUNT = int(os.environ.get("STICKSLIP_PRINTED", "300"))
 BATCH = 100  # formulas; one run of the compiler and of Octave for each
@@ -100,7 +90,7 @@ def test_latex_and_text_say_what_they_are_printed_of(batch, monkeypatch):
             for inline in (False, True):
                 shown = printing.latex(expr, names, inline=inline)
                 assert agrees(by_latex(shown, expr, point, names), expected), f"{expr!r}\n{shown}"
-                assert html.unescape(html_text.formula(shown)) in (f"<span>${shown}$</span>", too_long(shown))
+                assert html.unescape(markup.formula(shown)) in (f"<span>${shown}$</span>", too_long(shown))
             shown = abbreviation.equation("c", expr, names)
             assert agrees(by_lines(shown, point, names), expected), f"{expr!r}\n{shown}"
             shown = printing.text(expr)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import drawing, tradeoff, tradeoff_thresholds
+from stickslip_sym import tradeoff, tradeoff_thresholds
+from stickslip_sym.output import drawing
 
 DOUBLE = 4 * 2.0**-52
 

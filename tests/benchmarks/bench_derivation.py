@@ -15,7 +15,7 @@ import sympy as sp
 import stickslip_sym as ss
 from stickslip_sym import criteria, symbols
 from stickslip_sym.integrals import law_integral
-from stickslip_sym.tables import duration, table
+from stickslip_sym.output.tables import duration, table
 
 LIMIT = 30.0  # seconds that SymPy gets for an integral
 NAMES = [name for name, law in ss.laws.catalogue.items() if law.expr.has(symbols.v)]

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym.core.lerch import Lerch
-from stickslip_sym.notation import look
+from stickslip_sym.output.notation import look
 
 __all__ = ["INDEXED", "NAMED", "SQUARED", "called"]
 

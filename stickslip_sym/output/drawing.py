@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from stickslip_sym.core.errors import InputError, StickSlipError
-from stickslip_sym.files import require_name
-from stickslip_sym.html_text import Markup
+from stickslip_sym.output.files import require_name
+from stickslip_sym.output.markup import Markup
 
 __all__ = ["label", "picture", "require_matplotlib", "save"]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym.files import write_bytes, write_text
+from stickslip_sym.output.files import write_bytes, write_text
 
 __all__ = ["texts", "write_csv", "write_npz"]
 

@@ -12,10 +12,10 @@ import sympy as sp
 from sympy.printing.conventions import requires_partial
 from sympy.printing.latex import LatexPrinter
 
-from stickslip_sym.brackets import Binding, binding, bracketed, held, length
-from stickslip_sym.latex_functions import INDEXED, NAMED, SQUARED, called
-from stickslip_sym.notation import latex_name, look, told_apart
-from stickslip_sym.text_printer import Readable, factors, spellings
+from stickslip_sym.output.brackets import Binding, binding, bracketed, held, length
+from stickslip_sym.output.latex_functions import INDEXED, NAMED, SQUARED, called
+from stickslip_sym.output.notation import latex_name, look, told_apart
+from stickslip_sym.output.text_printer import Readable, factors, spellings
 
 __all__ = ["latex"]
 

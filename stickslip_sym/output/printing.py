@@ -1,6 +1,6 @@
 """Expressions as a reader sees them: as a line of text, and as LaTeX."""
 
-from stickslip_sym.latex_printer import latex
-from stickslip_sym.text_printer import text
+from stickslip_sym.output.latex_printer import latex
+from stickslip_sym.output.text_printer import text
 
 __all__ = ["latex", "text"]

@@ -5,9 +5,9 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym.layout import LINE, displayed, width
-from stickslip_sym.notation import look, notation_of
-from stickslip_sym.printing import latex
+from stickslip_sym.output.layout import LINE, displayed, width
+from stickslip_sym.output.notation import look, notation_of
+from stickslip_sym.output.printing import latex
 
 __all__ = ["abbreviated", "equation"]
 

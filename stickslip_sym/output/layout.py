@@ -10,7 +10,7 @@ import unicodedata
 from collections.abc import Mapping, Sequence
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.notation import latex_name
+from stickslip_sym.output.notation import latex_name
 
 __all__ = ["LINE", "displayed", "key", "prose", "width"]
 
