@@ -58,7 +58,7 @@ def read_law(
     """
     from stickslip_sym.friction import FrictionLaw
     from stickslip_sym.laws import find
-    from stickslip_sym.parsing import NAME
+    from stickslip_sym.model.expression.parsing import NAME
 
     units = assignments(unit or [], "--unit alpha=s/m")
     if from_csv is not None and text is not None:

@@ -17,7 +17,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.dialects import Dialect, c99, numeric_list, octave, python
 from stickslip_sym.evaluate import StableFunction
 from stickslip_sym.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre, weight_of
-from stickslip_sym.pieces import jumps, places
+from stickslip_sym.model.expression.pieces import jumps, places
 
 __all__ = ["c_code", "octave_code", "python_code"]
 

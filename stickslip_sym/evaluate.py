@@ -24,7 +24,7 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.criteria import Criterion
 from stickslip_sym.exact import to_digits
-from stickslip_sym.pieces import jumps, places
+from stickslip_sym.model.expression.pieces import jumps, places
 from stickslip_sym.products import largest_exponent, plain_product, scaled_product
 from stickslip_sym.profile import Profile, profile_of, slope_with_bound
 from stickslip_sym.splitting import Term, split

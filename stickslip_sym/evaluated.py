@@ -11,9 +11,9 @@ from stickslip_sym.coefficient import Coefficient
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import Backend
+from stickslip_sym.model.expression.parameters import Parameter
+from stickslip_sym.model.expression.pieces import at_rest
 from stickslip_sym.output import printing
-from stickslip_sym.parameters import Parameter
-from stickslip_sym.pieces import at_rest
 from stickslip_sym.samples import SampledCurve
 
 __all__ = ["Evaluated"]

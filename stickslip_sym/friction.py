@@ -11,9 +11,9 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, exact_values, suggestion
 from stickslip_sym.evaluated import Evaluated
-from stickslip_sym.formula import read_formula
+from stickslip_sym.model.expression.parameters import Parameter, parameter_table
+from stickslip_sym.model.expression.reading import read_formula
 from stickslip_sym.output import markup, printing
-from stickslip_sym.parameters import Parameter, parameter_table
 from stickslip_sym.samples import SampledCurve, read_csv
 
 __all__ = ["FrictionLaw", "Parameter", "limit_at_rest"]

@@ -17,8 +17,8 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.criteria import Criterion
 from stickslip_sym.harmonics import harmonic_average, kinked_polynomial_average
+from stickslip_sym.model.expression.pieces import pieces_of
 from stickslip_sym.output import printing
-from stickslip_sym.pieces import pieces_of
 from stickslip_sym.search import Found, Nothing
 from stickslip_sym.terms import grouped
 from stickslip_sym.theorems import By, PieceByPiece, ends_of_pieces, value_at

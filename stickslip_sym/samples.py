@@ -25,8 +25,8 @@ from stickslip_sym.core.errors import InputError, InputWarning
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, exact, to_mpf
 from stickslip_sym.headers import check_header
+from stickslip_sym.model.expression.pieces import piecewise
 from stickslip_sym.output.files import require_name
-from stickslip_sym.pieces import piecewise
 
 __all__ = ["SampledCurve", "read_csv"]
 

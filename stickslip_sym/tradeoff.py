@@ -18,9 +18,9 @@ from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact
+from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.output import drawing
 from stickslip_sym.output.tables import duration, table
-from stickslip_sym.pieces import jumps
 
 __all__ = ["Way", "plot", "report", "tradeoff"]
 

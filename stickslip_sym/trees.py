@@ -14,7 +14,7 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lerch import Lerch
-from stickslip_sym.parsing import FUNCTIONS
+from stickslip_sym.model.expression.parsing import FUNCTIONS
 
 __all__ = ["from_tree", "to_tree"]
 

@@ -9,7 +9,7 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.units import with_units
+from stickslip_sym.model.expression.units import with_units
 
 LAWS = list(ss.laws.catalogue)
 NO_LEAST_SQUARES = {"andersson"}

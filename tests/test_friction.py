@@ -10,7 +10,7 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.units import with_units
+from stickslip_sym.model.expression.units import with_units
 
 TEXT = "mu_m + (mu_s - mu_m)*exp(-alpha*v)"
 

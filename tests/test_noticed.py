@@ -17,10 +17,8 @@ from stickslip_sym import (
     criteria,
     engines,
     fitting,
-    formula,
     gauss,
     map_plot,
-    pieces,
     profile,
     regimes,
     samples,
@@ -33,10 +31,11 @@ from stickslip_sym.branches import CENTERS, MIDDLE, STRETCHES
 from stickslip_sym.conditioned import speed_scales
 from stickslip_sym.core.symbols import v
 from stickslip_sym.ladders import LADDERS
+from stickslip_sym.model.expression import pieces, reading
+from stickslip_sym.model.expression.parsing import MAX_DEPTH
 from stickslip_sym.orbit import obstacle, orbits
 from stickslip_sym.oscillator import Scene
 from stickslip_sym.output import layout
-from stickslip_sym.parsing import MAX_DEPTH
 from stickslip_sym.perturbation import expand
 from stickslip_sym.steppers import Point
 from tests.conftest import paper_oscillator
@@ -268,7 +267,7 @@ def test_terms_are_counted_before_they_are_multiplied_out(rng):
     for _ in range(10):
         n, power, more = (int(i) for i in rng.integers(1, 5, 3))
         expr = sp.Add(*names[:n]) ** power * sp.Add(*names[4 : 4 + more])
-        assert formula._terms(expr) == math.prod(
+        assert reading._terms(expr) == math.prod(
             len(sp.Add.make_args(sp.expand(factor))) for factor in sp.Mul.make_args(expr)
         )
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.parsing import parse_expression
+from stickslip_sym.model.expression.parsing import parse_expression
 
 a, b, v = sp.symbols("a b v")
 

@@ -16,8 +16,8 @@ import sympy as sp
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import bits, suggestion, within
-from stickslip_sym.pieces import Bound, absolute, in_pieces, larger, sign, smaller
-from stickslip_sym.spelling import ALIASES, INSTEAD, Source, normalised, refuse
+from stickslip_sym.model.expression.pieces import Bound, absolute, in_pieces, larger, sign, smaller
+from stickslip_sym.model.expression.spelling import ALIASES, INSTEAD, Source, normalised, refuse
 
 __all__ = ["CONSTANTS", "FUNCTIONS", "KINKED", "NAME", "parse_expression"]
 

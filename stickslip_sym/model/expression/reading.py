@@ -10,10 +10,10 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import bits, exact
-from stickslip_sym.misspelt import check_constant, check_speed
-from stickslip_sym.parameters import Parameter
-from stickslip_sym.parsing import FUNCTIONS, MAX_BITS, parse_expression
-from stickslip_sym.pieces import Bound, absolute, in_pieces, larger, sign, smaller
+from stickslip_sym.model.expression.misspelt import check_constant, check_speed
+from stickslip_sym.model.expression.parameters import Parameter
+from stickslip_sym.model.expression.parsing import FUNCTIONS, MAX_BITS, parse_expression
+from stickslip_sym.model.expression.pieces import Bound, absolute, in_pieces, larger, sign, smaller
 
 __all__ = ["read_formula"]
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.parsing import parse_expression
+from stickslip_sym.model.expression.parsing import parse_expression
 
 __all__ = ["parse_unit", "with_units"]
 

@@ -9,11 +9,11 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact
+from stickslip_sym.model.expression.parsing import CONSTANTS, FUNCTIONS, KINKED, NAME
+from stickslip_sym.model.expression.spelling import ALIASES, INSTEAD
+from stickslip_sym.model.expression.units import parse_unit
 from stickslip_sym.output import markup
 from stickslip_sym.output.notation import notation_of
-from stickslip_sym.parsing import CONSTANTS, FUNCTIONS, KINKED, NAME
-from stickslip_sym.spelling import ALIASES, INSTEAD
-from stickslip_sym.units import parse_unit
 
 __all__ = ["Parameter", "parameter_table"]
 
