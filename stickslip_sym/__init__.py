@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stickslip_sym import criteria, laws, quadrature
+    from stickslip_sym import criteria, quadrature
     from stickslip_sym.automaton import simulate
     from stickslip_sym.averages import SlopeAverage, slope_average
     from stickslip_sym.basins import BasinMap, basin_map
@@ -27,10 +27,11 @@ if TYPE_CHECKING:
     from stickslip_sym.cycles import LimitCycle, limit_cycles
     from stickslip_sym.derivation import Derivation, Step
     from stickslip_sym.export import export_c, export_latex, export_octave, export_python
-    from stickslip_sym.friction import FrictionLaw, Parameter
     from stickslip_sym.keeping import load, load_all, save, save_all
     from stickslip_sym.maps import MotionMap, motion_map
-    from stickslip_sym.oscillator import Oscillator
+    from stickslip_sym.model import laws
+    from stickslip_sym.model.law import FrictionLaw, Parameter
+    from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.proving import Status, Verdict
     from stickslip_sym.regimes import Regime, Rest, Separatrix, regime
     from stickslip_sym.threshold import Threshold, pure_slip_damping

@@ -10,7 +10,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import suggestion
 from stickslip_sym.criteria import Criterion
 from stickslip_sym.evaluate import StableFunction
-from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["OnInvalid", "call", "check_names", "check_reach"]
 

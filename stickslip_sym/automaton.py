@@ -13,8 +13,8 @@ import numpy as np
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.engines import follower
-from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene, read_rtol, real
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol, real
 from stickslip_sym.slip_phase import SlipPhase
 from stickslip_sym.steppers import Point
 from stickslip_sym.tendency import tendency

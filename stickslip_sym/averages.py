@@ -10,7 +10,7 @@ from stickslip_sym.arguments import OnInvalid, call, check_names, check_reach
 from stickslip_sym.core import symbols
 from stickslip_sym.criteria import Criterion, find
 from stickslip_sym.evaluate import Exact, StableFunction, exact_value
-from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["SlopeAverage", "slope_average"]
 

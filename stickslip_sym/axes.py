@@ -9,8 +9,8 @@ import numpy as np
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import suggestion
-from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, real
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator, real
 
 __all__ = ["SCENE", "Axis", "fixed_values", "read_axes", "read_values", "require_few"]
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.cycles import LimitCycle
-from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene, read_rtol, real
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol, real
 from stickslip_sym.regimes import graze, grows_far_out
 from stickslip_sym.slip import follow
 from stickslip_sym.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits

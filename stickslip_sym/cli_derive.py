@@ -49,8 +49,8 @@ def derive(
     """
     from stickslip_sym import criteria, keeping
     from stickslip_sym.core.numbers import exact
-    from stickslip_sym.doubts import warn_where_negative
-    from stickslip_sym.oscillator import Oscillator
+    from stickslip_sym.model.doubts import warn_where_negative
+    from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.output import files
 
     chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]

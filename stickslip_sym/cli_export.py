@@ -94,7 +94,7 @@ def export(
 
 
 def _laws(texts: list[str], everything: bool, described: dict[str, Any]) -> list[Any]:
-    from stickslip_sym.laws import catalogue
+    from stickslip_sym.model.laws import catalogue
 
     given = [f"--{option}" for option, value in described.items() if value]
     if given and len(texts) != 1:

@@ -56,9 +56,9 @@ def read_law(
     InputError
         If it is given twice or not at all, or with options that do not belong to it.
     """
-    from stickslip_sym.friction import FrictionLaw
-    from stickslip_sym.laws import find
     from stickslip_sym.model.expression.parsing import NAME
+    from stickslip_sym.model.law import FrictionLaw
+    from stickslip_sym.model.laws import find
 
     units = assignments(unit or [], "--unit alpha=s/m")
     if from_csv is not None and text is not None:

@@ -22,7 +22,7 @@ def laws(
 
     Example: stickslip laws hyperbolic
     """
-    from stickslip_sym.laws import catalogue, find
+    from stickslip_sym.model.laws import catalogue, find
     from stickslip_sym.output.tables import table
 
     if name is not None:

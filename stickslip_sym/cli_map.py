@@ -136,7 +136,7 @@ def _axis(option: str, text: str) -> tuple[str, Any]:
 
 def _warn_at_corners(law: Any, axes: tuple[tuple[str, Any], ...], scene: dict[str, Any]) -> None:
     """Warn of a negative coefficient at a corner of the plane; one warning is enough."""
-    from stickslip_sym.doubts import warn_where_negative
+    from stickslip_sym.model.doubts import warn_where_negative
 
     for corner in product(*([(name, ends[0]), (name, ends[-1])] for name, ends in axes)):
         here = {**scene, **dict(corner)}

@@ -25,8 +25,8 @@ from stickslip_sym.cli_reading import (
 from stickslip_sym.cli_words import in_options
 
 if TYPE_CHECKING:
-    from stickslip_sym.friction import FrictionLaw
-    from stickslip_sym.oscillator import Oscillator
+    from stickslip_sym.model.law import FrictionLaw
+    from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.trajectory import Trajectory
 
 __all__ = ["simulate"]
@@ -72,8 +72,8 @@ def simulate(
     Example: stickslip simulate exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 -c 1 --t-end 5 --plot motion.png
     """
     from stickslip_sym import automaton
-    from stickslip_sym.doubts import warn_where_negative
-    from stickslip_sym.oscillator import Oscillator
+    from stickslip_sym.model.doubts import warn_where_negative
+    from stickslip_sym.model.oscillator import Oscillator
 
     friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
     bound = friction.typical(**assignments(parameter or []))

@@ -14,7 +14,7 @@ from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria import Criterion
 from stickslip_sym.deviation import LARGE, reasons, spread
-from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output.tables import duration, table
 from stickslip_sym.threshold import pure_slip_damping
 

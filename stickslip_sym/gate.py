@@ -13,7 +13,7 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.numbers import exact
 from stickslip_sym.criteria import Criterion
 from stickslip_sym.evaluate import exact_value
-from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.proving import Status, Verdict
 
 __all__ = ["GATE_POINTS", "verify"]

@@ -14,9 +14,9 @@ from stickslip_sym.classification import Motion
 from stickslip_sym.columns import MOTIONS, REASONS, Attractor, Cells, Reason, decide
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged, StickSlipError
-from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.law_content import law_of_text, text_of_law
-from stickslip_sym.oscillator import Oscillator, read_rtol
+from stickslip_sym.model.content import law_of_text, text_of_law
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator, read_rtol
 from stickslip_sym.output import archive, drawing, markup
 from stickslip_sym.workers import Workers
 

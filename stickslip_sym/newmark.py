@@ -14,8 +14,8 @@ import numpy as np
 
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NoThreshold
-from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator
 
 __all__ = ["Scan", "pure_slip_by_scan"]
 

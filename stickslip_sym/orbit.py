@@ -31,7 +31,7 @@ from stickslip_sym.collocation import (
     refined,
     values,
 )
-from stickslip_sym.friction import FrictionLaw, limit_at_rest
+from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 from stickslip_sym.perturbation import averages, expand, slopes
 
 __all__ = ["Orbits", "obstacle", "orbits"]

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.fft import dct, dst, idct, idst
 
-from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["LARGEST_GRID", "Expansion", "averages", "expand", "slopes"]
 

@@ -18,8 +18,8 @@ import numpy as np
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.cycles import LimitCycle
-from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol
 from stickslip_sym.output import drawing, markup
 from stickslip_sym.slip import follow
 from stickslip_sym.slip_orbits import SlipOrbits, next_peak, overtaking_cycle, slip_orbits

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 from stickslip_sym.averages import SlopeAverage, slope_average
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.friction import FrictionLaw
 from stickslip_sym.grazing import grazing_damping
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.orbit import obstacle, orbits
-from stickslip_sym.oscillator import Oscillator
 from stickslip_sym.perturbation import averages, expand
 
 __all__ = [

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from stickslip_sym.core.errors import InputError, NotConverged, StickSlipError
-from stickslip_sym.oscillator import Scene
+from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.slip_phase import RUNAWAY, SlipPhase, attracted_to_rest, exhausted, passage, root
 from stickslip_sym.steppers import Explicit, Implicit, Piece, Point, Rates
 

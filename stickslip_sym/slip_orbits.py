@@ -19,8 +19,8 @@ from scipy.optimize import brentq
 
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.cycles import LimitCycle, cycles_among, needed_damping
-from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.slip import follow
 from stickslip_sym.slip_phase import SlipPhase
 from stickslip_sym.steppers import Point

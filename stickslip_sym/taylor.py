@@ -21,7 +21,7 @@ from scipy.optimize import brentq
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.oscillator import Scene
+from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.slip_phase import RUNAWAY, SlipPhase, attracted_to_rest, exhausted
 from stickslip_sym.steppers import Point
 

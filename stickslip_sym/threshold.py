@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import lookup
-from stickslip_sym.doubts import warn_where_negative
-from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.model.doubts import warn_where_negative
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import read_rtol
 from stickslip_sym.orbit import obstacle
-from stickslip_sym.oscillator import read_rtol
 from stickslip_sym.output import markup
 from stickslip_sym.rungs import (
     AVERAGES,

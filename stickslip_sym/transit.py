@@ -15,8 +15,8 @@ from dataclasses import dataclass, fields
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.engines import follower
-from stickslip_sym.friction import FrictionLaw
-from stickslip_sym.oscillator import Oscillator, Scene, read_rtol
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol
 from stickslip_sym.output import markup
 from stickslip_sym.slip_phase import SlipPhase
 from stickslip_sym.steppers import Point

@@ -17,9 +17,9 @@ from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.core.numbers import exact, lookup
 from stickslip_sym.criteria import catalogue
-from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import read_rtol, real
 from stickslip_sym.orbit import obstacle
-from stickslip_sym.oscillator import read_rtol, real
 from stickslip_sym.output import markup
 from stickslip_sym.perturbation import averages, slopes
 from stickslip_sym.rungs import AVERAGES, Scenes, average, on_orbit, second_order, simulated

@@ -12,7 +12,7 @@ from sympy.parsing.sympy_parser import implicit_multiplication, parse_expr, stan
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.oscillator import Scene
+from stickslip_sym.model.oscillator import Scene
 from tests.conftest import paper_oscillator
 
 PACKAGE = Path(ss.__file__).parent

@@ -15,7 +15,7 @@ from stickslip_sym import taylor
 from stickslip_sym.engines import follower
 from stickslip_sym.grazing import grazing_damping
 from stickslip_sym.model.expression.parsing import FUNCTIONS
-from stickslip_sym.oscillator import Scene
+from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.steppers import Point
 from tests.conftest import paper_oscillator
 from tests.many_digits import exact_return

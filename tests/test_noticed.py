@@ -21,7 +21,6 @@ from stickslip_sym import (
     map_plot,
     profile,
     regimes,
-    samples,
     slip_orbits,
     symbols,
     tidy,
@@ -31,10 +30,11 @@ from stickslip_sym.branches import CENTERS, MIDDLE, STRETCHES
 from stickslip_sym.conditioned import speed_scales
 from stickslip_sym.core.symbols import v
 from stickslip_sym.ladders import LADDERS
+from stickslip_sym.model import samples
 from stickslip_sym.model.expression import pieces, reading
 from stickslip_sym.model.expression.parsing import MAX_DEPTH
+from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.orbit import obstacle, orbits
-from stickslip_sym.oscillator import Scene
 from stickslip_sym.output import layout
 from stickslip_sym.perturbation import expand
 from stickslip_sym.steppers import Point

@@ -16,7 +16,7 @@ from stickslip_sym.core import deadline, lambdify, lerch
 from stickslip_sym.core.numbers import exact
 from stickslip_sym.core.symbols import v
 from stickslip_sym.cycles import LimitCycle
-from stickslip_sym.oscillator import Scene
+from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.output import tables
 from stickslip_sym.output.files import write_texts
 from stickslip_sym.slip_phase import attracted_to_rest

@@ -7,7 +7,7 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase, cycles, orbit
-from stickslip_sym.oscillator import Scene
+from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.regimes import _rest
 from stickslip_sym.slip_orbits import _by_simulation
 from tests.conftest import paper_oscillator

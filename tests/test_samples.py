@@ -9,8 +9,8 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym.headers import check_header
-from stickslip_sym.samples import MOST
+from stickslip_sym.model.headers import check_header
+from stickslip_sym.model.samples import MOST
 from tests.systems import FOLDER_OPENED
 
 SPEEDS = ["0", "0.05", "0.1", "0.2", "0.4", "0.7", "1.2"]

@@ -8,8 +8,8 @@ import pytest
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase, taylor
 from stickslip_sym.cycles import needed_damping
+from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.orbit import orbits
-from stickslip_sym.oscillator import Scene
 from stickslip_sym.perturbation import expand
 from stickslip_sym.regimes import grows_far_out
 from stickslip_sym.rungs import Scenes, on_orbit, second_order

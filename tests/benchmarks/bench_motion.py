@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 import stickslip_sym as ss
 from stickslip_sym import taylor
 from stickslip_sym.engines import follower
-from stickslip_sym.oscillator import Scene
+from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.steppers import Point
 from tests.conftest import paper_oscillator
 from tests.many_digits import exact_return

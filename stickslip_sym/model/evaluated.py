@@ -7,14 +7,14 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip_sym.coefficient import Coefficient
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import Backend
+from stickslip_sym.model.coefficient import Coefficient
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import at_rest
+from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.output import printing
-from stickslip_sym.samples import SampledCurve
 
 __all__ = ["Evaluated"]
 

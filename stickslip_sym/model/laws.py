@@ -5,7 +5,7 @@ cited work itself. Typical values are for trying a law out: they make it fall so
 """
 
 from stickslip_sym.core.numbers import lookup
-from stickslip_sym.friction import FrictionLaw, Parameter
+from stickslip_sym.model.law import FrictionLaw, Parameter
 
 __all__ = ["catalogue", "coulomb", "exponential", "find", "hyperbolic", "polynomial", "popp_stelter", "stribeck"]
 

@@ -24,8 +24,8 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError, InputWarning
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, exact, to_mpf
-from stickslip_sym.headers import check_header
 from stickslip_sym.model.expression.pieces import piecewise
+from stickslip_sym.model.headers import check_header
 from stickslip_sym.output.files import require_name
 
 __all__ = ["SampledCurve", "read_csv"]

@@ -6,9 +6,9 @@ from typing import Any
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact
-from stickslip_sym.friction import FrictionLaw, Parameter
-from stickslip_sym.samples import SampledCurve
-from stickslip_sym.trees import from_tree, to_tree
+from stickslip_sym.model.law import FrictionLaw, Parameter
+from stickslip_sym.model.samples import SampledCurve
+from stickslip_sym.model.trees import from_tree, to_tree
 
 __all__ = ["law_in", "law_of_text", "law_out", "text_of_law"]
 

@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 
 from stickslip_sym.core.errors import InputWarning
-from stickslip_sym.friction import FrictionLaw
+from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["lowest", "warn_where_negative"]
 

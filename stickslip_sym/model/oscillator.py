@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.friction import FrictionLaw, limit_at_rest
+from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 
 __all__ = ["Oscillator", "Scene", "read_rtol", "real"]
 

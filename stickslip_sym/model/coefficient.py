@@ -14,7 +14,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.lambdify import Backend, function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.model.expression.pieces import at_rest, branch_from, places
-from stickslip_sym.samples import SampledCurve
+from stickslip_sym.model.samples import SampledCurve
 
 __all__ = ["Coefficient", "limit_at_rest"]
 

@@ -6,15 +6,15 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Self
 
-from stickslip_sym.coefficient import Coefficient, limit_at_rest
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, exact_values, suggestion
-from stickslip_sym.evaluated import Evaluated
+from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
+from stickslip_sym.model.evaluated import Evaluated
 from stickslip_sym.model.expression.parameters import Parameter, parameter_table
 from stickslip_sym.model.expression.reading import read_formula
+from stickslip_sym.model.samples import SampledCurve, read_csv
 from stickslip_sym.output import markup, printing
-from stickslip_sym.samples import SampledCurve, read_csv
 
 __all__ = ["FrictionLaw", "Parameter", "limit_at_rest"]
 
