@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stickslip_sym import criteria, quadrature
+    from stickslip_sym import criteria
     from stickslip_sym.automaton import simulate
     from stickslip_sym.averages import SlopeAverage, slope_average
     from stickslip_sym.basins import BasinMap, basin_map
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         NoThreshold,
         StickSlipError,
     )
+    from stickslip_sym.criteria import quadrature
     from stickslip_sym.cycles import LimitCycle, limit_cycles
     from stickslip_sym.derivation import Derivation, Step
     from stickslip_sym.export import export_c, export_latex, export_octave, export_python

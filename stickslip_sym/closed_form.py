@@ -17,7 +17,7 @@ from stickslip_sym.core.deadline import time_left
 from stickslip_sym.core.errors import InputError, NoClosedForm, OutOfTime
 from stickslip_sym.core.interruption import within
 from stickslip_sym.core.numbers import Number, exact
-from stickslip_sym.criteria import Criterion, find
+from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.derivation import Derivation
 from stickslip_sym.evaluate import StableFunction, exact_value
 from stickslip_sym.gate import GATE_POINTS, verify

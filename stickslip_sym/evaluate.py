@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from stickslip_sym import gauss
 from stickslip_sym.bounds import rounding_bound
 from stickslip_sym.branches import Branch
 from stickslip_sym.conditioned import conditioned, speed_scales, without_squares
@@ -22,7 +21,8 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import to_mpf
-from stickslip_sym.criteria import Criterion
+from stickslip_sym.criteria import gauss
+from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.exact import to_digits
 from stickslip_sym.model.expression.pieces import jumps, places
 from stickslip_sym.products import largest_exponent, plain_product, scaled_product

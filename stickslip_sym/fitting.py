@@ -10,7 +10,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.criteria import Criterion
+from stickslip_sym.criteria.criterion import Criterion
 
 __all__ = ["TERMS", "chebyshev_fit", "chebyshev_nodes", "economised", "moment", "taylor", "to_monomials"]
 

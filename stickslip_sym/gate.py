@@ -6,12 +6,12 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from stickslip_sym import quadrature
 from stickslip_sym.core import symbols
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.numbers import exact
-from stickslip_sym.criteria import Criterion
+from stickslip_sym.criteria import quadrature
+from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.evaluate import exact_value
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.proving import Status, Verdict

@@ -15,7 +15,7 @@ from stickslip_sym import search
 from stickslip_sym.antiderivatives import antiderivative
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import NoClosedForm
-from stickslip_sym.criteria import Criterion
+from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.harmonics import harmonic_average, kinked_polynomial_average
 from stickslip_sym.model.expression.pieces import pieces_of
 from stickslip_sym.output import printing

@@ -18,14 +18,14 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from stickslip_sym import gauss
 from stickslip_sym.bounds import rounding_bound
 from stickslip_sym.branches import CENTERS, STRETCHES, Branch, Closed, Formula, LogTail, Series, Table
 from stickslip_sym.conditioned import conditioned, speed_scales
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.criteria import Criterion
+from stickslip_sym.criteria import gauss
+from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.fitting import (
     TERMS,
     chebyshev_fit,

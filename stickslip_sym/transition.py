@@ -16,7 +16,7 @@ from scipy.optimize import brentq, minimize_scalar
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.core.numbers import exact, lookup
-from stickslip_sym.criteria import catalogue
+from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import read_rtol, real
 from stickslip_sym.orbit import obstacle

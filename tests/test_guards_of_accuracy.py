@@ -21,12 +21,13 @@ from test_accuracy import (
 )
 
 import stickslip_sym as ss
-from stickslip_sym import branches, closed_form, fitting, gauss
+from stickslip_sym import branches, closed_form, fitting
 from stickslip_sym.code_text import c_code, octave_code, python_code
 from stickslip_sym.conditioned import conditioned
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.core.symbols import v
-from stickslip_sym.criteria import harmonic, least_squares
+from stickslip_sym.criteria import gauss
+from stickslip_sym.criteria.criterion import harmonic, least_squares
 from stickslip_sym.profile import profile_of, slope_with_bound
 
 EPSILON = accuracy.EPSILON

@@ -17,7 +17,6 @@ from stickslip_sym import (
     criteria,
     engines,
     fitting,
-    gauss,
     map_plot,
     profile,
     regimes,
@@ -29,6 +28,7 @@ from stickslip_sym.arguments import check_reach
 from stickslip_sym.branches import CENTERS, MIDDLE, STRETCHES
 from stickslip_sym.conditioned import speed_scales
 from stickslip_sym.core.symbols import v
+from stickslip_sym.criteria import gauss
 from stickslip_sym.ladders import LADDERS
 from stickslip_sym.model import samples
 from stickslip_sym.model.expression import pieces, reading

@@ -18,7 +18,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.criteria import Criterion
+from stickslip_sym.criteria.criterion import Criterion
 
 __all__ = ["COARSE", "FINE", "FIRST_PANEL", "angle_weight", "average", "gauss_legendre", "weight_of"]
 

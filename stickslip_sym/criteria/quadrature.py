@@ -16,7 +16,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, to_mpf
-from stickslip_sym.criteria import Criterion, find
+from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["damping"]

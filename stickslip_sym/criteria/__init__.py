@@ -1,0 +1,9 @@
+"""The criteria, weights over which the falling slope of mu is averaged, and their values by quadrature.
+
+Imports `core`, `output` and `model`, and never sees a closed form. One more criterion is one `Criterion` in
+`criterion`; `ss.Criterion(name, weight)` is one outside the package.
+"""
+
+from stickslip_sym.criteria.criterion import Criterion, catalogue, equilibrium, find, harmonic, least_squares
+
+__all__ = ["Criterion", "catalogue", "equilibrium", "find", "harmonic", "least_squares"]
