@@ -13,8 +13,8 @@ from sympy.physics.units import meter, second
 from derivations import paper
 from stickslip_sym import Derivation, derive, laws
 from stickslip_sym.core.symbols import QUANTITIES, c, mu, s, u
+from stickslip_sym.formula.integration.theorems import ChangeOfVariable
 from stickslip_sym.model.expression.units import parse_unit, with_units
-from stickslip_sym.theorems import ChangeOfVariable
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

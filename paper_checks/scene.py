@@ -23,7 +23,7 @@ from stickslip_sym import (
     symbols,
 )
 from stickslip_sym.cycles import NeededDamping, needed_damping
-from stickslip_sym.normal_form import normal_form
+from stickslip_sym.formula.integration.normal_form import normal_form
 from stickslip_sym.orbit import orbits
 
 LAWS = ("exponential", "polynomial")

@@ -16,7 +16,7 @@ from paper_checks.printed import acceleration, displacement, kinetic, relative
 from paper_checks.scene import LAWS, law, oscillator
 from stickslip_sym import Derivation, Phase, Status, Trajectory, simulate
 from stickslip_sym.core.symbols import N, V, c, k, m, u, v
-from stickslip_sym.normal_form import normal_form
+from stickslip_sym.formula.integration.normal_form import normal_form
 from stickslip_sym.proving import Verdict, prove_positive
 
 DAMPINGS = (0.0, 1.0, 2.0)

@@ -20,8 +20,8 @@ from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.derivation import Derivation
 from stickslip_sym.evaluate import StableFunction, exact_value
+from stickslip_sym.formula.integration.integrals import Part, Progress, Told, integrate_terms
 from stickslip_sym.gate import GATE_POINTS, verify
-from stickslip_sym.integrals import Part, Progress, Told, integrate_terms
 from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.notation import check_known, notation_of

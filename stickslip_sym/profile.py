@@ -35,7 +35,7 @@ from stickslip_sym.fitting import (
     taylor,
     to_monomials,
 )
-from stickslip_sym.integrals import integrate_terms
+from stickslip_sym.formula.integration.integrals import integrate_terms
 
 __all__ = ["Profile", "profile_of", "slope_with_bound"]
 

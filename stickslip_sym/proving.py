@@ -22,9 +22,9 @@ from sympy.core.function import AppliedUndef
 from stickslip_sym.bounded import Bounded
 from stickslip_sym.certain import NotFinite, certain_value
 from stickslip_sym.core.errors import NotConverged
-from stickslip_sym.normal_form import normal_form
+from stickslip_sym.formula.integration.normal_form import normal_form
+from stickslip_sym.formula.integration.theorems import By
 from stickslip_sym.output import markup
-from stickslip_sym.theorems import By
 
 __all__ = ["Status", "Verdict", "prove_equal", "prove_positive"]
 

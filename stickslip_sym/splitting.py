@@ -8,7 +8,7 @@ import sympy as sp
 
 from stickslip_sym.conditioned import speed_scales
 from stickslip_sym.core import symbols
-from stickslip_sym.terms import grouped
+from stickslip_sym.formula.integration.terms import grouped
 
 __all__ = ["Term", "split"]
 

@@ -9,7 +9,8 @@ import sympy as sp
 
 import stickslip_sym as ss
 from derivations import paper
-from stickslip_sym import closed_form, integrals
+from stickslip_sym import closed_form
+from stickslip_sym.formula.integration import integrals
 from stickslip_sym.proving import prove_equal
 
 PRINTED = paper.equations()

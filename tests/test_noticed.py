@@ -12,24 +12,14 @@ import sympy as sp
 from mpmath import mp
 
 import stickslip_sym as ss
-from stickslip_sym import (
-    antiderivatives,
-    criteria,
-    engines,
-    fitting,
-    map_plot,
-    profile,
-    regimes,
-    slip_orbits,
-    symbols,
-    tidy,
-)
+from stickslip_sym import criteria, engines, fitting, map_plot, profile, regimes, slip_orbits, symbols, tidy
 from stickslip_sym.arguments import check_reach
 from stickslip_sym.branches import CENTERS, MIDDLE, STRETCHES
 from stickslip_sym.conditioned import speed_scales
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria import gauss
-from stickslip_sym.ladders import LADDERS
+from stickslip_sym.formula.integration import antiderivatives
+from stickslip_sym.formula.integration.ladders import LADDERS
 from stickslip_sym.model import samples
 from stickslip_sym.model.expression import pieces, reading
 from stickslip_sym.model.expression.parsing import MAX_DEPTH

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from stickslip_sym.antiderivatives import antiderivative
 from stickslip_sym.conditioned import without_squares
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.harmonics import harmonic_average, kinked_polynomial_average
+from stickslip_sym.formula.integration.antiderivatives import antiderivative
+from stickslip_sym.formula.integration.harmonics import harmonic_average, kinked_polynomial_average
 
 u, V, x = sp.Symbol("u", positive=True), sp.Symbol("V", positive=True), sp.Symbol("x", real=True)
 HALF = sp.Rational(1, 2)

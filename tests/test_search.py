@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym import search
+from stickslip_sym.formula.integration import search
 
 HOPELESS = "mu_0 + d*tanh(exp(v))"
 

@@ -14,7 +14,7 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import criteria, symbols
-from stickslip_sym.integrals import law_integral
+from stickslip_sym.formula.integration.integrals import law_integral
 from stickslip_sym.output.tables import duration, table
 
 LIMIT = 30.0  # seconds that SymPy gets for an integral

@@ -10,8 +10,15 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym.core.lerch import Lerch
-from stickslip_sym.ladders import LADDERS, POWER_LADDERS, asinh_ladder, by_parts, climb, erf_ladder
-from stickslip_sym.terms import (
+from stickslip_sym.formula.integration.ladders import (
+    LADDERS,
+    POWER_LADDERS,
+    asinh_ladder,
+    by_parts,
+    climb,
+    erf_ladder,
+)
+from stickslip_sym.formula.integration.terms import (
     as_function,
     as_linear,
     as_power,

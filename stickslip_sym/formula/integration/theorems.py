@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import sympy as sp
 
 from stickslip_sym.core.lerch import Lerch
-from stickslip_sym.normal_form import normal_form, single_limit
+from stickslip_sym.formula.integration.normal_form import normal_form, single_limit
 
 __all__ = ["Antiderivative", "By", "ChangeOfVariable", "PieceByPiece", "ends_of_pieces", "value_at"]
 

@@ -11,7 +11,13 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym.terms import as_function, as_power, as_stretched, first_rule, partial_fractions
+from stickslip_sym.formula.integration.terms import (
+    as_function,
+    as_power,
+    as_stretched,
+    first_rule,
+    partial_fractions,
+)
 
 __all__ = ["harmonic_average", "kinked_polynomial_average"]
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym.normal_form import expand_above
+from stickslip_sym.formula.integration.normal_form import expand_above
 
 __all__ = [
     "as_function",

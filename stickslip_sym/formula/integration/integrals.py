@@ -11,17 +11,17 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import search
-from stickslip_sym.antiderivatives import antiderivative
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.harmonics import harmonic_average, kinked_polynomial_average
+from stickslip_sym.formula.integration import search
+from stickslip_sym.formula.integration.antiderivatives import antiderivative
+from stickslip_sym.formula.integration.harmonics import harmonic_average, kinked_polynomial_average
+from stickslip_sym.formula.integration.search import Found, Nothing
+from stickslip_sym.formula.integration.terms import grouped
+from stickslip_sym.formula.integration.theorems import By, PieceByPiece, ends_of_pieces, value_at
 from stickslip_sym.model.expression.pieces import pieces_of
 from stickslip_sym.output import printing
-from stickslip_sym.search import Found, Nothing
-from stickslip_sym.terms import grouped
-from stickslip_sym.theorems import By, PieceByPiece, ends_of_pieces, value_at
 
 __all__ = ["Part", "Progress", "Told", "integrate_terms", "law_integral"]
 

@@ -108,6 +108,6 @@ def _carried_out(expr: Any) -> Any:
 
 if __name__ == "__main__":
     # As the module's own, for the classes to be the parent's.
-    from stickslip_sym.search import _carried_out as carried_out
+    from stickslip_sym.formula.integration.search import _carried_out as carried_out
 
     sys.stdout.buffer.write(pickle.dumps(carried_out(pickle.load(sys.stdin.buffer))))
