@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stickslip_sym import criteria
     from stickslip_sym.automaton import simulate
-    from stickslip_sym.averages import SlopeAverage, slope_average
     from stickslip_sym.basins import BasinMap, basin_map
     from stickslip_sym.classification import Motion, classify
     from stickslip_sym.closed_form import ClosedForm, derive
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from stickslip_sym.cycles import LimitCycle, limit_cycles
     from stickslip_sym.derivation import Derivation, Step
     from stickslip_sym.export import export_c, export_latex, export_octave, export_python
+    from stickslip_sym.formula.evaluation.averages import SlopeAverage, slope_average
     from stickslip_sym.keeping import load, load_all, save, save_all
     from stickslip_sym.maps import MotionMap, motion_map
     from stickslip_sym.model import laws

@@ -13,9 +13,9 @@ import mpmath
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from stickslip_sym.bounded import Bounded, Uncertain, bounded
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.formula.evaluation.bounded import Bounded, Uncertain, bounded
 
 __all__ = ["NotFinite", "certain_value"]
 

@@ -56,7 +56,7 @@ def export(
     require_writable(*targets.values())
     notation = assignments(symbol or [])
     from stickslip_sym import criteria
-    from stickslip_sym.averages import slope_average
+    from stickslip_sym.formula.evaluation.averages import slope_average
     from stickslip_sym.output import files
 
     chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]

@@ -11,12 +11,12 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym import c_text, octave_text, python_text
-from stickslip_sym.branches import Closed, Formula, LogTail, Series, Table
-from stickslip_sym.conditioned import conditioned, speed_scales
 from stickslip_sym.core import symbols
 from stickslip_sym.criteria.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre, weight_of
 from stickslip_sym.dialects import Dialect, c99, numeric_list, octave, python
-from stickslip_sym.evaluate import StableFunction
+from stickslip_sym.formula.evaluation.branches import Closed, Formula, LogTail, Series, Table
+from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
+from stickslip_sym.formula.evaluation.stable import StableFunction
 from stickslip_sym.model.expression.pieces import jumps, places
 
 __all__ = ["c_code", "octave_code", "python_code"]

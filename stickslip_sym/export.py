@@ -4,12 +4,12 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stickslip_sym.averages import SlopeAverage
 from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.code_text import c_code, octave_code, python_code
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.document import chapters, document
-from stickslip_sym.evaluate import StableFunction
+from stickslip_sym.formula.evaluation.averages import SlopeAverage
+from stickslip_sym.formula.evaluation.stable import StableFunction
 
 __all__ = ["export_c", "export_latex", "export_octave", "export_python"]
 

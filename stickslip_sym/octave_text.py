@@ -6,8 +6,8 @@ the C text.
 
 from typing import Any
 
-from stickslip_sym.branches import CENTERS, MIDDLE, STRETCHES
 from stickslip_sym.dialects import numeric_list
+from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
 
 __all__ = [
     "at_a_point", "average", "brackets", "exp", "head", "lines", "log", "look_up", "one", "product", "slope",

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym.averages import SlopeAverage, slope_average
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.formula.evaluation.averages import SlopeAverage, slope_average
 from stickslip_sym.grazing import grazing_damping
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator

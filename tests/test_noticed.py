@@ -12,12 +12,13 @@ import sympy as sp
 from mpmath import mp
 
 import stickslip_sym as ss
-from stickslip_sym import criteria, engines, fitting, map_plot, profile, regimes, slip_orbits, symbols, tidy
-from stickslip_sym.arguments import check_reach
-from stickslip_sym.branches import CENTERS, MIDDLE, STRETCHES
-from stickslip_sym.conditioned import speed_scales
+from stickslip_sym import criteria, engines, map_plot, regimes, slip_orbits, symbols, tidy
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria import gauss
+from stickslip_sym.formula.evaluation import fitting, profile
+from stickslip_sym.formula.evaluation.arguments import check_reach
+from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
+from stickslip_sym.formula.evaluation.conditioning import speed_scales
 from stickslip_sym.formula.integration import antiderivatives
 from stickslip_sym.formula.integration.ladders import LADDERS
 from stickslip_sym.model import samples

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from stickslip_sym.conditioned import without_squares
 from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.formula.evaluation.conditioning import without_squares
 from stickslip_sym.formula.integration.antiderivatives import antiderivative
 from stickslip_sym.formula.integration.harmonics import harmonic_average, kinked_polynomial_average
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym.conditioned import speed_scales
 from stickslip_sym.core import symbols
+from stickslip_sym.formula.evaluation.conditioning import speed_scales
 from stickslip_sym.formula.integration.terms import grouped
 
 __all__ = ["Term", "split"]

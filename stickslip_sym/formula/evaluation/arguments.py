@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import suggestion
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.evaluate import StableFunction
+from stickslip_sym.formula.evaluation.stable import StableFunction
 from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["OnInvalid", "call", "check_names", "check_reach"]

@@ -18,15 +18,24 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from stickslip_sym.bounds import rounding_bound
-from stickslip_sym.branches import CENTERS, STRETCHES, Branch, Closed, Formula, LogTail, Series, Table
-from stickslip_sym.conditioned import conditioned, speed_scales
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.fitting import (
+from stickslip_sym.formula.evaluation.bounds import rounding_bound
+from stickslip_sym.formula.evaluation.branches import (
+    CENTERS,
+    STRETCHES,
+    Branch,
+    Closed,
+    Formula,
+    LogTail,
+    Series,
+    Table,
+)
+from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
+from stickslip_sym.formula.evaluation.fitting import (
     TERMS,
     chebyshev_fit,
     chebyshev_nodes,

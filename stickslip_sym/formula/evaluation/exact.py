@@ -8,8 +8,8 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from stickslip_sym.bounded import Bounded, Uncertain, bounded
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.formula.evaluation.bounded import Bounded, Uncertain, bounded
 
 __all__ = ["to_digits"]
 

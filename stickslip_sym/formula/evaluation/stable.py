@@ -14,20 +14,20 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from stickslip_sym.bounds import rounding_bound
-from stickslip_sym.branches import Branch
-from stickslip_sym.conditioned import conditioned, speed_scales, without_squares
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.exact import to_digits
+from stickslip_sym.formula.evaluation.bounds import rounding_bound
+from stickslip_sym.formula.evaluation.branches import Branch
+from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales, without_squares
+from stickslip_sym.formula.evaluation.exact import to_digits
+from stickslip_sym.formula.evaluation.products import largest_exponent, plain_product, scaled_product
+from stickslip_sym.formula.evaluation.profile import Profile, profile_of, slope_with_bound
+from stickslip_sym.formula.evaluation.splitting import Term, split
 from stickslip_sym.model.expression.pieces import jumps, places
-from stickslip_sym.products import largest_exponent, plain_product, scaled_product
-from stickslip_sym.profile import Profile, profile_of, slope_with_bound
-from stickslip_sym.splitting import Term, split
 
 __all__ = ["Exact", "StableFunction", "exact_value"]
 
