@@ -9,7 +9,6 @@ from typing import Any
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from stickslip_sym.code_text import c_code, octave_code, python_code
 from stickslip_sym.core import symbols
 from stickslip_sym.core.deadline import time_left
 from stickslip_sym.core.errors import InputError, NoClosedForm, OutOfTime
@@ -17,6 +16,7 @@ from stickslip_sym.core.interruption import within
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.derivation import Derivation
+from stickslip_sym.formula.code.code_text import c_code, octave_code, python_code
 from stickslip_sym.formula.evaluation.arguments import OnInvalid, check_names, check_reach
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
 from stickslip_sym.formula.evaluation.stable import StableFunction, exact_value

@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym.code_text import python_code
+from stickslip_sym.formula.code.code_text import python_code
 
 s = ss.symbols.s
 R = sp.Rational

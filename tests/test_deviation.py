@@ -8,7 +8,7 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym import crosscheck, deviation
-from stickslip_sym.code_text import python_code
+from stickslip_sym.formula.code.code_text import python_code
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 

@@ -21,8 +21,8 @@ from random_formulas import NOTATION, SEVERAL, Draws
 from text_reader import read_text
 
 import stickslip_sym as ss
-from stickslip_sym import c_text, dialects, octave_text, python_text
-from stickslip_sym.dialects import c99, octave, python
+from stickslip_sym.formula.code import c_text, dialects, octave_text, python_text
+from stickslip_sym.formula.code.dialects import c99, octave, python
 from stickslip_sym.output import abbreviation, latex_printer, layout, markup, printing, text_printer
 from stickslip_sym.output.notation import notation_of
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym import c_text, octave_text, python_text
 from stickslip_sym.core import symbols
 from stickslip_sym.criteria.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre, weight_of
-from stickslip_sym.dialects import Dialect, c99, numeric_list, octave, python
+from stickslip_sym.formula.code import c_text, octave_text, python_text
+from stickslip_sym.formula.code.dialects import Dialect, c99, numeric_list, octave, python
 from stickslip_sym.formula.evaluation.branches import Closed, Formula, LogTail, Series, Table
 from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
 from stickslip_sym.formula.evaluation.stable import StableFunction

@@ -6,7 +6,7 @@ the C text.
 
 from typing import Any
 
-from stickslip_sym.dialects import numeric_list
+from stickslip_sym.formula.code.dialects import numeric_list
 from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
 
 __all__ = [

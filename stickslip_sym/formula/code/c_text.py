@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stickslip_sym.dialects import numeric_list
+from stickslip_sym.formula.code.dialects import numeric_list
 from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
 
 __all__ = [
