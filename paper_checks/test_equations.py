@@ -16,8 +16,8 @@ from paper_checks.printed import acceleration, displacement, kinetic, relative
 from paper_checks.scene import LAWS, law, oscillator
 from stickslip_sym import Derivation, Phase, Status, Trajectory, simulate
 from stickslip_sym.core.symbols import N, V, c, k, m, u, v
+from stickslip_sym.formula.derivation.proving import Verdict, prove_positive
 from stickslip_sym.formula.integration.normal_form import normal_form
-from stickslip_sym.proving import Verdict, prove_positive
 
 DAMPINGS = (0.0, 1.0, 2.0)
 FORCE_TOLERANCE = 1e-9  # of the friction force, relative to mu_s N; the integration runs at 1e-12

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from stickslip_sym.automaton import simulate
     from stickslip_sym.basins import BasinMap, basin_map
     from stickslip_sym.classification import Motion, classify
-    from stickslip_sym.closed_form import ClosedForm, derive
     from stickslip_sym.core import symbols
     from stickslip_sym.core.errors import (
         InputError,
@@ -25,15 +24,16 @@ if TYPE_CHECKING:
     )
     from stickslip_sym.criteria import quadrature
     from stickslip_sym.cycles import LimitCycle, limit_cycles
-    from stickslip_sym.derivation import Derivation, Step
     from stickslip_sym.export import export_c, export_latex, export_octave, export_python
+    from stickslip_sym.formula.derivation.closed_form import ClosedForm, derive
+    from stickslip_sym.formula.derivation.keeping import load, load_all, save, save_all
+    from stickslip_sym.formula.derivation.proving import Status, Verdict
+    from stickslip_sym.formula.derivation.steps import Derivation, Step
     from stickslip_sym.formula.evaluation.averages import SlopeAverage, slope_average
-    from stickslip_sym.keeping import load, load_all, save, save_all
     from stickslip_sym.maps import MotionMap, motion_map
     from stickslip_sym.model import laws
     from stickslip_sym.model.law import FrictionLaw, Parameter
     from stickslip_sym.model.oscillator import Oscillator
-    from stickslip_sym.proving import Status, Verdict
     from stickslip_sym.regimes import Regime, Rest, Separatrix, regime
     from stickslip_sym.threshold import Threshold, pure_slip_damping
     from stickslip_sym.trajectory import Event, EventKind, Outcome, Phase, Tendency, Trajectory

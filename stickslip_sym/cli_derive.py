@@ -47,8 +47,9 @@ def derive(
 
     Example: stickslip derive "mu_m + (mu_s - mu_m)*exp(-alpha*v)" -p mu_s=0.5 -p mu_m=0.2 -p alpha=3
     """
-    from stickslip_sym import criteria, keeping
+    from stickslip_sym import criteria
     from stickslip_sym.core.numbers import exact
+    from stickslip_sym.formula.derivation import keeping
     from stickslip_sym.model.doubts import warn_where_negative
     from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.output import files
@@ -93,7 +94,7 @@ def derive(
 
 def _derived(law: Any, criterion: Any, time_limit: float) -> Any:
     """Return the closed form, or the `NoClosedForm` that says why there is none."""
-    from stickslip_sym.closed_form import derive as derive_form
+    from stickslip_sym.formula.derivation.closed_form import derive as derive_form
 
     with progress(time_limit) as say:
         try:

@@ -123,7 +123,7 @@ def _check_notation(notation: dict[str, str], laws: list[Any]) -> None:
 
 
 def _derived(law: Any, criterion: Any, time_limit: float) -> Any:
-    from stickslip_sym.closed_form import derive
+    from stickslip_sym.formula.derivation.closed_form import derive
 
     with progress(time_limit) as say:
         return derive(law, criterion, time_limit=time_limit, progress=say)
@@ -134,7 +134,7 @@ def _text(
     fragment: bool, steps: bool,
 ) -> str:  # fmt: skip
     from stickslip_sym import export as write
-    from stickslip_sym import keeping
+    from stickslip_sym.formula.derivation import keeping
 
     if kind == "latex":
         return write.export_latex(forms, symbols=notation, fragment=fragment, steps=steps, missing=missing)

@@ -50,7 +50,7 @@ def _described(parameter: Any) -> str:
 def _forms(law: Any) -> dict[str, Any]:
     """Return the closed form of every criterion, or the `NoClosedForm` that says why there is none."""
     from stickslip_sym import criteria
-    from stickslip_sym.closed_form import derive
+    from stickslip_sym.formula.derivation.closed_form import derive
 
     forms: dict[str, Any] = {}
     for criterion in criteria.catalogue:

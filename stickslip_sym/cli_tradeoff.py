@@ -50,8 +50,8 @@ def tradeoff(
     """
     from stickslip_sym import tradeoff as measured
     from stickslip_sym import tradeoff_thresholds
-    from stickslip_sym.closed_form import derive as derive_form
     from stickslip_sym.core.numbers import exact
+    from stickslip_sym.formula.derivation.closed_form import derive as derive_form
     from stickslip_sym.model.doubts import warn_where_negative
 
     law = law if law or from_csv else "exponential"

@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 
 import sympy as sp
 
-from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
 from stickslip_sym.limits import ends, zeros
 from stickslip_sym.output import printing

@@ -4,10 +4,10 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.document import chapters, document
 from stickslip_sym.formula.code.code_text import c_code, octave_code, python_code
+from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
 from stickslip_sym.formula.evaluation.stable import StableFunction
 

@@ -12,12 +12,12 @@ from typing import Any
 
 import sympy as sp
 
-from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.criteria.criterion import catalogue
+from stickslip_sym.formula.derivation.closed_form import ClosedForm
+from stickslip_sym.formula.derivation.tidy import tidy
 from stickslip_sym.formula.integration import search
-from stickslip_sym.tidy import tidy
 from stickslip_sym.transition import transition_speed
 
 __all__ = ["Ends", "Zeros", "ends", "zeros"]

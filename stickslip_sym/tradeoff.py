@@ -11,12 +11,12 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria import gauss
+from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.evaluation.conditioning import conditioned
 from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.output import drawing

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from stickslip_sym import InputError, Status, cli, cli_derive, load
-from stickslip_sym.derivation import Derivation
+from stickslip_sym.formula.derivation.steps import Derivation
 from stickslip_sym.output import files
 from tests.systems import FOLDER_OPENED, needs_links, needs_long_names, needs_modes, needs_posix_shell
 

@@ -9,9 +9,9 @@ import sympy as sp
 
 import stickslip_sym as ss
 from derivations import paper
-from stickslip_sym import closed_form
+from stickslip_sym.formula.derivation import closed_form
+from stickslip_sym.formula.derivation.proving import prove_equal
 from stickslip_sym.formula.integration import integrals
-from stickslip_sym.proving import prove_equal
 
 PRINTED = paper.equations()
 PAPER = ["exponential", "polynomial"]  # the catalogue as a whole: test_catalogue.py

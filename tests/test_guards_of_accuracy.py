@@ -21,12 +21,12 @@ from test_accuracy import (
 )
 
 import stickslip_sym as ss
-from stickslip_sym import closed_form
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import harmonic, least_squares
 from stickslip_sym.formula.code.code_text import c_code, octave_code, python_code
+from stickslip_sym.formula.derivation import closed_form
 from stickslip_sym.formula.evaluation import branches, fitting
 from stickslip_sym.formula.evaluation.conditioning import conditioned
 from stickslip_sym.formula.evaluation.profile import profile_of, slope_with_bound

@@ -14,9 +14,9 @@ from stickslip_sym import limits, symbols
 from stickslip_sym.core.lerch import Lerch
 from stickslip_sym.core.numbers import bits
 from stickslip_sym.core.symbols import V, u
+from stickslip_sym.formula.derivation.proving import Status, prove_equal
 from stickslip_sym.formula.integration.theorems import Antiderivative
 from stickslip_sym.output.notation import notation_of
-from stickslip_sym.proving import Status, prove_equal
 
 # -- the fundamental theorem needs a continuous primitive ---------------------------------------------
 

@@ -11,10 +11,10 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym import closed_form
 from stickslip_sym.core import interruption
 from stickslip_sym.core.deadline import time_limit
 from stickslip_sym.core.errors import OutOfTime
+from stickslip_sym.formula.derivation import closed_form
 
 
 def spin(seconds=60.0):

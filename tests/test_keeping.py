@@ -7,7 +7,8 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym import criteria, keeping
+from stickslip_sym import criteria
+from stickslip_sym.formula.derivation import keeping
 from stickslip_sym.model.trees import from_tree, to_tree
 
 LAWS = ["exponential", "polynomial", "gaussian", "tanh", "sech", "rational", "bengisu_akay"]

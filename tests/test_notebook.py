@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
+from stickslip_sym.formula.derivation.proving import prove_equal
 from stickslip_sym.output import markup
-from stickslip_sym.proving import prove_equal
 from tests.conftest import paper_oscillator
 
 VOID = {"br", "hr"}

@@ -12,9 +12,10 @@ import sympy as sp
 from mpmath import mp
 
 import stickslip_sym as ss
-from stickslip_sym import criteria, engines, map_plot, regimes, slip_orbits, symbols, tidy
+from stickslip_sym import criteria, engines, map_plot, regimes, slip_orbits, symbols
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria import gauss
+from stickslip_sym.formula.derivation import tidy
 from stickslip_sym.formula.evaluation import fitting, profile
 from stickslip_sym.formula.evaluation.arguments import check_reach
 from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES

@@ -5,9 +5,9 @@ import sympy as sp
 
 from stickslip_sym import Status
 from stickslip_sym.core.symbols import V, a, b, mu, s, u
+from stickslip_sym.formula.derivation.proving import prove_equal, prove_positive
 from stickslip_sym.formula.integration.normal_form import expand_above, normal_form
 from stickslip_sym.formula.integration.theorems import Antiderivative, ChangeOfVariable, PieceByPiece
-from stickslip_sym.proving import prove_equal, prove_positive
 
 Int = sp.Integral
 r, xi, y = sp.symbols("r xi y", real=True)

@@ -11,8 +11,8 @@ import stickslip_sym as ss
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.core.symbols import N, V, u
+from stickslip_sym.formula.derivation.proving import prove_equal
 from stickslip_sym.formula.evaluation.exact import to_digits
-from stickslip_sym.proving import prove_equal
 
 W = sp.Symbol("w", positive=True)
 

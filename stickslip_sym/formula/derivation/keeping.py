@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from stickslip_sym import criteria
-from stickslip_sym.closed_form import ClosedForm
 from stickslip_sym.core.errors import InputError, NoClosedForm
-from stickslip_sym.derivation import Derivation, Step
-from stickslip_sym.gate import verify
+from stickslip_sym.formula.derivation.closed_form import ClosedForm
+from stickslip_sym.formula.derivation.gate import verify
+from stickslip_sym.formula.derivation.proving import Status, Verdict
+from stickslip_sym.formula.derivation.steps import Derivation, Step
 from stickslip_sym.model.content import law_in, law_out
 from stickslip_sym.model.trees import from_tree, to_tree
 from stickslip_sym.output import files, printing
-from stickslip_sym.proving import Status, Verdict
 
 __all__ = ["collection", "load", "load_all", "save", "save_all"]
 

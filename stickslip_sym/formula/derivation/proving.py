@@ -19,8 +19,8 @@ import mpmath
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from stickslip_sym.certain import NotFinite, certain_value
 from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.formula.derivation.certain import NotFinite, certain_value
 from stickslip_sym.formula.evaluation.bounded import Bounded
 from stickslip_sym.formula.integration.normal_form import normal_form
 from stickslip_sym.formula.integration.theorems import By

@@ -8,12 +8,12 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym.core.symbols import QUANTITIES
+from stickslip_sym.formula.derivation.proving import Status, Verdict, prove_equal, prove_positive
 from stickslip_sym.formula.integration.theorems import By
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.abbreviation import equation
 from stickslip_sym.output.layout import prose
 from stickslip_sym.output.notation import notation_of, told_apart
-from stickslip_sym.proving import Status, Verdict, prove_equal, prove_positive
 
 __all__ = ["Derivation", "Step"]
 

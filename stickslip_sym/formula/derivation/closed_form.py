@@ -15,18 +15,18 @@ from stickslip_sym.core.errors import InputError, NoClosedForm, OutOfTime
 from stickslip_sym.core.interruption import within
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria.criterion import Criterion, find
-from stickslip_sym.derivation import Derivation
 from stickslip_sym.formula.code.code_text import c_code, octave_code, python_code
+from stickslip_sym.formula.derivation.gate import GATE_POINTS, verify
+from stickslip_sym.formula.derivation.proving import Status, Verdict
+from stickslip_sym.formula.derivation.steps import Derivation
+from stickslip_sym.formula.derivation.tidy import tidy
 from stickslip_sym.formula.evaluation.arguments import OnInvalid, check_names, check_reach
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
 from stickslip_sym.formula.evaluation.stable import StableFunction, exact_value
 from stickslip_sym.formula.integration.integrals import Part, Progress, Told, integrate_terms
-from stickslip_sym.gate import GATE_POINTS, verify
 from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.notation import check_known, notation_of
-from stickslip_sym.proving import Status, Verdict
-from stickslip_sym.tidy import tidy
 
 __all__ = ["ClosedForm", "derive"]
 
