@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     )
     from stickslip_sym.criteria import quadrature
     from stickslip_sym.cycles import LimitCycle, limit_cycles
-    from stickslip_sym.export import export_c, export_latex, export_octave, export_python
     from stickslip_sym.formula.derivation.closed_form import ClosedForm, derive
     from stickslip_sym.formula.derivation.keeping import load, load_all, save, save_all
     from stickslip_sym.formula.derivation.proving import Status, Verdict
     from stickslip_sym.formula.derivation.steps import Derivation, Step
     from stickslip_sym.formula.evaluation.averages import SlopeAverage, slope_average
+    from stickslip_sym.formula.export.export import export_c, export_latex, export_octave, export_python
     from stickslip_sym.maps import MotionMap, motion_map
     from stickslip_sym.model import laws
     from stickslip_sym.model.law import FrictionLaw, Parameter

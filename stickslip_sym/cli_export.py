@@ -133,8 +133,8 @@ def _text(
     kind: str, forms: list[Any], averages: list[Any], missing: list[Any], notation: dict[str, str],
     fragment: bool, steps: bool,
 ) -> str:  # fmt: skip
-    from stickslip_sym import export as write
     from stickslip_sym.formula.derivation import keeping
+    from stickslip_sym.formula.export import export as write
 
     if kind == "latex":
         return write.export_latex(forms, symbols=notation, fragment=fragment, steps=steps, missing=missing)

@@ -15,9 +15,10 @@ from test_cli import stickslip
 from test_latex import agrees
 
 import stickslip_sym as ss
-from stickslip_sym import limits, symbols
+from stickslip_sym import symbols
 from stickslip_sym.formula.derivation import closed_form
 from stickslip_sym.formula.derivation.proving import Status, Verdict
+from stickslip_sym.formula.export import limits
 
 FEW = [
     ("exponential", "least_squares"), ("exponential_viscous", "harmonic"), ("gaussian", "least_squares"),

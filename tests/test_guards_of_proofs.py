@@ -10,11 +10,12 @@ from latex_reader import read
 from test_catalogue import form_of
 
 import stickslip_sym as ss
-from stickslip_sym import limits, symbols
+from stickslip_sym import symbols
 from stickslip_sym.core.lerch import Lerch
 from stickslip_sym.core.numbers import bits
 from stickslip_sym.core.symbols import V, u
 from stickslip_sym.formula.derivation.proving import Status, prove_equal
+from stickslip_sym.formula.export import limits
 from stickslip_sym.formula.integration.theorems import Antiderivative
 from stickslip_sym.output.notation import notation_of
 

@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym import document, map_plot, symbols
+from stickslip_sym import map_plot, symbols
 from stickslip_sym.cli_reading import LARGEST, check_size
 from stickslip_sym.core import deadline, lambdify, lerch
 from stickslip_sym.core.numbers import exact
@@ -18,6 +18,7 @@ from stickslip_sym.core.symbols import v
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.formula.derivation import closed_form, proving
 from stickslip_sym.formula.evaluation import bounds, fitting
+from stickslip_sym.formula.export import document
 from stickslip_sym.formula.integration import integrals, theorems
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.output import tables

@@ -13,7 +13,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
-from stickslip_sym.limits import ends, zeros
+from stickslip_sym.formula.export.limits import ends, zeros
 from stickslip_sym.output import printing
 from stickslip_sym.output.abbreviation import equation
 from stickslip_sym.output.layout import LINE, displayed, key, prose, width

@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.document import chapters, document
 from stickslip_sym.formula.code.code_text import c_code, octave_code, python_code
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
 from stickslip_sym.formula.evaluation.stable import StableFunction
+from stickslip_sym.formula.export.document import chapters, document
 
 __all__ = ["export_c", "export_latex", "export_octave", "export_python"]
 

@@ -1,0 +1,1 @@
+"""Criteria as documents: LaTeX with limits and verdicts, and files of code."""
