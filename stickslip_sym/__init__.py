@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stickslip_sym import criteria
-    from stickslip_sym.automaton import simulate
     from stickslip_sym.basins import BasinMap, basin_map
     from stickslip_sym.classification import Motion, classify
     from stickslip_sym.core import symbols
@@ -34,10 +33,11 @@ if TYPE_CHECKING:
     from stickslip_sym.model import laws
     from stickslip_sym.model.law import FrictionLaw, Parameter
     from stickslip_sym.model.oscillator import Oscillator
+    from stickslip_sym.motion.simulation.automaton import simulate
+    from stickslip_sym.motion.simulation.trajectory import Event, EventKind, Outcome, Phase, Tendency, Trajectory
+    from stickslip_sym.motion.simulation.transit import StickSlipCycle, peak_velocity, stick_slip_cycle
     from stickslip_sym.regimes import Regime, Rest, Separatrix, regime
     from stickslip_sym.threshold import Threshold, pure_slip_damping
-    from stickslip_sym.trajectory import Event, EventKind, Outcome, Phase, Tendency, Trajectory
-    from stickslip_sym.transit import StickSlipCycle, peak_velocity, stick_slip_cycle
     from stickslip_sym.transition import TransitionSpeed, transition_speed
 
 __version__ = "0.1.0"

@@ -27,7 +27,7 @@ from stickslip_sym.cli_words import in_options
 if TYPE_CHECKING:
     from stickslip_sym.model.law import FrictionLaw
     from stickslip_sym.model.oscillator import Oscillator
-    from stickslip_sym.trajectory import Trajectory
+    from stickslip_sym.motion.simulation.trajectory import Trajectory
 
 __all__ = ["simulate"]
 
@@ -71,9 +71,9 @@ def simulate(
 
     Example: stickslip simulate exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 -c 1 --t-end 5 --plot motion.png
     """
-    from stickslip_sym import automaton
     from stickslip_sym.model.doubts import warn_where_negative
     from stickslip_sym.model.oscillator import Oscillator
+    from stickslip_sym.motion.simulation import automaton
 
     friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
     bound = friction.typical(**assignments(parameter or []))
@@ -105,7 +105,7 @@ def _end(law: "FrictionLaw", osc: "Oscillator", motion: "Trajectory", values: di
     from stickslip_sym.classification import classify
     from stickslip_sym.core.deadline import time_limit
     from stickslip_sym.core.errors import StickSlipError
-    from stickslip_sym.trajectory import Tendency
+    from stickslip_sym.motion.simulation.trajectory import Tendency
 
     if motion.tendency in (Tendency.REST, Tendency.STICK_SLIP, Tendency.PURE_SLIP, Tendency.UNBOUNDED):
         return None
@@ -160,7 +160,7 @@ def _report(motion: "Trajectory", end: str | None) -> str:
 
 def _periods(motion: "Trajectory") -> list[float]:
     """Return the times from one slip that follows stick to the next."""
-    from stickslip_sym.trajectory import EventKind
+    from stickslip_sym.motion.simulation.trajectory import EventKind
 
     onsets = [event.t for event in motion.events if event.kind is EventKind.SLIPS]
     return [after - before for before, after in pairwise(onsets)]

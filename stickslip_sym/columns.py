@@ -27,10 +27,10 @@ from stickslip_sym.cycles import needed_damping
 from stickslip_sym.grazing import grazing_damping
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
+from stickslip_sym.motion.simulation.transit import stick_slip_cycle
 from stickslip_sym.orbit import obstacle, orbits
 from stickslip_sym.regimes import Regime, regime
 from stickslip_sym.rungs import Scenes, average, numerical_averages
-from stickslip_sym.transit import stick_slip_cycle
 
 __all__ = ["MOTIONS", "REASONS", "Attractor", "Cells", "Reason", "decide"]
 

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol
-from stickslip_sym.transit import lowest_slip_speed
+from stickslip_sym.motion.simulation.transit import lowest_slip_speed
 
 __all__ = ["grazing_damping"]
 

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym.automaton import simulate
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.simulation.automaton import simulate
 from stickslip_sym.output.drawing import require_matplotlib
 
 __all__ = ["draw_regime"]

@@ -20,12 +20,12 @@ from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol
+from stickslip_sym.motion.simulation.slip import follow
+from stickslip_sym.motion.simulation.slip_phase import SlipPhase
+from stickslip_sym.motion.simulation.steppers import Point
+from stickslip_sym.motion.simulation.transit import StickSlipCycle, lowest_slip_speed, stick_slip_cycle
 from stickslip_sym.output import drawing, markup
-from stickslip_sym.slip import follow
 from stickslip_sym.slip_orbits import SlipOrbits, next_peak, overtaking_cycle, slip_orbits
-from stickslip_sym.slip_phase import SlipPhase
-from stickslip_sym.steppers import Point
-from stickslip_sym.transit import StickSlipCycle, lowest_slip_speed, stick_slip_cycle
 
 __all__ = ["Regime", "Rest", "Separatrix", "graze", "grows_far_out", "regime"]
 

@@ -21,9 +21,9 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.cycles import LimitCycle, cycles_among, needed_damping
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
-from stickslip_sym.slip import follow
-from stickslip_sym.slip_phase import SlipPhase
-from stickslip_sym.steppers import Point
+from stickslip_sym.motion.simulation.slip import follow
+from stickslip_sym.motion.simulation.slip_phase import SlipPhase
+from stickslip_sym.motion.simulation.steppers import Point
 
 __all__ = ["SlipOrbits", "next_peak", "overtaking_cycle", "round_from", "slip_orbits", "trough"]
 

@@ -12,7 +12,7 @@ import sympy as sp
 from mpmath import mp
 
 import stickslip_sym as ss
-from stickslip_sym import criteria, engines, map_plot, regimes, slip_orbits, symbols
+from stickslip_sym import criteria, map_plot, regimes, slip_orbits, symbols
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria import gauss
 from stickslip_sym.formula.derivation import tidy
@@ -26,10 +26,11 @@ from stickslip_sym.model import samples
 from stickslip_sym.model.expression import pieces, reading
 from stickslip_sym.model.expression.parsing import MAX_DEPTH
 from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.simulation import engines
+from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.orbit import obstacle, orbits
 from stickslip_sym.output import layout
 from stickslip_sym.perturbation import expand
-from stickslip_sym.steppers import Point
 from tests.conftest import paper_oscillator
 
 SMOOTH = [criteria.least_squares, criteria.harmonic]

@@ -21,10 +21,10 @@ from stickslip_sym.formula.evaluation import bounds, fitting
 from stickslip_sym.formula.export import document
 from stickslip_sym.formula.integration import integrals, theorems
 from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.simulation.slip_phase import attracted_to_rest
+from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.output import tables
 from stickslip_sym.output.files import write_texts
-from stickslip_sym.slip_phase import attracted_to_rest
-from stickslip_sym.steppers import Point
 from tests.conftest import paper_oscillator
 
 SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}

@@ -9,7 +9,7 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym import EventKind, Outcome, Phase
-from stickslip_sym.trajectory import State
+from stickslip_sym.motion.simulation.trajectory import State
 from tests.conftest import paper_oscillator
 
 

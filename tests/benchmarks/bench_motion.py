@@ -17,10 +17,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stickslip_sym as ss
-from stickslip_sym import taylor
-from stickslip_sym.engines import follower
 from stickslip_sym.model.oscillator import Scene
-from stickslip_sym.steppers import Point
+from stickslip_sym.motion.simulation import taylor
+from stickslip_sym.motion.simulation.engines import follower
+from stickslip_sym.motion.simulation.steppers import Point
 from tests.conftest import paper_oscillator
 from tests.many_digits import exact_return
 

@@ -21,8 +21,15 @@ from typing import Any, Literal
 
 from stickslip_sym.core.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.model.oscillator import Scene
-from stickslip_sym.slip_phase import RUNAWAY, SlipPhase, attracted_to_rest, exhausted, passage, root
-from stickslip_sym.steppers import Explicit, Implicit, Piece, Point, Rates
+from stickslip_sym.motion.simulation.slip_phase import (
+    RUNAWAY,
+    SlipPhase,
+    attracted_to_rest,
+    exhausted,
+    passage,
+    root,
+)
+from stickslip_sym.motion.simulation.steppers import Explicit, Implicit, Piece, Point, Rates
 
 __all__ = ["follow"]
 

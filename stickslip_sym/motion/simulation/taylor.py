@@ -22,8 +22,8 @@ from scipy.optimize import brentq
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.oscillator import Scene
-from stickslip_sym.slip_phase import RUNAWAY, SlipPhase, attracted_to_rest, exhausted
-from stickslip_sym.steppers import Point
+from stickslip_sym.motion.simulation.slip_phase import RUNAWAY, SlipPhase, attracted_to_rest, exhausted
+from stickslip_sym.motion.simulation.steppers import Point
 
 __all__ = ["Series", "follow"]
 

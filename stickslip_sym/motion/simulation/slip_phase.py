@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from stickslip_sym.core.deadline import check_time, time_left
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.oscillator import Scene
-from stickslip_sym.steppers import Piece, Point
+from stickslip_sym.motion.simulation.steppers import Piece, Point
 
 __all__ = ["RUNAWAY", "SlipPhase", "attracted_to_rest", "exhausted", "passage", "root"]
 

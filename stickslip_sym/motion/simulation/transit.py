@@ -14,12 +14,12 @@ from dataclasses import dataclass, fields
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged
-from stickslip_sym.engines import follower
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol
+from stickslip_sym.motion.simulation.engines import follower
+from stickslip_sym.motion.simulation.slip_phase import SlipPhase
+from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.output import markup
-from stickslip_sym.slip_phase import SlipPhase
-from stickslip_sym.steppers import Point
 
 __all__ = ["StickSlipCycle", "horizon", "lowest_slip_speed", "peak_velocity", "stick_slip_cycle"]
 

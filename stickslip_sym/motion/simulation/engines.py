@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 
-from stickslip_sym import slip, taylor
 from stickslip_sym.core.numbers import lookup
-from stickslip_sym.slip_phase import SlipPhase
+from stickslip_sym.motion.simulation import slip, taylor
+from stickslip_sym.motion.simulation.slip_phase import SlipPhase
 
 __all__ = ["ENGINES", "follower"]
 

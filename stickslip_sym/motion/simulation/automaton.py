@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.engines import follower
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol, real
-from stickslip_sym.slip_phase import SlipPhase
-from stickslip_sym.steppers import Point
-from stickslip_sym.tendency import tendency
-from stickslip_sym.trajectory import Event, EventKind, Outcome, Phase, Stretch, Trajectory
+from stickslip_sym.motion.simulation.engines import follower
+from stickslip_sym.motion.simulation.slip_phase import SlipPhase
+from stickslip_sym.motion.simulation.steppers import Point
+from stickslip_sym.motion.simulation.tendency import tendency
+from stickslip_sym.motion.simulation.trajectory import Event, EventKind, Outcome, Phase, Stretch, Trajectory
 
 __all__ = ["simulate"]
 

@@ -7,7 +7,7 @@ the belt. The motion so far is all that is looked at: `classify` says where a st
 import numpy as np
 from scipy.optimize import brentq
 
-from stickslip_sym.trajectory import EventKind, Outcome, Phase, Tendency, Trajectory
+from stickslip_sym.motion.simulation.trajectory import EventKind, Outcome, Phase, Tendency, Trajectory
 
 __all__ = ["tendency"]
 
