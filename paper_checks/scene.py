@@ -22,9 +22,9 @@ from stickslip_sym import (
     stick_slip_cycle,
     symbols,
 )
-from stickslip_sym.cycles import NeededDamping, needed_damping
 from stickslip_sym.formula.integration.normal_form import normal_form
-from stickslip_sym.orbit import orbits
+from stickslip_sym.motion.orbits.cycles import NeededDamping, needed_damping
+from stickslip_sym.motion.orbits.orbit import orbits
 
 LAWS = ("exponential", "polynomial")
 SPEEDS = np.arange(1, 101) / 100

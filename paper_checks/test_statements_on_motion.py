@@ -13,7 +13,7 @@ from paper_checks.scene import LAWS, law, needed, orbit, oscillator, response, s
 from paper_checks.wording import by_law, listed, percent
 from stickslip_sym import Oscillator, simulate
 from stickslip_sym.core.symbols import V
-from stickslip_sym.orbit import orbits
+from stickslip_sym.motion.orbits.orbit import orbits
 
 NONE = 1e-6  # a relative change that may be the error of what is computed
 SLIGHT = 0.01  # one that no figure of the paper shows

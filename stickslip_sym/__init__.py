@@ -22,7 +22,6 @@ if TYPE_CHECKING:
         StickSlipError,
     )
     from stickslip_sym.criteria import quadrature
-    from stickslip_sym.cycles import LimitCycle, limit_cycles
     from stickslip_sym.formula.derivation.closed_form import ClosedForm, derive
     from stickslip_sym.formula.derivation.keeping import load, load_all, save, save_all
     from stickslip_sym.formula.derivation.proving import Status, Verdict
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from stickslip_sym.model import laws
     from stickslip_sym.model.law import FrictionLaw, Parameter
     from stickslip_sym.model.oscillator import Oscillator
+    from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
     from stickslip_sym.motion.simulation.automaton import simulate
     from stickslip_sym.motion.simulation.trajectory import Event, EventKind, Outcome, Phase, Tendency, Trajectory
     from stickslip_sym.motion.simulation.transit import StickSlipCycle, peak_velocity, stick_slip_cycle

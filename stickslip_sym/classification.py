@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 
 from stickslip_sym.core import deadline
-from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol, real
+from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.slip_phase import SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point

@@ -13,8 +13,8 @@ from stickslip_sym.formula.evaluation.averages import SlopeAverage, slope_averag
 from stickslip_sym.grazing import grazing_damping
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.orbit import obstacle, orbits
-from stickslip_sym.perturbation import averages, expand
+from stickslip_sym.motion.orbits.expansion import averages, expand
+from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 
 __all__ = [
     "AVERAGES", "Scenes", "average", "numerical_averages", "on_orbit", "second_order", "simulated",

@@ -18,9 +18,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.cycles import LimitCycle, cycles_among, needed_damping
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
+from stickslip_sym.motion.orbits.cycles import LimitCycle, cycles_among, needed_damping
 from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.slip_phase import SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point

@@ -16,7 +16,7 @@ from stickslip_sym.core.numbers import lookup
 from stickslip_sym.model.doubts import warn_where_negative
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import read_rtol
-from stickslip_sym.orbit import obstacle
+from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.output import markup
 from stickslip_sym.rungs import (
     AVERAGES,

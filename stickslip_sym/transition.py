@@ -19,9 +19,9 @@ from stickslip_sym.core.numbers import exact, lookup
 from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import read_rtol, real
-from stickslip_sym.orbit import obstacle
+from stickslip_sym.motion.orbits.expansion import averages, slopes
+from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.output import markup
-from stickslip_sym.perturbation import averages, slopes
 from stickslip_sym.rungs import AVERAGES, Scenes, average, on_orbit, second_order, simulated
 from stickslip_sym.threshold import METHODS
 

@@ -26,11 +26,11 @@ from stickslip_sym.model import samples
 from stickslip_sym.model.expression import pieces, reading
 from stickslip_sym.model.expression.parsing import MAX_DEPTH
 from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.orbits.expansion import expand
+from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.simulation import engines
 from stickslip_sym.motion.simulation.steppers import Point
-from stickslip_sym.orbit import obstacle, orbits
 from stickslip_sym.output import layout
-from stickslip_sym.perturbation import expand
 from tests.conftest import paper_oscillator
 
 SMOOTH = [criteria.least_squares, criteria.harmonic]

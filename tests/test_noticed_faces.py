@@ -15,12 +15,12 @@ from stickslip_sym.cli_reading import LARGEST, check_size
 from stickslip_sym.core import deadline, lambdify, lerch
 from stickslip_sym.core.numbers import exact
 from stickslip_sym.core.symbols import v
-from stickslip_sym.cycles import LimitCycle
 from stickslip_sym.formula.derivation import closed_form, proving
 from stickslip_sym.formula.evaluation import bounds, fitting
 from stickslip_sym.formula.export import document
 from stickslip_sym.formula.integration import integrals, theorems
 from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.simulation.slip_phase import attracted_to_rest
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.output import tables

@@ -6,7 +6,7 @@ import pytest
 import stickslip_sym as ss
 from derivations import d8_second_order
 from stickslip_sym.core.symbols import N, V, k, m
-from stickslip_sym.perturbation import averages, expand
+from stickslip_sym.motion.orbits.expansion import averages, expand
 
 FOUR = ["exponential", "polynomial", "hyperbolic", "gaussian"]
 AGREES = 1e-12  # two ways to the same sum in double precision

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import Motion, Phase, cycles, orbit
+from stickslip_sym import Motion, Phase
 from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.orbits import cycles, orbit
 from stickslip_sym.regimes import _rest
 from stickslip_sym.slip_orbits import _by_simulation
 from tests.conftest import paper_oscillator

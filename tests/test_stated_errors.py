@@ -7,12 +7,12 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
-from stickslip_sym.cycles import needed_damping
 from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.orbits.cycles import needed_damping
+from stickslip_sym.motion.orbits.expansion import expand
+from stickslip_sym.motion.orbits.orbit import orbits
 from stickslip_sym.motion.simulation import taylor
 from stickslip_sym.motion.simulation.steppers import Point
-from stickslip_sym.orbit import orbits
-from stickslip_sym.perturbation import expand
 from stickslip_sym.regimes import grows_far_out
 from stickslip_sym.rungs import Scenes, on_orbit, second_order
 from stickslip_sym.slip_orbits import _by_simulation, overtaking_cycle

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym.perturbation import expand
+from stickslip_sym.motion.orbits.expansion import expand
 from stickslip_sym.threshold import LADDER
 
 LAW = ss.laws.exponential.typical()

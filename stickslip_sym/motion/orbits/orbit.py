@@ -20,7 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym.collocation import (
+from stickslip_sym.model.law import FrictionLaw, limit_at_rest
+from stickslip_sym.motion.orbits.collocation import (
     GRIDS,
     ROUNDING,
     State,
@@ -31,8 +32,7 @@ from stickslip_sym.collocation import (
     refined,
     values,
 )
-from stickslip_sym.model.law import FrictionLaw, limit_at_rest
-from stickslip_sym.perturbation import averages, expand, slopes
+from stickslip_sym.motion.orbits.expansion import averages, expand, slopes
 
 __all__ = ["Orbits", "obstacle", "orbits"]
 

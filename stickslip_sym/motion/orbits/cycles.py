@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from stickslip_sym.collocation import Work
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.orbit import Orbits, obstacle, orbits
+from stickslip_sym.motion.orbits.collocation import Work
+from stickslip_sym.motion.orbits.orbit import Orbits, obstacle, orbits
 from stickslip_sym.output import markup
 
 __all__ = ["LimitCycle", "NeededDamping", "cycles_among", "limit_cycles", "needed_damping"]

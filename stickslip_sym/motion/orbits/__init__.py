@@ -1,0 +1,1 @@
+"""Periodic slip without integration in time: expansion for weak friction, and collocation."""
