@@ -36,9 +36,9 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.simulation.automaton import simulate
     from stickslip_sym.motion.simulation.trajectory import Event, EventKind, Outcome, Phase, Tendency, Trajectory
     from stickslip_sym.motion.simulation.transit import StickSlipCycle, peak_velocity, stick_slip_cycle
+    from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
+    from stickslip_sym.motion.thresholds.transition import TransitionSpeed, transition_speed
     from stickslip_sym.regimes import Regime, Rest, Separatrix, regime
-    from stickslip_sym.threshold import Threshold, pure_slip_damping
-    from stickslip_sym.transition import TransitionSpeed, transition_speed
 
 __version__ = "0.1.0"
 

@@ -45,8 +45,8 @@ def damping(
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
     from stickslip_sym.core.numbers import exact
+    from stickslip_sym.motion.thresholds.threshold import LADDER
     from stickslip_sym.output.tables import duration, table
-    from stickslip_sym.threshold import LADDER
 
     friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
     bound = friction.typical(**assignments(parameter or []))
@@ -90,7 +90,7 @@ def _threshold(
     """Return a threshold, or the error that says why there is none, and the seconds it took."""
     import time
 
-    from stickslip_sym.threshold import pure_slip_damping
+    from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 
     begin = time.perf_counter()
     try:

@@ -15,8 +15,8 @@ from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.deviation import LARGE, reasons, spread
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.tables import duration, table
-from stickslip_sym.threshold import pure_slip_damping
 
 __all__ = ["SCENE", "Check", "crosscheck", "report"]
 

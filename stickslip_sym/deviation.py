@@ -7,7 +7,7 @@ from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.formula.evaluation.averages import slope_average
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.threshold import pure_slip_damping
+from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 
 __all__ = ["LARGE", "reasons", "spread"]
 

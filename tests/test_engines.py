@@ -11,12 +11,12 @@ import mpmath
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym.grazing import grazing_damping
 from stickslip_sym.model.expression.parsing import FUNCTIONS
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.simulation import taylor
 from stickslip_sym.motion.simulation.engines import follower
 from stickslip_sym.motion.simulation.steppers import Point
+from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from tests.conftest import paper_oscillator
 from tests.many_digits import exact_return
 

@@ -13,8 +13,8 @@ from stickslip_sym.motion.orbits.expansion import expand
 from stickslip_sym.motion.orbits.orbit import orbits
 from stickslip_sym.motion.simulation import taylor
 from stickslip_sym.motion.simulation.steppers import Point
+from stickslip_sym.motion.thresholds.rungs import Scenes, on_orbit, second_order
 from stickslip_sym.regimes import grows_far_out
-from stickslip_sym.rungs import Scenes, on_orbit, second_order
 from stickslip_sym.slip_orbits import _by_simulation, overtaking_cycle
 from tests.conftest import paper_oscillator
 

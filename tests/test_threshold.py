@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import threshold as module
-from stickslip_sym.rungs import Scenes, numerical_averages, second_order
-from stickslip_sym.threshold import LADDER
+from stickslip_sym.motion.thresholds import threshold as module
+from stickslip_sym.motion.thresholds.rungs import Scenes, numerical_averages, second_order
+from stickslip_sym.motion.thresholds.threshold import LADDER
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 SIX = ["exponential", "polynomial", "hyperbolic", "gaussian", "lorentzian", "tanh"]

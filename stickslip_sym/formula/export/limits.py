@@ -18,7 +18,7 @@ from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.derivation.tidy import tidy
 from stickslip_sym.formula.integration import search
-from stickslip_sym.transition import transition_speed
+from stickslip_sym.motion.thresholds.transition import transition_speed
 
 __all__ = ["Ends", "Zeros", "ends", "zeros"]
 

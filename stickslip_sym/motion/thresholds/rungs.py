@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.formula.evaluation.averages import SlopeAverage, slope_average
-from stickslip_sym.grazing import grazing_damping
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.expansion import averages, expand
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
+from stickslip_sym.motion.thresholds.grazing import grazing_damping
 
 __all__ = [
     "AVERAGES", "Scenes", "average", "numerical_averages", "on_orbit", "second_order", "simulated",

@@ -17,8 +17,7 @@ from stickslip_sym.model.doubts import warn_where_negative
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import read_rtol
 from stickslip_sym.motion.orbits.orbit import obstacle
-from stickslip_sym.output import markup
-from stickslip_sym.rungs import (
+from stickslip_sym.motion.thresholds.rungs import (
     AVERAGES,
     Scenes,
     average,
@@ -27,6 +26,7 @@ from stickslip_sym.rungs import (
     second_order,
     simulated,
 )
+from stickslip_sym.output import markup
 
 __all__ = ["METHODS", "Threshold", "pure_slip_damping"]
 

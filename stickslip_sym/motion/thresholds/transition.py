@@ -21,9 +21,9 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import read_rtol, real
 from stickslip_sym.motion.orbits.expansion import averages, slopes
 from stickslip_sym.motion.orbits.orbit import obstacle
+from stickslip_sym.motion.thresholds.rungs import AVERAGES, Scenes, average, on_orbit, second_order, simulated
+from stickslip_sym.motion.thresholds.threshold import METHODS
 from stickslip_sym.output import markup
-from stickslip_sym.rungs import AVERAGES, Scenes, average, on_orbit, second_order, simulated
-from stickslip_sym.threshold import METHODS
 
 __all__ = ["TransitionSpeed", "transition_speed"]
 
