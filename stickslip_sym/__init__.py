@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stickslip_sym import criteria
     from stickslip_sym.basins import BasinMap, basin_map
-    from stickslip_sym.classification import Motion, classify
     from stickslip_sym.core import symbols
     from stickslip_sym.core.errors import (
         InputError,
@@ -33,12 +32,13 @@ if TYPE_CHECKING:
     from stickslip_sym.model.law import FrictionLaw, Parameter
     from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
+    from stickslip_sym.motion.regimes.attractors import Regime, Rest, Separatrix, regime
+    from stickslip_sym.motion.regimes.classification import Motion, classify
     from stickslip_sym.motion.simulation.automaton import simulate
     from stickslip_sym.motion.simulation.trajectory import Event, EventKind, Outcome, Phase, Tendency, Trajectory
     from stickslip_sym.motion.simulation.transit import StickSlipCycle, peak_velocity, stick_slip_cycle
     from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
     from stickslip_sym.motion.thresholds.transition import TransitionSpeed, transition_speed
-    from stickslip_sym.regimes import Regime, Rest, Separatrix, regime
 
 __version__ = "0.1.0"
 

@@ -9,15 +9,15 @@ import numpy as np
 
 from stickslip_sym.axes import Axis, read_values, require_few
 from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
-from stickslip_sym.classification import Motion, classify
 from stickslip_sym.columns import MOTIONS
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, read_rtol
+from stickslip_sym.motion.regimes.attractors import Regime, regime
+from stickslip_sym.motion.regimes.classification import Motion, classify
 from stickslip_sym.output import archive, drawing, markup
-from stickslip_sym.regimes import Regime, regime
 from stickslip_sym.workers import Workers
 
 __all__ = ["BasinMap", "basin_map"]

@@ -102,9 +102,9 @@ def simulate(
 
 def _end(law: "FrictionLaw", osc: "Oscillator", motion: "Trajectory", values: dict[str, Any]) -> str | None:
     """Return which motion the start leads to, or that it was not found; None where the motion shows it."""
-    from stickslip_sym.classification import classify
     from stickslip_sym.core.deadline import time_limit
     from stickslip_sym.core.errors import StickSlipError
+    from stickslip_sym.motion.regimes.classification import classify
     from stickslip_sym.motion.simulation.trajectory import Tendency
 
     if motion.tendency in (Tendency.REST, Tendency.STICK_SLIP, Tendency.PURE_SLIP, Tendency.UNBOUNDED):

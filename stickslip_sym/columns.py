@@ -20,17 +20,17 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym.classification import Motion, classify
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
+from stickslip_sym.motion.regimes.attractors import Regime, regime
+from stickslip_sym.motion.regimes.classification import Motion, classify
 from stickslip_sym.motion.simulation.transit import stick_slip_cycle
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from stickslip_sym.motion.thresholds.rungs import Scenes, average, numerical_averages
-from stickslip_sym.regimes import Regime, regime
 
 __all__ = ["MOTIONS", "REASONS", "Attractor", "Cells", "Reason", "decide"]
 

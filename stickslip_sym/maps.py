@@ -10,13 +10,13 @@ import numpy as np
 
 from stickslip_sym.axes import Axis, fixed_values, read_axes
 from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
-from stickslip_sym.classification import Motion
 from stickslip_sym.columns import MOTIONS, REASONS, Attractor, Cells, Reason, decide
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged, StickSlipError
 from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, read_rtol
+from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output import archive, drawing, markup
 from stickslip_sym.workers import Workers
 

@@ -12,7 +12,7 @@ import sympy as sp
 from mpmath import mp
 
 import stickslip_sym as ss
-from stickslip_sym import criteria, map_plot, regimes, slip_orbits, symbols
+from stickslip_sym import criteria, map_plot, symbols
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria import gauss
 from stickslip_sym.formula.derivation import tidy
@@ -28,6 +28,7 @@ from stickslip_sym.model.expression.parsing import MAX_DEPTH
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.orbits.expansion import expand
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
+from stickslip_sym.motion.regimes import attractors, slip_orbits
 from stickslip_sym.motion.simulation import engines
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.output import layout
@@ -173,7 +174,7 @@ def test_small_motions_grow_with_the_eigenvalues(rng):
         osc = paper_oscillator(c=max(c, 0.0))
         matrix = np.array([[0, 1], [-osc.k / osc.m, -(osc.c + osc.N * slope) / osc.m]])
         largest = max(np.linalg.eigvals(matrix), key=lambda root: root.real)
-        rate, half = regimes._swing(osc, slope)
+        rate, half = attractors._swing(osc, slope)
         assert rate == pytest.approx(largest.real, rel=1e-9)
         assert half == pytest.approx(np.pi / abs(largest.imag) if largest.imag else np.inf)
 

@@ -9,8 +9,8 @@ import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.orbits import cycles, orbit
-from stickslip_sym.regimes import _rest
-from stickslip_sym.slip_orbits import _by_simulation
+from stickslip_sym.motion.regimes.attractors import _rest
+from stickslip_sym.motion.regimes.slip_orbits import _by_simulation
 from tests.conftest import paper_oscillator
 
 KINKED = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.25)")
@@ -257,7 +257,7 @@ def test_wrong_input(law):
 
 
 def test_the_scene_of_a_trough_turns_there(law):
-    from stickslip_sym.slip_orbits import trough
+    from stickslip_sym.motion.regimes.slip_orbits import trough
 
     scene = Scene.of(law, paper_oscillator(3.1))
     for amplitude in (0.1, 0.7):

@@ -11,11 +11,11 @@ from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.expansion import expand
 from stickslip_sym.motion.orbits.orbit import orbits
+from stickslip_sym.motion.regimes.attractors import grows_far_out
+from stickslip_sym.motion.regimes.slip_orbits import _by_simulation, overtaking_cycle
 from stickslip_sym.motion.simulation import taylor
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.thresholds.rungs import Scenes, on_orbit, second_order
-from stickslip_sym.regimes import grows_far_out
-from stickslip_sym.slip_orbits import _by_simulation, overtaking_cycle
 from tests.conftest import paper_oscillator
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}

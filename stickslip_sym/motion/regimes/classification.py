@@ -11,12 +11,12 @@ from stickslip_sym.core import deadline
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol, real
 from stickslip_sym.motion.orbits.cycles import LimitCycle
+from stickslip_sym.motion.regimes.attractors import graze, grows_far_out
+from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits
 from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.slip_phase import SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.simulation.transit import horizon, stick_slip_cycle
-from stickslip_sym.regimes import graze, grows_far_out
-from stickslip_sym.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits
 
 __all__ = ["Motion", "classify"]
 

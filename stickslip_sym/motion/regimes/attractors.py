@@ -20,12 +20,12 @@ from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol
 from stickslip_sym.motion.orbits.cycles import LimitCycle
+from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, next_peak, overtaking_cycle, slip_orbits
 from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.slip_phase import SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.simulation.transit import StickSlipCycle, lowest_slip_speed, stick_slip_cycle
 from stickslip_sym.output import drawing, markup
-from stickslip_sym.slip_orbits import SlipOrbits, next_peak, overtaking_cycle, slip_orbits
 
 __all__ = ["Regime", "Rest", "Separatrix", "graze", "grows_far_out", "regime"]
 
@@ -164,7 +164,7 @@ class Regime:
         InputError
             If matplotlib is not installed, or cannot write the file.
         """
-        from stickslip_sym.regime_plot import draw_regime
+        from stickslip_sym.motion.regimes.drawing import draw_regime
 
         figure = draw_regime(self)
         if path is not None:
