@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stickslip_sym import criteria
-    from stickslip_sym.basins import BasinMap, basin_map
     from stickslip_sym.core import symbols
     from stickslip_sym.core.errors import (
         InputError,
@@ -27,10 +26,11 @@ if TYPE_CHECKING:
     from stickslip_sym.formula.derivation.steps import Derivation, Step
     from stickslip_sym.formula.evaluation.averages import SlopeAverage, slope_average
     from stickslip_sym.formula.export.export import export_c, export_latex, export_octave, export_python
-    from stickslip_sym.maps import MotionMap, motion_map
     from stickslip_sym.model import laws
     from stickslip_sym.model.law import FrictionLaw, Parameter
     from stickslip_sym.model.oscillator import Oscillator
+    from stickslip_sym.motion.maps.basins import BasinMap, basin_map
+    from stickslip_sym.motion.maps.motions import MotionMap, motion_map
     from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
     from stickslip_sym.motion.regimes.attractors import Regime, Rest, Separatrix, regime
     from stickslip_sym.motion.regimes.classification import Motion, classify

@@ -72,7 +72,7 @@ def motion_map(
 
     Example: stickslip map exponential --x V=0.01:1:100 --y c=0:6:100 --plot map.png
     """
-    from stickslip_sym.maps import motion_map as compute
+    from stickslip_sym.motion.maps.motions import motion_map as compute
 
     axes = _axis("--x", x), _axis("--y", y)
     names = [quantity for quantity, _ in axes]
@@ -161,7 +161,7 @@ def _report(found: Any) -> str:
     """Return a picture of the map in letters, and the number of cells of each kind."""
     import numpy as np
 
-    from stickslip_sym.map_plot import regions_of
+    from stickslip_sym.motion.maps.drawing import regions_of
     from stickslip_sym.output.tables import table
 
     place, kinds = regions_of(found)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_sym import maps
+from stickslip_sym.motion.maps import motions
 
 
 def test_simulate_prints_events_and_a_summary(run):
@@ -84,7 +84,7 @@ def test_help_has_an_example(run):
 )
 def test_a_map_that_cannot_be_written_is_not_computed(run, monkeypatch, file, message):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    monkeypatch.setattr(maps, "motion_map", lambda *args, **kwargs: pytest.fail("computed in vain"))
+    monkeypatch.setattr(motions, "motion_map", lambda *args, **kwargs: pytest.fail("computed in vain"))
     code, out, err = run("map", "exponential", "--x", "V=0.1:1:100", "--y", "c=0:6:100", *file)
     assert (code, out) == (2, "")
     assert message in err

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import Motion, cli_map, map_plot
-from stickslip_sym.columns import Reason
+from stickslip_sym import Motion, cli_map
+from stickslip_sym.motion.maps import drawing
+from stickslip_sym.motion.maps.columns import Reason
 from tests.conftest import paper_oscillator
 from tests.test_limit_cycles import TWO
 
@@ -225,8 +226,8 @@ def test_the_legend_names_the_curves_that_are_drawn():
     law = ss.laws.exponential.typical()
     for rows in ([9.81], [5.0, 9.81]):
         found = ss.motion_map(law, x=("V", V), y=("N", rows), c=2.0, m=1.0, k=100.0)
-        _, axes = map_plot._figure()
-        handles = map_plot._draw_curves(axes, found)
+        _, axes = drawing._figure()
+        handles = drawing._draw_curves(axes, found)
         drawn = [collection for collection in axes.collections if collection.get_paths()]
         assert len(handles) == len(drawn) == (3 if len(rows) > 1 else 0)
 

@@ -12,7 +12,7 @@ import sympy as sp
 from mpmath import mp
 
 import stickslip_sym as ss
-from stickslip_sym import criteria, map_plot, symbols
+from stickslip_sym import criteria, symbols
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria import gauss
 from stickslip_sym.formula.derivation import tidy
@@ -26,6 +26,7 @@ from stickslip_sym.model import samples
 from stickslip_sym.model.expression import pieces, reading
 from stickslip_sym.model.expression.parsing import MAX_DEPTH
 from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.maps import drawing
 from stickslip_sym.motion.orbits.expansion import expand
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.regimes import attractors, slip_orbits
@@ -163,7 +164,7 @@ def test_nesting_is_read_to_its_limit():
 def test_edges_of_cells_lie_half_way(rng):
     steps = rng.uniform(0.98, 1.02, 6)
     values = np.cumsum(steps)
-    for found in (map_plot._edges(values), np.log(map_plot._edges(np.exp(values)))):
+    for found in (drawing._edges(values), np.log(drawing._edges(np.exp(values)))):
         assert found[1:-1] == pytest.approx((values[1:] + values[:-1]) / 2)
         assert found[[0, -1]] == pytest.approx([values[0] - steps[1] / 2, values[-1] + steps[-1] / 2])
 

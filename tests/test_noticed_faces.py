@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym import map_plot, symbols
+from stickslip_sym import symbols
 from stickslip_sym.cli_reading import LARGEST, check_size
 from stickslip_sym.core import deadline, lambdify, lerch
 from stickslip_sym.core.numbers import exact
@@ -20,6 +20,7 @@ from stickslip_sym.formula.evaluation import bounds, fitting
 from stickslip_sym.formula.export import document
 from stickslip_sym.formula.integration import integrals, theorems
 from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.maps import drawing
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.simulation.slip_phase import attracted_to_rest
 from stickslip_sym.motion.simulation.steppers import Point
@@ -261,4 +262,4 @@ def test_durations_have_the_unit_that_suits_them(seconds, text):
 
 @pytest.mark.parametrize(("value", "half"), [(2.0, 0.1), (-2.0, 0.1), (0.0, 0.05)])
 def test_a_single_cell_has_edges_beside_its_value(value, half):
-    assert map_plot._edges(np.array([value])) == pytest.approx([value - half, value + half])
+    assert drawing._edges(np.array([value])) == pytest.approx([value - half, value + half])

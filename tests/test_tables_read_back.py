@@ -13,8 +13,8 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
-from stickslip_sym.axes import Axis
-from stickslip_sym.columns import Reason
+from stickslip_sym.motion.maps.axes import Axis
+from stickslip_sym.motion.maps.columns import Reason
 from tests.conftest import paper_oscillator
 
 LAW = ss.laws.exponential.typical()

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import Motion, checkpoint
-from stickslip_sym.columns import Reason
+from stickslip_sym import Motion
 from stickslip_sym.core import deadline
+from stickslip_sym.motion.maps import checkpoint
+from stickslip_sym.motion.maps.columns import Reason
 from stickslip_sym.motion.regimes import slip_orbits
 from stickslip_sym.newmark import Scan, pure_slip_by_scan
 from stickslip_sym.tradeoff_thresholds import threshold_tradeoff

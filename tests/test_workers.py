@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import checkpoint, cli_map, workers
+from stickslip_sym import cli_map
+from stickslip_sym.motion.maps import checkpoint, workers
 from tests.parallel_tasks import KILL, die_once, slow_line, slow_square, square
 from tests.systems import needs_groups
 

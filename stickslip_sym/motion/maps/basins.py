@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym.axes import Axis, read_values, require_few
-from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
-from stickslip_sym.columns import MOTIONS
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, read_rtol
+from stickslip_sym.motion.maps.axes import Axis, read_values, require_few
+from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Progress, collect
+from stickslip_sym.motion.maps.columns import MOTIONS
+from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify
 from stickslip_sym.output import archive, drawing, markup
-from stickslip_sym.workers import Workers
 
 __all__ = ["BasinMap", "basin_map"]
 
@@ -109,7 +109,7 @@ class BasinMap:
         InputError
             If matplotlib is not installed, or cannot write the file.
         """
-        from stickslip_sym.map_plot import draw_basins
+        from stickslip_sym.motion.maps.drawing import draw_basins
 
         figure = draw_basins(self)
         if path is not None:

@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym.axes import Axis, fixed_values, read_axes
-from stickslip_sym.checkpoint import UNFINISHED, Progress, collect
-from stickslip_sym.columns import MOTIONS, REASONS, Attractor, Cells, Reason, decide
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged, StickSlipError
 from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, read_rtol
+from stickslip_sym.motion.maps.axes import Axis, fixed_values, read_axes
+from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Progress, collect
+from stickslip_sym.motion.maps.columns import MOTIONS, REASONS, Attractor, Cells, Reason, decide
+from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output import archive, drawing, markup
-from stickslip_sym.workers import Workers
 
 __all__ = ["MotionMap", "motion_map"]
 
@@ -145,7 +145,7 @@ class MotionMap:
         InputError
             If matplotlib is not installed, or cannot write the file.
         """
-        from stickslip_sym.map_plot import draw_map
+        from stickslip_sym.motion.maps.drawing import draw_map
 
         figure = draw_map(self)
         if path is not None:

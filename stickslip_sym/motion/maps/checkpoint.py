@@ -17,8 +17,8 @@ from typing import Any, BinaryIO
 import stickslip_sym
 from stickslip_sym.core.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.motion.maps.workers import Workers, check_workers, run
 from stickslip_sym.output.files import require_name
-from stickslip_sym.workers import Workers, check_workers, run
 
 __all__ = ["UNFINISHED", "Progress", "collect"]
 

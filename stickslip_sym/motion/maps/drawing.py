@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym.columns import Reason
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.motion.maps.columns import Reason
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output.drawing import require_matplotlib
 
