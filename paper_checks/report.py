@@ -16,8 +16,8 @@ from paper_checks.findings import Finding, summary
 from paper_checks.formulas import EQUATIONS
 from paper_checks.scene import LAWS, law, oscillator
 from paper_checks.terminal import SHORT
-from stickslip_sym.tradeoff import Way
-from stickslip_sym.tradeoff_thresholds import SPEEDS, threshold_tradeoff
+from stickslip_sym.comparison.threshold_tradeoff import SPEEDS, threshold_tradeoff
+from stickslip_sym.comparison.tradeoff import Way
 
 __all__ = ["SCENE", "Report", "write"]
 

@@ -105,7 +105,7 @@ def _derived(law: Any, criterion: Any, time_limit: float) -> Any:
 
 def _checks(law: Any, criterion: Any, form: Any, scene: dict[str, str]) -> list[Any]:
     """Return the ways to the number, of a law that has all its values."""
-    from stickslip_sym.crosscheck import crosscheck
+    from stickslip_sym.comparison.crosscheck import crosscheck
 
     closed = None if isinstance(form, NoClosedForm) else form
     return [] if law.missing else crosscheck(law, criterion, scene, closed)
@@ -149,7 +149,7 @@ def _check(check: Any) -> dict[str, Any]:
 
 
 def _report(law: Any, criterion: Any, form: Any, checks: list[Any], steps: bool) -> str:
-    from stickslip_sym import crosscheck
+    from stickslip_sym.comparison import crosscheck
     from stickslip_sym.output import printing
 
     if isinstance(form, NoClosedForm):

@@ -48,8 +48,8 @@ def tradeoff(
 
     Example: stickslip tradeoff exponential -V 0.01 --plot trade.svg
     """
-    from stickslip_sym import tradeoff as measured
-    from stickslip_sym import tradeoff_thresholds
+    from stickslip_sym.comparison import threshold_tradeoff
+    from stickslip_sym.comparison import tradeoff as measured
     from stickslip_sym.core.numbers import exact
     from stickslip_sym.formula.derivation.closed_form import derive as derive_form
     from stickslip_sym.model.doubts import warn_where_negative
@@ -75,9 +75,9 @@ def tradeoff(
         warn_where_negative(bound, float(numbers["V"]))
     if thresholds:
         scene = {name: float(value) for name, value in numbers.items()}
-        ways = tradeoff_thresholds.threshold_tradeoff(bound, scene, time_limit=limit)
+        ways = threshold_tradeoff.threshold_tradeoff(bound, scene, time_limit=limit)
         title = f"thresholds of {bound.name or law}, {', '.join(f'{n} = {text}' for n, text in given.items())}"
-        text = f"{title}\n\n{tradeoff_thresholds.threshold_report(ways)}"
+        text = f"{title}\n\n{threshold_tradeoff.threshold_report(ways)}"
     else:
         form = derive_form(bound, criterion)
         ways = measured.tradeoff(form, given, time_limit=limit)

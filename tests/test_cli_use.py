@@ -13,8 +13,8 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym import cli, cli_json, cli_names, cli_reading, cli_tradeoff
+from stickslip_sym.comparison.tradeoff import Way
 from stickslip_sym.motion.thresholds import threshold
-from stickslip_sym.tradeoff import Way
 from tests.systems import WINDOWS, needs_posix_shell
 from tests.test_cli import shell
 

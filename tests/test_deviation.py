@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import crosscheck, deviation
+from stickslip_sym.comparison import crosscheck, deviation
 from stickslip_sym.formula.code.code_text import python_code
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}

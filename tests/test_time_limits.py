@@ -8,12 +8,12 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
+from stickslip_sym.comparison.newmark import Scan, pure_slip_by_scan
+from stickslip_sym.comparison.threshold_tradeoff import threshold_tradeoff
 from stickslip_sym.core import deadline
 from stickslip_sym.motion.maps import checkpoint
 from stickslip_sym.motion.maps.columns import Reason
 from stickslip_sym.motion.regimes import slip_orbits
-from stickslip_sym.newmark import Scan, pure_slip_by_scan
-from stickslip_sym.tradeoff_thresholds import threshold_tradeoff
 from tests.conftest import paper_oscillator
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import tradeoff, tradeoff_thresholds
+from stickslip_sym.comparison import threshold_tradeoff, tradeoff
 from stickslip_sym.output import drawing
 
 DOUBLE = 4 * 2.0**-52
@@ -68,9 +68,9 @@ def test_command():
 
 
 def test_thresholds_of_every_rung_and_of_the_paper_s_procedure(monkeypatch):
-    monkeypatch.setattr(tradeoff_thresholds, "SPEEDS", np.array([0.2, 0.5, 0.95]))  # the last has no threshold
+    monkeypatch.setattr(threshold_tradeoff, "SPEEDS", np.array([0.2, 0.5, 0.95]))  # the last has no threshold
     scene = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
-    found = {way.name: way for way in tradeoff_thresholds.threshold_tradeoff(ss.laws.polynomial.typical(), scene)}
+    found = {way.name: way for way in threshold_tradeoff.threshold_tradeoff(ss.laws.polynomial.typical(), scene)}
     errors = [found[name].error for name in ("equilibrium", "least_squares", "harmonic", "second_order", "orbit")]
     assert errors == sorted(errors, reverse=True)
     assert errors[0] > 0.05
@@ -78,9 +78,9 @@ def test_thresholds_of_every_rung_and_of_the_paper_s_procedure(monkeypatch):
     assert found["simulation"].error < 1e-9
     assert 1e-4 < found["Newmark scan"].error < 1e-3  # the paper's 3.038 for 3.036477
     assert all(way.seconds > 0 for way in found.values())
-    assert "not measured" in tradeoff_thresholds.threshold_report(list(found.values()))
+    assert "not measured" in threshold_tradeoff.threshold_report(list(found.values()))
     with pytest.raises(ss.NoThreshold, match="nothing has a relative error"):
-        tradeoff_thresholds.threshold_tradeoff(ss.laws.polynomial.typical(), scene | {"V": 0.95})
+        threshold_tradeoff.threshold_tradeoff(ss.laws.polynomial.typical(), scene | {"V": 0.95})
 
 
 def test_no_label_covers_another_or_a_point():

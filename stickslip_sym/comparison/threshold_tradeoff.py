@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from stickslip_sym.comparison.newmark import Scan, pure_slip_by_scan
+from stickslip_sym.comparison.tradeoff import Way
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.threshold import LADDER, Threshold, pure_slip_damping
-from stickslip_sym.newmark import Scan, pure_slip_by_scan
 from stickslip_sym.output.tables import duration, table
-from stickslip_sym.tradeoff import Way
 
 __all__ = ["SPEEDS", "threshold_report", "threshold_tradeoff"]
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import mpmath
 
+from stickslip_sym.comparison.deviation import LARGE, reasons, spread
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.deviation import LARGE, reasons, spread
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
