@@ -24,14 +24,14 @@ def paper_oscillator(c=0.0, **changes):
 @pytest.fixture
 def run(tmp_path, monkeypatch, capsys):
     """Run the command in this process, in an empty folder; return its exit code and what it printed."""
-    from stickslip_sym import cli
+    from stickslip_sym.cli import program
 
     monkeypatch.chdir(tmp_path)
 
     def call(*arguments):
         monkeypatch.setattr("sys.argv", ["stickslip", *arguments])
         with pytest.raises(SystemExit) as end:
-            cli.main()
+            program.main()
         printed = capsys.readouterr()
         return end.value.code or 0, printed.out, printed.err
 

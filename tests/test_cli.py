@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_sym import InputError, Status, cli, cli_derive, load
+from stickslip_sym import InputError, Status, load
+from stickslip_sym.cli import derive, program
 from stickslip_sym.formula.derivation.steps import Derivation
 from stickslip_sym.output import files
 from tests.systems import FOLDER_OPENED, needs_links, needs_long_names, needs_modes, needs_posix_shell
@@ -193,7 +194,7 @@ def test_bad_input_is_one_or_two_lines_on_stderr(arguments, message, tmp_path, m
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.argv", ["stickslip", *arguments])
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        program.main()
     printed = capsys.readouterr()
     assert end.value.code == 2
     assert printed.out == ""
@@ -248,10 +249,10 @@ def test_an_interrupt_ends_quietly(monkeypatch, capsys):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli_derive, "read_law", interrupt)
+    monkeypatch.setattr(derive, "read_law", interrupt)
     monkeypatch.setattr("sys.argv", ["stickslip", "derive", "linear"])
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        program.main()
     assert end.value.code == 130
     assert capsys.readouterr().err.strip() == ""
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym.cli_words import in_options
+from stickslip_sym.cli.words import in_options
 from tests.test_cli_use import read_json, run
 
 POINTS = "v [m/s],mu\n0,0.5\n0.1,0.4\n0.3,0.3\n1.2,0.25\n"

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import cli, cli_json, cli_names, cli_reading, cli_tradeoff
+from stickslip_sym.cli import completion, json_output, program, reading, tradeoff
 from stickslip_sym.comparison.tradeoff import Way
 from stickslip_sym.motion.thresholds import threshold
 from tests.systems import WINDOWS, needs_posix_shell
@@ -34,18 +34,18 @@ def run(monkeypatch, capsys, *arguments):
     """Run the command in this process; return its exit code and what it wrote."""
     monkeypatch.setattr("sys.argv", ["stickslip", *arguments])
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        program.main()
     printed = capsys.readouterr()
     return end.value.code or 0, printed.out, printed.err
 
 
 def registered():
-    return {(info.name or info.callback.__name__): info for info in cli.app.registered_commands}
+    return {(info.name or info.callback.__name__): info for info in program.app.registered_commands}
 
 
 def test_every_command_is_tried_here():
     assert set(registered()) == set(COMMANDS)
-    assert {info.cls for info in registered().values()} == {cli_reading.Command}
+    assert {info.cls for info in registered().values()} == {reading.Command}
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -177,7 +177,7 @@ def test_tradeoff_as_json(monkeypatch, capsys):
     assert ways["stable function, one value"]["relative_error"] < 1e-14
     assert said["criterion"] == "least_squares"
     none = Way("plain lambdify, array", math.nan, math.nan)
-    assert set(cli_tradeoff._way(none).values()) == {none.name, None}
+    assert set(tradeoff._way(none).values()) == {none.name, None}
 
 
 def test_simulate_as_json(monkeypatch, capsys):
@@ -197,9 +197,9 @@ def test_map_as_json(monkeypatch, capsys):
 
 
 def test_json_has_no_nan():
-    assert [cli_json.number(value) for value in (math.nan, math.inf, -math.inf, None, 1)] == [None] * 4 + [1.0]
+    assert [json_output.number(value) for value in (math.nan, math.inf, -math.inf, None, 1)] == [None] * 4 + [1.0]
     with pytest.raises(ValueError, match="not JSON compliant"):
-        cli_json.echo("laws", value=math.nan)
+        json_output.echo("laws", value=math.nan)
 
 
 def test_the_version(monkeypatch, capsys):
@@ -257,10 +257,10 @@ def test_files_get_no_colours(forced, arguments, tmp_path):
 
 
 def test_completed_names_are_those_there_are():
-    assert cli_names.complete_law("") == list(ss.laws.catalogue)
-    assert cli_names.complete_criterion("") == list(ss.criteria.catalogue)
-    assert cli_names.complete_criterion_or_all("a") == ["all"]
-    assert cli_names.complete_method("") == list(threshold.METHODS)
+    assert completion.complete_law("") == list(ss.laws.catalogue)
+    assert completion.complete_criterion("") == list(ss.criteria.catalogue)
+    assert completion.complete_criterion_or_all("a") == ["all"]
+    assert completion.complete_method("") == list(threshold.METHODS)
 
 
 def completed(kind, line):

@@ -291,12 +291,12 @@ def test_command_writes_all_outputs(tmp_path):
     ],
 )
 def test_command_refuses_and_writes_nothing(arguments, complaint, tmp_path, monkeypatch, capsys):
-    from stickslip_sym import cli
+    from stickslip_sym.cli import program
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", ["stickslip", "export", *arguments])
     with pytest.raises(SystemExit) as left:
-        cli.main()
+        program.main()
     assert left.value.code == 2
     assert re.search(complaint, capsys.readouterr().err)
     assert list(tmp_path.iterdir()) == []

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import Motion, cli_map
+from stickslip_sym import Motion
+from stickslip_sym.cli import map
 from stickslip_sym.motion.maps import drawing
 from stickslip_sym.motion.maps.columns import Reason
 from tests.conftest import paper_oscillator
@@ -333,4 +334,4 @@ def test_the_command_prints_a_picture_and_writes_files(run, tmp_path):
 )
 def test_axes_that_cannot_be_read_are_refused(text, message):
     with pytest.raises(ss.InputError, match=re.escape(message)):
-        cli_map._axis("--x", text)
+        map._axis("--x", text)

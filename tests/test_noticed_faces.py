@@ -11,7 +11,7 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.cli_reading import LARGEST, check_size
+from stickslip_sym.cli.reading import LARGEST, check_size
 from stickslip_sym.core import deadline, lambdify, lerch
 from stickslip_sym.core.numbers import exact
 from stickslip_sym.core.symbols import v

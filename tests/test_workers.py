@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym import cli_map
+from stickslip_sym.cli import map
 from stickslip_sym.motion.maps import checkpoint, workers
 from tests.parallel_tasks import KILL, die_once, slow_line, slow_square, square
 from tests.systems import needs_groups
@@ -206,7 +206,7 @@ def test_a_run_killed_midway_goes_on_to_the_same_output(run, tmp_path):
     whole.to_npz(tmp_path / "whole.npz")
     for kind in ("csv", "npz"):
         assert (tmp_path / f"resumed.{kind}").read_bytes() == (tmp_path / f"whole.{kind}").read_bytes()
-    assert out == cli_map._report(whole) + "\n"
+    assert out == map._report(whole) + "\n"
     assert file.read_bytes().count(b"\n") == 31  # nothing was computed twice
 
 

@@ -4,11 +4,11 @@ from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym import cli_json
-from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
-from stickslip_sym.cli_names import complete_method
-from stickslip_sym.cli_reading import Values, assignments, check_size, read_numbers
-from stickslip_sym.cli_words import in_options
+from stickslip_sym.cli import json_output
+from stickslip_sym.cli.completion import complete_method
+from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
+from stickslip_sym.cli.reading import Values, assignments, check_size, read_numbers
+from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import StickSlipError
 
 __all__ = ["damping"]
@@ -38,7 +38,7 @@ def damping(
     time_limit: Annotated[
         str | None, typer.Option("--time-limit", metavar="S", help="Seconds of computation, for each method.")
     ] = None,
-    as_json: cli_json.AsJson = False,
+    as_json: json_output.AsJson = False,
 ) -> None:
     """Print the pure-slip damping, the method that gave it, and its error.
 
@@ -66,7 +66,9 @@ def damping(
             raise error
     if as_json:
         thresholds = [_as_json(method, *result) for method, result in found.items()]
-        cli_json.echo("damping", law=cli_json.law(bound), scene=cli_json.values(given), thresholds=thresholds)
+        json_output.echo(
+            "damping", law=json_output.law(bound), scene=json_output.values(given), thresholds=thresholds
+        )
     elif everything:
         rows = [
             [method, f"none: {in_options(str(threshold))}", "", ""]
@@ -102,10 +104,10 @@ def _threshold(
 
 def _as_json(method: str, threshold: Any, seconds: float) -> dict[str, Any]:
     if isinstance(threshold, StickSlipError):
-        return {"method": method, "c": cli_json.missing("kg/s", in_options(str(threshold)))}
+        return {"method": method, "c": json_output.missing("kg/s", in_options(str(threshold)))}
     return {
         "method": threshold.method,
-        "c": cli_json.quantity(threshold.value, "kg/s"),
-        "relative_error": cli_json.number(threshold.error),
+        "c": json_output.quantity(threshold.value, "kg/s"),
+        "relative_error": json_output.number(threshold.error),
         "seconds": seconds,
     }

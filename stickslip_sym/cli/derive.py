@@ -8,10 +8,10 @@ from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym import cli_json
-from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
-from stickslip_sym.cli_reading import CriteriaName, Values, assignments, check_size, require_writable
-from stickslip_sym.cli_words import in_options
+from stickslip_sym.cli import json_output
+from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
+from stickslip_sym.cli.reading import CriteriaName, Values, assignments, check_size, require_writable
+from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, NoClosedForm
 
 __all__ = ["derive", "progress"]
@@ -41,7 +41,7 @@ def derive(
     time_limit: Annotated[
         float, typer.Option("--time-limit", metavar="S", help="Seconds for each criterion.")
     ] = 120.0,
-    as_json: cli_json.AsJson = False,
+    as_json: json_output.AsJson = False,
 ) -> None:
     """Derive the closed form of a criterion, prove it, and cross-check its value.
 
@@ -79,7 +79,7 @@ def derive(
     checks = [_checks(bound, one, form, scene) for one, form in zip(chosen, found, strict=True)]
     if as_json:
         results = [_as_json(*result, steps) for result in zip(chosen, found, checks, strict=True)]
-        cli_json.echo("derive", law=cli_json.law(bound), scene=cli_json.values(scene), criteria=results)
+        json_output.echo("derive", law=json_output.law(bound), scene=json_output.values(scene), criteria=results)
     else:
         typer.echo(f"mu(v) = {bound.text}")
         for result in zip(chosen, found, checks, strict=True):
@@ -139,11 +139,11 @@ def _as_json(criterion: Any, form: Any, checks: list[Any], steps: bool) -> dict[
 
 def _check(check: Any) -> dict[str, Any]:
     if check.difference is None:
-        return {"method": check.method, "c": cli_json.missing("kg/s", in_options(check.value))}
+        return {"method": check.method, "c": json_output.missing("kg/s", in_options(check.value))}
     return {
         "method": check.method,
-        "c": cli_json.quantity(float(check.value), "kg/s", text=check.value),
-        "relative_difference": cli_json.number(check.difference),
+        "c": json_output.quantity(float(check.value), "kg/s", text=check.value),
+        "relative_difference": json_output.number(check.difference),
         "seconds": check.seconds,
     }
 

@@ -5,9 +5,9 @@ from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym import cli_json
-from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
-from stickslip_sym.cli_reading import (
+from stickslip_sym.cli import json_output
+from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
+from stickslip_sym.cli.reading import (
     CriterionName,
     Values,
     assignments,
@@ -42,7 +42,7 @@ def tradeoff(
     time_limit: Annotated[
         str, typer.Option("--time-limit", metavar="S", help="Seconds; ways that are left then have no number.")
     ] = "600",
-    as_json: cli_json.AsJson = False,
+    as_json: json_output.AsJson = False,
 ) -> None:
     """Measure what each way to the number costs, and how far it is off.
 
@@ -85,8 +85,12 @@ def tradeoff(
         text = f"{form!r}, V = {speed} m/s, N = {force} N\n\n{measured.report(ways)}"
     if as_json:
         what = {"thresholds": True} if thresholds else {"criterion": criterion}
-        cli_json.echo(
-            "tradeoff", law=cli_json.law(bound), scene=cli_json.values(given), **what, ways=[*map(_way, ways)]
+        json_output.echo(
+            "tradeoff",
+            law=json_output.law(bound),
+            scene=json_output.values(given),
+            **what,
+            ways=[*map(_way, ways)],
         )
     else:
         typer.echo(text)
@@ -97,7 +101,7 @@ def tradeoff(
 def _way(way: Any) -> dict[str, Any]:
     return {
         "way": way.name,
-        "seconds": cli_json.number(way.seconds),
-        "relative_error": cli_json.number(way.error),
-        "largest_relative_error": cli_json.number(way.largest),
+        "seconds": json_output.number(way.seconds),
+        "relative_error": json_output.number(way.error),
+        "largest_relative_error": json_output.number(way.largest),
     }

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from stickslip_sym.cli_names import complete_criterion, complete_criterion_or_all
+from stickslip_sym.cli.completion import complete_criterion, complete_criterion_or_all
 from stickslip_sym.core.errors import InputError
 
 __all__ = [

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stickslip_sym import cli_json
-from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
-from stickslip_sym.cli_reading import (
+from stickslip_sym.cli import json_output
+from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
+from stickslip_sym.cli.reading import (
     SCENE,
     Force,
     Mass,
@@ -22,7 +22,7 @@ from stickslip_sym.cli_reading import (
     require_new,
     require_writable,
 )
-from stickslip_sym.cli_words import in_options
+from stickslip_sym.cli.words import in_options
 
 if TYPE_CHECKING:
     from stickslip_sym.model.law import FrictionLaw
@@ -65,7 +65,7 @@ def simulate(
     ] = None,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the samples.")] = None,
     overwrite: Overwrite = False,
-    as_json: cli_json.AsJson = False,
+    as_json: json_output.AsJson = False,
 ) -> None:
     """Simulate the mass from a start, and print its events, what motion it is, and its periods.
 
@@ -90,8 +90,8 @@ def simulate(
     motion = automaton.simulate(bound, osc, **values, engine=engine)
     end = _end(bound, osc, motion, values)
     if as_json:
-        scene = {"law": cli_json.law(bound), "scene": cli_json.values(given)}
-        cli_json.echo("simulate", **scene, **_as_json(motion, end))
+        scene = {"law": json_output.law(bound), "scene": json_output.values(given)}
+        json_output.echo("simulate", **scene, **_as_json(motion, end))
     else:
         typer.echo(_report(motion, end))
     if csv is not None:
@@ -121,15 +121,15 @@ def _as_json(motion: "Trajectory", end: str | None) -> dict[str, Any]:
     """Return what motion it is, the events and the outcome."""
     events = [
         {
-            "t": cli_json.quantity(event.t, "s"),
-            "x": cli_json.quantity(event.x, "m"),
-            "v": cli_json.quantity(event.v, "m/s"),
+            "t": json_output.quantity(event.t, "s"),
+            "x": json_output.quantity(event.x, "m"),
+            "v": json_output.quantity(event.v, "m/s"),
             "kind": event.kind.value,
             "begins": event.begins.value,
         }
         for event in motion.events
     ]
-    periods = [cli_json.quantity(period, "s") for period in _periods(motion)]
+    periods = [json_output.quantity(period, "s") for period in _periods(motion)]
     word = {"motion": motion.tendency.value, "change_in_a_round": motion.change, "in_the_end": end}
     note = motion.note and in_options(motion.note)
     return word | {"outcome": motion.outcome.value, "note": note, "events": events, "periods": periods}

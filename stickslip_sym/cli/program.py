@@ -12,15 +12,15 @@ import typer
 
 # Everything that needs SymPy is imported by the command that uses it: help must come at once.
 from stickslip_sym import __version__
-from stickslip_sym.cli_damping import damping
-from stickslip_sym.cli_derive import derive
-from stickslip_sym.cli_export import export
-from stickslip_sym.cli_laws import laws
-from stickslip_sym.cli_map import motion_map
-from stickslip_sym.cli_reading import Command
-from stickslip_sym.cli_simulate import simulate
-from stickslip_sym.cli_tradeoff import tradeoff
-from stickslip_sym.cli_words import in_options
+from stickslip_sym.cli.damping import damping
+from stickslip_sym.cli.derive import derive
+from stickslip_sym.cli.export import export
+from stickslip_sym.cli.laws import laws
+from stickslip_sym.cli.map import motion_map
+from stickslip_sym.cli.reading import Command
+from stickslip_sym.cli.simulate import simulate
+from stickslip_sym.cli.tradeoff import tradeoff
+from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 
 app = typer.Typer(

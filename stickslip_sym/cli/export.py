@@ -5,9 +5,9 @@ from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym.cli_derive import progress
-from stickslip_sym.cli_law import Name, Source, Static, Units, read_law
-from stickslip_sym.cli_reading import CriteriaName, assignments, require_writable
+from stickslip_sym.cli.derive import progress
+from stickslip_sym.cli.law import Name, Source, Static, Units, read_law
+from stickslip_sym.cli.reading import CriteriaName, assignments, require_writable
 from stickslip_sym.core.errors import InputError, NoClosedForm
 
 __all__ = ["export"]

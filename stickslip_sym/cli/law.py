@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym.cli_names import complete_law
-from stickslip_sym.cli_reading import assignments
+from stickslip_sym.cli.completion import complete_law
+from stickslip_sym.cli.reading import assignments
 from stickslip_sym.core.errors import InputError
 
 __all__ = ["Extrapolate", "FromCsv", "LawName", "Name", "Source", "Static", "Units", "read_law"]

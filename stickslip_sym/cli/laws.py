@@ -4,8 +4,8 @@ from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym import cli_json
-from stickslip_sym.cli_names import complete_law
+from stickslip_sym.cli import json_output
+from stickslip_sym.cli.completion import complete_law
 from stickslip_sym.core.errors import NoClosedForm
 
 __all__ = ["laws"]
@@ -16,7 +16,7 @@ def laws(
         str | None,
         typer.Argument(metavar="[NAME]", help="A law of the catalogue, in full.", autocompletion=complete_law),
     ] = None,
-    as_json: cli_json.AsJson = False,
+    as_json: json_output.AsJson = False,
 ) -> None:
     """List the friction laws of the catalogue, or tell all about one.
 
@@ -29,11 +29,11 @@ def laws(
         law, forms = find(name), _forms(find(name))
         if as_json:
             criteria = {criterion: _described_form(form) for criterion, form in forms.items()}
-            cli_json.echo("laws", laws=[cli_json.law(law) | {"criteria": criteria}])
+            json_output.echo("laws", laws=[json_output.law(law) | {"criteria": criteria}])
         else:
             typer.echo(_about(law, forms))
     elif as_json:
-        cli_json.echo("laws", laws=[cli_json.law(law) for law in catalogue.values()])
+        json_output.echo("laws", laws=[json_output.law(law) for law in catalogue.values()])
     else:
         rows = [
             [name, law.text, ", ".join(_described(parameter) for parameter in law.parameters.values())]

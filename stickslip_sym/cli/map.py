@@ -8,9 +8,9 @@ from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym import cli_json
-from stickslip_sym.cli_law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
-from stickslip_sym.cli_reading import (
+from stickslip_sym.cli import json_output
+from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
+from stickslip_sym.cli.reading import (
     SCENE,
     Force,
     Mass,
@@ -24,7 +24,7 @@ from stickslip_sym.cli_reading import (
     require_new,
     require_writable,
 )
-from stickslip_sym.cli_words import in_options
+from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError
 
 __all__ = ["motion_map"]
@@ -66,7 +66,7 @@ def motion_map(
         str | None,
         typer.Option("--time-limit", metavar="S", help="Seconds; the cells that are left then are undecided."),
     ] = None,
-    as_json: cli_json.AsJson = False,
+    as_json: json_output.AsJson = False,
 ) -> None:
     """Map the motions that exist, and the three thresholds, over a plane.
 
@@ -102,8 +102,8 @@ def motion_map(
             **limit,
         )
     if as_json:
-        known = {"law": cli_json.law(bound), "scene": cli_json.values(given)}
-        cli_json.echo("map", **known, **_as_json(found))
+        known = {"law": json_output.law(bound), "scene": json_output.values(given)}
+        json_output.echo("map", **known, **_as_json(found))
     else:
         typer.echo(_report(found))
     for write, path in ((found.to_csv, csv), (found.to_npz, npz), (found.plot, plot)):
