@@ -1,4 +1,4 @@
-"""Rules of the house: folders in their order, imports that run one way, a cheap import, a whole public interface."""
+"""Rules of the house: folders in their order, imports one way, a cheap import, a whole public interface."""
 
 import ast
 import importlib
@@ -138,9 +138,9 @@ def test_every_public_name_is_there_whatever_was_imported_before():
         value = getattr(ss, name)
         assert value.__doc__
         assert callable(value) != (name in modules), name
-    assert set(ss.__all__) | {"__version__"} <= set(dir(ss)) | {"__version__"}
+    assert set(ss.__all__) <= set(dir(ss))
     assert ss.__version__
-    with pytest.raises(AttributeError, match="no attribute 'nonsense'|No stickslip_sym attribute nonsense"):
+    with pytest.raises(AttributeError, match="nonsense"):
         _ = ss.nonsense
 
 
@@ -148,7 +148,7 @@ def test_every_law_of_the_catalogue_is_an_attribute():
     assert set(ss.laws.catalogue) <= set(dir(ss.laws))
     for name, law in ss.laws.catalogue.items():
         assert getattr(ss.laws, name) is law
-    with pytest.raises(AttributeError, match="exponental.*did you mean 'exponential'"):
+    with pytest.raises(AttributeError, match=r"exponental.*did you mean 'exponential'"):
         _ = ss.laws.exponental
 
 

@@ -12,7 +12,7 @@ METHODS = (*CRITERIA, "second_order", "orbit", "simulation", "auto")
 
 def complete_law(incomplete: str) -> list[str]:
     """Return the laws of the catalogue whose names begin so; the catalogue is read, not run."""
-    source = Path(__file__).with_name("laws.py").read_text(encoding="utf-8")
+    source = Path(__file__).parents[1].joinpath("model", "laws.py").read_text(encoding="utf-8")
     names = [
         call.args[0].value
         for call in ast.walk(ast.parse(source))

@@ -24,7 +24,7 @@ UNITS = {"V": "m/s", "N": "N", "m": "kg", "k": "N/m", "c": "kg/s"}
 
 def echo(command: str, **content: Any) -> None:
     """Print the object of a command."""
-    from stickslip_sym import __version__
+    from stickslip_sym.core.version import __version__
 
     head = {"format": FORMAT, "version": __version__, "command": command}
     typer.echo(json.dumps(head | content, indent=2, ensure_ascii=False, allow_nan=False))

@@ -10,8 +10,6 @@ from typing import Annotated, Any
 
 import typer
 
-# Everything that needs SymPy is imported by the command that uses it: help must come at once.
-from stickslip_sym import __version__
 from stickslip_sym.cli.damping import damping
 from stickslip_sym.cli.derive import derive
 from stickslip_sym.cli.export import export
@@ -22,6 +20,9 @@ from stickslip_sym.cli.simulate import simulate
 from stickslip_sym.cli.tradeoff import tradeoff
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
+
+# Everything that needs SymPy is imported by the command that uses it: help must come at once.
+from stickslip_sym.core.version import __version__
 
 app = typer.Typer(
     name="stickslip",

@@ -4,6 +4,9 @@ Imports `core`, `output` and `model`, and never sees a closed form. One more cri
 `criterion`; `ss.Criterion(name, weight)` is one outside the package.
 """
 
+import lazy_loader
+
 from stickslip_sym.criteria.criterion import Criterion, catalogue, equilibrium, find, harmonic, least_squares
 
-__all__ = ["Criterion", "catalogue", "equilibrium", "find", "harmonic", "least_squares"]
+__all__ = ["Criterion", "catalogue", "equilibrium", "find", "harmonic", "least_squares", "quadrature"]
+__getattr__, __dir__, _ = lazy_loader.attach(__name__, ["quadrature"])

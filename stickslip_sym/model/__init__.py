@@ -2,3 +2,7 @@
 
 Imports `core`, `output` and its own room `expression`. One more law of the catalogue is one entry in `laws`.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach(__name__, ["laws"])

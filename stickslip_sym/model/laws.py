@@ -4,10 +4,10 @@
 cited work itself. Typical values are for trying a law out: they make it fall somewhere in 0.1 to 1 m/s.
 """
 
-from stickslip_sym.core.numbers import lookup
+from stickslip_sym.core.numbers import lookup, suggestion
 from stickslip_sym.model.law import FrictionLaw, Parameter
 
-__all__ = ["catalogue", "coulomb", "exponential", "find", "hyperbolic", "polynomial", "popp_stelter", "stribeck"]
+__all__ = ["catalogue", "find"]
 
 _UNCONFIRMED = " (first source not confirmed)"
 
@@ -31,15 +31,23 @@ catalogue: dict[str, FrictionLaw] = {}
 """Every law of the catalogue by name."""
 
 
-def _law(name: str, formula: str, *parameters: Parameter, validity: str, source: str) -> FrictionLaw:
-    law = FrictionLaw(formula, name=name, parameters=parameters, validity=validity, source=source)
-    catalogue[name] = law
-    return law
+def __getattr__(name: str) -> FrictionLaw:
+    if name in catalogue:
+        return catalogue[name]
+    raise AttributeError(f"there is no law {name!r}{suggestion(name, catalogue)}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, *catalogue])
+
+
+def _law(name: str, formula: str, *parameters: Parameter, validity: str, source: str) -> None:
+    catalogue[name] = FrictionLaw(formula, name=name, parameters=parameters, validity=validity, source=source)
 
 
 # -- laws with a jump at v = 0: friction from the first slip on ------------------------------------
 
-coulomb = _law(
+_law(
     "coulomb", "mu_k", _MU_K,
     validity="dry contacts over a moderate range of speeds; never falls, so only a static coefficient excites",
     source="Coulomb 1785",
@@ -55,7 +63,7 @@ _law(
     validity="near one belt speed; negative beyond v = mu_s/a_1",
     source="linearisation, textbook",
 )  # fmt: skip
-exponential = _law(
+_law(
     "exponential", "mu_m + (mu_s - mu_m)*exp(-alpha*v)", _MU_S, _MU_M, _ALPHA,
     validity="dry contacts; falls at all speeds if mu_s > mu_m",
     source="Won & Chung 2016, eq. (3); earlier Tustin 1947" + _UNCONFIRMED,
@@ -75,7 +83,7 @@ _law(
     validity="steady sliding of the LuGre model; rises with mu_v at v = 0+, dips, and rises again",
     source="Canudas de Wit, Olsson, Astrom & Lischinsky 1995" + _UNCONFIRMED,
 )  # fmt: skip
-stribeck = _law(
+_law(
     "stribeck", "mu_m + (mu_s - mu_m)*exp(-(v/v_s)^delta)", _MU_S, _MU_M, _V_S, _DELTA,
     validity="any Stribeck curve without viscous rise; the slope at v = 0+ is infinite for delta < 1",
     source="Bo & Pavelescu 1982" + _UNCONFIRMED,
@@ -95,18 +103,18 @@ _law(
     validity="lubricated line contacts from boundary to full film; dips if mu_v < 0.65 (mu_s - mu_k)/v_s",
     source="Hess & Soom 1990" + _UNCONFIRMED,
 )  # fmt: skip
-hyperbolic = _law(
+_law(
     "hyperbolic", "mu_m + (mu_s - mu_m)/(1 + v/v_s)", _MU_S, _MU_M, _V_S,
     validity="dry contacts with a slow fall, such as rosin, rubber or brake blocks",
     source="Bochet 1861; for stick-slip oscillators Popp & Stelter 1990" + _UNCONFIRMED,
 )  # fmt: skip
-popp_stelter = _law(
+_law(
     "popp_stelter", "mu_k + (mu_s - mu_k)/(1 + v/v_s) + beta*v^2",
     _MU_S, _MU_K, _V_S, Parameter("beta", "quadratic rise of the coefficient", "s^2/m^2", typical="0.05"),
     validity="dry friction oscillators; falls, then rises; not to be extrapolated",
     source="Popp & Stelter 1990; Hinrichs, Oestreich & Popp 1998" + _UNCONFIRMED,
 )  # fmt: skip
-polynomial = _law(
+_law(
     "polynomial", "mu_s - 3*(mu_s - mu_m)/(2*v_m)*v + (mu_s - mu_m)/(2*v_m^3)*v^3", _MU_S, _MU_M, _V_M,
     validity="up to a little beyond the minimum at v_m; passes mu_s again at sqrt(3) v_m",
     source="Thomsen & Fidlin 2003; Won & Chung 2016, eq. (4)",

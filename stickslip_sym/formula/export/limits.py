@@ -10,7 +10,9 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import sympy as sp
+from scipy.optimize import brentq
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import StickSlipError
@@ -18,10 +20,12 @@ from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.derivation.tidy import tidy
 from stickslip_sym.formula.integration import search
-from stickslip_sym.motion.thresholds.transition import transition_speed
+from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["Ends", "Zeros", "ends", "zeros"]
 
+_SPEEDS = 10.0 ** np.linspace(-12, 12, 385)  # belt speeds in m/s between which a sign is looked at
+_ROOT = float(4 * np.finfo(np.float64).eps)
 _BOUNDED = (sp.tanh, sp.atan, sp.erf, sp.sin, sp.cos)
 
 
@@ -159,8 +163,21 @@ def zeros(form: ClosedForm) -> Zeros:
     law = form.law.typical()
     if law.missing or catalogue.get(form.criterion.name) != form.criterion:
         return Zeros(None, None)
+    return Zeros(None, _crossings(law, form))
+
+
+def _crossings(law: FrictionLaw, form: ClosedForm) -> tuple[float, ...] | None:
+    """Return the belt speeds at which the criterion of a bound law changes its sign; None if it has no value."""
+    values: dict[str, Any] = {name: float(value) for name, value in law.values.items()}
+
+    def per_force(V: Any) -> Any:
+        return form(V=V, N=1.0, **values)
+
+    grid = _SPEEDS if law.v_max is None else _SPEEDS[float(law.v_max) >= 2 * _SPEEDS]
     try:
-        speeds = transition_speed(law, c=0.0, N=1.0, method=form.criterion.name)
+        c = per_force(grid)
     except StickSlipError:
-        return Zeros(None, None)
-    return Zeros(None, tuple(speed.value for speed in speeds))
+        return None
+    # Far above and below the scale of a law its criterion may have rounded to 0, which is no crossing.
+    places = np.flatnonzero(c[:-1] * c[1:] < 0)
+    return tuple(float(brentq(per_force, grid[i], grid[i + 1], xtol=1e-300, rtol=_ROOT)) for i in places)

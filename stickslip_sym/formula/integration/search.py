@@ -76,7 +76,7 @@ def _done(expr: Any, deadline: float) -> Any:
     try:
         # On any exception, Ctrl-C included, `run` kills the process and waits for it.
         done = subprocess.run(
-            [sys.executable, "-m", "stickslip_sym.search"],
+            [sys.executable, "-m", __name__],
             input=pickle.dumps(expr),
             capture_output=True,
             timeout=left,

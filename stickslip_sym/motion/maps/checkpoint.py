@@ -14,9 +14,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
-import stickslip_sym
 from stickslip_sym.core.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.version import __version__
 from stickslip_sym.motion.maps.workers import Workers, check_workers, run
 from stickslip_sym.output.files import require_name
 
@@ -107,7 +107,7 @@ def _until(end: float, function: Callable[[Any], Any], task: Any) -> Any:
 
 def _digest(function: Callable[[Any], Any], tasks: Iterable[Any]) -> str:
     """Return what tells one request from another; another version of the package may compute otherwise."""
-    digest = hashlib.sha256(f"{stickslip_sym.__version__} {function.__module__}.{function.__name__}".encode())
+    digest = hashlib.sha256(f"{__version__} {function.__module__}.{function.__name__}".encode())
     for task in tasks:
         digest.update(b"\n" + json.dumps(task, sort_keys=True).encode())
     return digest.hexdigest()
