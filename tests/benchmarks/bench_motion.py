@@ -1,6 +1,6 @@
 """What a motion costs; run with ``pytest tests/benchmarks/bench_motion.py -n 0``.
 
-For one table of all: ``python -m tests.benchmarks.bench_motion``.
+For one table of all: ``python tests/benchmarks/bench_motion.py``.
 
 Four ways to the motion of the paper's section 3 with c = 1 kg/s, from P on: a user's own script with `solve_ivp`
 and two event functions, the two engines, and the paper's Newmark steps of 1e-4 s. The error is the largest one
@@ -8,21 +8,26 @@ of the times of all returns to the belt's speed, over the period, against 20 dig
 """
 
 import math
+import sys
 import time
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 
 import mpmath
 import pytest
 from scipy.integrate import solve_ivp
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+
+from many_digits import exact_return
+from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.simulation import taylor
 from stickslip_sym.motion.simulation.engines import follower
 from stickslip_sym.motion.simulation.steppers import Point
-from tests.conftest import paper_oscillator
-from tests.many_digits import exact_return
 
 LAW = ss.laws.exponential.typical()
 OSC = paper_oscillator(1.0)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import sympy as sp
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import accuracy
 

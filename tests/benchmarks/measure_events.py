@@ -10,10 +10,11 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+
+import motions
 
 import stickslip_sym as ss
-from tests import motions
 
 COMPARED = 20  # one scene of so many
 

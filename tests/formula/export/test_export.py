@@ -1,0 +1,301 @@
+"""Exported files: LaTeX through a real engine, and Python, C and Octave run against many digits."""
+
+import re
+import shutil
+import subprocess
+import sys
+from functools import lru_cache
+
+import accuracy
+import numpy as np
+import pytest
+from accuracy import MOST_UNITS, compiled
+from commands import stickslip
+from forms import NO_LEAST_SQUARES, agrees
+
+import stickslip_sym as ss
+from stickslip_sym import symbols
+from stickslip_sym.formula.derivation import closed_form
+from stickslip_sym.formula.derivation.proving import Status, Verdict
+from stickslip_sym.formula.export import limits
+
+FEW = [
+    ("exponential", "least_squares"), ("exponential_viscous", "harmonic"), ("gaussian", "least_squares"),
+    ("stribeck", "least_squares"), ("tanh", "least_squares"), ("hyperbolic", "equilibrium"),
+    ("polynomial", "harmonic"), ("two_exponentials", "harmonic"),
+]  # fmt: skip
+"""Every way of code: one term, several, tables, Gauss rules alone, the slope at one point."""
+
+
+def pdflatex(text, directory):
+    """Compile a document twice, and return what the engine says."""
+    (directory / "a.tex").write_text(text)
+    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "a.tex"]
+    for _ in range(2):
+        done = subprocess.run(command, cwd=directory, capture_output=True, timeout=60, check=False)
+    said = done.stdout.decode("latin-1")
+    assert done.returncode == 0, said[-2000:]
+    return said
+
+
+NEEDS_LATEX = pytest.mark.skipif(
+    shutil.which("pdflatex") is None, reason="there is no pdflatex; Debian has it in texlive-latex-recommended"
+)
+
+
+@lru_cache
+def form_of(name, criterion):
+    """Derive a form without its comparison with quadrature, which other tests make and which takes long."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(closed_form, "verify", lambda *_: Verdict(Status.CHECKED, "a gate that was left out"))
+        return ss.derive(ss.laws.catalogue[name], criterion, search=False)
+
+
+HARMONIC = (
+    "exponential", "gaussian", "lorentzian", "hyperbolic", "arcsinh", "arctangent", "rational", "kragelskii",
+)  # fmt: skip
+
+
+def test_all_laws_in_one_document(tmp_path):
+    """Every formula is read back as it stands there, and none is wider than the text."""
+    wanted = [(name, "least_squares") for name in ss.laws.catalogue if name not in NO_LEAST_SQUARES]
+    wanted += [(name, "equilibrium") for name in NO_LEAST_SQUARES] + [(name, "harmonic") for name in HARMONIC]
+    forms = [form_of(*one) for one in wanted]
+    text = ss.export_latex(forms, time_limit=0)
+    assert [form for form in forms if not agrees(form, text)] == []
+    labels = re.findall(r"\\label\{(.*)\}", text)
+    assert len(labels) == len(set(labels)) == len(forms) + len(ss.laws.catalogue)
+    if shutil.which("pdflatex"):
+        assert re.findall(r"(?:Overfull|Underfull|LaTeX Warning).*", pdflatex(text, tmp_path)) == []
+
+
+@NEEDS_LATEX
+def test_steps_and_other_symbols_compile(tmp_path):
+    forms = [form_of("exponential", "least_squares"), form_of("hyperbolic", "harmonic")]
+    text = ss.export_latex(forms, steps=True, symbols={"V": "v_b", "alpha": r"\beta"}, time_limit=0)
+    assert text.count("Derivation of") == 2
+    assert r"\mathrm{e}^{-2 \beta v_b}" in text
+    assert "Warning" not in (said := pdflatex(text, tmp_path))
+    assert "Overfull" not in said
+
+
+HOSTILE = "50% & $x$ _a_ #1 \\input{x} {} ~^\n\n<b> */ μ"
+
+
+@NEEDS_LATEX
+def test_texts_of_users_compile_with_amsmath_only(tmp_path):
+    """Two laws of one name have labels of their own; symbols may be styled, also under a dot."""
+    described = [ss.Parameter("a", HOSTILE, unit="1", typical="0.5"), ss.Parameter("b", "50 %", unit="s/m")]
+    texts = {"name": HOSTILE, "source": HOSTILE, "validity": HOSTILE, "parameters": described}
+    made = [ss.derive(ss.FrictionLaw(formula, **texts)) for formula in ("a*exp(-b*v)", "1 + a*exp(-b*v)")]
+    symbols_given = {"x": r"\mathrm{x}", "b": r"\hat{b}_{\mathrm{s}}"}
+    inside = ss.export_latex(made, symbols=symbols_given, fragment=True)
+    (tmp_path / "part.tex").write_text(inside)
+    head = "\\documentclass{article}\n\\usepackage{amsmath}\n"
+    whole = head + "\\begin{document}\n\\input{part}\n\\end{document}\n"
+    assert "multiply defined" not in pdflatex(whole, tmp_path)
+    assert "multiply defined" not in pdflatex(ss.export_latex(made, symbols=symbols_given), tmp_path)
+    assert f"slip speed $|V - \\dot{{{symbols_given['x']}}}|$" in inside
+    assert re.findall(r"\\label\{(.*)\}", inside)[0] == "eq:50-x-_a_-1-input-x-b-law"
+
+
+def test_code_has_names_that_the_language_takes():
+    laws = [ss.FrictionLaw("a*exp(-b*v)", name=name) for name in ("my 1st law", HOSTILE, "μ")]
+    text = ss.export_python([ss.derive(law) for law in laws])
+    compile(text, "export", "exec")
+    names = re.findall(r"^def (damping\w*)", text, re.M)
+    assert names[0] == "damping_my_1st_law_least_squares"
+    assert names[2] == "damping_law_3_least_squares"
+
+
+@NEEDS_LATEX
+def test_a_box_that_is_too_wide_would_be_seen(tmp_path):
+    """The negative control."""
+    text = ss.export_latex(form_of("exponential", "least_squares"), time_limit=0)
+    joined = re.sub(r"\\\\\n +&\\quad \{\}", " ", text)
+    assert joined != text
+    assert "Overfull" in pdflatex(joined, tmp_path)
+
+
+def test_a_fragment_has_no_preamble():
+    text = ss.export_latex(form_of("polynomial", "least_squares"), fragment=True)
+    assert "documentclass" not in text
+    assert r"\section" not in text
+    assert r"\label{eq:polynomial-least_squares}" in text
+    assert r"It vanishes at the transition speed $V = \sqrt{546} v_{\mathrm{m}}/26$." in text
+
+
+def test_missing_criteria_are_named():
+    form = form_of("tanh", "least_squares")
+    text = ss.export_latex(form, missing=[(form.law, "harmonic", "nothing was found")], time_limit=0)
+    assert "For the harmonic criterion no closed form was found" in text
+
+
+def test_measured_points_have_no_formula():
+    law = ss.FrictionLaw.from_samples([0, 0.1, 0.2, 0.4], [0.5, 0.4, 0.35, 0.3])
+    with pytest.raises(ss.InputError, match="measured points has no formula to print"):
+        ss.export_latex(ss.derive(law))
+
+
+# -- limits ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["exponential", "polynomial", "popp_stelter", "quintic"])
+def test_limits_are_those_of_the_values(name):
+    for criterion in ("equilibrium", "least_squares", "harmonic"):
+        form = form_of(name, criterion)
+        found = limits.ends(form, time_limit=0)
+        law = form.law.typical()
+        for expr, V in ((found.at_rest, 1e-9), (found.far, 1e7)):
+            value = float(law.substitute(expr).subs({symbols.V: V, symbols.N: 1}))
+            got = float(form.evaluate(15, V=V, N=1, **law.values))
+            assert got == pytest.approx(value, rel=1e-5, abs=1e-6)
+
+
+def test_a_limit_that_depends_on_a_parameter_is_not_found():
+    assert limits.ends(form_of("stribeck", "least_squares"), time_limit=0).at_rest is None
+
+
+def test_zeros():
+    law = ss.laws.catalogue["gaussian_viscous"]
+    found = limits.zeros(form_of("gaussian_viscous", "least_squares"))
+    assert found.formula is None
+    for V in found.values:
+        assert abs(form_of("gaussian_viscous", "least_squares")(V=V, N=1.0, **law.typical().values)) < 1e-14
+    assert limits.zeros(form_of("exponential", "equilibrium")).values == ()  # underflow is no zero
+    assert limits.zeros(form_of("coulomb", "harmonic")).everywhere
+
+
+# -- code --------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def few():
+    """Forms, scenes and right values."""
+    forms = [form_of(*one) for one in FEW]
+    scenes = [accuracy.samples(form.law, "middle", 6, seed=6) for form in forms]
+    return forms, scenes, [accuracy.reference(form, columns) for form, columns in zip(forms, scenes, strict=True)]
+
+
+def assert_right(few, values):
+    for form, columns, exact, got in zip(*few, values, strict=True):
+        assert accuracy.units(form, columns, np.array(got), exact).max() <= MOST_UNITS, form
+
+
+def names_of(forms):
+    return [f"damping_{form.law.name}_{form.criterion.name}" for form in forms]
+
+
+def test_python(few):
+    module = {}
+    exec(compile(ss.export_python(few[0]), "text", "exec"), module)
+    assert_right(few, [module[name](**columns) for name, columns in zip(names_of(few[0]), few[1], strict=True)])
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc to compile C with")
+def test_c(few, tmp_path):
+    import ctypes
+
+    compiled(ss.export_c(few[0]) + "\ndouble damping(void) { return 0.0; }\n", tmp_path, 0)
+    library = ctypes.CDLL(str(tmp_path / "damping.so"))
+    values = []
+    for form, name, columns in zip(few[0], names_of(few[0]), few[1], strict=True):
+        function = getattr(library, name)
+        function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * len(form.arguments)
+        values.append([function(*row) for row in zip(*(columns[key] for key in form.arguments), strict=True)])
+    assert_right(few, values)
+
+
+@pytest.mark.skipif(shutil.which("octave-cli") is None, reason="there is no octave; Debian has it in octave")
+def test_octave(few, tmp_path):
+    text = ss.export_octave(few[0])
+    for form, name, columns in zip(few[0], names_of(few[0]), few[1], strict=True):
+        arrays = ", ".join("[" + ", ".join(repr(float(x)) for x in columns[key]) + "]" for key in form.arguments)
+        text += f'printf("%.17g ", {name}({arrays})); printf("\\n");\n'
+    (tmp_path / "criteria.m").write_text(text)
+    command = ["octave-cli", "--norc", "--quiet", "criteria.m"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    assert_right(few, [list(map(float, line.split())) for line in done.stdout.splitlines()])
+
+
+ODD = {"np": 0.5, "float": 0.3, "zip": 2.0, "M_PI": 0.2, "NAN": 0.1, "typeof": 0.4, "sum": 0.6, "sum_": 0.7}
+
+
+def test_parameters_may_have_names_that_a_language_keeps(tmp_path):
+    law = ss.FrictionLaw("np*Abs(v - float) + zip*exp(-v/M_PI) + NAN*v^2 + typeof*v*sum/sum_", units={"NAN": "1"})
+    form, scene = ss.derive(law), {"V": 0.5, "N": 2.0} | ODD
+    module = {}
+    exec(form.python(), module)
+    assert module["damping"](**scene) == pytest.approx(form(**scene), rel=1e-12)
+    if shutil.which("gcc"):
+        compiled(form.c(), tmp_path, 0)
+    if shutil.which("octave-cli"):
+        numbers = ", ".join(str(scene[name]) for name in form.arguments)
+        (tmp_path / "odd.m").write_text(form.octave() + f'printf("%.17g", damping({numbers}));\n')
+        command = ["octave-cli", "--norc", "--quiet", "odd.m"]
+        said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=True).stdout
+        assert float(said) == pytest.approx(form(**scene), rel=1e-12)
+
+
+def test_code_of_one_form_is_its_own():
+    form = form_of("polynomial", "harmonic")
+    assert ss.export_octave(form) == form.octave()
+    assert ss.export_python([form]) == form.python()
+    assert ss.export_c(form) == form.c()
+
+
+def test_json_reads_back(tmp_path):
+    forms = [form_of("exponential", "harmonic"), form_of("polynomial", "least_squares")]
+    ss.save_all(forms, tmp_path / "forms.json")
+    again = ss.load_all(tmp_path / "forms.json", verify=True)
+    assert [(form.law.name, form.expr) for form in again] == [(form.law.name, form.expr) for form in forms]
+    changed = (tmp_path / "forms.json").read_text().replace('"alpha"', '"beta"', 1)
+    (tmp_path / "forms.json").write_text(changed)
+    with pytest.raises(ss.InputError, match="was changed since it was saved"):
+        ss.load_all(tmp_path / "forms.json")
+    ss.save(forms[0], tmp_path / "one.json")
+    with pytest.raises(ss.InputError, match="`load` reads a single one"):
+        ss.load_all(tmp_path / "one.json")
+
+
+# -- the command -------------------------------------------------------------------------------------
+
+
+def test_command_writes_all_outputs(tmp_path):
+    files = {kind: f"a.{kind}" for kind in ("latex", "python", "c", "octave", "json")}
+    options = [word for kind, name in files.items() for word in (f"--{kind}", name)]
+    done = stickslip("export", "polynomial", *options, "--symbol", "V=v_b", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.splitlines() == [f"{kind}: 1 criterion in {name}" for kind, name in files.items()]
+    assert "v_b^{2}" in (tmp_path / "a.latex").read_text()
+    (form,) = ss.load_all(tmp_path / "a.json")
+    assert form.octave() == (tmp_path / "a.octave").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["exponental", "--c", "x"], "did you mean 'exponential'"),
+        (["exponential"], "nothing to write"),
+        (["--c", "x"], "no law"),
+        (["exponential", "--c", "x", "--c", "y"], "c is given twice"),
+        (["exponential", "--c", "x", "--json", "./x"], "two outputs have the same file"),
+        (["exponential", "exponential", "--c", "x"], "'exponential' is given twice"),
+        (["exponential", "--all", "--c", "x"], "--all is every law already"),
+        (["exponential", "--c", "x", "--steps"], "belong to --latex"),
+        (["exponential", "--latex", "x", "--symbol", r"alpha=\input{y}"], r"command \\input"),
+        (["exponential", "--latex", "x", "--symbol", "alfa=a"], "did you mean 'alpha'"),
+        (["exponential", "--latex", "x", "--c", "nowhere/y"], "cannot write 'nowhere/y'"),
+    ],
+)
+def test_command_refuses_and_writes_nothing(arguments, complaint, tmp_path, monkeypatch, capsys):
+    from stickslip_sym.cli import program
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["stickslip", "export", *arguments])
+    with pytest.raises(SystemExit) as left:
+        program.main()
+    assert left.value.code == 2
+    assert re.search(complaint, capsys.readouterr().err)
+    assert list(tmp_path.iterdir()) == []

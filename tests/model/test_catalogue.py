@@ -1,0 +1,148 @@
+"""Every law of the catalogue, whatever it is: a new entry is tested here without another line."""
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from forms import FORMS, LAWS, WITHOUT, form_of, with_forms
+
+import stickslip_sym as ss
+from stickslip_sym import symbols
+from stickslip_sym.model.expression.units import with_units
+
+SPEEDS = np.array([1e-3, 0.03, 0.2, 0.5, 1.0, 3.0])
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_is_described(name):
+    law = ss.laws.catalogue[name]
+    assert law.name == name
+    assert law.source
+    assert law.validity
+    for parameter in law.parameters.values():
+        assert parameter.meaning
+        assert parameter.unit
+        assert parameter.typical
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_is_a_pure_number(name):
+    law = ss.laws.catalogue[name]
+    units = {p.symbol: p.unit for p in law.parameters.values()} | {symbols.v: "m/s"}
+    scaled = with_units(law.expr, units)
+    values = {p.symbol: sp.Rational(p.typical) for p in law.parameters.values()} | {symbols.v: sp.Rational(1, 3)}
+    # Homogeneous in the units: their sizes may be anything.
+    sizes = {unit: sp.Rational(n, 7) for n, unit in enumerate(sorted(scaled.atoms(sp.AtomicExpr), key=str), 3)}
+    sizes = {unit: size for unit, size in sizes.items() if not (unit.is_number or unit.is_Symbol)}
+    left, right = (sp.N(side.xreplace(values | sizes), 30) for side in (scaled, law.expr))
+    assert abs(left - right) < 1e-25
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_starts_and_stays_sensible(name):
+    law = ss.laws.catalogue[name].typical()
+    assert np.all(law.mu(SPEEDS) >= 0)
+    start = float(law.substitute(law.static_expr))
+    assert start >= 0
+    assert law.mu(1e-12) == pytest.approx(start, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_slope_is_the_derivative(name):
+    law = ss.laws.catalogue[name].typical()
+    mu = law.function("mpmath")
+    with mpmath.workdps(30):
+        expected = [float(mpmath.diff(mu, mpmath.mpf(float(v)), relative=True)) for v in SPEEDS]
+    assert law.slope(SPEEDS) == pytest.approx(expected, rel=1e-11, abs=1e-14)
+
+
+@pytest.mark.parametrize(("name", "criterion"), FORMS)
+def test_closed_form_is_verified(name, criterion):
+    form = form_of(name, criterion)
+    expected = ss.Status.PROVED if criterion == "least_squares" else ss.Status.CHECKED
+    assert form.verdict.status is expected
+    assert "27 digits at 12 seeded points" in form.verdict.evidence
+
+
+@pytest.mark.parametrize(("name", "criterion"), FORMS)
+def test_call_agrees_with_quadrature(name, criterion):
+    law = ss.laws.catalogue[name].typical()
+    values = {key: float(value) for key, value in law.values.items()}
+    speeds = [0.02, 0.5, 4.0]
+    got = form_of(name, criterion)(V=speeds, N=9.81, **values)
+    for speed, value in zip(speeds, got, strict=True):
+        expected = float(ss.quadrature.damping(law, criterion, V=speed, N=9.81, digits=18))
+        assert value == pytest.approx(
+            expected, rel=1e-8, abs=1e-12
+        )  # typical values as floats differ in the input
+
+
+@pytest.mark.parametrize(("name", "criterion"), FORMS)
+def test_closed_form_is_in_kg_per_s(name, criterion):
+    form = form_of(name, criterion)
+    units = {p.symbol: p.unit for p in form.law.parameters.values()} | {symbols.V: "m/s", symbols.N: "N"}
+    point = {p.symbol: sp.Rational(p.typical) for p in form.law.parameters.values()}
+    point |= {symbols.V: sp.Rational(1, 2), symbols.N: sp.Integer(2)}
+    from sympy.physics import units as si
+
+    sizes = {si.meter: sp.Rational(3, 2), si.second: sp.Rational(5, 4), si.kilogram: sp.Rational(7, 3)}
+    scaled = sp.N(with_units(form.expr, units).xreplace(point | sizes), 20)
+    plain = sp.N(form.expr.xreplace(point), 20) * sizes[si.kilogram] / sizes[si.second]
+    assert abs(scaled - plain) < 1e-12 * max(1, abs(plain))
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_equilibrium(name):
+    law = ss.laws.catalogue[name].typical()
+    form = ss.derive(law, "equilibrium")
+    assert form.verdict.status is ss.Status.PROVED
+    assert form(V=SPEEDS, N=9.81) == pytest.approx(-9.81 * law.slope(SPEEDS), rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize(("name", "criterion"), FORMS)
+def test_prints(name, criterion):
+    form = form_of(name, criterion)
+    assert form.latex().startswith("c = ")
+    assert repr(form) == f"ClosedForm: {name}, {criterion}, {form.verdict.status.value}"
+
+
+@pytest.mark.parametrize(
+    ("criterion", "name"), [(c, name) for c, names in WITHOUT.items() for name in sorted(names)]
+)
+def test_refuses_honestly(criterion, name):
+    with pytest.raises(ss.NoClosedForm, match=r"the term .* resisted.*SymPy's integrator.*Quadrature serves"):
+        form_of(name, criterion)
+    law = ss.laws.catalogue[name].typical()
+    assert mpmath.isfinite(ss.quadrature.damping(law, criterion, V=0.5, N=9.81, digits=15))
+
+
+@pytest.mark.parametrize("name", with_forms("harmonic"))
+def test_small_speeds_agree_with_the_slope(name):
+    """As V -> 0 every criterion becomes -N mu'(0+), where that is finite."""
+    law = ss.laws.catalogue[name].typical()
+    slope = law.slope(0.0)
+    scale = abs(slope) or 1.0
+    got = form_of(name, "harmonic").evaluate(15, V="1e-9", N=1, **law.values)
+    assert float(got) == pytest.approx(-slope, abs=1e-5 * scale)
+
+
+HARMONIC_BY_HAND = {
+    "exponential": lambda V, N, mu_s, mu_m, alpha: (
+        2 * N * (mu_s - mu_m) * sp.exp(-alpha * V) * sp.besseli(1, alpha * V) / V
+    ),
+    "polynomial": lambda V, N, mu_s, mu_m, v_m: N * (mu_s - mu_m) * (12 * v_m**2 - 15 * V**2) / (8 * v_m**3),
+    "hyperbolic": lambda V, N, mu_s, mu_m, v_s: (
+        2 * N * (mu_s - mu_m) / V * (1 + V / v_s - sp.sqrt(1 + 2 * V / v_s)) / (V / v_s * sp.sqrt(1 + 2 * V / v_s))
+    ),
+}
+
+
+@pytest.mark.parametrize("name", HARMONIC_BY_HAND)
+def test_harmonic_forms_are_the_textbook_s(name):
+    form = form_of(name, "harmonic")
+    by_hand = HARMONIC_BY_HAND[name](*form.arguments.values())
+    # A common number taken out of a bracket counts as one operation more.
+    assert form.expr.count_ops() <= by_hand.count_ops() + 1
+    for n in range(1, 6):
+        point = {symbol: sp.Rational(3 * n + i, 7) for i, symbol in enumerate(form.arguments.values())}
+        assert abs(sp.N((form.expr - by_hand).xreplace(point), 30)) < 1e-25

@@ -1,0 +1,278 @@
+"""Laws through measured points: the curve, its criteria, and every refusal."""
+
+import re
+import time
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from systems import FOLDER_OPENED
+
+import stickslip_sym as ss
+from stickslip_sym.model.headers import check_header
+from stickslip_sym.model.samples import MOST
+
+SPEEDS = ["0", "0.05", "0.1", "0.2", "0.4", "0.7", "1.2"]
+COEFFICIENTS = ["0.5", "0.44", "0.4", "0.34", "0.29", "0.27", "0.28"]
+
+
+@pytest.fixture(scope="module")
+def law():
+    return ss.FrictionLaw.from_samples(SPEEDS, COEFFICIENTS)
+
+
+@pytest.fixture(scope="module")
+def form(law):
+    return ss.derive(law)
+
+
+def write(tmp_path, text):
+    path = tmp_path / "points.csv"
+    path.write_text(text)
+    return path
+
+
+def test_the_curve_goes_through_the_points_and_is_smooth_once(law):
+    at = [float(speed) for speed in SPEEDS]
+    assert law.mu(at) == pytest.approx([float(value) for value in COEFFICIENTS], rel=1e-15)
+    for place in law.kinks():
+        below, above = (sp.diff(law.expr, ss.symbols.v).subs(ss.symbols.v, place + side) for side in (-1e-12, 0))
+        assert float(below) == pytest.approx(float(above), abs=1e-9)
+
+
+def test_the_curve_falls_and_rises_only_where_the_points_do(law):
+    v = np.linspace(0, 1.2, 2001)
+    steps = np.diff(law.mu(v))
+    assert (steps[v[1:] <= 0.7] <= 0).all()
+    assert (steps[v[:-1] >= 0.7] >= 0).all()
+
+
+@pytest.mark.parametrize("backend", ["numpy", "math", "mpmath"])
+@pytest.mark.parametrize("derivative", [False, True])
+def test_every_library_computes_the_formula(law, backend, derivative):
+    formula = law.slope_expr if derivative else law.expr
+    function = law.function(backend, derivative=derivative)
+    for v in (0.0, 0.03, 0.1, 0.55, 1.2):
+        expected = float(formula.subs(ss.symbols.v, sp.Rational(v)))
+        assert float(function(np.float64(v) if backend == "numpy" else v)) == pytest.approx(expected, rel=1e-13)
+
+
+@pytest.mark.parametrize("criterion", ["equilibrium", "least_squares", "harmonic"])
+def test_its_criteria_are_exact_closed_forms(law, form, criterion):
+    form = form if criterion == form.criterion.name else ss.derive(law, criterion)
+    assert form.verdict.status is (ss.Status.CHECKED if criterion == "harmonic" else ss.Status.PROVED)
+    for V in ("0.01", "0.13", "0.6"):  # within the first piece, across some, across all
+        exact = form.evaluate(40, V=V, N="9.81")
+        with mpmath.workdps(40):
+            expected = ss.quadrature.damping(law, criterion, V=V, N="9.81", digits=40)
+            assert abs(exact - expected) <= abs(expected) * mpmath.mpf(10) ** -37
+        assert form(V=float(V), N=9.81) == pytest.approx(float(exact), rel=1e-12)
+
+
+def test_a_wrong_curve_has_another_criterion(law):
+    """The agreement above would be worth nothing if a thousandth in one point did not show."""
+    changed = ss.FrictionLaw.from_samples(SPEEDS, [*COEFFICIENTS[:3], "0.341", *COEFFICIENTS[4:]])
+    values = [float(ss.quadrature.damping(one, V="0.3", N=1, digits=15)) for one in (law, changed)]
+    assert abs(values[0] - values[1]) > 1e-5 * abs(values[0])
+
+
+def test_half_the_last_speed_is_as_fast_as_a_criterion_goes(law, form):
+    assert np.isfinite(form(V=0.6, N=1.0))
+    refusal = r"measured up to v = 1\.2 m/s, and its value at 1\.3 m/s is needed"
+    for call in (
+        lambda: form(V=[0.1, 0.65], N=1.0),
+        lambda: form.evaluate(V="0.65", N=1),
+        lambda: ss.quadrature.damping(law, V="0.65", N=1),
+        lambda: law.mu(1.3),
+        lambda: law.slope([0.1, 1.3]),
+    ):
+        with pytest.raises(ss.InputError, match=refusal):
+            call()
+
+
+def test_a_motion_beyond_the_last_speed_ends_there(law):
+    osc = ss.Oscillator(m=1.0, k=100.0, c=0.0, V=0.62, N=9.81)
+    refusal = r"reaches a slip speed of .* V, the law is measured up to 1\.93548 V"
+    motion = ss.simulate(law, osc, t_end=10.0)
+    assert motion.outcome is ss.Outcome.UNDEFINED
+    assert re.search(refusal, motion.note)
+    assert 1.1 < osc.V - motion.v[-1] <= 1.2
+    with pytest.raises(ss.InputError, match=refusal):
+        ss.simulate(law, osc, t_end=10.0, v0=-0.7)
+    with pytest.raises(ss.InputError, match=refusal):
+        ss.stick_slip_cycle(law, osc)
+    held = ss.FrictionLaw.from_samples(SPEEDS, COEFFICIENTS, extrapolate=True)
+    assert ss.stick_slip_cycle(held, osc) is not None
+
+
+def test_extrapolation_holds_the_first_and_the_last_coefficient():
+    with pytest.warns(ss.InputWarning, match=r"nothing was measured below v = 0\.1 m/s; mu is held there at 0\.5"):
+        law = ss.FrictionLaw.from_samples([0.1, 0.2, 0.4, 0.8], [0.5, 0.4, 0.35, 0.3], extrapolate=True)
+    assert law.mu([0.0, 0.05, 0.1, 0.8, 50.0]) == pytest.approx([0.5, 0.5, 0.5, 0.3, 0.3])
+    assert law.v_max is None
+    exact = ss.derive(law).evaluate(30, V=2, N=1)
+    assert float(exact) == pytest.approx(float(ss.quadrature.damping(law, V=2, N=1, digits=30)), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("v", "mu", "message"),
+    [
+        ([0, 1, 2], [1, 1, 1], "3 points were given; a curve needs 4 or more"),
+        ([0.5], [1], "1 points were given; a curve needs 4 or more"),
+        ([0, 1, 2, 3], [1, 1, 1], "v has 4 numbers and mu 3"),
+        ([0, 1, 1, 3], [1, 1, 1, 1], "v of point 3, 1 m/s, repeats that of the point before"),
+        ([1, 1, 1, 1], [1, 1, 1, 1], "the slip speed|point 2, 1 m/s, repeats"),
+        ([0, 2, 1, 3], [1, 1, 1, 1], "v of point 3, 1 m/s, is below that of the point before; sort"),
+        ([-1, 0, 1, 2], [1, 1, 1, 1], "v of point 1 is -1; the slip speed"),
+        ([0, 1, float("nan"), 3], [1, 1, 1, 1], "v of point 3 = nan is not a finite real number"),
+        ([0, 1, 2, 3], [1, float("inf"), 1, 1], "mu of point 2 = inf is not a finite real number"),
+        ([0, 1, 2, 3], [1, None, 1, 1], "mu of point 2 = None is not a finite real number"),
+        ([0.1, 1, 2, 3], [1, 1, 1, 1], "the first speed is 0.1 m/s.*extrapolate=True"),
+        (range(MOST + 1), range(MOST + 1), "61 points were given.*average them over bins"),
+        ("0123", "1111", "v is a sequence of numbers, got str"),
+        (0.5, 0.3, "v is a sequence of numbers, got float"),
+    ],
+)
+def test_points_that_are_no_curve_are_refused(v, mu, message):
+    with pytest.raises(ss.InputError, match=message):
+        ss.FrictionLaw.from_samples(v, mu)
+
+
+def test_a_csv_file_is_read_exactly(tmp_path, law):
+    lines = [f"{speed},{value}" for speed, value in zip(SPEEDS, COEFFICIENTS, strict=True)]
+    read = ss.FrictionLaw.from_csv(write(tmp_path, "\ufeffspeed (m/s),mu\r\n" + "\r\n".join(lines) + "\r\n\r\n"))
+    assert read.expr == law.expr
+    assert read.name == "points"
+    assert read.kinks()[0] == sp.Rational(1, 20)
+
+
+def test_a_file_without_a_header_is_points(tmp_path, law):
+    lines = [f"{speed},{value}" for speed, value in zip(SPEEDS, COEFFICIENTS, strict=True)]
+    for head in ("", "\n", '"v", "mu"\n', "# v [m/s], mu [-]\r\n"):
+        assert ss.FrictionLaw.from_csv(write(tmp_path, head + "\n".join(lines))).expr == law.expr
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        ("v [mm/s],mu", "got 'v .mm/s.,mu': 'mm/s' is not m/s; convert the speeds"),
+        ("mu,v", "got 'mu,v': the columns are in the other order; write the speed first"),
+        ("mu [-],slip speed (m/s)", "the columns are in the other order"),
+        ("time,force", "'time' is not the slip speed v"),
+        ("v,force", "'force' is not the friction coefficient mu"),
+        ("v,mu [%]", "'%' is no unit of mu"),
+        ("V,mu", "'V' has no unit; write v if it is the slip speed in m/s"),
+        ("speed,mu", "'speed' has no unit"),
+        ("v\tmu", "tabs part its columns"),
+        ("v,mu,sigma", "it has 3 columns"),
+    ],
+)
+def test_a_header_that_says_something_else_is_refused(tmp_path, header, message):
+    points = "\n0,0.5\n0.1,0.4\n0.2,0.3\n0.4,0.25\n"
+    with pytest.raises(ss.InputError, match=message) as caught:
+        ss.FrictionLaw.from_csv(write(tmp_path, header + points))
+    assert "v in m/s and mu in that order, like v [m/s],mu" in str(caught.value)
+
+
+def test_a_header_is_taken_only_if_it_says_speed_in_m_s_and_then_the_coefficient():
+    """Headers of random parts, each part with what it means; only those that mean the right thing pass."""
+    rng = np.random.default_rng(20160428)
+    names = {
+        "v": "v", "speed": "speed", "slip velocity": "speed", "sliding speed": "speed", "velocity": "speed",
+        "mu": "mu", "friction coefficient": "mu", "COF": "mu", "\u00b5": "mu", "x": "", "time": "", "force": "",
+        "belt speed": "", "V_belt": "", "rpm": "", "mu_s": "", "vmu": "", "": "", "0.5": "", "displacement": "",
+    }  # fmt: skip
+    units = {"m/s": "m/s", "m s^-1": "m/s", "1": "1", "-": "1", "mm/s": "", "km/h": "", "%": "", "m": "",
+             "M/S": "", "s/m": "", "cm/s": "", "um/s": "", "m/s^2": "", "m/min": "", "": ""}  # fmt: skip
+    frames = ["{} [{}]", "{} ({})", "{}[{}]", "{} in {}", "{} / ({})"]
+    accepted = 0
+    for _ in range(4000):
+        cells, meant = [], []
+        for _ in range(rng.choice([1, 2, 2, 2, 2, 2, 2, 3])):
+            name, unit = rng.choice([*names, *["v", "mu"] * 10]), rng.choice([*units, *["m/s", "1"] * 5])
+            if rng.random() < 0.4:
+                cell, of_unit = str(name), None
+            else:
+                frame = frames[rng.integers(len(frames))]
+                cell, of_unit = frame.format(name, unit), "" if " in " in frame and not unit else units[unit]
+            shown = cell.upper() if rng.random() < 0.1 and not of_unit else cell
+            bare_speed = names[name] == "v" and of_unit is None and shown == "v"
+            speed = names[name] in ("v", "speed") and of_unit == "m/s"
+            meant.append(
+                "v" if bare_speed or speed else "mu" if names[name] == "mu" and of_unit in (None, "1") else ""
+            )
+            cells.append(" " * rng.integers(2) + shown + " " * rng.integers(2))
+        if meant == ["v", "mu"]:
+            check_header(cells, "a file")
+            accepted += 1
+        else:
+            with pytest.raises(ss.InputError):
+                check_header(cells, repr(cells))
+    assert accepted > 30
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "has no points; write a line for each"),
+        ("v,mu\n", "has no points"),
+        ("0,0.5\n1,0.4\n2\n", "line 3: two finite numbers"),
+        ("nan,0.5\n1,0.4\n", "must begin with a header.*'nan' is not the slip speed"),
+        ("v,mu,error\n0,0.5,0.1\n", "must begin with a header of two columns"),
+        ("v,mu\n0,0.5\n1,0.4,0.1\n", r"line 3: two finite numbers are needed, like 0\.1,0\.35; got '1,0\.4,0\.1'"),
+        ("v;mu\n0;0,5\n", "must begin with a header of two columns.*semicolons part its columns"),
+        ("0;0.5\n1;0.4\n", "semicolons part its columns"),
+        ("v,mu\n0,0.5\n1,nan\n2,0.4\n3,0.3\n", "line 3: two finite numbers"),
+        ("v,mu\n0,0.5\n1,\n", "line 3: two finite numbers"),
+        ("v,mu\n0,__import__('os')\n", "line 2: two finite numbers"),
+        ("v,mu\n0,0.5\n1,1_0\n2,0.4\n3,0.3\n", "mu of point 2 = '1_0' is not a number"),
+        ("v,mu\n0,0.5\n", "1 points were given"),
+    ],
+)
+def test_a_csv_file_that_is_no_curve_is_refused(tmp_path, text, message):
+    with pytest.raises(ss.InputError, match=message):
+        ss.FrictionLaw.from_csv(write(tmp_path, text))
+
+
+def test_files_that_cannot_be_read_are_refused(tmp_path):
+    for path, message in (
+        (tmp_path / "none.csv", "cannot read .*No such file"),
+        (tmp_path, f"cannot read .*{FOLDER_OPENED}"),
+    ):
+        with pytest.raises(ss.InputError, match=message):
+            ss.FrictionLaw.from_csv(path)
+    binary = tmp_path / "binary.csv"
+    binary.write_bytes(b"v,mu\n\xff\xfe\x00")
+    with pytest.raises(ss.InputError, match="is not a text file of comma-separated values"):
+        ss.FrictionLaw.from_csv(binary)
+
+
+def test_a_million_rows_are_refused_in_seconds(tmp_path):
+    path = write(tmp_path, "v,mu\n" + "".join(f"{i},0.5\n" for i in range(1_000_000)))
+    start = time.perf_counter()
+    with pytest.raises(ss.InputError, match=r"1000000 points were given.*average them over bins"):
+        ss.FrictionLaw.from_csv(path)
+    assert time.perf_counter() - start < 20  # it takes 1 s; this only tells it from a hang
+
+
+@pytest.mark.parametrize("criterion", ["equilibrium", "least_squares", "harmonic"])
+def test_a_constant_stretch_is_exactly_zero(criterion):
+    """Where the criterion is 0, no number of digits tells it from a small value: the pieces do."""
+    law = ss.FrictionLaw.from_samples(["0", "0.5", "0.6", "2"], ["0.5", "0.5", "0.3", "0.3"])
+    form = ss.derive(law, criterion)
+    assert form.evaluate(30, V="0.2", N=2) == 0
+    assert str(form(V=0.2, N=2.0)) == "0.0"
+    assert float(form.evaluate(30, V="0.27", N=2)) != 0 or criterion == "equilibrium"
+
+
+@pytest.mark.parametrize("speeds", [["0", "1e-300", "1", "2"], ["0", "1", "2", "1e300"]])
+def test_speeds_out_of_proportion_are_refused(speeds):
+    with pytest.raises(ss.InputError, match="speeds are from 1e-20 to 1e20 m/s, or 0"):
+        ss.FrictionLaw.from_samples(speeds, [0.5, 0.4, 0.3, 0.35])
+
+
+def test_the_name_of_a_file_is_text():
+    for path in (None, 5, ""):
+        with pytest.raises(ss.InputError, match="the name of a CSV file is text"):
+            ss.FrictionLaw.from_csv(path)

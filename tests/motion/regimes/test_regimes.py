@@ -1,0 +1,265 @@
+"""Regimes and classification, against thresholds found otherwise and against simulations that know neither."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import paper_oscillator
+
+import stickslip_sym as ss
+from stickslip_sym import Motion, Phase
+from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.orbits import cycles, orbit
+from stickslip_sym.motion.regimes.attractors import _rest
+from stickslip_sym.motion.regimes.slip_orbits import _by_simulation
+
+KINKED = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.25)")
+STATIC = ss.FrictionLaw("0.2 + 0.3*exp(-3*v)", static="1")
+SMOOTHED = ss.FrictionLaw("tanh(100*v)*(0.2 + 0.3*exp(-3*v))")
+WEAK = {"m": 1.0, "k": 1e6}
+
+
+def names(found):
+    kinds = {ss.Rest: "rest", ss.LimitCycle: "pure slip", ss.StickSlipCycle: "stick-slip"}
+    return [kinds[type(attractor)] for attractor in found.attractors]
+
+
+@pytest.mark.parametrize(
+    ("name", "c", "expected", "separatrices"),
+    [
+        ("exponential", 1.9, ["stick-slip"], []),  # below the Hopf bifurcation at 1.970
+        ("exponential", 2.3, ["rest", "stick-slip"], ["limit cycle"]),
+        ("exponential", 2.6, ["rest"], []),  # above the graze at 2.573
+        ("polynomial", 3.0, ["stick-slip"], []),  # below the graze at 3.0365
+        ("polynomial", 3.2, ["pure slip"], []),
+        ("polynomial", 3.4, ["rest"], []),  # above the Hopf bifurcation at 3.311
+    ],
+)
+def test_the_attractors_of_the_papers_laws(name, c, expected, separatrices):
+    found = ss.regime(ss.laws.catalogue[name].typical(), paper_oscillator(c))
+    assert names(found) == expected
+    assert found.coexist == (len(expected) > 1)
+    assert [separatrix.kind for separatrix in found.separatrices] == separatrices
+    assert not found.undecided
+    assert not found.unbounded
+    assert str(found).count("\n") == len(expected) - 1
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("step", [1e-3, 1e-5, 1e-7, 1e-9])
+def test_both_sides_of_the_threshold(law, step, side):
+    threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-13).value
+    found = ss.classify(law, paper_oscillator(threshold * (1 + side * step)), rtol=1e-12)
+    above = Motion.PURE_SLIP if law.name == "polynomial" else Motion.DAMPED_SLIP
+    assert found is (Motion.STICK_SLIP if side < 0 else above)
+
+
+def test_on_the_threshold_it_says_so(law):
+    threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-13).value
+    assert ss.classify(law, paper_oscillator(threshold)) is Motion.UNDECIDED
+    assert "grazes" in ss.regime(law, paper_oscillator(threshold)).undecided[0]
+
+
+def by_simulation(law, osc, x0, v0, periods=150):
+    """Name the motion after many periods, from nothing but the trajectory."""
+    round_ = 2 * np.pi / osc.omega
+    motion = ss.simulate(law, osc, t_end=periods * round_, x0=x0, v0=v0, rtol=1e-8)
+    late = motion.t > (periods - 5) * round_
+    if Phase.STICK in set(motion.phase[late]):
+        return Motion.STICK_SLIP
+    return Motion.DAMPED_SLIP if np.max(np.abs(motion.v[late])) < 0.02 * osc.V else Motion.PURE_SLIP
+
+
+def starts_and_scenes():
+    """Seeded, with dampings away from the boundaries, so that 150 periods settle the motion."""
+    rng = np.random.default_rng(6)
+    exponential, polynomial = (ss.laws.catalogue[name].typical() for name in ("exponential", "polynomial"))
+    dampings = [
+        (exponential, (1.0, 2.2, 3.0)), (polynomial, (2.0, 3.15, 4.0)), (KINKED, (2.0, 3.0, 4.5)),
+        (STATIC, (1.5, 2.7, 4.0)), (SMOOTHED, (1.0, 3.0)),
+    ]  # fmt: skip
+    for law, values in dampings:
+        for c in values:
+            yield pytest.param(law, c, rng.uniform(-0.1, 0.15), rng.uniform(-0.6, 1.0), id=f"{law.text[:12]}, {c}")
+
+
+@pytest.mark.parametrize(("law", "c", "x0", "v0"), list(starts_and_scenes()))
+def test_classification_is_what_a_simulation_comes_to(law, c, x0, v0):
+    osc = paper_oscillator(c)
+    assert ss.classify(law, osc, x0=x0, v0=v0) is by_simulation(law, osc, x0, v0)
+
+
+@pytest.mark.parametrize(("name", "c"), [("polynomial", 3.2), ("exponential", 2.3)])
+def test_limit_cycles_by_the_return_map_are_those_by_collocation(name, c):
+    law, osc = ss.laws.catalogue[name].typical(), paper_oscillator(c)
+    (one,), (other,) = ss.limit_cycles(law, osc), _by_simulation(law, osc, 1e-12).cycles
+    assert other.stable == one.stable
+    assert other.amplitude == pytest.approx(one.amplitude, rel=1e-9)
+    assert other.period == pytest.approx(one.period, rel=1e-9)
+    assert other.floquet == pytest.approx(one.floquet, rel=1e-6)  # by differences of the map
+
+
+@pytest.mark.parametrize(
+    ("law", "c", "kind"), [(ss.laws.exponential.typical(), 2.3, "limit cycle"), (STATIC, 2.7, "graze")]
+)
+def test_a_separatrix_parts_the_basins(law, c, kind):
+    osc = paper_oscillator(c)
+    found = ss.regime(law, osc)
+    (curve,) = found.separatrices
+    assert curve.kind == kind
+    assert names(found) == ["rest", "stick-slip"]
+    for place in range(20, 240, 40):
+        for scale, expected in ((0.99, Motion.DAMPED_SLIP), (1.01, Motion.STICK_SLIP)):
+            x, v = found.rest.x + scale * (curve.x[place] - found.rest.x), scale * curve.v[place]
+            assert ss.classify(law, osc, x0=x, v0=v) is expected
+
+
+def test_weak_friction_does_not_hold_the_mass_and_it_overtakes_the_belt():
+    """Far below the threshold of a stiff oscillator there is no stick, but slip that is faster for a while."""
+    law, osc = ss.laws.exponential.typical(), paper_oscillator(1.0, **WEAK)
+    (cycle,) = (attractor for attractor in ss.regime(law, osc).attractors)
+    assert cycle.stable
+    assert cycle.amplitude > osc.V
+    motion = ss.simulate(law, osc, t_end=400 * cycle.period, v0=0.99 * cycle.amplitude, rtol=1e-9)
+    late = motion.t > 398 * cycle.period
+    assert np.max(motion.v) < 1.02 * cycle.amplitude
+    assert set(motion.phase[late]) == {Phase.SLIP_BACK, Phase.SLIP_FORWARD}
+    assert ss.stick_slip_cycle(law, osc) is None
+    assert ss.classify(law, osc) is Motion.PURE_SLIP
+    assert ss.classify(law, osc, x0=0.0, v0=3.0) is Motion.PURE_SLIP
+
+
+def test_negative_damping_may_grow_without_bound():
+    law = ss.laws.exponential.typical()
+    found = ss.regime(law, paper_oscillator(-0.5))
+    assert found.unbounded
+    assert names(found) == ["stick-slip"]
+    assert ss.classify(law, paper_oscillator(-0.5)) is Motion.STICK_SLIP
+    assert ss.classify(law, paper_oscillator(-0.5), x0=-3.0, v0=-2.0) is Motion.UNBOUNDED
+    assert not ss.regime(ss.laws.polynomial.typical(), paper_oscillator(-0.5)).unbounded  # mu grows as v^3
+
+
+FALLING = "Piecewise((0.5 - 0.3*v, v < 0.5), 0.35 - 0.1*(v - 0.5))"
+
+
+@pytest.mark.parametrize(
+    ("formula", "c", "stable"),
+    [
+        # Small motions feel either slope for half a swing each: 0.2 on the mean, and 1.962 kg/s are needed.
+        (FALLING, 1.9, False),
+        (FALLING, 2.0, True),
+        ("Piecewise((0.5 - 0.6*v, v < 0.5), 0.2 + 0.2*(v - 0.5))", 1.9, False),
+        ("Piecewise((0.5 - 0.6*v, v < 0.5), 0.2 + 0.2*(v - 0.5))", 2.0, True),
+        ("Piecewise((0.5 - 0.3*v, v < 0.5), 0.25)", 10.0, False),  # a jump down drives the mass off, a jump up
+        ("Piecewise((0.3 - 0.1*v, v < 0.5), 0.4)", -1.0, True),  # holds it, whatever the damping
+    ],
+)
+def test_rest_at_a_kink_or_a_jump_of_mu(formula, c, stable):
+    law, osc = ss.FrictionLaw(formula), paper_oscillator(c)
+    rest = ss.regime(law, osc).rest
+    assert (rest.stable, rest.rate < 0) == (stable, stable)
+    motion = ss.simulate(law, osc, t_end=5.0, x0=rest.x, v0=1e-4 * osc.V)
+    assert (np.abs(motion.v[motion.t > 4.0]).max() < 1e-4 * osc.V) == stable
+    if math.isfinite(rest.rate):  # and by so much it grows or falls in a second
+        swings = [np.abs(motion.at(np.linspace(t, t + 0.63, 400)).v).max() for t in (1.0, 2.0)]
+        assert np.log(swings[1] / swings[0]) == pytest.approx(rest.rate, rel=0.3)
+
+
+@pytest.mark.parametrize(
+    ("formula", "m", "one_sided"),
+    [
+        (FALLING, 1e-7, True),  # faster slip falls back, and has no inertia to pass the kink with
+        (FALLING, 1.0, False),
+        ("Piecewise((0.2 + 0.1*v, v < 0.5), 0.25 - 0.3*(v - 0.5))", 1e-7, True),  # slower slip
+        ("Piecewise((0.5 - 0.3*v, v < 0.5), 0.35 - 0.2*(v - 0.5))", 1e-7, False),  # neither
+    ],
+)
+def test_rest_may_attract_on_one_side_only(formula, m, one_sided):
+    """How a whole regime says so is tested with motions that damping bounds."""
+    law, osc = ss.FrictionLaw(formula), paper_oscillator(1.0, m=m, k=1e4 * m)
+    rest = _rest(law, osc, Scene.of(law, osc))
+    assert (rest.stable, rest.one_sided) == (False, one_sided)
+
+
+def test_friction_below_zero_may_drive_a_motion_without_bound():
+    law, osc = ss.FrictionLaw(FALLING), paper_oscillator(0.0)
+    assert ss.classify(law, osc, x0=1e3) is Motion.UNBOUNDED
+    assert ss.regime(law, osc).unbounded
+    assert not ss.regime(law, paper_oscillator(1.0)).unbounded
+
+
+def test_the_cycle_of_a_kinked_law_without_inertia():
+    """The mass jumps from one branch of the law to the other, and the implicit steps must not skip the jump.
+
+    From x = (4.905 - 0.5)/100 it creeps on mu = 0.29, x' = 2.8449 - 100 x, down to where the slip speed is 0.7;
+    there it jumps to the belt's speed, and sticks.
+    """
+    law, osc = ss.FrictionLaw("Piecewise((0.5 - 0.3*v, v < 0.7), 0.29)"), paper_oscillator(1.0, m=1e-9)
+    begin, end = 0.04405, 0.030449
+    expected = math.log((100 * begin - 2.8449) / 0.2) / 100 + (begin - end) / 0.5
+    assert ss.stick_slip_cycle(law, osc).period == pytest.approx(expected, rel=1e-5)
+    assert ss.classify(law, osc) is Motion.STICK_SLIP
+
+
+def test_orbits_that_are_not_found_are_looked_for_once(monkeypatch):
+    """That takes long, and every question to the same scene would find it out anew."""
+    calls = []
+    monkeypatch.setattr(cycles, "orbits", lambda *args, **most: calls.append(args) or orbit.orbits(*args, **most))
+    for c in (0.5, 0.6):
+        law, osc = ss.FrictionLaw("tanh(1234*v)*(0.2 + 0.3*exp(-3*v))"), paper_oscillator(c)
+        with pytest.raises(ss.NotConverged, match="try simulate"):
+            ss.limit_cycles(law, osc)
+    assert len(calls) == 1
+
+
+def test_an_error_that_is_raised_again_keeps_no_frames_of_before():
+    depths = []
+    for _ in range(3):
+        with pytest.raises(ss.InputError) as caught:
+            ss.limit_cycles(ss.FrictionLaw("Max(0.5 - 0.4*v, 0.27)"), paper_oscillator(1.0))
+        depths.append(len(caught.traceback))
+    assert depths[0] == depths[1] == depths[2]
+
+
+def test_positive_damping_bounds_every_motion():
+    """Next to no mass, and rest right at a kink: it attracts from one side only, and that is said."""
+    law, osc = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.3)"), paper_oscillator(1.0, m=1e-9)
+    assert "one side" in ss.regime(law, osc).undecided[0]
+    assert ss.classify(law, osc, x0=0.3, v0=1.5) is Motion.UNDECIDED
+
+
+def test_rest_is_a_start_too(law):
+    for c, expected in ((5.0, Motion.DAMPED_SLIP), (1.0, Motion.UNDECIDED)):
+        osc = paper_oscillator(c)
+        assert ss.classify(law, osc, x0=ss.regime(law, osc).rest.x, v0=0.0) is expected
+
+
+def test_the_rate_of_rest_is_the_eigenvalue(law):
+    for c in (1.0, 2.5, 30.0, 200.0):
+        osc = paper_oscillator(c)
+        matrix = [[0, 1], [-osc.k / osc.m, -(osc.c + osc.N * law.slope(osc.V)) / osc.m]]
+        assert ss.regime(law, osc).rest.rate == pytest.approx(np.linalg.eigvals(matrix).real.max(), rel=1e-9)
+
+
+def test_a_free_oscillator_is_neutral():
+    osc = paper_oscillator(0.0, N=0.0)
+    assert "neither grow nor shrink" in " ".join(ss.regime(ss.laws.exponential.typical(), osc).undecided)
+    assert ss.classify(ss.laws.exponential.typical(), osc, x0=0.01, v0=0.0) is Motion.PURE_SLIP
+
+
+def test_wrong_input(law):
+    with pytest.raises(ss.InputError, match="not finite"):
+        ss.classify(law, paper_oscillator(1.0), x0=np.nan)
+    with pytest.raises(ss.InputError, match="rtol"):
+        ss.regime(law, paper_oscillator(1.0), rtol=0)
+    with pytest.raises(ss.InputError, match="bind them first"):
+        ss.regime(ss.laws.exponential, paper_oscillator(1.0))
+
+
+def test_the_scene_of_a_trough_turns_there(law):
+    from stickslip_sym.motion.regimes.slip_orbits import trough
+
+    scene = Scene.of(law, paper_oscillator(3.1))
+    for amplitude in (0.1, 0.7):
+        point = trough(scene, amplitude)
+        assert scene.acceleration(point.q, point.w, 1) == pytest.approx(0.0, abs=1e-15)

@@ -1,0 +1,379 @@
+"""The oscillator: slip phases, the automaton, the stick-slip cycle and the threshold by simulation."""
+
+import math
+import time
+from dataclasses import astuple
+
+import numpy as np
+import pytest
+from scenes import paper_oscillator
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import stickslip_sym as ss
+from stickslip_sym import Phase
+
+STARTS = [(0.0, None), (0.2, 0.0), (-0.3, 2.0), (0.05, -3.0), (0.4, 0.5), (-0.4, 0.5)]
+PERIOD_AGREES = 1e-9
+
+
+def independent_cycle(law, osc):
+    """Integrate one slip phase with LSODA in physical units, from a series step off P, to the return."""
+    x_P = (law.mu(0.0) * osc.N - osc.c * osc.V) / osc.k
+    # At P the acceleration is 0 and the jerk -k V/m: leave P by the Taylor polynomial.
+    h = 1e-5
+    jerk = -osc.k * osc.V / osc.m
+    start = [x_P + osc.V * h + jerk * h**3 / 6, osc.V + jerk * h**2 / 2]
+
+    def rates(_, y):
+        friction = osc.N * law.mu(max(osc.V - y[1], 0.0))
+        return [y[1], (friction - osc.c * y[1] - osc.k * y[0]) / osc.m]
+
+    solution = solve_ivp(rates, (h, 2.0), start, method="LSODA", rtol=1e-12, atol=1e-14, dense_output=True)
+    t = np.linspace(0.05, 2.0, 20001)
+    above = np.flatnonzero(solution.sol(t)[1] >= osc.V)
+    t_return = brentq(lambda s: solution.sol(s)[1] - osc.V, t[above[0] - 1], t[above[0]], xtol=1e-14)
+    stick = (x_P - solution.sol(t_return)[0]) / osc.V
+    return t_return + stick
+
+
+@pytest.mark.parametrize("c", [0.0, 1.0, 2.0])
+def test_the_cycle_is_that_of_an_independent_integration(law, c):
+    osc = paper_oscillator(c)
+    cycle = ss.stick_slip_cycle(law, osc)
+    assert cycle.period == pytest.approx(independent_cycle(law, osc), rel=1e-8)
+    assert cycle.period == pytest.approx(cycle.stick_time + cycle.slip_time, rel=1e-15)
+    assert cycle.x_min < 0 < cycle.x_max
+    assert -2 < cycle.v_min < -osc.V
+
+
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize("c", [0.0, 1.0, 2.0])
+def test_every_start_leads_to_the_same_period(law, c, start):
+    """From the second stick-slip cycle on, the period is the cycle's, to 1e-9."""
+    osc = paper_oscillator(c)
+    x0, v0 = start
+    motion = ss.simulate(law, osc, t_end=9.0, x0=x0, v0=v0)
+    first_stick = motion.starts_of(Phase.STICK)[0]
+    onsets = motion.starts_of(Phase.SLIP_BACK)
+    periods = np.diff(onsets[onsets > first_stick])
+    assert len(periods) >= 5
+    assert periods[1:] == pytest.approx(ss.stick_slip_cycle(law, osc).period, rel=PERIOD_AGREES)
+
+
+def test_no_spurious_event_at_onset(law):
+    """At P the relative velocity has a double root: a naive event would end the slip at once."""
+    osc = paper_oscillator(1.0)
+    motion = ss.simulate(law, osc, t_end=3.0)
+    kinds = [event.begins for event in motion.events]
+    assert kinds == [Phase.STICK, Phase.SLIP_BACK] * (len(kinds) // 2) + kinds[2 * (len(kinds) // 2) :]
+    slips = motion.starts_of(Phase.STICK)[1:] - motion.starts_of(Phase.SLIP_BACK)[: len(kinds) // 2 - 1]
+    assert np.all(slips > 0.5)
+
+
+def test_stick_is_exact_and_events_lie_on_the_belt(law):
+    osc = paper_oscillator(1.0)
+    motion = ss.simulate(law, osc, t_end=3.0, x0=0.2, v0=0.0)
+    assert np.all(motion.v[motion.phase == Phase.STICK] == osc.V)
+    assert all(event.v == osc.V for event in motion.events[1:])
+    assert np.all(motion.v[motion.phase == Phase.SLIP_BACK] <= osc.V)
+    assert np.all(motion.v[motion.phase == Phase.SLIP_FORWARD] >= osc.V)
+    assert np.all(np.diff(motion.t) >= 0)
+    assert motion.t[-1] == pytest.approx(3.0, rel=1e-15)
+    assert (motion.x[0], motion.v[0]) == pytest.approx((0.2, 0.0), abs=1e-15)
+
+
+@pytest.mark.parametrize("c", [4.5, 20.0, 60.0])
+def test_above_the_threshold_there_is_no_cycle_and_the_mass_comes_to_rest(law, c):
+    osc = paper_oscillator(c)
+    assert ss.stick_slip_cycle(law, osc) is None
+    motion = ss.simulate(law, osc, t_end=40.0)
+    assert motion.v[-1] == pytest.approx(0.0, abs=1e-6)
+    assert motion.x[-1] == pytest.approx(osc.N * law.mu(osc.V) / osc.k, rel=1e-6)
+
+
+@pytest.mark.parametrize(("name", "expected"), [("exponential", 2.57307887898), ("polynomial", 3.03647724356)])
+def test_threshold_is_stable_to_1e_9(name, expected):
+    law = ss.laws.catalogue[name].typical()
+    scene = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0, "method": "simulation"}
+    loose, tight = (ss.pure_slip_damping(law, **scene, rtol=rtol) for rtol in (1e-10, 1e-11))
+    assert abs(loose.value - tight.value) < 1e-9 * tight.value
+    assert abs(loose.value - tight.value) < loose.error * loose.value
+    assert tight.error < 1e-9
+    assert tight.value == pytest.approx(expected, rel=1e-10)
+
+
+def test_threshold_separates_cycles_from_none(law):
+    threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="simulation", rtol=1e-11).value
+    for step in (1e-3, 1e-5, 1e-7):
+        assert ss.stick_slip_cycle(law, paper_oscillator(threshold * (1 - step))) is not None
+        assert ss.stick_slip_cycle(law, paper_oscillator(threshold * (1 + step))) is None
+    assert ss.peak_velocity(law, paper_oscillator(threshold * 0.9)) > 0.5
+    assert ss.peak_velocity(law, paper_oscillator(threshold * 1.1)) < 0.5
+
+
+def test_threshold_in_other_units_is_the_same(law):
+    """Only two dimensionless groups matter: heavier, stiffer and loaded alike, the threshold scales."""
+    base = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="simulation", rtol=1e-11).value
+    scaled = ss.pure_slip_damping(law, V=0.5, N=9.81e6, m=1e6, k=1e8, method="simulation", rtol=1e-11).value
+    assert scaled == pytest.approx(1e6 * base, rel=1e-10)
+
+
+def test_weak_friction_limit_is_the_slope(law):
+    """As k grows the orbit becomes harmonic, and the threshold leaves the equilibrium slope behind."""
+    stiff = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=1e8, method="simulation", rtol=1e-9).value
+    angle = (np.arange(64) + 0.5) * np.pi / 64
+    harmonic = 9.81 * np.mean(-law.slope(0.5 * (1 + np.cos(angle))) * 2 * np.sin(angle) ** 2)
+    assert stiff == pytest.approx(harmonic, rel=1e-6)
+
+
+def test_closed_form_methods(law):
+    for criterion in ss.criteria.catalogue:
+        found, form = ss.pure_slip_damping(law, V=0.5, N=9.81, method=criterion), ss.derive(law, criterion)
+        assert (found.value, found.error) == (pytest.approx(form(V=0.5, N=9.81), rel=1e-15), None)
+
+
+def test_no_threshold_is_an_outcome():
+    rising = ss.FrictionLaw("mu_0 + b*v").bind(mu_0=0.3, b=0.1)
+    with pytest.raises(ss.NoThreshold, match="even without damping"):
+        ss.pure_slip_damping(rising, V=0.5, N=9.81, m=1, k=100, method="simulation")
+    fast = ss.laws.polynomial.typical()
+    with pytest.raises(ss.NoThreshold):
+        ss.pure_slip_damping(fast, V=0.95, N=9.81, m=1, k=100, method="simulation")
+
+
+def test_static_coefficient_moves_the_threshold_but_no_average():
+    plain = ss.FrictionLaw("mu_k").bind(mu_k=0.3)
+    jump = ss.FrictionLaw("mu_k", static="mu_0").bind(mu_k=0.3, mu_0=0.4)
+    osc = paper_oscillator(0.0)
+    assert ss.stick_slip_cycle(jump, osc) is not None
+    assert ss.derive(jump)(V=0.5, N=9.81) == ss.derive(plain)(V=0.5, N=9.81) == 0
+    threshold = ss.pure_slip_damping(jump, V=0.5, N=9.81, m=1, k=100, method="simulation")
+    assert threshold.value > 0
+    assert ss.stick_slip_cycle(jump, paper_oscillator(threshold.value * 1.001)) is None
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"m": 0.0}, "m = 0 must be positive: it is the mass"),
+        ({"k": -1.0}, "k = -1 must be positive"),
+        ({"V": 0.0}, "V = 0 must be positive"),
+        ({"N": -2.0}, "N = -2 must not be negative"),
+        ({"c": float("nan")}, "c = nan is not finite"),
+        ({"V": "fast"}, "V = 'fast' is not a number"),
+    ],
+)
+def test_oscillators_that_are_none(change, message):
+    with pytest.raises(ss.InputError, match=message):
+        paper_oscillator(**change)
+
+
+def test_other_wrong_input(law):
+    osc = paper_oscillator(1.0)
+    with pytest.raises(ss.InputError, match="t_end = 0 must be positive"):
+        ss.simulate(law, osc, t_end=0.0)
+    with pytest.raises(ss.InputError, match="x0 = nan is not finite"):
+        ss.simulate(law, osc, t_end=1.0, x0=float("nan"))
+    with pytest.raises(ss.InputError, match="rtol = 0 is outside"):
+        ss.simulate(law, osc, t_end=1.0, rtol=0.0)
+    with pytest.raises(ss.InputError, match="no value for"):
+        ss.simulate(ss.laws.exponential, osc, t_end=1.0)
+    with pytest.raises(ss.InputError, match="there is no method 'magic'"):
+        ss.pure_slip_damping(law, V=0.5, N=9.81, method="magic")
+    with pytest.raises(ss.InputError, match='"simulation" needs the mass m'):
+        ss.pure_slip_damping(law, V=0.5, N=9.81, method="simulation")
+
+
+def test_no_load_is_a_free_oscillator():
+    law = ss.laws.exponential.typical()
+    motion = ss.simulate(law, paper_oscillator(0.0, N=0.0), t_end=2.0, x0=0.01, v0=0.0, rtol=1e-12)
+    assert motion.x == pytest.approx(0.01 * np.cos(10 * motion.t), abs=1e-10)
+
+
+STEEP = {
+    "alpha 8": (ss.laws.exponential.typical(alpha=8), {}, 2.067284261),
+    "N 50": (ss.laws.exponential.typical(), {"N": 50.0}, 12.47356032),
+    "canard": (ss.laws.exponential.typical(), {"V": 0.3, "N": 1e3}, 366.0493724),
+    "light": (ss.laws.exponential.typical(), {"m": 1e-6}, 1.970041565),
+    "soft": (ss.laws.exponential.typical(), {"k": 1e-4}, 1.970041565),
+    "layer": (ss.FrictionLaw("0.2+0.1*exp(-v/0.01)", static="0.4"), {"V": 0.1}, 3.692056429),
+    "polynomial": (ss.laws.polynomial.typical(), {"N": 1e4}, 3374.977777),
+    "root": (ss.FrictionLaw("0.5-0.1*sqrt(v)"), {}, 0.832662017),
+}
+NO_MORE_SECONDS = 10  # on a loaded machine; alone each case takes less than 3
+
+
+def simulated_threshold(law, rtol=1e-10, **changes):
+    scene = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0, "method": "simulation", "rtol": rtol}
+    return ss.pure_slip_damping(law, **(scene | changes))
+
+
+def independent_end(law, osc, x0, v0, t_end):
+    """Integrate slip slower than the belt in physical units by another implicit method."""
+
+    def rates(_, y):
+        return [y[1], (osc.N * law.mu(max(osc.V - y[1], 0.0)) - osc.c * y[1] - osc.k * y[0]) / osc.m]
+
+    solution = solve_ivp(rates, (0, t_end), [x0, v0], method="BDF", rtol=1e-10, atol=1e-13)
+    return solution.y[:, -1]
+
+
+@pytest.mark.parametrize("name", STEEP)
+def test_thresholds_of_steep_laws(name):
+    """The orbit that returns steeply is followed no further than its return."""
+    law, changes, expected = STEEP[name]
+    begin = time.perf_counter()
+    threshold = simulated_threshold(law, **changes)
+    assert time.perf_counter() - begin < NO_MORE_SECONDS
+    assert threshold.value == pytest.approx(expected, rel=1e-8)
+    below, above = (paper_oscillator(threshold.value * factor, **changes) for factor in (1 - 1e-6, 1 + 1e-6))
+    assert ss.stick_slip_cycle(law, below) is not None
+    assert ss.stick_slip_cycle(law, above) is None
+    assert ss.peak_velocity(law, below) > below.V > ss.peak_velocity(law, above)
+
+
+def test_peak_velocity_continues_through_the_graze(law):
+    """Value and slope of the lowest slip speed agree on both sides: its differences show no corner."""
+    threshold = simulated_threshold(law, rtol=1e-12).value
+    peak = [ss.peak_velocity(law, paper_oscillator(threshold * (1 + d))) - 0.5 for d in (-1e-5, 0, 1e-5)]
+    assert abs(peak[1]) < 1e-9
+    assert peak[0] == pytest.approx(-peak[2], rel=0.02)
+
+
+@pytest.mark.parametrize("formula", ["0.5-0.1*sqrt(v)", "0.3*v^v", "0.5+0.1*v*log(v)"])
+def test_laws_with_an_infinite_slope_at_rest(formula):
+    law, osc = ss.FrictionLaw(formula), paper_oscillator(0.0)
+    motion = ss.simulate(law, osc, t_end=3.0)
+    assert [event.begins for event in motion.events[:2]] == [Phase.STICK, Phase.SLIP_BACK]
+    assert motion.events[1].x == pytest.approx((0.3 if "^" in formula else 0.5) * 9.81 / 100, rel=1e-12)
+    t, x, v = (part[motion.t > motion.events[1].t][3:15] for part in (motion.t, motion.x, motion.v))
+    expected = independent_end(law, osc, x[0], v[0], t[-1] - t[0])
+    assert (x[-1], v[-1]) == pytest.approx(tuple(expected), rel=1e-6)
+
+
+def simulated(formula, static=None, *, x0=0.0, v0=None, t_end=10.0, c=0.0):
+    return ss.simulate(ss.FrictionLaw(formula, static=static), paper_oscillator(c), t_end=t_end, x0=x0, v0=v0)
+
+
+@pytest.mark.parametrize(
+    ("error", "message", "arguments"),
+    [
+        (ss.InputError, r"mu\(0\+\) is inf", {"formula": "0.5-0.1*log(v)"}),
+        (ss.InputError, r"mu\(0\+\) is inf", {"formula": "0.3/v"}),
+        (ss.InputError, r"coefficient 0\.2 is below mu\(0\+\) = 0\.3", {"formula": "0.3", "static": "0.2"}),
+        (ss.InputError, "cannot be computed at a slip speed of 3 V", {"formula": "0.5*sqrt(1-v)", "v0": -1.0}),
+        (ss.InputError, "cannot be computed", {"formula": "0.5+0.001*exp(800*v)", "v0": -3.0}),
+        (ss.InputError, "v0 = 'a' is not a number", {"formula": "0.5", "v0": "a"}),
+        (ss.InputError, "t_end = 'None' is not a number", {"formula": "0.5", "t_end": None}),
+    ],
+)
+def test_motions_that_there_are_not(error, message, arguments):
+    with pytest.raises(error, match=message):
+        simulated(**arguments)
+
+
+def test_a_driven_mass_overtakes_the_belt_and_has_a_cycle():
+    law, osc = ss.laws.exponential.typical(), paper_oscillator(-1.0)
+    cycle = ss.stick_slip_cycle(law, osc)
+    motion = ss.simulate(law, osc, t_end=10.0, rtol=1e-12)
+    assert [event.begins for event in motion.events[3:6]] == [Phase.STICK, Phase.SLIP_BACK, Phase.SLIP_FORWARD]
+    periods = np.diff(motion.starts_of(Phase.STICK)[1:])
+    assert len(periods) > 5
+    assert periods == pytest.approx(cycle.period, rel=PERIOD_AGREES)
+    sticks = motion.starts_of(Phase.SLIP_BACK)[1:6] - motion.starts_of(Phase.STICK)[1:6]
+    assert sticks == pytest.approx(cycle.stick_time, rel=1e-8)
+    assert cycle.period == pytest.approx(cycle.stick_time + cycle.slip_time, rel=1e-15)
+    x, v = motion.x[motion.t > 2], motion.v[motion.t > 2]
+    assert (cycle.x_min, cycle.x_max) == pytest.approx((x.min(), x.max()), abs=2e-3)
+    assert (cycle.v_min, cycle.v_max) == pytest.approx((v.min(), v.max()), abs=2e-3)
+
+
+def test_a_mass_that_is_driven_harder_never_sticks_again():
+    law, osc = ss.laws.exponential.typical(), paper_oscillator(-5.0)
+    assert ss.stick_slip_cycle(law, osc) is None
+    assert len(ss.simulate(law, osc, t_end=4.0).starts_of(Phase.STICK)) == 1
+
+
+@pytest.mark.parametrize("c", [1e4, 1e5])
+def test_heavy_damping_creeps_to_rest_in_no_time(law, c):
+    osc = paper_oscillator(c)
+    begin = time.perf_counter()
+    assert ss.stick_slip_cycle(law, osc) is None
+    with pytest.raises(ss.NotConverged, match="no peak"):
+        ss.peak_velocity(law, osc)
+    motion = ss.simulate(law, osc, t_end=1e5)
+    assert time.perf_counter() - begin < NO_MORE_SECONDS
+    assert motion.t[-1] == pytest.approx(1e5, rel=1e-15)
+    assert (motion.x[-1], motion.v[-1]) == pytest.approx((osc.N * law.mu(osc.V) / osc.k, 0.0), rel=1e-12)
+
+
+def test_stiff_motion_is_that_of_an_independent_integration(law):
+    osc = paper_oscillator(1e4)
+    motion = ss.simulate(law, osc, t_end=50.0, x0=0.2, v0=-3.0)
+    expected = independent_end(law, osc, 0.2, -3.0, 50.0)
+    assert (motion.x[-1], motion.v[-1]) == pytest.approx(tuple(expected), rel=1e-6)
+
+
+def test_a_steep_rise_is_no_threshold_and_found_so_soon():
+    begin = time.perf_counter()
+    for law, V in ((ss.laws.polynomial.typical(), 50.0), (ss.FrictionLaw("0.5+0.001*exp(800*v)"), 0.5)):
+        with pytest.raises(ss.NoThreshold):
+            simulated_threshold(law, V=V)
+        assert ss.stick_slip_cycle(law, paper_oscillator(V=V)) is None
+    assert time.perf_counter() - begin < NO_MORE_SECONDS
+
+
+def test_a_start_faster_than_the_belt(law):
+    motion = ss.simulate(law, paper_oscillator(1.0), t_end=1.0, v0=2.0)
+    assert motion.v[0] == 2.0
+    assert motion.events[0].begins is Phase.SLIP_FORWARD
+
+
+@pytest.mark.parametrize("static", ["0.4", "0.301"])
+@pytest.mark.parametrize(("rtol", "error"), [(1e-4, 1e-9), (1e-8, 1e-9), (1e-12, 1e-12)])
+def test_events_of_a_harmonic_slip_are_exact(static, rtol, error):
+    """A constant law with a static jump: w = 1 - cos(tau) + A sin(tau), which returns at 2 pi - 2 atan(A)."""
+    jump, osc = ss.FrictionLaw("0.3", static=static), paper_oscillator(0.0)
+    A = osc.eta * (float(static) - 0.3)
+    cycle = ss.stick_slip_cycle(jump, osc, rtol=rtol)
+    agrees = error / A  # the flatter the return, the less certain its time
+    assert cycle.slip_time * osc.omega == pytest.approx(2 * math.pi - 2 * math.atan(A), abs=agrees)
+    assert cycle.stick_time * osc.omega == pytest.approx(2 * A, abs=agrees)
+    assert cycle.v_min == pytest.approx(-osc.V * math.hypot(1, A), abs=agrees)
+    # The acceleration at the return is -A, in units of omega V.
+    assert ss.peak_velocity(jump, osc, rtol=rtol) == pytest.approx(osc.V * (1 + A**2 / 2), abs=agrees)
+    # The mass stands still at w = 1, tan(tau) = 1/A.
+    turn = osc.onset(jump) + osc.length * (math.hypot(1, A) - A)
+    assert cycle.x_max == pytest.approx(turn, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("law", "changes"),
+    [
+        (ss.laws.exponential.typical(), {}),
+        (ss.laws.exponential.typical(), {"V": 10.0}),
+        (ss.laws.polynomial.typical(), {"V": 0.89}),
+        (ss.FrictionLaw("0.3", static="0.4"), {}),
+        (ss.FrictionLaw("0.5-0.1*sqrt(v)"), {}),
+    ],
+)
+def test_the_error_of_a_threshold_is_honest(law, changes):
+    exact = simulated_threshold(law, rtol=1e-12, **changes).value
+    for rtol in (1e-3, 1e-4, 1e-6, 1e-8, 1e-9):
+        loose = simulated_threshold(law, rtol=rtol, **changes)
+        assert abs(loose.value - exact) < loose.error * exact
+    if changes == {"V": 10.0}:  # where the graze is flat, the error is more than the tolerance
+        assert abs(simulated_threshold(law, rtol=1e-10, **changes).value - exact) > 1e-10 * exact
+
+
+def test_results_are_plain_floats(law):
+    threshold = simulated_threshold(law)
+    assert {type(threshold.value), type(threshold.error)} == {float}
+    for c in (1.0, -1.0):
+        cycle = ss.stick_slip_cycle(ss.laws.exponential.typical(), paper_oscillator(c))
+        assert {type(value) for value in astuple(cycle)} == {float}
+    osc = paper_oscillator(np.float64(1.0), V=np.float64(0.5))
+    assert type(ss.peak_velocity(law, osc)) is float
+    motion = ss.simulate(law, osc, t_end=2.0, x0=np.float64(0.1))
+    assert {type(value) for event in motion.events for value in (event.t, event.x, event.v)} == {float}

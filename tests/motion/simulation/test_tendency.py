@@ -1,0 +1,104 @@
+"""What a simulated motion has come to: against exact decay, against `classify`, and on the command line."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+from scenes import paper_oscillator
+
+import stickslip_sym as ss
+from stickslip_sym import Motion, Tendency
+
+DECIDED = {
+    Tendency.STICK_SLIP: Motion.STICK_SLIP,
+    Tendency.REST: Motion.DAMPED_SLIP,
+    Tendency.PURE_SLIP: Motion.PURE_SLIP,
+    Tendency.UNBOUNDED: Motion.UNBOUNDED,
+}
+"""Words after which nothing else comes."""
+
+
+def test_the_change_in_a_round_is_that_of_a_linear_oscillator():
+    """Under constant friction a swing is exp(-2 pi zeta/sqrt(1 - zeta^2)) of the last."""
+    law, rng = ss.FrictionLaw("0.3"), np.random.default_rng(17)
+    seen = set()
+    for zeta in [0.0, *(rng.choice([-1, 1], 15) * 10 ** rng.uniform(-4, -0.5, 15)).tolist()]:
+        m, k, V, N = (10 ** rng.uniform(-2, 2, 4)).tolist()
+        osc = ss.Oscillator(m=m, k=k, V=V, N=N, c=2 * zeta * math.sqrt(k * m))
+        x0 = 0.3 * N / k + 0.01 * osc.length
+        motion = ss.simulate(law, osc, t_end=4 * 2 * math.pi / osc.omega, x0=x0, v0=0.0, rtol=1e-11)
+        exact = math.expm1(-2 * math.pi * zeta / math.sqrt(1 - zeta**2))
+        assert motion.change == pytest.approx(exact, abs=1e-8)
+        expected = Tendency.PURE_SLIP if zeta == 0 else Tendency.SHRINKS if zeta > 0 else Tendency.GROWS
+        assert motion.tendency is expected
+        seen.add(motion.tendency)
+    assert len(seen) == 3
+
+
+def test_no_word_says_other_than_classify():
+    """Seeded scenes of every kind, from starts on either side of the belt's speed."""
+    rng, decided = np.random.default_rng(5), []
+    for name in ["exponential", "polynomial", "hyperbolic", "coulomb_viscous", "linear"] * 5:
+        law = ss.laws.catalogue[name].typical()
+        osc = paper_oscillator(rng.uniform(-1, 6), V=10 ** rng.uniform(-1, 0.8), N=10 ** rng.uniform(-0.5, 1.5))
+        start = {"x0": rng.uniform(-1, 2) * osc.length, "v0": rng.uniform(-1, 1.5) * osc.V}
+        motion = ss.simulate(law, osc, t_end=30.0, rtol=1e-9, **start)
+        if motion.tendency in DECIDED:
+            decided.append(motion.tendency)
+            assert ss.classify(law, osc, **start) is DECIDED[motion.tendency], (name, osc, start, motion)
+        assert motion.tendency is not Tendency.SHORT
+    assert len(decided) >= 12
+    assert {Tendency.STICK_SLIP, Tendency.REST} <= set(decided)
+
+
+@pytest.mark.parametrize(
+    ("scene", "start", "expected", "end"),
+    [
+        ({"c": 1.0}, {"t_end": 0.05}, Tendency.STICK, "stick-slip"),
+        ({"c": 1.0}, {"t_end": 0.5}, Tendency.SHORT, "stick-slip"),
+        ({"c": 1.0}, {"t_end": 1.0}, Tendency.STICK_SLIP, None),
+        ({"c": 3.5}, {"t_end": 6.0}, Tendency.SHRINKS, "damped slip"),
+        ({"c": 30.0}, {"t_end": 100.0}, Tendency.REST, None),
+        ({"c": 1.0}, {"t_end": 2.5, "x0": 0.0262, "v0": 0.01}, Tendency.GROWS, "stick-slip"),
+        ({"c": 0.0, "V": 5.0, "N": 0.5}, {"t_end": 6.0}, Tendency.OVERTAKES, "pure slip"),
+        ({"c": -50.0}, {"t_end": 100.0}, Tendency.UNBOUNDED, None),
+    ],
+)
+def test_the_command_says_what_it_is_and_where_it_leads(scene, start, expected, end, run):
+    motion = ss.simulate(ss.laws.exponential.typical(), paper_oscillator(**scene), **start)
+    assert motion.tendency is expected
+    assert repr(motion).startswith(f"Trajectory: {expected.value}")
+    options = [word for name, value in scene.items() for word in (f"-{name}", str(value))]
+    options += [f"--{name.replace('_', '-')}={value}" for name, value in start.items()]
+    code, out, err = run("simulate", "exponential", *options)
+    assert (code, err) == (0, "")
+    (line,) = re.findall(r"^motion: (.*)$", out, re.M)
+    assert line == motion.summary + ("" if end is None else f"; in the end: {end}")
+    _, out, _ = run("simulate", "exponential", *options, "--json")
+    said = json.loads(out)
+    assert (said["motion"], said["change_in_a_round"], said["in_the_end"]) == (expected.value, motion.change, end)
+
+
+def test_pure_slip_is_a_motion_that_repeats_itself():
+    """On the stable limit cycle of the polynomial law; a little off it, it shrinks or grows towards it."""
+    law, osc = ss.laws.polynomial.typical(), paper_oscillator(3.05)
+    (cycle,) = ss.limit_cycles(law, osc)
+    x = osc.N * law.mu(osc.V) / osc.k
+    words = []
+    for factor in (0.9, 1.1):
+        motion = ss.simulate(law, osc, t_end=4.0, x0=x + factor * cycle.amplitude / osc.omega, v0=0.0)
+        words.append(motion.tendency)
+    assert words == [Tendency.GROWS, Tendency.SHRINKS]
+    late = ss.simulate(law, osc, t_end=50.0, x0=x, v0=0.9 * cycle.amplitude)
+    assert late.tendency is Tendency.PURE_SLIP
+
+
+def test_a_motion_whose_end_is_not_found_says_so(run, monkeypatch):
+    def lost(*_, **__):
+        raise ss.NotConverged("the bound on the work was reached")
+
+    monkeypatch.setattr("stickslip_sym.classification.classify", lost)
+    _, out, _ = run("simulate", "exponential", "-c", "3.5")
+    assert "; in the end: not found: the bound on the work was reached\n" in out

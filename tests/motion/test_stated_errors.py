@@ -1,0 +1,276 @@
+"""What is said of a number bounds what it is off, and what is refused is refused at the very edge."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import paper_oscillator
+
+import stickslip_sym as ss
+from stickslip_sym import Motion, Phase
+from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.orbits.cycles import needed_damping
+from stickslip_sym.motion.orbits.expansion import expand
+from stickslip_sym.motion.orbits.orbit import orbits
+from stickslip_sym.motion.regimes.attractors import grows_far_out
+from stickslip_sym.motion.regimes.slip_orbits import _by_simulation, overtaking_cycle
+from stickslip_sym.motion.simulation import taylor
+from stickslip_sym.motion.simulation.steppers import Point
+from stickslip_sym.motion.thresholds.rungs import Scenes, on_orbit, second_order
+
+SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+
+
+# -- hypotheses ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("part", [0.3, 1e-2, 1e-5, 1e-9, 1e-11])
+def test_a_static_coefficient_below_that_of_slip_is_refused_however_little(part):
+    rng = np.random.default_rng(1)
+    for mu_s in rng.uniform(0.1, 2, 3):
+        law = ss.FrictionLaw("0.1 + (s - 0.1)*exp(-3*v)", static="r").bind(s=mu_s, r=mu_s * (1 - part))
+        for use in (
+            lambda law=law: ss.simulate(law, paper_oscillator(1.0), t_end=1.0),
+            lambda law=law: ss.classify(law, paper_oscillator(1.0)),
+            lambda law=law: ss.pure_slip_damping(law, **SCENE, method="simulation"),
+        ):
+            with pytest.raises(ss.InputError, match=r"is below mu\(0\+\)"):
+                use()
+
+
+def test_a_static_coefficient_may_be_off_by_its_rounding():
+    law = ss.FrictionLaw("0.1 + 0.3*exp(-3*v)", static="r").bind(r=(0.1 + 0.3) * (1 - 1e-15))
+    assert ss.classify(law, paper_oscillator(1.0)) is Motion.STICK_SLIP
+
+
+def test_the_last_measured_speed_is_the_last_that_is_answered():
+    rng = np.random.default_rng(2)
+    for end in rng.uniform(0.3, 3, 2).tolist():
+        law = ss.FrictionLaw.from_samples([0, 0.1 * end, 0.4 * end, end], [0.5, 0.4, 0.3, 0.25])
+        beyond = math.nextafter(end, math.inf)
+        average = ss.slope_average(law, "harmonic")
+        quick = [
+            lambda v, law=law: law.mu(v),
+            lambda v, law=law: law.slope(v),
+            lambda v, average=average: average(V=v / 2, N=1.0),
+            lambda v, law=law: ss.quadrature.damping(law, "harmonic", V=v / 2, N=1, digits=8),
+        ]
+        for value in quick:
+            assert math.isfinite(value(end))
+            with pytest.raises(ss.InputError, match="is measured up to v"):
+                value(beyond)
+
+
+# -- slip cycles -----------------------------------------------------------------------------------
+
+OVERTAKING = [
+    (ss.laws.exponential.typical(), {"c": 1.0, "k": 1e6}),
+    (ss.laws.polynomial.typical(), {"c": 0.5, "k": 4e6, "m": 2.0}),
+    (ss.FrictionLaw("tanh(20*v)*(0.2 + 0.3*exp(-3*v))"), {"c": 0.2}),  # it never sticks
+]
+
+
+@pytest.mark.parametrize(("law", "changes"), OVERTAKING)
+def test_a_cycle_that_overtakes_the_belt_is_that_of_a_simulation(law, changes):
+    """Two motions that come close to it, from inside and from outside."""
+    osc = paper_oscillator(**changes)
+    cycle = overtaking_cycle(law, osc, rtol=1e-11)
+    x0 = osc.N * float(law.mu(osc.V)) / osc.k
+    settled = min(12 / abs(cycle.floquet), 300 * cycle.period)
+    left = math.exp(cycle.floquet * settled)  # of what a start is off
+    for part in (0.99, 1.01):
+        v0, t_end = part * cycle.amplitude, settled + 5 * cycle.period
+        motion = ss.simulate(law, osc, t_end=t_end, x0=x0, v0=v0, rtol=1e-10)
+        late = [event.t for event in motion.events if event.begins is Phase.SLIP_FORWARD and event.t > settled]
+        assert np.diff(late[-3:]) == pytest.approx(cycle.period, rel=1e-8 + left)
+        times = np.linspace(late[-2], late[-1], 4001)
+        assert motion.at(times).v.max() == pytest.approx(cycle.amplitude, rel=1e-6 + 0.1 * left)
+
+
+AMPLITUDES = np.geomspace(1.5e-3, 0.95, 6)
+
+
+@pytest.mark.parametrize("name", ["exponential", "polynomial"])
+def test_the_return_map_finds_cycles_of_every_amplitude(name):
+    """Collocation gives the damping of a cycle, and the return map finds the cycle again."""
+    law = ss.laws.catalogue[name].typical()
+    need = needed_damping(law, paper_oscillator())
+    for amplitude in AMPLITUDES:
+        osc = paper_oscillator(float(need.at(amplitude)) * paper_oscillator().impedance)
+        (found,) = _by_simulation(law, osc, 1e-12).cycles
+        assert found.amplitude / osc.V == pytest.approx(amplitude, rel=1e-4, abs=1e-7)
+
+
+SLOPED = [
+    *(ss.laws.exponential.typical().bind(alpha=alpha) for alpha in np.geomspace(0.3, 40, 8).tolist()),
+    *(ss.laws.catalogue["gaussian"].typical().bind(v_s=v_s) for v_s in np.geomspace(0.2, 3, 6).tolist()),
+]
+
+
+@pytest.mark.parametrize("law", SLOPED)
+def test_the_damping_that_orbits_need_is_that_of_the_orbits(law):
+    osc = paper_oscillator()
+    need = needed_damping(law, osc)
+    A = np.random.default_rng(4).uniform(0.01, 1, 12)
+    direct = orbits(law, osc.V, osc.N / osc.impedance, A)
+    variation = np.ptp(need.at(np.linspace(0, 1, 50)))
+    assert np.abs(need.at(A) - direct.d).max() <= 1e-9 * variation + (direct.error * direct.scale).max()
+
+
+# -- far out ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("measured", [True, False])
+def test_without_damping_friction_bounds_motions_and_next_to_no_negative_one_frees_them(measured):
+    law = ss.FrictionLaw.from_samples([0, 0.2, 1, 3], [0.5, 0.4, 0.3, 0.3], extrapolate=not measured)
+    assert not grows_far_out(law, paper_oscillator(0.0))
+    for c in -np.logspace(-9, 2, 12):
+        assert grows_far_out(law, paper_oscillator(c))
+        assert not grows_far_out(law, paper_oscillator(-c))
+
+
+@pytest.mark.parametrize("crossing", np.logspace(1, 11, 6).tolist())
+def test_far_out_is_beyond_every_speed_at_which_friction_turns(crossing):
+    """mu = 0.3 -+ b v +- d v^2, whose sign far out is that of the last term."""
+    for sign in (-1, 1):
+        law = ss.FrictionLaw("0.3 + s*(v^2/p - v)", parameters=[ss.Parameter("s", positive=False)])
+        law = law.bind(s=sign * 10.0, p=crossing)
+        assert grows_far_out(law, paper_oscillator(1.0)) is (sign < 0)
+
+
+OUTER = ss.FrictionLaw("0.3 + 1e-6*v^3", static="0.35")
+
+
+@pytest.mark.parametrize("v0", [-1000.0, -100.0, -2.0])
+def test_a_stable_cycle_far_out_takes_the_motions_from_both_sides(v0):
+    """A negative damping outdoes dry friction above 7 m/s, and mu, rising as v^3, outdoes it above 260 m/s."""
+    osc = paper_oscillator(-0.5)
+    end = math.sqrt(0.5 / (9.81 * 1e-6 * 0.75))  # the balance over a harmonic motion far out
+    motion = ss.simulate(OUTER, osc, t_end=40.0, v0=v0, rtol=1e-7)
+    late = motion.t > 35
+    found = ss.classify(OUTER, osc, v0=v0)
+    if Phase.STICK in set(motion.phase[late]):
+        assert found is Motion.STICK_SLIP
+        assert v0 == -2
+    else:
+        assert np.abs(motion.v[late]).max() == pytest.approx(end, rel=0.1)
+        assert found is Motion.PURE_SLIP
+
+
+@pytest.mark.parametrize("zeta", [0.0, *np.logspace(-8, -1, 5)])
+def test_without_friction_the_least_damping_decides(zeta):
+    law = ss.laws.exponential.typical()
+    for x0, v0 in ((0.3, -0.4), (-1.0, 2.0)):  # beyond the belt's speed
+        osc = paper_oscillator(20 * zeta, N=0.0)
+        assert ss.classify(law, osc, x0=x0, v0=v0) is (Motion.DAMPED_SLIP if zeta else Motion.PURE_SLIP)
+        if zeta:
+            found = ss.classify(law, paper_oscillator(-20 * zeta, N=0.0), x0=x0, v0=v0)
+            assert found is Motion.UNBOUNDED
+
+
+# -- the second order ------------------------------------------------------------------------------
+
+
+def slopes_that_cancel(rng):
+    """Yield laws with random slopes of both signs, from v = 0 to 2 m/s."""
+    for number in range(8):
+        a, b = rng.uniform(-0.3, 0.3, 2)
+        if number % 2:
+            terms = enumerate(rng.normal(size=6) * 0.3, 1)
+            yield ss.FrictionLaw("0.5" + "".join(f" + ({x:.6f})*(v - 1)^{n}" for n, x in terms))
+        else:
+            fast, slow = 10 ** rng.uniform(-0.5, 1.2, 2)
+            yield ss.FrictionLaw(f"0.5 + ({a:.6f})*exp(-{fast:.6f}*v) + ({b:.6f})*exp(-{slow:.6f}*v)")
+
+
+def test_what_the_next_order_may_add_bounds_what_the_second_order_is_off():
+    total = 0
+    for law in slopes_that_cancel(np.random.default_rng(5)):
+        scenes = Scenes.of(law, V=1.0, N=np.geomspace(0.01, 1, 5), m=1.0, k=1.0)
+        value, resolution, next_order = second_order(scenes)
+        rows = np.flatnonzero(next_order + resolution < 0.5)
+        exact, error, _ = on_orbit(scenes.rows(rows), 1e-12)
+        off = np.abs(value[rows] / exact - 1)
+        assert (off <= next_order[rows] + resolution[rows] + error + 1e-14).all()
+        # And is no empty phrase: the order is right, so it falls with it.
+        total += rows.size
+        assert next_order[0] < 1e-6 * next_order[-1]
+    assert total >= 24
+
+
+@pytest.mark.parametrize("width", [1e-9, 1e-7, 1e-5])
+@pytest.mark.parametrize("part", [1e-7, 1e-5, 1e-3])
+def test_what_is_told_counts_a_layer_that_the_grid_does_not_see(width, part):
+    """A thin layer a exp(-v/w) adds N a sqrt(2 w/pi) V^(-3/2), whatever the orbit."""
+    alone = "0.2 + 0.3*exp(-3*v)"
+    scene = SCENE | {"k": 1e8}  # of weak friction, so that the layer is all there is to tell
+    exact = ss.pure_slip_damping(ss.FrictionLaw(alone), **scene, method="orbit", rtol=1e-11).value
+    height = part * exact / (9.81 * math.sqrt(2 * width / math.pi) * 0.5**-1.5)
+    law = ss.FrictionLaw(f"{alone} + a*exp(-v/w)").bind(a=height, w=width)
+    exact *= 1 + part
+    value, resolution, next_order = second_order(Scenes.of(law, **scene))
+    assert abs(value[0] / exact - 1) <= resolution[0] + next_order[0] + 0.1 * part
+    for rtol in (0.3, 1e-2, 3e-4):
+        try:
+            found = ss.pure_slip_damping(law, **scene, rtol=rtol)
+        except ss.NotConverged:
+            continue
+        assert abs(found.value / exact - 1) <= found.error + 0.1 * part
+
+
+def test_an_orbit_by_name_is_as_good_as_asked_or_as_rounding_lets_it_be():
+    """Towards the belt speed v_m sqrt(4/5), where weak friction needs no damping, digits are lost."""
+    law, outcomes = ss.laws.polynomial.bind(mu_s=0.5, mu_m=0.2, v_m=1.0), set()
+    for rtol in (1e-12, 1e-6):
+        for below in np.geomspace(1e-10, 1e-1, 10):
+            scene = {"V": math.sqrt(0.8 * (1 - below)), "N": 1.0, "m": 1.0, "k": 1e8}
+            try:
+                found = ss.pure_slip_damping(law, **scene, method="orbit", rtol=rtol)
+            except ss.NotConverged:
+                outcomes.add("refused")
+                continue
+            assert found.error <= max(rtol, 1e-9)
+            outcomes.add("as asked" if found.error <= rtol else "rounding")
+            # (18) for the harmonic weight, and the next order from derivations/d8.
+            weak = 9.0 / 8 * 0.3 * (4 / 3 - 5 / 3 * scene["V"] ** 2)
+            second = 31149 / 81920 * 0.3**3 * scene["V"] ** 6 / 1e8
+            assert found.value == pytest.approx(weak + second, rel=found.error, abs=3e-16)
+    assert outcomes == {"as asked", "rounding", "refused"}
+
+
+@pytest.mark.parametrize("name", ["exponential", "polynomial", "gaussian"])
+def test_the_expansion_has_the_height_that_was_asked_for(name):
+    law, A = ss.laws.catalogue[name].typical(), np.array([0.2, 0.6, 1.0])
+    weak = expand(law, np.full(3, 0.6), A)
+    n, e = np.arange(weak.sines.shape[1]), 1e-3
+    theta = np.linspace(-0.02, 0.02, 20001)[:, None, None]
+    overtones = e * weak.sines * np.sin(n * theta) + e**2 * weak.cosines * np.cos(n * theta)
+    height = (A * np.cos(theta[:, 0]) + overtones.sum(axis=2)).max(axis=0)
+    # The overtones of the first order lift the highest velocity, by so much; those of the second order set it.
+    lift = e**2 * (n * weak.sines).sum(axis=1) ** 2 / (2 * A)
+    parts = np.array([lift, e**2 * np.abs(weak.cosines[:, 2:].sum(axis=1))])
+    assert np.abs(height - A).max() < 0.1 * parts.max(axis=1).min()
+
+
+# -- Taylor steps ----------------------------------------------------------------------------------
+
+LAYERED = [
+    ss.FrictionLaw("(0.2 + 0.3*exp(-3*v))*tanh(v/w)"),
+    ss.FrictionLaw("0.2 + 0.1*tanh((v - 0.4)/w)"),
+]
+
+
+@pytest.mark.parametrize("law", LAYERED)
+def test_every_taylor_step_obeys_the_equations_at_its_end_and_halfway(law):
+    """Of a layer ahead nothing is left in the coefficients, from which the length of a step is taken."""
+    pytest.importorskip("heyoka")
+    rng = np.random.default_rng(0)
+    for width in np.geomspace(1e-4, 0.1, 8).tolist():
+        scene = Scene.of(law.bind(w=width), paper_oscillator(rng.uniform(0, 3)))
+        start = Point(0.0, rng.uniform(-1, 3), rng.uniform(0.1, 2))
+        phase = taylor.follow(scene, start, 1, horizon=6.0, rtol=1e-12)
+        for piece, end in zip(phase.pieces, phase.points[1:], strict=True):
+            for time in (0.5 * (end.tau - piece.t_old), end.tau - piece.t_old):
+                q, w = piece(piece.t_old + time)
+                missed = time * abs(piece.rate(time) - scene.acceleration(q, w, 1))
+                assert missed <= 1e-12 * max(1.0, abs(q), abs(w), time * scene.eta)

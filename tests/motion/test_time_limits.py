@@ -1,0 +1,180 @@
+"""Every long call ends: stiff scenes within a bound on the work, and all calls soon after their time limit."""
+
+import pickle
+import time
+
+import numpy as np
+import pytest
+from scenes import paper_oscillator
+
+import stickslip_sym as ss
+from stickslip_sym import Motion
+from stickslip_sym.comparison.newmark import Scan, pure_slip_by_scan
+from stickslip_sym.comparison.threshold_tradeoff import threshold_tradeoff
+from stickslip_sym.core import deadline
+from stickslip_sym.motion.maps import checkpoint
+from stickslip_sym.motion.maps.columns import Reason
+from stickslip_sym.motion.regimes import slip_orbits
+
+SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+STRONG = ss.Oscillator(m=1, k=1, V=0.5, N=50, c=1.5)
+RATE_AND_STATE = ss.FrictionLaw("0.6 - 0.01*log(1 + v/1e-6)")
+STIFF = [
+    *((ss.laws.catalogue[name].typical(), paper_oscillator(1.5))
+      for name in ("bengisu_akay", "simscape", "arcsinh", "logarithmic", "brown_mcphee")),
+    (ss.laws.exponential.typical(), STRONG),
+    (RATE_AND_STATE, ss.Oscillator(V=1e-3, N=1e5, m=1e3, k=1e6, c=1.5)),
+]  # fmt: skip
+MOTIONS = {"StickSlipCycle": Motion.STICK_SLIP, "LimitCycle": Motion.PURE_SLIP, "Rest": Motion.DAMPED_SLIP}
+
+
+def agree(found, motion):
+    """Whether a motion that a start leads to is one of a regime; or else it was said that this is not decided."""
+    if motion is Motion.UNDECIDED:
+        return True
+    if motion is Motion.UNBOUNDED:
+        return found.unbounded
+    kinds = {MOTIONS[type(attractor).__name__] for attractor in found.attractors}
+    return motion in kinds or bool(found.undecided)
+
+
+@pytest.mark.parametrize(("law", "osc"), STIFF)
+def test_regimes_of_stiff_scenes_are_found_soon(law, osc):
+    """By the time of the processor they took 12 to 175 s; the limit fails the test, and is not what ends them."""
+    found = ss.regime(law, osc, time_limit=60)
+    assert not found.undecided
+    assert agree(found, ss.classify(law, osc))
+
+
+def seeded_scenes(seed, count):
+    """Yield laws of the catalogue in scenes over decades of every quantity."""
+    rng = np.random.default_rng(seed)
+    names = sorted(ss.laws.catalogue)
+    for name in rng.choice(names, count):
+        V, N, m, k, damping = 10 ** rng.uniform([-3, -1, -2, 0, -3], [1, 3, 3, 6, 1])
+        osc = ss.Oscillator(V=V, N=N, m=m, k=k, c=damping * np.sqrt(k * m))
+        yield ss.laws.catalogue[str(name)].typical(), osc
+
+
+def test_regimes_and_classification_agree_over_decades():
+    for law, osc in seeded_scenes(1, 16):
+        found = ss.regime(law, osc, time_limit=60)
+        assert agree(found, ss.classify(law, osc, time_limit=60)), (law, osc, found)
+
+
+CALLS = {
+    "regime": lambda law, osc, **limit: ss.regime(law, osc, **limit),
+    "limit_cycles": lambda law, osc, **limit: ss.limit_cycles(law, osc, **limit),
+    "classify": lambda law, osc, **limit: ss.classify(law, osc, rtol=1e-13, **limit),
+    "stick_slip_cycle": lambda law, osc, **limit: ss.stick_slip_cycle(law, osc, rtol=1e-13, **limit),
+    "simulate": lambda law, osc, **limit: ss.simulate(law, osc, t_end=1e5, **limit),
+    "basin_map": lambda law, osc, **limit: ss.basin_map(
+        law, osc, x0=np.linspace(0, 1, 30), v0=np.linspace(-1, 1, 30), **limit
+    ),
+    "motion_map": lambda law, osc, **limit: ss.motion_map(
+        law, x=("V", np.linspace(0.1, 1, 30)), y=("c", np.linspace(0, 5, 30)), N=osc.N, m=osc.m, k=osc.k, **limit
+    ),
+    "orbit": lambda law, osc, **limit: ss.pure_slip_damping(law, **SCENE, method="orbit", rtol=1e-12, **limit),
+    "simulation": lambda law, osc, **limit: ss.pure_slip_damping(
+        law, **SCENE | {"N": 300}, method="simulation", rtol=1e-12, **limit
+    ),
+    "transition_speed": lambda law, osc, **limit: ss.transition_speed(law, c=1, N=9.81, m=1, k=100, **limit),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("seconds", [0.2])
+@pytest.mark.parametrize("call", CALLS)
+def test_every_call_ends_soon_after_its_time_limit(call, seconds):
+    """With a result, which says what it lacks, or with an error that says that it was the time."""
+    law = (
+        ss.FrictionLaw("tanh(300*v)*(0.2 + 0.3*exp(-3*v))")
+        if call != "simulation"
+        else ss.laws.catalogue["arcsinh"].typical()
+    )
+    begin = time.process_time()
+    try:
+        found = CALLS[call](law, paper_oscillator(1.0), time_limit=seconds)
+    except (ss.OutOfTime, ss.NotConverged) as error:
+        found = str(error)
+    assert time.process_time() - begin < 5 * (1 + seconds)  # one where nothing else runs; far less than all of it
+    if call == "motion_map":
+        assert (found.reason == Reason.TIME).any()
+        assert all(found.motion[place] is Motion.UNDECIDED for place in found.notes)
+    if call == "basin_map":
+        assert any("time limit" in note for note in found.notes.values())
+    if call == "simulate":
+        assert found.outcome is ss.Outcome.TIME_LIMIT
+
+
+def test_without_time_every_part_of_a_regime_is_named():
+    found = ss.regime(ss.laws.catalogue["simscape"].typical(), paper_oscillator(1.4321), time_limit=0)
+    assert found.rest.stable
+    assert [text.split(":")[0] for text in found.undecided] == [
+        "whether the slip from P returns, and stick-slip", "the limit cycles in pure slip",
+    ]  # fmt: skip
+    assert "time limit" in str(found)
+
+
+def test_a_threshold_out_of_time_tells_the_best_value():
+    """A clock that stands still until so many looks at it: where it stops does not depend on the machine."""
+    law = ss.laws.exponential.typical()
+    exact = ss.pure_slip_damping(law, **SCENE, method="simulation", rtol=1e-10).value
+    told = []
+    for looks in (100, 200, 300, 400):
+        with pytest.MonkeyPatch.context() as patch:
+            count = iter(range(looks))
+            patch.setattr(
+                deadline.time, "monotonic", lambda count=count: 0.0 if next(count, None) is not None else 1e9
+            )
+            with pytest.raises(ss.OutOfTime, match=r"best value|between") as caught:
+                ss.pure_slip_damping(law, **SCENE, method="simulation", rtol=1e-10, time_limit=100)
+        words = str(caught.value).split()
+        if "best" in words:
+            value, error = float(words[words.index("is") + 1]), float(words[-1])
+            assert abs(value / exact - 1) <= error
+            told.append(error)
+    assert told
+    assert told == sorted(told, reverse=True)
+
+
+def test_an_unfinished_map_goes_on_from_its_checkpoint(tmp_path):
+    def draw(**options):
+        return ss.motion_map(
+            ss.laws.exponential.typical(), x=("V", [0.3, 0.5, 0.7]), y=("c", [1.0, 3.0]), N=9.81, m=1, k=100,
+            checkpoint=tmp_path / "kept", **options,
+        )  # fmt: skip
+
+    assert (draw(time_limit=0).reason == Reason.TIME).all()
+    whole = draw()
+    assert not (whole.reason == Reason.TIME).any()
+    assert (draw(time_limit=0).motion == whole.motion).all()  # all is kept now
+
+
+def test_what_is_left_of_the_time_goes_to_other_processes():
+    with deadline.time_limit(10):
+        limited = pickle.loads(pickle.dumps(checkpoint._limited(_left)))
+    assert limited(2) == pytest.approx(20, rel=0.2)
+    assert checkpoint._limited(_left) is _left
+
+
+def _left(factor):
+    return factor * deadline.time_left()
+
+
+def test_a_trade_heeds_its_time_limit():
+    with deadline.time_limit(0), pytest.raises(ss.OutOfTime):
+        pure_slip_by_scan(ss.laws.exponential.typical(), paper_oscillator(0), Scan(np.arange(3.0)))
+    with pytest.raises(ss.OutOfTime):
+        threshold_tradeoff(ss.laws.exponential.typical(), SCENE, time_limit=0)
+
+
+def test_the_return_map_finds_the_cycles_that_collocation_finds():
+    """Of a law with several at once."""
+    law = ss.FrictionLaw("0.4 - 0.3*(v - 0.5) - 2*(v - 0.5)^3 + 8*(v - 0.5)^5")
+    for c in (2.9, 3.4):
+        osc = paper_oscillator(float(c))
+        by_collocation = ss.limit_cycles(law, osc)
+        by_return_map = slip_orbits._by_simulation(law, osc, 1e-11).cycles
+        assert [cycle.stable for cycle in by_return_map] == [cycle.stable for cycle in by_collocation]
+        for one, other in zip(by_return_map, by_collocation, strict=True):
+            assert one.amplitude == pytest.approx(other.amplitude, rel=1e-6)

@@ -1,0 +1,71 @@
+"""Names that no system takes for a file are refused, in the same words everywhere."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes import paper_oscillator
+
+import stickslip_sym as ss
+from stickslip_sym.output import drawing, files
+
+LAW = ss.laws.exponential.typical()
+
+
+@pytest.fixture(scope="module")
+def results():
+    """One of each kind of result that writes files."""
+    osc, form = paper_oscillator(2.3), ss.derive(ss.FrictionLaw("a - b*v"))
+    scene = {"N": 9.81, "m": 1.0, "k": 100.0}
+    return {
+        "form": form,
+        "motion": ss.simulate(LAW, osc, t_end=0.5),
+        "map": ss.motion_map(LAW, x=("V", [0.5]), y=("c", [1.0]), **scene),
+        "basins": ss.basin_map(LAW, osc, x0=[0.0], v0=[0.0]),
+    }
+
+
+CALLS = {
+    "from_csv": lambda results, path: ss.FrictionLaw.from_csv(path),
+    "load": lambda results, path: ss.load(path),
+    "load_all": lambda results, path: ss.load_all(path),
+    "save": lambda results, path: ss.save(results["form"], path),
+    "save_all": lambda results, path: ss.save_all([results["form"]], path),
+    "motion.to_csv": lambda results, path: results["motion"].to_csv(path),
+    "motion.plot": lambda results, path: results["motion"].plot(path),
+    "map.to_csv": lambda results, path: results["map"].to_csv(path),
+    "map.to_npz": lambda results, path: results["map"].to_npz(path),
+    "map.plot": lambda results, path: results["map"].plot(path),
+    "basins.to_csv": lambda results, path: results["basins"].to_csv(path),
+    "basins.to_npz": lambda results, path: results["basins"].to_npz(path),
+    "basins.plot": lambda results, path: results["basins"].plot(path),
+    "regime.plot": lambda results, path: results["basins"].regime.plot(path),
+    "checkpoint": lambda results, path: ss.basin_map(
+        LAW, paper_oscillator(2.3), x0=[0.0], v0=[0.0], checkpoint=path
+    ),
+    "write_text": lambda results, path: files.write_text(path, ""),
+}
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_a_null_byte_is_refused_in_our_words(call, results, tmp_path):
+    """Wherever it is in the name; what the system says of it differs from one Python to the next."""
+    if call.endswith("plot"):
+        pytest.importorskip("matplotlib")
+    rng = np.random.default_rng(13)
+    for _ in range(3):
+        letters = list(rng.choice(list("ab."), 6))
+        letters[rng.integers(0, 6)] = "\0"
+        name = "".join(letters)
+        for path in (tmp_path / name, tmp_path / name / "a.csv"):
+            with pytest.raises(ss.InputError, match="the name of a file cannot hold a null byte"):
+                CALLS[call](results, path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_picture_without_matplotlib_is_none(monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    assert drawing.picture(lambda: pytest.fail("drawn"), "a picture") == ""
+    with pytest.raises(ss.InputError, match="null byte"):
+        files.require_name(Path("a\0b"))

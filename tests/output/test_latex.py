@@ -1,0 +1,150 @@
+"""LaTeX as a person writes it, and read back by a parser that shares nothing with the printer."""
+
+import re
+
+import latex_reader
+import mpmath
+import pytest
+import sympy as sp
+from forms import agrees, form_of
+
+import stickslip_sym as ss
+from stickslip_sym import symbols
+from stickslip_sym.output import layout, printing
+from stickslip_sym.output.notation import latex_name, notation_of
+
+V, N, v = symbols.V, symbols.N, symbols.v
+a, b, mu_s, mu_m, alpha = (sp.Symbol(name, positive=True) for name in ("a", "b", "mu_s", "mu_m", "alpha"))
+
+
+@pytest.mark.parametrize(
+    ("name", "latex"),
+    [
+        ("mu_s", r"\mu_{\mathrm{s}}"), ("v_0", "v_{0}"), ("a1", "a_{1}"), ("alpha", r"\alpha"),
+        ("lamda", r"\lambda"),
+        ("beta_x_1", r"\beta_{\mathrm{x},1}"), ("drop", r"\mathit{drop}"), ("D", "D"),
+        ("Alpha", r"\mathit{Alpha}"),
+        ("mu_static", r"\mu_{\mathrm{static}}"),
+    ],
+)  # fmt: skip
+def test_names(name, latex):
+    assert latex_name(name) == latex
+
+
+@pytest.mark.parametrize(
+    ("expr", "latex"),
+    [
+        (sp.exp(-alpha * V), r"\mathrm{e}^{-\alpha V}"),
+        (sp.exp(-(V / a) ** b), r"\exp\bigl[-(V/a)^{b}\bigr]"),
+        (V * alpha * N / 2, r"\frac{N \alpha V}{2}"),
+        ((a - b) / (1 + v / a), r"\frac{a - b}{1 + v/a}"),
+        (sp.besseli(1, alpha * V) / V, r"\frac{I_{1}(\alpha V)}{V}"),
+        (sp.log(1 + V / a), r"\ln(1 + V/a)"),
+        (N * (a - b) * (1 + V + V**2) / V, r"\frac{N (a - b)}{V} (V^{2} + V + 1)"),
+        (sp.tanh(V) ** 2, r"\tanh^{2}(V)"),
+        (-sp.Rational(5, 2), r"-\frac{5}{2}"),
+        (sp.Integral(sp.sin(v), (v, 0, 2 * V)), r"\int_{0}^{2 V} \sin(v) \,\mathrm{d}v"),
+        (sp.Eq(a, b, evaluate=False), "a = b"),
+    ],
+)  # fmt: skip
+def test_conventions(expr, latex):
+    assert printing.latex(expr) == latex
+
+
+def test_notation_may_be_replaced():
+    form = form_of("exponential", "equilibrium")
+    assert form.latex() == r"c = N \alpha (\mu_{\mathrm{s}} - \mu_{\mathrm{m}}) \,\mathrm{e}^{-\alpha V}"
+    renamed = form.latex({"V": "v_b", "alpha": r"\beta", "c": r"c_{\mathrm{crit}}"})
+    assert (
+        renamed == r"c_{\mathrm{crit}} = N \beta (\mu_{\mathrm{s}} - \mu_{\mathrm{m}}) \,\mathrm{e}^{-\beta v_b}"
+    )
+    assert printing.latex(V**2, {"V": "V'"}) == "{V'}^{2}"
+
+
+@pytest.mark.parametrize(
+    ("latex", "complaint"),
+    [
+        (r"\input{secret}", r"command \\input"), (r"\write18{ls}", r"command \\write"), ("{v", "do not match"),
+        ("}v{", "do not match"), ("$v$", r"character '\$'"), ("v%", "character '%'"), ("", "1 to 60 characters"),
+        ("v_", "of nothing"), ("v_a_b", "two of them"), ("v\n", "character"), ("v" * 61, "1 to 60"),
+        (r"\mu_s", "would both be printed"), (r"\def\a{}", r"command \\def"), ("v#1", "character '#'"),
+        ("v\\", r"command \\"), (r"\mathbb{V}", r"command \\mathbb"), (r"\hat", r"\\hat .* in braces"),
+        (r"a\mathrm b", "in braces"), (r"\text{a_b}", "in braces"), (r"v_{a_b_c}", "two of them"),
+        (r"\mathrm{a_b_c}", "two of them"), (r"v_\hat{b}", "without its braces"),
+        *((read_otherwise, "not as one symbol") for read_otherwise in (
+            "2", "a+b", "N V", "AB", "-v", "v,w", r"\alpha\beta", r"v_{0} w", r"\hat{a} b", "v^{2}",
+            r"\mathrm{a+b}", r"\delta v",
+        )),
+    ],
+)  # fmt: skip
+def test_notation_that_prints_no_symbol_is_refused(latex, complaint):
+    with pytest.raises(ss.InputError, match=complaint):
+        form_of("exponential", "equilibrium").latex({"alpha": latex})
+
+
+@pytest.mark.parametrize(
+    "latex",
+    ["v_b", r"\hat{v}_{1}", r"\Delta v", r"\Delta v_{\mathrm{s}}", r"\mathit{Sk}", r"\text{stick-slip}",
+     r"\boldsymbol{\hat{v}}", "v^{+}", r"\bar{v_{0}}", "{V'}", r"v_{a,b}", r"\operatorname{Re}", r"v^{\prime}"],
+)  # fmt: skip
+def test_notation_that_prints_one_symbol_is_taken(latex):
+    assert notation_of(["alpha", "V"], {"alpha": latex})["alpha"] == latex
+
+
+def test_unknown_symbols_are_suggested():
+    with pytest.raises(ss.InputError, match=r"no symbol 'alpa' to print otherwise.*did you mean 'alpha'"):
+        form_of("exponential", "equilibrium").latex({"alpa": "x"})
+
+
+def test_names_that_look_alike_are_told_apart():
+    assert notation_of(["a1", "a_1"]) == {"a1": "a_{1}", "a_1": r"\mathit{a\_1}"}
+
+
+def test_lines_break_at_the_outermost_sum():
+    terms = sp.Add(*[sp.Symbol(f"a_{i}") * (b - sp.Symbol(f"d_{i}")) for i in range(14)])
+    right = printing.latex(terms)
+    shown = layout.displayed("c", right, label="eq:x")
+    rows = shown.split("\\\\\n")
+    assert len(rows) > 2
+    assert all(layout.width(row.replace("&", "")) < layout.LINE for row in rows[1:])
+    assert all(row.strip().startswith("&\\quad {}+") for row in rows[1:])
+    assert layout.displayed("c", "a + b") == "\\begin{equation*}\n  c = a + b\n\\end{equation*}"
+
+
+def test_prose():
+    words = layout.prose("coefficient of v^3 at v = 0+, 5% & more, e.g. v_s/sqrt(2) < 1", {"v": "v", "v_s": "v_s"})
+    assert words == r"coefficient of $v^{3}$ at $v$ = $0^{+}$, 5\% \& more, e.g.~$v_s$/$\sqrt{2}$ $<$ 1"
+
+
+def test_prose_sets_signs_that_are_not_ascii():
+    said = layout.prose("Szabó – μ_α ≤ 10⁻³,\n\n v₀ → ∞", {})
+    assert said == r"Szabó – $\mu$\_$\alpha$ $\le$ 10$^{-}$$^{3}$, v$_{0}$ $\to$ $\infty$"
+    with pytest.raises(ss.InputError, match="the character 'Ж' has no sign"):
+        layout.prose("Жуков")
+
+
+def test_the_reader_reads():
+    """What the reader is trusted with, by hand."""
+    values = {"x": mpmath.mpf(3), "y": mpmath.mpf(4)}
+    assert latex_reader.read(r"2 x/(y x) - \frac{x}{2} \bigl[1 + x^{2}\bigr]", values) == mpmath.mpf("0.5") - 15
+    assert latex_reader.read(r"-x^{-1/2} \sqrt{y}", values) == pytest.approx(-2 / mpmath.sqrt(3))
+    assert latex_reader.read(r"\mathrm{e}^{-x} I_{1}(y)", values) == pytest.approx(
+        mpmath.exp(-3) * mpmath.besseli(1, 4)
+    )
+    with pytest.raises(AssertionError):
+        latex_reader.read(r"\frac{x}{y", values)
+
+
+def test_a_wrong_formula_is_seen():
+    """The negative control: a sign, a power or a factor more would be noticed."""
+    form = form_of("exponential", "least_squares")
+    tex = ss.export_latex(form, time_limit=0)
+    assert agrees(form, tex)
+    assert not agrees(form, tex.replace(r"2 \alpha^{4} V^{5}", r"2 \alpha^{3} V^{5}"))
+    assert not agrees(form, tex.replace("- 3 ", "+ 3 "))
+
+
+def test_derivations_print_every_step():
+    text = form_of("exponential", "least_squares").derivation.latex()
+    assert len(re.findall(r"\\begin\{equation\*\}", text)) == 4
+    assert r"\int_{0}^{2 V}" in text

@@ -1,0 +1,285 @@
+"""What a notebook and a terminal show of every result, and that results can be copied and pickled."""
+
+import copy
+import dataclasses
+import pickle
+import re
+import sys
+from base64 import b64decode
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from scenes import paper_oscillator
+
+import stickslip_sym as ss
+from stickslip_sym.formula.derivation.proving import prove_equal
+from stickslip_sym.output import markup
+
+VOID = {"br", "hr"}
+
+
+class Page(HTMLParser):
+    """Reads HTML: its tags, its text, and whether every tag is closed."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.open, self.tags, self.text = [], [], ""
+        self.feed(html)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        assert tag not in VOID
+        self.open.append(tag)
+        self.tags.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+
+
+@pytest.fixture(scope="module")
+def results():
+    """One of every result, each used once, so that what it keeps for later is there."""
+    law = ss.laws.exponential.typical()
+    law.mu(0.3)
+    form = ss.derive(law)
+    form(V=0.5, N=9.81)
+    average = ss.slope_average(law)
+    average(V=0.5, N=9.81)
+    sampled = ss.FrictionLaw.from_samples([0, 0.1, 0.2, 0.5], [0.5, 0.4, 0.35, 0.3])
+    sampled.mu(0.3)
+    both = paper_oscillator(c=2.2)
+    scene = {"N": 9.81, "m": 1.0, "k": 100.0}
+    return {
+        "law": law,
+        "sampled": sampled,
+        "form": form,
+        "average": average,
+        "derivation": form.derivation,
+        "step": form.derivation.steps[0],
+        "verdict": form.verdict,
+        "refuted": prove_equal(ss.symbols.V, 2 * ss.symbols.V),
+        "threshold": ss.pure_slip_damping(law, V=0.5, **scene),
+        "thresholds": ss.pure_slip_damping(law, V=np.linspace(0.1, 1.0, 30).reshape(3, 10), **scene),
+        "unknown": ss.pure_slip_damping(law, V=[0.5, 0.6], N=9.81),
+        "speed": ss.transition_speed(law, c=2.0, N=9.81)[0],
+        "cycle": ss.stick_slip_cycle(law, both),
+        "limit_cycle": ss.limit_cycles(law, both)[0],
+        "regime": (regime := ss.regime(law, both)),
+        "rest": regime.rest,
+        "separatrix": regime.separatrices[0],
+        "trajectory": ss.simulate(law, both, t_end=5.0),
+        "map": ss.motion_map(law, x=("V", [0.1, 0.9]), y=("alpha", [2.0, 3.0]), c=2.2, **scene),
+        "basins": ss.basin_map(law, both, x0=[0.0, 0.05], v0=[0.0, 0.5]),
+    }
+
+
+SHOWN = {
+    "law": "FrictionLaw(exponential: mu_m + (mu_s - mu_m)*exp(-alpha*v); mu_s=0.5, mu_m=0.2, alpha=3)",
+    "sampled": "FrictionLaw(samples: piecewise cubic of 3 pieces from v = 0 to 0.5 m/s)",
+    "form": "ClosedForm: exponential, least_squares, PROVED",
+    "average": "SlopeAverage: exponential, least_squares",
+    "derivation": "Derivation: exponential/least_squares, 4 steps, PROVED",
+    "step": "Step: split the law; its least_squares criterion is the sum of those of its terms: "
+    "mu(v) = mu_m + (mu_s - mu_m)*exp(-alpha*v), PROVED",
+    "verdict": "Verdict: PROVED: 4 steps; agrees with quadrature to 27 digits at 12 seeded points",
+    "refuted": "Verdict: REFUTED: left ",
+    "threshold": "Threshold: 2.573068617 kg/s (second_order, relative error 4e-06)",
+    "thresholds": "Threshold: 30 thresholds from 1.155 to 6.61101 kg/s (harmonic, least_squares, ",
+    "unknown": "Threshold: 2 thresholds from 2.13",
+    "speed": "TransitionSpeed: 0.63",
+    "cycle": "StickSlipCycle: stick-slip of period 0.632603 s, of which stick 0.0531689 s; x from -0.02",
+    "limit_cycle": "LimitCycle: pure slip with a highest velocity of 0.316621 m/s, period 0.629405 s, unstable, ",
+    "regime": "Regime: rest at x = 0.0261867 m; stick-slip of period 0.632603 s, of which stick 0.0531689 s",
+    "rest": "Rest: rest at x = 0.0261867 m, stable, growth rate -0.114992 1/s",
+    "separatrix": "Separatrix: limit cycle, 257 points",
+    "trajectory": "Trajectory: ",
+    "map": "MotionMap: exponential, V = 0.1 to 0.9 m/s by alpha = 2 to 3 s/m; 2 stick-slip, 2 damped slip",
+    "basins": "BasinMap: exponential, x0 = 0 to 0.05 m by v0 = 0 to 0.5 m/s; ",
+}
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_a_terminal_is_told_what_it_is_in_a_line(name, results):
+    shown = repr(results[name])
+    assert shown.startswith(SHOWN[name])
+    assert "\n" not in shown
+    assert len(shown) < 240
+    assert "array(" not in shown
+
+
+@pytest.mark.parametrize("name", SHOWN)
+@pytest.mark.parametrize(
+    "again",
+    [copy.copy, copy.deepcopy, lambda result: pickle.loads(pickle.dumps(result))],
+    ids=["copy", "deep", "pickle"],
+)
+def test_results_can_be_copied_and_pickled(name, again, results):
+    assert repr(again(results[name])) == repr(results[name])
+
+
+def test_what_comes_back_computes_the_same(results):
+    for name in ("form", "average"):
+        back = pickle.loads(pickle.dumps(results[name]))
+        assert back(V=0.3, N=9.81) == results[name](V=0.3, N=9.81)
+    for name in ("law", "sampled"):
+        back = pickle.loads(pickle.dumps(results[name]))
+        assert back.mu(0.3) == results[name].mu(0.3)
+        assert back.values == results[name].values
+    trajectory = pickle.loads(pickle.dumps(results["trajectory"]))
+    np.testing.assert_array_equal(trajectory.v, results["trajectory"].v)
+    assert (trajectory.phase == results["trajectory"].phase).all()
+    times = np.linspace(0.0, 5.0, 101)
+    np.testing.assert_array_equal(trajectory.at(times).x, results["trajectory"].at(times).x)
+    assert results["law"].bind(alpha=1)._coefficient is results["law"]._coefficient  # compiled once for all values
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("law", ["exponential", "$\\mu(v) = ", "s/m", "decay rate", "source: Won & Chung 2016"]),
+        ("sampled", ["piecewise cubic of 3 pieces", "samples"]),
+        ("form", ["kg/s", "$\\displaystyle c = ", "PROVED: 4 steps"]),
+        ("derivation", ["split the law", "an integral is linear", "the difference reduces to 0"]),
+        ("verdict", ["PROVED: 4 steps"]),
+        ("refuted", ["REFUTED: left"]),
+        ("threshold", ["c in kg/s", "2.573068617", "second_order", "4e-06"]),
+        ("thresholds", ["c in kg/s", "0, 4", "...", "2, 9"]),
+        ("unknown", ["unknown"]),
+        ("speed", ["m/s"]),
+        ("cycle", ["stick_time", "0.0531689", "m/s"]),
+        ("limit_cycle", ["unstable pure-slip limit cycle", "1/s"]),
+        ("regime", ["rest at x = 0.0261867 m", "attracts", "does not attract", "stick-slip of period"]),
+        ("trajectory", ["v in m/s", "samples from t = 0 to 5 s", "slip, slower than the belt"]),
+        ("map", ["exponential, V = 0.1 to 0.9 m/s by alpha = 2 to 3 s/m", "stick-slip", "cells"]),
+        ("basins", ["x0 = 0 to 0.05 m", "starts", "stick-slip"]),
+    ],
+)
+def test_html_is_whole_and_says(name, words, results):
+    page = Page(results[name]._repr_html_())
+    for word in words:
+        assert word in page.text
+
+
+@pytest.mark.parametrize("name", ["trajectory", "map", "basins", "regime"])
+def test_a_picture_is_there_where_matplotlib_is(name, results, monkeypatch):
+    """Without it the text and the table are the same."""
+    pytest.importorskip("matplotlib")
+    html = results[name]._repr_html_()
+    ((content, alt),) = re.findall(r'<img src="data:image/png;base64,([^"]+)" alt="([^"]+)"/>', html)
+    assert b64decode(content).startswith(b"\x89PNG")
+    assert len(content) < 200_000
+    assert alt.strip()
+    assert results[name]._repr_html_() == html
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    plain = results[name]._repr_html_()
+    assert "img" not in Page(plain).tags
+    assert plain == re.sub(r"<img [^>]*/>", "", html)
+
+
+def test_a_long_motion_shows_its_end_and_says_so():
+    pytest.importorskip("matplotlib")
+    long = ss.simulate(ss.FrictionLaw("0.3"), paper_oscillator(0.0), t_end=160.0, x0=0.2, v0=0.0, rtol=1e-6)
+    assert len(long.t) > 3000
+    since = float(re.search(r"The picture begins at t = (\S+) s\.", long._repr_html_())[1])
+    assert since == pytest.approx(long.t[-3000], rel=1e-5)
+    lines = long.plot(since=since).axes[0].lines
+    times = np.concatenate([line.get_xdata() for line in lines])
+    assert np.nanmin(times) == pytest.approx(since)
+    assert np.nanmax(times) == long.t[-1]
+
+
+def test_the_phase_plane_of_a_regime_has_every_motion(results, tmp_path):
+    """Every curve is closed, and comes up to the velocity that the regime says."""
+    pytest.importorskip("matplotlib")
+    polynomial = ss.regime(ss.laws.polynomial.typical(), paper_oscillator(3.1))
+    overtaking = ss.regime(ss.laws.exponential.typical(), paper_oscillator(0.0, V=5.0, N=0.5))
+    for found in (results["regime"], polynomial, overtaking):
+        periodic = [*found.cycles, *([found.stick_slip] if found.stick_slip else [])]
+        top = sorted(getattr(one, "amplitude", None) or one.v_max for one in periodic)
+        axes = found.plot(tmp_path / "regime.svg").axes[0]
+        curves = [line.get_xydata() for line in axes.lines if len(line.get_xdata()) > 2]
+        assert sorted(float(curve[:, 1].max()) for curve in curves) == pytest.approx(top, rel=1e-5)
+        for curve in curves:
+            assert curve[-1] == pytest.approx(curve[0], abs=1e-5)
+        assert any(line.get_xydata().tolist() == [[found.rest.x, 0.0]] for line in axes.lines)
+    assert "pure-slip cycle, unstable" in {text.get_text() for text in results["regime"].plot().legends[0].texts}
+    with pytest.raises(ss.InputError, match="does not know its law"):
+        dataclasses.replace(results["regime"], law=None).plot()
+
+
+def test_many_thresholds_are_shortened(results):
+    page = Page(results["thresholds"]._repr_html_())
+    assert page.tags.count("tr") == 1 + 5 + 1 + 5
+    assert "1, 5" not in page.text
+
+
+def test_latex_stands_between_dollars(results):
+    for name in ("law", "form", "step", "derivation"):
+        text = results[name]._repr_latex_()
+        assert text.startswith("$")
+        assert text.endswith("$")
+        assert text.count("{") == text.count("}")
+
+
+def test_no_text_of_a_user_becomes_html_or_a_formula():
+    evil = "<script>alert('1')</script> & $x$"
+    law = ss.FrictionLaw("a - b*v", name=evil, source=evil, parameters=[ss.Parameter("a", evil)])
+    form = ss.derive(law)
+    for html in (law._repr_html_(), form._repr_html_(), form.derivation._repr_html_()):
+        assert "script" not in Page(html).tags
+        assert "<script" not in html
+    page = Page(law._repr_html_())
+    assert page.text.count(evil) == 3
+    assert markup.table(["<i>"], [["<b>", markup.Markup("<b></b>")]]).count("<b>") == 1
+    assert '<td class="mathjax_ignore tex2jax_ignore">$x$</td>' in markup.table([""], [["$x$"]])
+
+
+NOTEBOOK = """
+import stickslip_sym as ss
+law = ss.laws.exponential.typical()
+osc = ss.Oscillator(m=1.0, k=100.0, c=2.2, V=0.5, N=9.81)
+form = ss.derive(law)
+---
+law
+---
+form
+---
+form.derivation
+---
+form.verdict
+---
+ss.pure_slip_damping(law, V=[0.5, 0.6], N=9.81, m=1.0, k=100.0)
+---
+ss.transition_speed(law, c=2.0, N=9.81)[0]
+---
+ss.regime(law, osc)
+---
+ss.stick_slip_cycle(law, osc)
+---
+ss.simulate(law, osc, t_end=2.0)
+"""
+
+
+# Windows' event loop and a socket that the kernel's client leaves to the garbage collector are not this package's.
+@pytest.mark.filterwarnings("default")
+def test_a_notebook_shows_them():
+    """In a real kernel: every cell but the first has HTML, formulas LaTeX too, and plain text for the rest."""
+    nbclient, v4 = pytest.importorskip("nbclient"), pytest.importorskip("nbformat.v4")
+    cells = [v4.new_code_cell(source.strip()) for source in NOTEBOOK.split("---")]
+    notebook = v4.new_notebook(cells=cells)
+    nbclient.NotebookClient(notebook, timeout=60, kernel_name="python3").execute()
+    shown = [cell.outputs[0].data for cell in notebook.cells[1:]]
+    assert len(shown) == 9
+    for data in shown:
+        assert Page(data["text/html"]).text
+        assert data["text/plain"]
+    for data in shown[:3]:
+        assert data["text/latex"].strip("$")
+    assert "c in kg/s" in shown[4]["text/html"]
+    assert [("<img " in data["text/html"]) for data in shown] == [number in (6, 8) for number in range(9)]
+    assert shown[1]["text/plain"] == "ClosedForm: exponential, least_squares, PROVED"

@@ -1,0 +1,39 @@
+"""The command line, run in this process, in one of its own, and by a shell."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from stickslip_sym.cli import program
+
+
+def run(monkeypatch, capsys, *arguments):
+    """Run the command in this process; return its exit code and what it wrote."""
+    monkeypatch.setattr("sys.argv", ["stickslip", *arguments])
+    with pytest.raises(SystemExit) as end:
+        program.main()
+    printed = capsys.readouterr()
+    return end.value.code or 0, printed.out, printed.err
+
+
+def stickslip(*arguments, cwd=None):
+    """Run the command in a process of its own."""
+    command = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=cwd, check=False)
+
+
+def shell(line, cwd):
+    """Run a line of shell in which $RUN is the command."""
+    run = f"{sys.executable} -c 'from stickslip_sym.cli.program import main; main()'"
+    command = ["bash", "-c", "set -o pipefail; " + line.replace("$RUN", run)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=cwd, check=False)
+
+
+def refuse(name):
+    raise AssertionError(f"{name} is not JSON")
+
+
+def read_json(text):
+    return json.loads(text, parse_constant=refuse)

@@ -1,0 +1,38 @@
+"""The checks of the paper, run in this process on other data than are printed."""
+
+import importlib
+from pathlib import Path
+
+import paper_checks
+from paper_checks.claims import Outcome
+
+FILES = sorted(Path(paper_checks.__file__).parent.glob("test_*.py"))
+
+
+def checks():
+    """Return the check of each claim."""
+    found = {}
+    for path in FILES:
+        for function in vars(importlib.import_module(f"paper_checks.{path.stem}")).values():
+            for mark in getattr(function, "pytestmark", ()):
+                if mark.name == "claim":
+                    assert mark.args[0] not in found
+                    found[mark.args[0]] = function
+    return found
+
+
+CHECKS = checks()
+
+
+def verdict(claim, printed):
+    """Run a check in this process and return the verdict that it comes to."""
+    outcomes = []
+
+    def find(*, ours, evidence, difference="", reproduced, qualified=False):
+        assert ours
+        assert evidence
+        outcomes.append(Outcome.of(reproduced, qualified))
+
+    CHECKS[claim](find, printed)
+    (outcome,) = outcomes
+    return outcome

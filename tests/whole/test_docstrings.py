@@ -1,0 +1,138 @@
+"""Formulas in docstrings are held against what the code computes: a docstring that drifts fails."""
+
+import ast
+import re
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from scenes import paper_oscillator
+from sympy.parsing.sympy_parser import implicit_multiplication, parse_expr, standard_transformations
+
+import stickslip_sym as ss
+from stickslip_sym import symbols
+from stickslip_sym.model.oscillator import Scene
+
+PACKAGE = Path(ss.__file__).parent
+LAW = ss.laws.exponential.typical()
+SECTION = re.compile(r"^(?:Parameters|Attributes|Returns|Raises)\n-+", re.M)
+
+
+def displayed():
+    """Lines of a docstring's text that are set apart and hold an equation."""
+    for path in sorted(PACKAGE.glob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+                text = SECTION.split(ast.get_docstring(node) or "")[0]
+                yield from (line.strip() for line in text.splitlines() if re.match(r"    .*=", line))
+
+
+def check_slope_average():
+    """The criterion least_squares of a law of unknown form, from the average and from (16)."""
+    s, u, V, N = symbols.s, symbols.u, symbols.V, symbols.N
+    for mu in (u, u**3, sp.exp(-u), 1 / (1 + u)):
+        average = -N * sp.integrate(
+            ss.criteria.least_squares.weight * sp.diff(mu, u).subs(u, V * (1 + s)), (s, -1, 1)
+        )
+        moment = 5 * N / (2 * V**5) * sp.integrate(mu * (V - u) ** 3, (u, 0, 2 * V))
+        values = {V: sp.Rational(7, 10), N: 3}
+        assert sp.N((average - moment).subs(values), 30, chop=True) == 0
+    for criterion in (ss.criteria.least_squares, ss.criteria.harmonic):
+        assert sp.integrate(criterion.weight, (s, -1, 1)) == 1
+
+
+def check_gauss_substitution():
+    s, phi = symbols.s, sp.Symbol("phi")
+    for criterion in (ss.criteria.least_squares, ss.criteria.harmonic):
+        weight, slope = (
+            sp.lambdify(symbols.s, part, "mpmath") for part in (criterion.weight, sp.exp(-3 * (1 + s)))
+        )
+
+        def angle(p, weight=weight, slope=slope):
+            place = -mpmath.cos(2 * p)
+            return weight(place) * slope(place) * 4 * mpmath.sin(p) * mpmath.cos(p)
+
+        plain = mpmath.quad(lambda x, w=weight, g=slope: w(x) * g(x), [-1, 0, 1])
+        assert mpmath.almosteq(mpmath.quad(angle, [0, mpmath.pi / 2]), plain, 1e-10)
+    assert sp.diff(-sp.cos(2 * phi), phi).equals(4 * sp.sin(phi) * sp.cos(phi))
+
+
+def check_lienard():
+    """Differentiate the equation of motion once; time in 1/omega, z = x'/V."""
+    m, k, c, N, V, tau = sp.symbols("m k c N V tau", positive=True)
+    z, mu = sp.Function("z")(tau), sp.Function("mu")
+    omega = sp.sqrt(k / m)
+    # x' = V z; every further derivative by time brings omega.
+    motion = m * V * omega**2 * z.diff(tau, 2) + c * V * omega * z.diff(tau) + k * V * z
+    friction = N * omega * mu(V * (1 - z)).diff(tau)
+    d, slip = c / sp.sqrt(k * m), sp.Symbol("slip")
+    g = -N * mu(slip).diff(slip).subs(slip, V * (1 - z)) / sp.sqrt(k * m)
+    lienard = z.diff(tau, 2) + (d - g) * z.diff(tau) + z
+    assert sp.simplify(((motion - friction) / (k * V) - lienard).doit()) == 0
+
+
+def check_scene():
+    """The rates of q and w are those of the equation of motion, in units."""
+    osc, rng = paper_oscillator(1.3), np.random.default_rng(8)
+    scene = Scene.of(LAW, osc)
+    for q, w, side in zip(rng.normal(size=9), rng.uniform(0.1, 3, 9), (1, -1, 1) * 3, strict=True):
+        x, v = osc.onset(LAW) + osc.length * q, osc.V * (1 - side * w)
+        force = side * osc.N * LAW.mu(osc.V * w)
+        acceleration = (force - osc.c * v - osc.k * x) / osc.m
+        assert scene.acceleration(q, w, side) == pytest.approx(
+            -side * acceleration / (osc.V * osc.omega), rel=1e-12
+        )
+        assert 1 - side * w == pytest.approx(v / (osc.length * osc.omega), rel=1e-12)
+
+
+CHECKS = {
+    "c = N <-mu'(V(1 + s))>_w = -N * integral_{-1}^{1} w(s) mu'(V(1 + s)) ds,    integral of w = 1.":
+        check_slope_average,
+    "c = -N * integral_0^(pi/2) w(s) mu'(v) 4 sin(phi) cos(phi) dphi,    s = -cos(2 phi),":
+        check_gauss_substitution,
+    "z'' + (d - g(z)) z' + z = 0,    g(z) = -N mu'(V(1 - z))/sqrt(k m),    d = c/sqrt(k m).": check_lienard,
+    "z'' + (d - g(z)) z' + z = 0,    d = c/sqrt(k m).": check_lienard,
+    "q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.": check_scene,
+}  # fmt: skip
+
+
+def test_every_displayed_formula_has_its_check():
+    assert set(displayed()) == set(CHECKS)
+
+
+@pytest.mark.parametrize("check", dict.fromkeys(CHECKS.values()), ids=lambda check: check.__name__)
+def test_a_displayed_formula_holds(check):
+    check()
+
+
+def formula_in(text, pattern):
+    """Read a formula out of a docstring, with products written as blanks."""
+    found = re.search(pattern, text)
+    assert found, text
+    return parse_expr(
+        found[1], transformations=(*standard_transformations, implicit_multiplication), local_dict=NAMES
+    )
+
+
+NAMES = {name: sp.Symbol(name) for name in ("mu_static", "N", "c", "V", "k", "m", "x")}
+
+
+@pytest.mark.parametrize(
+    ("documented", "pattern", "value"),
+    [
+        (ss.Oscillator.onset, r"x_P = (.*?/k)", lambda osc: osc.onset(LAW)),
+        (ss.Oscillator.zeta.fget, r"ratio (.*)\.", lambda osc: osc.zeta),
+        (ss.Oscillator.eta.fget, r"flux, (.*)\.", lambda osc: osc.eta),
+        (ss.Oscillator.omega.fget, r"frequency (.*) in", lambda osc: osc.omega),
+    ],
+    ids=["onset", "zeta", "eta", "omega"],
+)
+def test_an_inline_formula_holds(documented, pattern, value):
+    osc = paper_oscillator(1.3)
+    values = {"mu_static": LAW.mu(0.0), "N": osc.N, "c": osc.c, "V": osc.V, "k": osc.k, "m": osc.m}
+    formula = formula_in(documented.__doc__, pattern).subs(
+        {NAMES[name]: number for name, number in values.items()}
+    )
+    assert float(formula) == pytest.approx(value(osc), rel=1e-14)

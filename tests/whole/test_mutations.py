@@ -1,0 +1,225 @@
+"""A suite about the checks of the paper: each datum that a check verifies, altered, changes its verdict.
+
+A mutation is a line: the claim, the datum, and what is printed instead of it. No other check can see it, as
+a check is given the data of its own claim only.
+"""
+
+import pytest
+import sympy as sp
+from verdicts import CHECKS, FILES, verdict
+
+from derivations import paper
+from paper_checks.claims import CLAIMS
+from paper_checks.printed import PRINTED, acceleration, displacement, kinetic, relative
+from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, u
+
+EQ = paper.equations()
+mu_s, mu_m, alpha = (paper.exponential[name] for name in ("mu_s", "mu_m", "alpha"))
+v_m, xdot = paper.polynomial["v_m"], paper.velocity
+aV = alpha * V
+COSH, SINH = sp.cosh(aV), sp.sinh(aV)
+EQUILIBRIUM = PRINTED["S10"]["equilibrium"]
+THOMSEN = PRINTED["F7"]["Thomsen & Fidlin"]
+
+
+def moment(kernel, *, lower=0, upper=2 * V):
+    return sp.Integral(mu(u) * kernel, (u, lower, upper))
+
+
+def square(kernel, weight, *, upper=2 * V):
+    return sp.Integral((mu(u) + kernel) ** 2 * weight, (u, 0, upper))
+
+
+def law_17(bracket, *, volume=V**5 * alpha**4):
+    return 5 * N * (mu_s - mu_m) * sp.exp(-aV) * bracket / volume
+
+
+def law_18(bracket, *, volume=14 * v_m**3):
+    return (mu_s - mu_m) * N * bracket / volume
+
+
+BRACKET_17 = (6 * aV + aV**3) * COSH - (6 + 3 * aV**2) * SINH
+FIGURE_MOTIONS = PRINTED["F3"]["motions"]
+
+
+def dampings(claim, place, value):
+    altered = list(PRINTED[claim]["dampings"])
+    altered[place] = value
+    return tuple(altered)
+
+
+def motions(place, value):
+    altered = list(FIGURE_MOTIONS)
+    altered[place] = value
+    return tuple(altered)
+
+
+MUTATIONS = [
+    ("E1", "velocity", V / 2),
+    ("E1", "force", c * xdot - k * displacement),
+    ("E1", "force", k * displacement - c * xdot),
+    ("E1", "force", 2 * c * xdot + k * displacement),
+    ("E1", "limit", mu_m * N),
+    ("E1", "limit", 2 * mu_s * N),
+    ("E2", "left", m * acceleration - c * xdot + k * displacement),
+    ("E2", "right", sp.sign(relative) * kinetic * N),
+    ("E2", "right", kinetic * N),
+    ("E3", "(3)", mu_m - (mu_s - mu_m) * sp.exp(-alpha * u)),
+    ("E3", "(3)", mu_m + (mu_s - mu_m) * sp.exp(alpha * u)),
+    ("E3", "(3)", mu_m + mu_s * sp.exp(-alpha * u)),
+    ("E3", "start", mu_m),
+    ("E3", "end", sp.S.Zero),
+    ("E3", "between", "rises"),
+    ("E4", "(4)", EQ["(4)"].subs(v_m, 2 * v_m)),
+    ("E4", "(4)", mu_s - (mu_s - mu_m) * (u / v_m - u**3 / (2 * v_m**3))),
+    ("E4", "(4)", mu_s - (mu_s - mu_m) * (3 * u / (2 * v_m) - u**2 / (2 * v_m**2))),
+    ("E4", "start", mu_m),
+    ("E4", "lowest", mu_m / 2),
+    ("E4", "at", 2 * v_m),
+    ("E4", "before", "rises"),
+    ("E4", "after", "falls"),
+    ("E5", "(5)", -EQ["(5)"]),
+    ("E5", "(5)", 2 * EQ["(5)"]),
+    ("E5", "(6)", sp.S.One),
+    ("E7", "(7)", "positive"),
+    ("E9", "(8)", a * u + b),
+    ("E9", "(8)", -a * u - b),
+    ("E9", "(9)", N * (a * (xdot + V) + b)),
+    ("E9", "(9)", N * (a * (xdot - V) - b)),
+    ("E10", "(10)", EQ["(10)"].subs(c, -c)),
+    ("E10", "(10)", EQ["(10)"].subs(V, -V)),
+    ("E11", "(11)", -a * N),
+    ("E11", "(11)", 2 * a * N),
+    ("E11", "(11)", a * N**2),
+    ("E13", "(12)", sp.Integral(EQ["(12)"].function / xdot, (xdot, -V, V))),
+    ("E13", "(12)", sp.Integral(EQ["(12)"].function, (xdot, 0, V))),
+    ("E13", "(13)", square(a * u - b, (V - u) ** 2, upper=V)),
+    ("E13", "(13)", square(a * u - b, (V + u) ** 2)),
+    ("E13", "(13)", square(-a * u - b, (V - u) ** 2)),
+    ("E13", "(13)", square(a * u - b, V - u)),
+    ("E15", "(15) a", 5 / (2 * V**5) * moment((V - u) ** 3, upper=V)),
+    ("E15", "(15) a", 5 / (2 * V**4) * moment((V - u) ** 3)),
+    ("E15", "(15) a", 2 * EQ["(15) a"]),
+    ("E15", "(15) b", moment((V - u) ** 2 * (8 * V + 5 * u)) / (2 * V**4)),
+    ("E15", "(15) b", moment((V - u) ** 2 * (5 * V - 8 * u)) / (2 * V**4)),
+    ("E15", "extremum", "maximum"),
+    ("E16", "(16)", 5 * N / (2 * V**5) * moment((u - V) ** 3)),
+    ("E16", "(16)", 5 * N / (2 * V**5) * moment((V - u) ** 3, lower=V)),
+    ("E16", "(16)", 5 / (2 * N * V**5) * moment((V - u) ** 3)),
+    ("E17", "(17)", law_17((6 * aV - aV**3) * COSH - (6 + 3 * aV**2) * SINH)),
+    ("E17", "(17)", law_17((6 * aV + aV**3) * COSH - (6 + 2 * aV**2) * SINH)),
+    ("E17", "(17)", law_17(BRACKET_17, volume=V**4 * alpha**4)),
+    ("E18", "(18)", law_18(21 * v_m**2 + 26 * V**2)),
+    ("E18", "(18)", law_18(26 * v_m**2 - 21 * V**2)),
+    ("E18", "(18)", law_18(21 * v_m**2 - 26 * V**2, volume=7 * v_m**3)),
+    ("N1", "dampings", dampings("N1", 3, "2.754")),
+    ("N1", "ratios", ("0", "0.05", "0.1", "0.1278", "0.175")),
+    ("N1", "ratios", ("0", "0.1", "0.2", "0.2574", "0.35")),
+    ("N2", "c", "2.573"),
+    ("N2", "c", "2.754"),
+    ("N3", "c", "3.037"),
+    ("N3", "c", "3.036"),
+    ("N4", "ratio", "26/21"),
+    ("N4", "ratio", "12/15"),
+    ("N4", "rounded", "0.8"),
+    ("F3", "dampings", dampings("F3", 3, "2.4")),
+    ("F3", "dampings", dampings("F3", 3, "2.754")),
+    ("F3", "motions", motions(2, "pure slip")),
+    ("F3", "motions", motions(4, "pure slip")),
+    ("F3", "stick", "rises"),
+    ("F3", "period", "rises"),
+    ("F3", "amplitude", "decaying"),
+    ("F4", "dampings", dampings("F4", 3, "3.03")),
+    ("F4", "dampings", dampings("F4", 4, "3.05")),
+    ("F4", "motions", motions(3, "stick-slip")),
+    ("F4", "motions", motions(0, "damped slip")),
+    ("F4", "stick", "rises"),
+    ("F4", "period", "rises"),
+    ("F4", "amplitude", "decaying"),
+    ("F5", "coincide", {"2": True, "2.574": True, "3.5": True}),
+    ("F5", "coincide", {"2": True, "2.574": False, "3.5": False}),
+    ("F5", "amplitudes", "rise"),
+    ("F6", "(17)", law_17((6 * aV + aV**3) * COSH - (6 + 2 * aV**2) * SINH)),
+    ("F6", "(17)", EQ["(17)"] / 2),
+    ("F6", "(17)", EQ["(17)"].subs(alpha, 2 * alpha)),
+    ("F6", "equilibrium", EQUILIBRIUM["exponential"] * sp.exp(aV / 2)),
+    ("F6", "closer", "equilibrium"),
+    ("F7", "(18)", law_18(21 * v_m**2 + 26 * V**2)),
+    ("F7", "(18)", law_18(21 * v_m**2 - 24 * V**2)),
+    ("F7", "equilibrium", law_18(21 * v_m**2 - 26 * V**2)),
+    ("F7", "Thomsen & Fidlin", law_18(21 * v_m**2 - 26 * V**2)),
+    ("F7", "Thomsen & Fidlin", THOMSEN * 2),
+    ("F7", "closest", "Thomsen & Fidlin"),
+    ("F8", "c", "1"),
+    ("F8", "c", "3"),
+    ("F8", "A", ("0.8", "stick-slip")),
+    ("F8", "B", ("0.8", "stick-slip")),
+    ("F9", "c", "0.5"),
+    ("F9", "C", ("0.5", "damped slip")),
+    ("F9", "D", ("0.6", "damped slip")),
+    ("F10", "mu_m", ("0.4", "0.3", "0.2")),
+    ("F10", "mu_m", ("0.2", "0.4", "0.3")),
+    ("F10", "region", "rises"),
+    ("S1", "(16)", EQ["(16)"] * sp.sqrt(k * m) / N),
+    ("S1", "(17)", EQ["(17)"] * k),
+    ("S1", "(18)", EQ["(18)"].subs(V, V * m)),
+    ("S2", "power of the frequency", sp.Rational(1, 2)),
+    ("S2", "power of k", sp.Rational(1, 2)),
+    ("S2", "power of k", -sp.Rational(1, 10)),
+    ("S3", "lowest", -2 * V),
+    ("S3", "lowest", sp.S.Zero),
+    ("S3", "motion", "far from harmonic"),
+    ("S4", "(17)", law_17((6 * aV + aV**3) * SINH - (6 + 3 * aV**2) * COSH)),
+    ("S4", "(18)", law_18(21 * v_m**2 + 26 * V**2)),
+    ("S4", "with V", "rises"),
+    ("S5", "(17)", EQ["(17)"] - N * mu_m * alpha),
+    ("S5", "(17)", EQ["(17)"] * V**2),
+    ("S5", "transition speed", sp.S.One),
+    ("S5", "without damping", "no stick-slip"),
+    ("S6", "(18)", law_18(21 * v_m**2 - 20 * V**2)),
+    ("S6", "speed", "0.8"),
+    ("S6", "speed", "1.0"),
+    ("S6", "faster", "stick-slip"),
+    ("S7", "below", "slip"),
+    ("S7", "above", "stick-slip"),
+    ("S7", "width of pure slip", 0.1),
+    ("S8", "c", "2.4"),
+    ("S8", "c", "2.754"),
+    ("S8", "change in a period", 0.05),
+    ("S9", "(17)", law_17(BRACKET_17) * (mu_s - mu_m)),
+    ("S9", "(17)", -EQ["(17)"]),
+    ("S9", "(18)", (mu_s + mu_m) * N * (21 * v_m**2 - 26 * V**2) / (14 * v_m**3)),
+    ("S9", "with mu_s - mu_m", "falls"),
+    ("S10", "equilibrium", {**EQUILIBRIUM, "exponential": 2 * EQUILIBRIUM["exponential"]}),
+    ("S10", "equilibrium", {**EQUILIBRIUM, "polynomial": law_18(21 * v_m**2 - 26 * V**2)}),
+    ("S10", "error with amplitude", "falls"),
+    ("S11", "nonlinear coefficient", "closed form"),
+]  # fmt: skip
+
+
+def test_a_check_sees_its_own_data_only():
+    for path in FILES:
+        assert not {"PRINTED", "CLAIMS"} & set(path.read_text().replace(".", " ").split())
+
+
+def test_every_claim_has_a_check_and_every_datum_a_mutation():
+    assert CHECKS.keys() == CLAIMS.keys() == PRINTED.keys()
+    data = {(claim, key) for claim, printed in PRINTED.items() for key in printed}
+    assert {(claim, key) for claim, key, _ in MUTATIONS} == data
+    assert len(MUTATIONS) >= 60
+
+
+def mutated(claim):
+    """Return the mutations of a claim."""
+    return [(key, altered) for mutant, key, altered in MUTATIONS if mutant == claim]
+
+
+@pytest.mark.parametrize("claim", CLAIMS)
+def test_a_mutation_changes_the_verdict(claim):
+    assert verdict(claim, PRINTED[claim]) is CLAIMS[claim].outcome
+    survivors = [
+        f"{key}: {altered}"
+        for key, altered in mutated(claim)
+        if verdict(claim, PRINTED[claim] | {key: altered}) is CLAIMS[claim].outcome
+    ]
+    assert survivors == []

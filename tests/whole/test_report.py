@@ -1,0 +1,289 @@
+"""The report of the paper's checks: complete, well-formed, and right in a real browser."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from paper_checks import wording
+from paper_checks.claims import CLAIMS, Outcome
+from paper_checks.figure_style import svg
+from paper_checks.figures import FIGURES
+from paper_checks.findings import Finding, collect, summary
+from paper_checks.markup import element, prose
+from paper_checks.report_page import claim_rows
+from paper_checks.terminal import table_lines
+from stickslip_sym import InputError
+
+ROOT = Path(__file__).parents[2]
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+CHECKED = ("E3", "N1")  # cheap ones; the report tells of the others that they were not checked
+XHTML = {"m": "http://www.w3.org/1998/Math/MathML"}
+
+
+SHORTER = """
+import sys
+from functools import partial
+import pytest
+from paper_checks import figure_thresholds, report
+from stickslip_sym import tradeoff_thresholds
+# The report's measurements at fewer places, which changes none of its parts.
+figure_thresholds._SCANNED = ()
+tradeoff_thresholds.SPEEDS = tradeoff_thresholds.SPEEDS[[10]]
+report.LAWS = report.LAWS[:1]
+tradeoff_thresholds._SCAN_STEP = 0.01
+tradeoff_thresholds.Scan = partial(tradeoff_thresholds.Scan, step=1e-3, band=1e-3)
+sys.exit(pytest.main(sys.argv[1:]))
+"""
+
+
+def run_checks(*arguments, **environment):
+    command = [sys.executable, "-c", SHORTER, "paper_checks", "-n", "0", "-q", "-p", "no:cacheprovider"]
+    return subprocess.run(
+        [*command, *arguments],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        env=os.environ | environment,
+        timeout=120,
+        check=False,
+    )
+
+
+def test_the_report(tmp_path):
+    """One report, drawn once, is looked at from all sides."""
+    pytest.importorskip("matplotlib")
+    chosen = " or ".join(f"test_{id}_" for id in CHECKED)
+    folder = tmp_path / "new"
+    done = run_checks("-k", chosen, "--report", str(folder), "--color=yes", COLUMNS="80", TERM="xterm")
+    assert done.returncode == 0, done.stdout + done.stderr
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    check_terminal(done.stdout)
+    check_json(json.loads((folder / "claims.json").read_text(encoding="utf-8")))
+    check_well_formed(page)
+    check_complete(page)
+    if BROWSER is None:
+        pytest.skip("all but the browser's part: no chromium on this machine (Debian: apt-get install chromium)")
+    check_in_browser(page, tmp_path)
+
+
+def check_well_formed(page):
+    """XML reads it, it refers to nothing outside, and it needs no script."""
+    root = ElementTree.fromstring(page.removeprefix("<!DOCTYPE html>\n"))
+    assert root.get("lang") == "en"
+    assert root.findtext("head/title")
+    ids = [node.get("id") for node in root.iter() if node.get("id")]
+    assert len(ids) == len(set(ids))
+    references = [node.get("href") for node in root.iter() if node.get("href")]
+    assert {name[1:] for name in references if name.startswith("#")} <= set(ids)
+    sources = [name for name in references if not name.startswith("#")]
+    sources += [node.get("src") for node in root.iter() if node.get("src")]
+    assert all(source.startswith("data:") for source in sources)
+    assert not list(root.iter("script"))
+    assert "url(" not in page
+    assert len(page) < 3_000_000
+
+
+def check_complete(page):
+    """Every claim, equation and figure is found by its number."""
+    root = ElementTree.fromstring(page.removeprefix("<!DOCTYPE html>\n"))
+    by_id = {node.get("id"): node for node in root.iter() if node.get("id")}
+    for number in range(1, 19):
+        assert by_id[f"equation-{number}"].find(".//m:math", XHTML) is not None
+    for number in range(2, 11):
+        picture = by_id[f"figure-{number}"].find("img")
+        assert len(picture.get("alt")) > 100
+    for id in CLAIMS:
+        words = "".join(by_id[f"claim-{id}"].itertext())
+        assert ("✓ reproduced" in words) == (id in CHECKED)
+        assert ("not checked" in words) == (id not in CHECKED)
+
+
+def check_json(content):
+    assert content["format"] == 1
+    assert set(content) == {"format", "time", "versions", "summary", "claims", "equations", "figures", "ladder"}
+    assert content["summary"] == {
+        "reproduced": len(CHECKED),
+        "qualified": 0,
+        "not reproduced": 0,
+        "not checked": len(CLAIMS) - len(CHECKED),
+    }
+    claims = {claim["id"]: claim for claim in content["claims"]}
+    assert list(claims) == list(CLAIMS)
+    for id, claim in claims.items():
+        assert set(claim) == {
+            "id", "where", "says", "paper", "ours", "difference", "verdict", "on_record", "evidence",
+        }  # fmt: skip
+        assert (claim["verdict"] is not None) == (id in CHECKED)
+        assert claim["on_record"] == CLAIMS[id].outcome.value
+    assert claims["N1"]["ours"].startswith("0 0.05 0.1 0.1287")
+    assert [equation["number"] for equation in content["equations"]] == [f"({n})" for n in range(1, 19)]
+    assert [figure["number"] for figure in content["figures"]] == list(range(2, 11))
+    assert {"python", "sympy", "numpy", "scipy", "mpmath", "matplotlib", "stickslip_sym"} <= set(
+        content["versions"]
+    )
+    for ways in content["ladder"]["laws"].values():
+        error = {way["method"]: way["relative_error"] for way in ways}
+        assert error["equilibrium"] > error["least_squares"] > error["harmonic"] > error["second_order"] > 0
+        assert all(way["seconds"] > 0 for way in ways)
+
+
+def check_terminal(printed):
+    assert "\x1b[32mreproduced\x1b[0m" in printed
+    lines = re.sub(r"\x1b\[[\d;]*m", "", printed).splitlines()
+    assert max(len(line) for line in lines if not line.startswith("report: ")) <= 80  # a path stays whole
+    assert "2 reproduced, 0 qualified, 0 not reproduced" in lines
+
+
+@pytest.mark.parametrize("width", [20, 40, 59, 60, 80, 120, 300])
+def test_no_line_is_wider_than_the_terminal(width):
+    findings = [Finding(id, "some value of ours, with words", claim.outcome, "") for id, claim in CLAIMS.items()]
+    lines = [line for _, text in table_lines(findings, width) for line in text.splitlines()]
+    assert max(map(len, lines)) < width
+    squeezed = "".join("".join(lines).split())
+    assert all(id in squeezed for id in CLAIMS)
+
+
+def test_findings_survive_the_way_between_processes():
+    found = Finding("N3", "3.036", Outcome.QUALIFIED, "evidence", "+0.002")
+    report = type(
+        "Report", (), {"user_properties": [("other", 1), ("finding", json.loads(json.dumps(found.pack())))]}
+    )
+    assert collect([report, object()]) == [found]
+    assert summary([found]) == {Outcome.REPRODUCED: 0, Outcome.QUALIFIED: 1, Outcome.NOT_REPRODUCED: 0}
+
+
+def test_the_same_figure_is_the_same_file():
+    pytest.importorskip("matplotlib")
+    (figure,) = (figure for figure in FIGURES if figure.number == 10)
+    first, again = (svg(figure.draw()).decode() for _ in range(2))
+    assert first == again
+    hatched = re.findall(r'style="(fill: url\(#h[^"]*)"', first)
+    assert len(hatched) >= 6  # three regions in two panels, and their legends
+    assert not any("opacity" in style for style in hatched)  # else the hatch is as pale as its face
+
+
+def test_figures_say_what_becomes_of_the_motions():
+    pytest.importorskip("matplotlib")
+    drawn = {figure.number: figure.draw() for figure in FIGURES if figure.number in (4, 5)}
+    fates = [ax.texts[0].get_text() for ax in drawn[4].axes[1::2]]
+    assert fates[:3] == ["sticks and slips for ever"] * 3
+    assert fates[3] == "tends to a slip cycle, 0.4986 m/s"
+    assert fates[4].startswith("comes to rest")
+    words = [" ".join(text.get_text() for text in ax.texts) for ax in drawn[5].axes]
+    assert ["by the start" in said for said in words] == [True, False, False]
+    assert ["$P$, $Q$" in said for said in words] == [True, True, False]
+
+
+def test_figures_without_matplotlib(monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(InputError, match=r"pip install 'stickslip_sym\[plot\]'"):
+        FIGURES[0].draw()
+
+
+def test_a_verdict_that_is_not_the_one_on_record_is_marked():
+    claim = CLAIMS["E3"]
+    assert claim.outcome is Outcome.REPRODUCED
+    rows = [claim_rows(claim, Finding("E3", "ours", outcome, "evidence")) for outcome in Outcome]
+    assert ["on record: reproduced" in row for row in rows] == [False, True, True]
+    assert "not checked" in claim_rows(claim, None)
+
+
+def test_text_is_escaped():
+    assert element("p", "a < b & <b>", title='"') == '<p title="&quot;">a &lt; b &amp; &lt;b&gt;</p>'
+    assert prose("mu_s <= 1 & <i>") == "<i>μ</i><sub>s</sub> ≤ 1 &amp; &lt;i&gt;"
+    assert (
+        prose("-2*V**2 to V^-1.5, stick-slip at 1e-3")
+        == "−2\u2009V<sup>2</sup> to V<sup>−1.5</sup>, stick-slip at 1e-3"
+    )
+
+
+def test_indices_and_bessel_functions_are_typeset():
+    """Seeded orders, arguments and letters: no name of SymPy's and no underscore reaches the page."""
+    rng = np.random.default_rng(11)
+    x, y = sp.symbols("alpha V", positive=True)
+    for _ in range(40):
+        order = int(rng.integers(0, 30))
+        bessel, letter = [(sp.besseli, "I"), (sp.besselj, "J"), (sp.besselk, "K"), (sp.bessely, "Y")][order % 4]
+        expr = int(rng.integers(2, 9)) * bessel(order, x * y) * sp.exp(-x * y) / y
+        text = wording.formula(expr)
+        assert f"{letter}_{order}(" in text
+        value = sp.sympify(re.sub(r"([IJKY])_(\d+)\(", lambda f: f"bessel{f[1].lower()}({f[2]},", text))
+        assert sp.simplify(value.subs({"alpha": x, "V": y}) - expr) == 0
+        page = prose(text)
+        assert f"<i>{letter}</i><sub>{order}</sub>(" in page
+        assert "_" not in page
+    assert wording.formula(sp.Symbol("b") - sp.Symbol("a")) == "b - a"
+
+
+def test_numbers_of_laws_have_their_names():
+    assert wording.by_law(["1 m/s", "2 m/s"]) == "1 m/s (exponential law), 2 m/s (polynomial law)"
+    with pytest.raises(ValueError, match="zip"):
+        wording.by_law(["1 m/s"])
+
+
+def test_a_report_that_cannot_be_written_is_refused_at_once(tmp_path):
+    (tmp_path / "file").write_text("")
+    done = run_checks("--report", str(tmp_path / "file"), "-k", "test_N1_")
+    assert done.returncode == pytest.ExitCode.USAGE_ERROR
+    assert "give a folder that can be made" in done.stderr
+
+
+PROBE = """<script>
+addEventListener("load", () => {
+  const height = node => node.getBoundingClientRect().height;
+  const result = {
+    width: innerWidth,
+    rows: document.querySelectorAll("tbody.claim").length,
+    shown: [...document.querySelectorAll("tbody.claim")].filter(row => height(row) > 20).length,
+    formulas: [...document.querySelectorAll("math")].map(height),
+    pictures: [...document.images].map(image => [image.complete, image.naturalWidth, height(image)]),
+    overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
+  };
+  parent.postMessage(JSON.stringify(result), "*");
+});
+</script></body>"""
+SEVERAL = """<!DOCTYPE html><title>the page in several widths</title><script>
+addEventListener("message", event => {
+  const node = document.createElement("pre");
+  node.textContent = event.data;
+  document.body.append(node);
+});
+</script>"""
+WIDTHS = (1200, 360)
+
+
+def check_in_browser(page, tmp_path):
+    """Look at the page in frames of several widths, with one start of the browser."""
+    (tmp_path / "probed.html").write_text(page.replace("</body>", PROBE), encoding="utf-8")
+    frames = [f'<iframe src="probed.html" width="{width}" height="900"></iframe>' for width in WIDTHS]
+    file = tmp_path / "several.html"
+    file.write_text("\n".join([SEVERAL, *frames]), encoding="utf-8")
+    command = [
+        BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0",
+        f"--user-data-dir={tmp_path / 'profile'}", "--window-size=1300,900", "--dump-dom", file.as_uri(),
+    ]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    assert ":CONSOLE" not in done.stderr, done.stderr
+    probes = [json.loads(text) for text in re.findall(r"<pre>(.*?)</pre>", done.stdout)]
+    assert sorted(probe["width"] for probe in probes) == sorted(WIDTHS)
+    for probe in probes:
+        check_seen(probe)
+
+
+def check_seen(probe):
+    assert probe["rows"] == probe["shown"] == len(CLAIMS)
+    assert len(probe["formulas"]) >= 18
+    assert min(probe["formulas"]) > 8
+    assert len(probe["pictures"]) == 9
+    assert all(done and natural > 100 and height > 100 for done, natural, height in probe["pictures"])
+    assert probe["overflow"] <= 0
