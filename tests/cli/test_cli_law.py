@@ -115,7 +115,7 @@ def test_messages_of_python_are_turned_into_options():
     """No error's text names an argument of Python's once it has been turned."""
     python = re.compile(r"(?<!-p )(?<!--unit )\b([a-z_]{3,})=(?!=)|law\.bind|Parameter\(|\bsimulate\(\)")
     turned = 0
-    for path in Path(ss.__file__).parent.glob("*.py"):
+    for path in Path(ss.__file__).parent.rglob("*.py"):
         raised = [node.exc for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Raise)]
         for call in (node for node in raised if isinstance(node, ast.Call) and node.args):
             message = _shown(call.args[0])

@@ -13,7 +13,7 @@ from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.expansion import expand
 from stickslip_sym.motion.orbits.orbit import orbits
 from stickslip_sym.motion.regimes.attractors import grows_far_out
-from stickslip_sym.motion.regimes.slip_orbits import _by_simulation, overtaking_cycle
+from stickslip_sym.motion.regimes.slip_orbits import by_simulation, overtaking_cycle
 from stickslip_sym.motion.simulation import taylor
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.thresholds.rungs import Scenes, on_orbit, second_order
@@ -97,7 +97,7 @@ def test_the_return_map_finds_cycles_of_every_amplitude(name):
     need = needed_damping(law, paper_oscillator())
     for amplitude in AMPLITUDES:
         osc = paper_oscillator(float(need.at(amplitude)) * paper_oscillator().impedance)
-        (found,) = _by_simulation(law, osc, 1e-12).cycles
+        (found,) = by_simulation(law, osc, 1e-12).cycles
         assert found.amplitude / osc.V == pytest.approx(amplitude, rel=1e-4, abs=1e-7)
 
 

@@ -174,7 +174,7 @@ def test_the_return_map_finds_the_cycles_that_collocation_finds():
     for c in (2.9, 3.4):
         osc = paper_oscillator(float(c))
         by_collocation = ss.limit_cycles(law, osc)
-        by_return_map = slip_orbits._by_simulation(law, osc, 1e-11).cycles
+        by_return_map = slip_orbits.by_simulation(law, osc, 1e-11).cycles
         assert [cycle.stable for cycle in by_return_map] == [cycle.stable for cycle in by_collocation]
         for one, other in zip(by_return_map, by_collocation, strict=True):
             assert one.amplitude == pytest.approx(other.amplitude, rel=1e-6)

@@ -25,7 +25,7 @@ from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.slip_phase import SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point
 
-__all__ = ["SlipOrbits", "next_peak", "overtaking_cycle", "round_from", "slip_orbits", "trough"]
+__all__ = ["SlipOrbits", "by_simulation", "next_peak", "overtaking_cycle", "round_from", "slip_orbits", "trough"]
 
 _NEAREST = 1e-3  # lowest amplitude at which the return map is looked at: a smaller cycle is not seen
 _NODES = sorted(
@@ -89,7 +89,7 @@ def slip_orbits(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> SlipOrbits
         need = needed_damping(law, osc, most_work=_MOST_WORK)
         cycles = cycles_among(need, law, osc)
     except (InputError, NotConverged):  # not smooth, or too strong a friction or too thin a layer for collocation
-        return _by_simulation(law, osc, rtol)
+        return by_simulation(law, osc, rtol)
     flat = 1e-14 * np.abs(need.series).max()
     return _ordered(cycles, osc.V, lambda amplitude: float(need.at(amplitude)) - 2 * osc.zeta, flat)
 
@@ -163,7 +163,8 @@ class _Peaks:
         return found
 
 
-def _by_simulation(law: FrictionLaw, osc: Oscillator, rtol: float) -> SlipOrbits:
+def by_simulation(law: FrictionLaw, osc: Oscillator, rtol: float) -> SlipOrbits:
+    """Return the same by the return map of simulated orbits, for every law."""
     peaks = _Peaks(Scene.of(law, osc), rtol)
     roots = [brentq(peaks.gain, *bracket, rtol=max(rtol, 1e-14)) for bracket in peaks.brackets()]
     cycles = tuple(_cycle(peaks.scene, osc, float(root), rtol) for root in roots)

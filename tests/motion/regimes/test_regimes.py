@@ -10,8 +10,7 @@ import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.orbits import cycles, orbit
-from stickslip_sym.motion.regimes.attractors import _rest
-from stickslip_sym.motion.regimes.slip_orbits import _by_simulation
+from stickslip_sym.motion.regimes import slip_orbits
 
 KINKED = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.25)")
 STATIC = ss.FrictionLaw("0.2 + 0.3*exp(-3*v)", static="1")
@@ -92,7 +91,7 @@ def test_classification_is_what_a_simulation_comes_to(law, c, x0, v0):
 @pytest.mark.parametrize(("name", "c"), [("polynomial", 3.2), ("exponential", 2.3)])
 def test_limit_cycles_by_the_return_map_are_those_by_collocation(name, c):
     law, osc = ss.laws.catalogue[name].typical(), paper_oscillator(c)
-    (one,), (other,) = ss.limit_cycles(law, osc), _by_simulation(law, osc, 1e-12).cycles
+    (one,), (other,) = ss.limit_cycles(law, osc), slip_orbits.by_simulation(law, osc, 1e-12).cycles
     assert other.stable == one.stable
     assert other.amplitude == pytest.approx(one.amplitude, rel=1e-9)
     assert other.period == pytest.approx(one.period, rel=1e-9)
@@ -175,9 +174,8 @@ def test_rest_at_a_kink_or_a_jump_of_mu(formula, c, stable):
     ],
 )
 def test_rest_may_attract_on_one_side_only(formula, m, one_sided):
-    """How a whole regime says so is tested with motions that damping bounds."""
     law, osc = ss.FrictionLaw(formula), paper_oscillator(1.0, m=m, k=1e4 * m)
-    rest = _rest(law, osc, Scene.of(law, osc))
+    rest = ss.regime(law, osc).rest
     assert (rest.stable, rest.one_sided) == (False, one_sided)
 
 
@@ -257,9 +255,7 @@ def test_wrong_input(law):
 
 
 def test_the_scene_of_a_trough_turns_there(law):
-    from stickslip_sym.motion.regimes.slip_orbits import trough
-
     scene = Scene.of(law, paper_oscillator(3.1))
     for amplitude in (0.1, 0.7):
-        point = trough(scene, amplitude)
+        point = slip_orbits.trough(scene, amplitude)
         assert scene.acceleration(point.q, point.w, 1) == pytest.approx(0.0, abs=1e-15)

@@ -1,0 +1,42 @@
+"""Basins of attraction over a plane of starts."""
+
+import numpy as np
+import pytest
+from scenes import paper_oscillator
+
+import stickslip_sym as ss
+from stickslip_sym import Motion
+
+
+def test_basins_of_rest_and_stick_slip(tmp_path):
+    law, osc = ss.laws.exponential.typical(), paper_oscillator(2.3)
+    x0, v0 = np.linspace(-0.05, 0.08, 5), [-0.3, 0.0, 0.5, 0.8]
+    found = ss.basin_map(law, osc, x0=x0, v0=v0)
+    assert found.motion.shape == (4, 5)
+    for row, v in enumerate(v0):
+        assert found.motion[row].tolist() == [ss.classify(law, osc, x0=x, v0=v) for x in x0]
+    assert set(found.count()) == {Motion.STICK_SLIP, Motion.DAMPED_SLIP}
+    # The separatrix is the unstable cycle: starts well inside come to rest, those outside do not.
+    (curve,) = found.regime.separatrices
+    centre = found.regime.rest.x
+    ends = np.array([curve.x.min(), curve.x.max()])
+    for scale, expected in ((0.9, Motion.DAMPED_SLIP), (1.1, Motion.STICK_SLIP)):
+        assert ss.basin_map(law, osc, x0=centre + scale * (ends - centre), v0=[0.0]).count() == {expected: 2}
+    found.to_csv(tmp_path / "basins.csv")
+    assert len((tmp_path / "basins.csv").read_text().splitlines()) == 1 + 20
+    found.to_npz(tmp_path / "basins.npz")
+    with np.load(tmp_path / "basins.npz", allow_pickle=False) as arrays:
+        assert (arrays["c"], arrays["motion"].shape) == (2.3, (4, 5))
+    found.plot(tmp_path / "basins.svg")
+    assert ">separatrix</text>" in (tmp_path / "basins.svg").read_text()
+
+
+def test_basins_keep_what_is_done(tmp_path):
+    law, osc = ss.laws.polynomial.typical(), paper_oscillator(3.1)
+    starts = {"x0": [-0.1, 0.0, 0.1], "v0": [0.0, 0.5]}
+    first = ss.basin_map(law, osc, **starts, checkpoint=tmp_path / "kept")
+    again = ss.basin_map(law, osc, **starts, checkpoint=tmp_path / "kept", workers=lambda f, tasks: [])
+    assert np.array_equal(first.motion, again.motion)
+    assert first.count() == {Motion.PURE_SLIP: 6}
+    with pytest.raises(ss.InputError, match="x0 holds inf"):
+        ss.basin_map(law, osc, x0=[float("inf")], v0=[0.0])
