@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import re
 import subprocess
 import sys
 from graphlib import CycleError, TopologicalSorter
@@ -93,6 +94,13 @@ def test_one_arrow_crosses_from_motion_to_formula():
 def test_each_folder_says_what_it_is_for():
     for module in filter(is_face, MODULES):
         assert ast.get_docstring(ast.parse(MODULES[module].read_text())), module
+
+
+def test_the_readme_tells_the_folders_in_their_order():
+    told = re.findall(r"^\| `(\w+)` \| (.*) \|", (PACKAGE / "README.md").read_text(encoding="utf-8"), re.M)
+    assert [folder for folder, _ in told] == FOLDERS
+    for folder in ("formula", "motion"):
+        assert re.findall(r"`(\w+)`", dict(told)[folder]) == ROOMS[folder]
 
 
 def test_files_are_short_and_folders_small():
