@@ -101,7 +101,7 @@ class Coefficient:
     ) -> NDArray[np.float64]:
         """Return mu, or its slope, at an array of speeds; NaN where it has no real value in double precision."""
         try:
-            with np.errstate(all="ignore"):  # every branch of a law in pieces is computed, and one is taken
+            with np.errstate(all="ignore"):  # every piece of a law is computed, and one is taken
                 value = np.asarray(self.function(values, "numpy", derivative=derivative)(speed))
         except ArithmeticError:
             value = np.asarray(np.nan)

@@ -1,4 +1,4 @@
-"""What every drawing needs: matplotlib, or a word that it is missing, and a file that anybody draws again."""
+"""What every drawing needs: matplotlib, or a word that it is missing, and a file that is the same each time."""
 
 import io
 from base64 import b64encode

@@ -124,7 +124,7 @@ def _staged(target: Path, content: bytes) -> str:
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
     exists = target.exists()
     if exists and not os.access(target, os.W_OK):
-        # Replacing needs no permission on the file itself, but whoever took it away meant it.
+        # Replacing needs no permission on the file itself; a file that may not be written stays all the same.
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     mode = target.stat().st_mode & 0o777 if exists else 0o666 & ~_umask()
     # A fixed prefix: with the target's own name the longest names would become too long.

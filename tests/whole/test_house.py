@@ -122,7 +122,7 @@ def run(code):
     ).stdout
 
 
-def test_importing_the_package_imports_next_to_nothing():
+def test_importing_the_package_imports_no_large_library():
     loaded = run("import stickslip_sym, sys; print(*sys.modules)").split()
     assert not {"sympy", "scipy", "numpy", "mpmath", "matplotlib", "typer", "heyoka", "dask"} & set(loaded)
 

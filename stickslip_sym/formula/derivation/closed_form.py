@@ -9,11 +9,11 @@ from typing import Any
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core import symbols
 from stickslip_sym.core.deadline import time_left
 from stickslip_sym.core.errors import InputError, NoClosedForm, OutOfTime
 from stickslip_sym.core.interruption import within
 from stickslip_sym.core.numbers import Number, exact
+from stickslip_sym.core.symbols import N, V, c, mu, v
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.code.code_text import c_code, octave_code, python_code
 from stickslip_sym.formula.derivation.gate import GATE_POINTS, verify
@@ -81,7 +81,7 @@ class ClosedForm:
     def _uncancelled(self) -> Any:
         """The formula; the slope itself where it is the criterion, for there 1 - tanh^2 is still to be seen."""
         if self.criterion.weight is None and self.expr.has(sp.tanh):
-            return -symbols.N * self.law.slope_expr.subs(symbols.v, symbols.V)
+            return -N * self.law.slope_expr.subs(v, V)
         return self.expr
 
     def __call__(self, *, on_invalid: OnInvalid = "raise", **values: ArrayLike) -> Any:
@@ -124,7 +124,7 @@ class ClosedForm:
         for name, symbol in self.arguments.items():
             if symbol.is_nonnegative and point[symbol] < 0:
                 raise InputError(f"{name} = {float(point[symbol]):g} must not be negative")
-        check_reach(self.law, self.criterion, point[symbols.V])
+        check_reach(self.law, self.criterion, point[V])
         return exact_value(self._uncancelled, self.law.slope_expr, point, digits)
 
     @property
@@ -237,13 +237,13 @@ def _derived(law: FrictionLaw, criterion: Criterion, search: bool, told: Told) -
     derivation = Derivation(name, f"The {criterion.name} criterion for mu(v) = {law.text}")
     if criterion.weight is None:
         parts = []
-        raw = -symbols.N * law.slope_expr.subs(symbols.v, symbols.V)
+        raw = -N * law.slope_expr.subs(v, V)
     else:
         parts = integrate_terms(law.expr, criterion, min(time_left() / 2, _SEARCHING) if search else 0.0, told)
         raw = sp.Add(*[part.value for part in parts])
     told.found = "a formula was found, but not checked"
     told("simplifying")
-    expr = tidy(raw, law.expr, symbols.V)
+    expr = tidy(raw, law.expr, V)
     told(f"comparing with quadrature at {GATE_POINTS} points")
     gate = verify(law, criterion, expr)
     _require(gate)
@@ -256,7 +256,7 @@ def _derived(law: FrictionLaw, criterion: Criterion, search: bool, told: Told) -
         "both sides are the same expression" if parts else "a small motion about it decays if c + N mu'(V) > 0",
         raw,
         expr,
-        shown=symbols.c,
+        shown=c,
     )
     for step in derivation.steps:
         _require(step.verdict)
@@ -275,10 +275,10 @@ def _require(verdict: Verdict) -> None:
 
 def _require_integrable(law: FrictionLaw, criterion: Criterion) -> None:
     """Refuse a law whose mu is infinite at v = 0+, faster than the weight vanishes there."""
-    if criterion.weight is None or law.expr.subs(symbols.v, 0).is_finite is not False:
+    if criterion.weight is None or law.expr.subs(v, 0).is_finite is not False:
         return
     order = criterion.order_at_rest
-    strength = abs(limit_at_rest(symbols.v**order * law.expr))
+    strength = abs(limit_at_rest(v**order * law.expr))
     if strength > 0 and (order > 0 or strength == math.inf):
         raise NoClosedForm(
             f"mu is not integrable at v = 0+ with the weight of the criterion {criterion.name!r}, so it has no "
@@ -295,7 +295,7 @@ def _state(
         "an integral is linear in its integrand",
         law.expr,
         sp.Add(*[part.term for part in parts]),
-        shown=symbols.mu(symbols.v),
+        shown=mu(v),
     )
     for part in parts:
         if part.by is None:

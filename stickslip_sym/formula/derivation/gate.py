@@ -44,7 +44,7 @@ def verify(law: FrictionLaw, criterion: Criterion, expr: Any) -> Verdict:
             for name, symbol in symbol_of.items()
         }
         if law.v_max is not None:
-            # Every piece has its turn, the lowest speeds too.
+            # Every piece of the law has its turn, the lowest speeds too.
             share = rng.uniform(0, 1) if compared % 2 else 10 ** rng.uniform(2 * _DECADES[0], 0)
             values["V"] = f"{share * float(law.v_max / 2):.6g}"
         scene = {name: values.pop(name) for name in ("V", "N")}

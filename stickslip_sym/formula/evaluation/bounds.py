@@ -49,7 +49,7 @@ def rounding_bound(expr: Any) -> Any:
 
 
 def _size(expr: Any) -> Any:
-    """Return abs(expr), as it stands: SymPy would look at length for a sign that nobody asks for."""
+    """Return abs(expr), as it stands: SymPy would look at length for a sign that is not needed."""
     return sp.Abs(expr, evaluate=False)
 
 

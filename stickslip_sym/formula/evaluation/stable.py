@@ -70,7 +70,7 @@ def _slope_at_rest(slope: Any) -> Any:
 
 
 def _numeric_slope_at_rest(slope: Any, point: Mapping[Any, Any]) -> Any:
-    """Return the limit of a slope at v = 0+ from two speeds that are next to nothing."""
+    """Return the limit of a slope at v = 0+ from its values at 1e-100 m/s and 1e-200 m/s."""
     near, nearer = (to_digits(slope, {**point, symbols.v: sp.Rational(1, 10**k)}, 20) for k in (100, 200))
     if abs(nearer) < abs(near) / 2:
         return 0 * nearer

@@ -1,7 +1,7 @@
 """Antiderivatives of a term of a law times a polynomial kernel, one rule for each family of terms.
 
 A rule takes (rest, kernel, u) and returns F with F' = rest * kernel, real and smooth for u >= 0, or None
-where it does not apply. Whoever uses F proves it by differentiation, so a wrong rule cannot produce a wrong
+where it does not apply. F is proved by differentiation wherever it is used, so a wrong rule cannot give a wrong
 result.
 """
 

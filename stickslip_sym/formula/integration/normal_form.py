@@ -48,7 +48,7 @@ def normal_form(expr: Any) -> Any:
     that are algebraically independent, and in integrals of unknown functions.
     """
     expr = sp.sympify(expr).replace(lambda node: isinstance(node, sp.Integral), _split)
-    # Which branch a Min, Max or Piecewise takes does not matter to an identity that holds for all numbers.
+    # Which argument a Min, Max or Piecewise takes does not matter to an identity that holds for all numbers.
     expr = expr.replace(lambda node: isinstance(node, sp.Min | sp.Max | sp.Piecewise), _opaque)
     expr = expr.replace(_is_tangent_integral, lambda node: sp.atan(node.args[0].args[1] / sp.I))
     expr = expr.replace(sp.polylog, lambda order, z: -sp.log(1 - z) if order == 1 else sp.polylog(order, z))

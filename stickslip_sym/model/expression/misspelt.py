@@ -53,7 +53,7 @@ def check_speed(names: Sequence[str], *, has_v: bool, bare: bool) -> None:
     Parameters
     ----------
     names : sequence of str
-        The parameters of the formula that nobody has described.
+        The parameters of the formula that have no description.
     has_v : bool
         Whether v stands in the formula.
     bare : bool

@@ -24,7 +24,7 @@ _NESTED = "a kink inside a kink is not supported; write one Piecewise with all i
 
 
 def piecewise(branches: Sequence[tuple[Any, Any]], last: Any) -> Any:
-    """Return the law that is branch i for v < place i (and not in an earlier branch), else `last`."""
+    """Return the law that is piece i for v < place i (and not in an earlier piece), else `last`."""
     if any(place.has(symbols.v) for _, place in branches):
         raise InputError("the places of a Piecewise are parameters or numbers; they cannot depend on v")
     if any(part.has(sp.Piecewise) for pair in [*branches, (last,)] for part in pair):
@@ -63,12 +63,12 @@ class Bound:
 
 
 def in_pieces(branches: Sequence[tuple[Any, Bound]], last: Any) -> Any:
-    """Return the law that is the first branch whose bound holds, else `last`.
+    """Return the law that is the first piece whose bound holds, else `last`.
 
     Raises
     ------
     InputError
-        If a branch is for v = 0 alone: the law is that of slip, at v > 0.
+        If a piece is for v = 0 alone: the law is that of slip, at v > 0.
     """
     if any(bound.parts_rest for _, bound in branches):
         raise InputError(
@@ -184,7 +184,7 @@ def places(expr: Any) -> list[Any]:
 
 
 def branch_from(expr: Any, values: Mapping[Any, Any], start: Any) -> Any:
-    """Return an expression with each kink replaced by the branch that holds just above a place.
+    """Return an expression with each kink replaced by the piece that holds just above a place.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def branch_from(expr: Any, values: Mapping[Any, Any], start: Any) -> Any:
     values : mapping of symbols to numbers
         Of the parameters; the result keeps its symbols.
     start : sympy number
-        A slip speed. Conditions read v < place, so the branch that holds there holds above.
+        A slip speed. Conditions read v < place, so the piece that holds there holds above.
     """
     known = {**values, symbols.v: start}
     kinked = [node for node in expr.atoms(sp.Piecewise) if node.has(symbols.v)]
