@@ -43,6 +43,12 @@ class Enclosure:
     low: Fraction
     high: Fraction
 
+    @classmethod
+    def of(cls, low: Number, high: Number) -> "Enclosure":
+        """Return the enclosure between two numbers as users give them, exactly."""
+        ends = (exact(end, "end") for end in (low, high))
+        return cls(*(Fraction(int(end.p), int(end.q)) for end in ends))
+
     @property
     def mid(self) -> Fraction:
         """The number half-way."""
@@ -60,6 +66,18 @@ class Enclosure:
             return MOST_DIGITS
         ratio = abs(self.mid) / self.radius
         return max(0, len(str(int(ratio))) - 1) if ratio >= 1 else 0
+
+    def overlaps(self, other: "Enclosure") -> bool:
+        """Whether one number may lie in both."""
+        return self.low <= other.high and other.low <= self.high
+
+    def apart(self, other: "Enclosure") -> tuple[str, str]:
+        """Return the middles of two enclosures with as many digits as it takes to see that they differ."""
+        for digits in range(8, MOST_DIGITS):
+            mine, others = _truncated(self.mid, digits), _truncated(other.mid, digits)
+            if mine != others:
+                break
+        return mine, others
 
     def __contains__(self, value: Number) -> bool:
         number = exact(value, "value")
