@@ -57,14 +57,27 @@ class BoxScene:
         """Return the values of the law's parameters."""
         return {self.law.parameters[name].symbol: value for name, value in self.law.values.items()}
 
+    @property
+    def values(self) -> dict[str, Any]:
+        """Return all that was given, by name."""
+        return {"V": self.V, "N": self.N, "m": self.m, "k": self.k, **self.law.values}
+
+    @property
+    def at_rest(self) -> Any:
+        """The coefficient mu(0+), by the first segment at v = 0."""
+        return branch_from(self.law.expr, self.point, sp.Integer(0)).xreplace({symbols.v: sp.Integer(0)})
+
+    @property
+    def static(self) -> Any:
+        """The coefficient that limits sticking."""
+        return self.at_rest if self.law.static is None else self.law.static
+
     def segments(self, c: Any) -> list["Segment"]:
         """Return the smooth segments of the field, ascending, at the working precision."""
-        point, law = self.point, self.law
+        point, law, static = self.point, self.law, self.static
         starts = [sp.Integer(0), *law.kinks()]
         ends = [*starts[1:], law.v_max]
         impedance = sp.sqrt(self.k * self.m)
-        at_rest = branch_from(law.expr, point, sp.Integer(0)).xreplace({symbols.v: sp.Integer(0)})
-        static = at_rest if law.static is None else law.static
         found = []
         for start, end in zip(starts, ends, strict=True):
             mu = branch_from(law.expr, point, start).xreplace({symbols.v: self.V * _W})

@@ -13,11 +13,13 @@ import sympy as sp
 from flint import acb
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.balls import ball, ball_function, working_precision
+from stickslip_sym.core.balls import ball, ball_function, ball_value, working_precision
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.expression.pieces import branch_from, jumps
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.motion.thresholds.box_transit import BoxScene
 
-__all__ = ["lipschitz_evidence"]
+__all__ = ["checked_hypotheses", "lipschitz_evidence"]
 
 _ANALYTIC = (
     sp.exp,
@@ -36,6 +38,30 @@ _ANALYTIC = (
 _BITS = 64
 _MOST_CUTS = 400  # of a range on which a sign is shown
 _speed = sp.Symbol("v", positive=True)
+
+
+def checked_hypotheses(scene: BoxScene) -> tuple[tuple[str, str], ...]:
+    """Return what the lemma needs, and how it was checked for a law and its static coefficient.
+
+    Raises
+    ------
+    InputError
+        If a hypothesis was not shown; the message says which, and why.
+    """
+    smooth, how = lipschitz_evidence(scene.law)
+    if not smooth:
+        raise InputError(f"a threshold is proved for laws that are locally Lipschitz for v > 0, and {how}; "
+                         'method="simulation" serves all laws')  # fmt: skip
+    found = [("mu is locally Lipschitz for v > 0", how)]
+    if scene.law.static is None:
+        return (*found, ("the static coefficient is mu(0+)", "none is given"))
+    with working_precision(_BITS):
+        above = scene.static - scene.at_rest
+        if not ball_value(above, scene.point).real > 0 and above.xreplace(scene.point) != 0:
+            raise InputError(
+                "a threshold is proved where the static coefficient is at least mu(0+), and this one is not"
+            )
+    return (*found, ("the static coefficient is at least mu(0+)", "by enclosing both"))
 
 
 def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:

@@ -5,54 +5,24 @@ at which it does not enclose the threshold.
 """
 
 import math
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 import sympy as sp
 
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
-from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.motion.thresholds.box_transit import BoxScene, Transit, transit
+from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
 from stickslip_sym.motion.thresholds.taylor_boxes import Undecided
+from stickslip_sym.motion.thresholds.theorem import Theorem
 
-__all__ = ["Theorem", "prove_threshold"]
+__all__ = ["prove_threshold"]
 
 _BITS = 64  # of a decision, beyond those of its distance from the threshold
 _MORE_BITS = (1, 2, 4)  # times as many, until a decision falls
-_MOST_ROUNDS = 200
 _CURVED = 10  # the secant is off by the square of the bracket, times this
 _WIDEST = 1e-2  # of the first bracket, relative
 _FINE = 1000  # parts of a bracket to which its ends are rounded
-
-
-@dataclass(frozen=True)
-class Theorem:
-    """What was proved of a threshold, and from what.
-
-    Attributes
-    ----------
-    low, high : fractions.Fraction
-        The dampings in kg/s.
-    below, above : Transit
-        The slips from P at these.
-    undamped : Transit or None
-        That at c = 0, where it returns.
-    hypotheses : tuple of (str, str)
-        What the lemma needs, and how it was checked.
-    """
-
-    low: Fraction
-    high: Fraction
-    below: Transit
-    above: Transit
-    undamped: Transit | None
-    hypotheses: tuple[tuple[str, str], ...]
-
-    @property
-    def enclosure(self) -> Enclosure:
-        """The threshold, between both dampings."""
-        return Enclosure(self.low, self.high)
 
 
 class _Search:
@@ -84,6 +54,27 @@ class _Search:
     def high(self) -> Any:
         """The smallest damping at which it does not."""
         return min((c for c, found in self.found.items() if not found.returns), default=None)
+
+    def enclose(self, center: Any, width: Any) -> None:
+        """Find a damping at which the slip returns and one at which it does not, on both sides of a guess."""
+        for side in (-1, 1):
+            step = width
+            while self.decide(_rounded(center + side * step, step), float(step / center)).returns != (side < 0):
+                step *= 4
+                if step > center:
+                    raise NotConverged(f"the guess {float(center):g} kg/s is not near the threshold")
+
+    def narrow(self, half: Any, rtol: Any) -> None:
+        """Bring both dampings within a relative distance, by the secant where it serves, else by halves."""
+        while self.high - self.low > rtol * self.low:
+            low, high = self.low, self.high
+            middle, radius = self.estimate(), max(half, _CURVED * (high - low) ** 2 / low)
+            if middle is None or not low < middle < high or radius > (high - low) / 4:
+                middle, radius = (low + high) / 2, sp.Integer(0)
+            grain = radius or (high - low) / 8
+            for c in sorted({_rounded(middle + side * radius, grain) for side in (-1, 1)}):
+                if self.low < c < self.high:
+                    self.decide(c, float(grain / low))
 
     def estimate(self) -> Any | None:
         """Return where the lowest slip speed vanishes by the secant through two decisions close to it."""
@@ -126,33 +117,13 @@ def prove_threshold(scene: BoxScene, guess: float, error: float, rtol: float) ->
     NotConverged
         If a decision does not fall; it says where the boxes grew.
     """
-    hypotheses = _hypotheses(scene)
+    hypotheses = checked_hypotheses(scene)
     search = _Search(scene)
     center = sp.Rational(guess)
-    half = sp.Rational(rtol) * abs(center) * sp.Rational(9, 20)
-    width = max(half, abs(center) * sp.Rational(min(max(2 * error, 1e-15), _WIDEST)))
-    for side in (-1, 1):
-        step = width
-        for _ in range(_MOST_ROUNDS):
-            c = _rounded(center + side * step, step)
-            if search.decide(c, float(step / abs(center))).returns == (side < 0):
-                break
-            step *= 4
-            if step > abs(center):
-                raise NotConverged(f"the guess {guess:g} kg/s is no threshold, up to 100 %")
-    for _ in range(_MOST_ROUNDS):
-        low, high = search.low, search.high
-        if high - low <= sp.Rational(rtol) * abs(low):
-            break
-        middle, radius = search.estimate(), max(half, _CURVED * (high - low) ** 2 / abs(low))
-        if middle is None or not low < middle < high or radius > (high - low) / 4:
-            middle, radius = (low + high) / 2, sp.Integer(0)
-        grain = radius or (high - low) / 8
-        for c in {_rounded(middle + side * radius, grain) for side in (-1, 1)}:
-            if search.low < c < search.high:
-                search.decide(c, float(grain / abs(low)))
-    else:
-        raise NotConverged(f"the bracket did not shrink to rtol = {rtol:g} in {_MOST_ROUNDS} rounds")
+    half = sp.Rational(rtol) * center * sp.Rational(9, 20)
+    width = max(half, center * sp.Rational(min(max(2 * error, 1e-15), _WIDEST)))
+    search.enclose(center, width)
+    search.narrow(half, sp.Rational(rtol))
     low, high = search.low, search.high
     try:
         undamped = transit(scene, sp.Integer(0), _BITS)
@@ -161,10 +132,6 @@ def prove_threshold(scene: BoxScene, guess: float, error: float, rtol: float) ->
     if undamped is not None and not undamped.returns:
         raise NoThreshold("the slip returns at some damping, but not without any: the lemma does not hold here")
     return Theorem(
-        Fraction(int(low.p), int(low.q)), Fraction(int(high.p), int(high.q)),
+        scene.law, scene.values, Fraction(int(low.p), int(low.q)), Fraction(int(high.p), int(high.q)),
         search.found[low], search.found[high], undamped, hypotheses,
     )  # fmt: skip
-
-
-def _hypotheses(scene: BoxScene) -> tuple[tuple[str, str], ...]:
-    return ()
