@@ -58,9 +58,7 @@ def checked_hypotheses(scene: BoxScene) -> tuple[tuple[str, str], ...]:
     with working_precision(_BITS):
         above = scene.static - scene.at_rest
         if not ball_value(above, scene.point).real > 0 and above.xreplace(scene.point) != 0:
-            raise InputError(
-                "a threshold is proved where the static coefficient is at least mu(0+), and this one is not"
-            )
+            raise InputError("the static coefficient was not shown to be at least mu(0+), as a proof needs it")
     return (*found, ("the static coefficient is at least mu(0+)", "by enclosing both"))
 
 
