@@ -12,8 +12,8 @@ import stickslip_sym as ss
 from stickslip_sym.core import balls
 
 x = sp.Symbol("x")
-NODES = [sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.atan, sp.asinh, sp.erf, sp.erfc,
-         sp.sqrt, lambda a: a**3, lambda a: a**-2, lambda a: a ** sp.Rational(7, 10), lambda a: 1 / a]  # fmt: skip
+NODES = [sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.atan, sp.asinh, sp.erf,
+         sp.erfc, sp.sqrt, lambda a: a**3, lambda a: a**-2, lambda a: a ** sp.Rational(7, 10), lambda a: 1 / a]  # fmt: skip
 
 
 def random_expression(rng, depth=3):
@@ -108,9 +108,11 @@ def test_an_integrand_that_ignores_the_question_is_tight_and_wrong():
 
 def test_the_precision_is_put_back_on_every_way_out():
     before = ctx.prec
-    with pytest.raises(ZeroDivisionError), balls.working_precision(333):
+    with balls.working_precision(333):
         assert ctx.prec == 333
-        raise ZeroDivisionError
+        with pytest.raises(ZeroDivisionError), balls.working_precision(99):
+            _ = 1 / 0
+        assert ctx.prec == 333
     assert ctx.prec == before
     wrong = []
 

@@ -97,8 +97,8 @@ def test_digits_are_those_that_both_ends_share():
 
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
-    [({"V": 0}, "V = 0 must be positive"), ({"N": -1}, "N = -1 must not be negative"), ({"digits": 0}, "digits = 0"),
-     ({"criterion": "harmonious"}, "did you mean 'harmonic'")],
+    [({"V": 0}, "V = 0 must be positive"), ({"N": -1}, "N = -1 must not be negative"),
+     ({"digits": 0}, "digits = 0"), ({"criterion": "harmonious"}, "did you mean 'harmonic'")],
 )  # fmt: skip
 def test_unusable_numbers_are_refused(arguments, complaint):
     with pytest.raises(ss.InputError, match=complaint):

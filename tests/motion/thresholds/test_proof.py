@@ -116,7 +116,7 @@ def test_a_step_without_its_remainder_bound_is_noticed():
 
 def test_without_enough_bits_nothing_is_claimed():
     c = R(float(simulated(LAWS["polynomial"]).value))
-    with pytest.raises(Undecided, match="wide|certain|bits"):
+    with pytest.raises(Undecided, match=r"wide|certain|bits"):
         transit(scene(LAWS["polynomial"]), c * (1 + R(1, 10**30)), 40)
 
 
