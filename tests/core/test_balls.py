@@ -13,7 +13,8 @@ from stickslip_sym.core import balls
 
 x = sp.Symbol("x")
 NODES = [sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.atan, sp.asinh, sp.erf,
-         sp.erfc, sp.sqrt, lambda a: a**3, lambda a: a**-2, lambda a: a ** sp.Rational(7, 10), lambda a: 1 / a]  # fmt: skip
+         sp.erfc, sp.sqrt, lambda a: a**3, lambda a: a**-2, lambda a: a ** sp.Rational(7, 10),
+         lambda a: 1 / a]  # fmt: skip
 
 
 def random_expression(rng, depth=3):
