@@ -11,6 +11,8 @@ from .core.errors import OutOfTime as OutOfTime
 from .core.errors import StickSlipError as StickSlipError
 from .criteria import quadrature as quadrature
 from .criteria.criterion import Criterion as Criterion
+from .criteria.enclosure import Enclosure as Enclosure
+from .criteria.enclosure import enclose as enclose
 from .formula.derivation.closed_form import ClosedForm as ClosedForm
 from .formula.derivation.closed_form import derive as derive
 from .formula.derivation.keeping import load as load

@@ -1,0 +1,240 @@
+"""`enclose`: a criterion between two exact numbers, by integration in ball arithmetic.
+
+Arb bounds every error of its Gauss rules and of its roundings, so what comes out holds the value for certain; how
+close the two ends are is what the working precision makes of it.
+"""
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import sympy as sp
+from flint import acb, arb
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, working_precision
+from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.numbers import Number, exact
+from stickslip_sym.criteria.criterion import Criterion, find
+from stickslip_sym.model.expression.pieces import branch_from
+from stickslip_sym.model.law import FrictionLaw
+
+__all__ = ["Enclosure", "enclose", "enclosure_of"]
+
+MOST_DIGITS = 10_000
+_BITS = math.log2(10)  # per digit
+_GUARD = 30  # bits beyond the digits that are asked for, against rounding
+_MOST_LOST = 1400  # bits of cancellation that are followed, some 400 digits
+_SHOWN = 50  # digits of an end, at most
+
+
+@dataclass(frozen=True)
+class Enclosure:
+    """Two numbers with the true value between them.
+
+    Attributes
+    ----------
+    low, high : fractions.Fraction
+        Exact.
+    """
+
+    low: Fraction
+    high: Fraction
+
+    @classmethod
+    def of(cls, low: Number, high: Number) -> "Enclosure":
+        """Return the enclosure between two numbers as users give them, exactly."""
+        ends = (exact(end, "end") for end in (low, high))
+        return cls(*(Fraction(int(end.p), int(end.q)) for end in ends))
+
+    @property
+    def mid(self) -> Fraction:
+        """The number half-way."""
+        return (self.low + self.high) / 2
+
+    @property
+    def radius(self) -> Fraction:
+        """Half the width: what `mid` is off by, at most."""
+        return (self.high - self.low) / 2
+
+    @property
+    def digits(self) -> int:
+        """The digits of `mid` that are certain: -log10 of the relative radius, rounded down; 0 around zero."""
+        if self.radius == 0:
+            return MOST_DIGITS
+        ratio = abs(self.mid) / self.radius
+        return max(0, len(str(int(ratio))) - 1) if ratio >= 1 else 0
+
+    def overlaps(self, other: "Enclosure") -> bool:
+        """Whether one number may lie in both."""
+        return self.low <= other.high and other.low <= self.high
+
+    def apart(self, other: "Enclosure") -> tuple[str, str]:
+        """Return the middles of two enclosures with as many digits as it takes to see that they differ."""
+        for digits in range(8, MOST_DIGITS):
+            mine, others = _truncated(self.mid, digits), _truncated(other.mid, digits)
+            if mine != others:
+                break
+        return mine, others
+
+    def __contains__(self, value: Number) -> bool:
+        number = exact(value, "value")
+        return self.low <= Fraction(int(number.p), int(number.q)) <= self.high
+
+    def __float__(self) -> float:
+        return float(self.mid)
+
+    def __str__(self) -> str:
+        """Return the digits that both ends share, as in 2.545949602905103[...]."""
+        if self.low == self.high and self.low.denominator == 1:
+            return str(self.low)
+        if self.digits < 1:
+            return f"[{float(self.low):.3g}, {float(self.high):.3g}]"
+        for digits in range(min(self.digits + 1, _SHOWN), 0, -1):
+            low, high = (_truncated(end, digits) for end in (self.low, self.high))
+            if low == high:
+                return f"{low}[...]"
+        return f"[{_truncated(self.low, self.digits + 1)}, {_truncated(self.high, self.digits + 1)}]"
+
+    def __repr__(self) -> str:
+        return f"Enclosure: {self}"
+
+
+def _truncated(value: Fraction, digits: int) -> str:
+    """Return a number with so many significant digits, the rest cut off."""
+    if value == 0:
+        return "0"
+    sign, size = ("-", -value) if value < 0 else ("", value)
+    exponent = len(str(int(size))) - 1 if size >= 1 else -len(str(int(1 / size)))
+    if size < Fraction(10) ** exponent:
+        exponent -= 1
+    elif size >= Fraction(10) ** (exponent + 1):
+        exponent += 1
+    whole = str(int(size * Fraction(10) ** (digits - 1 - exponent)))
+    if -5 <= exponent < digits:
+        if exponent < 0:
+            return f"{sign}0.{'0' * (-exponent - 1)}{whole}"
+        point = exponent + 1
+        return f"{sign}{whole[:point]}{'.' if whole[point:] else ''}{whole[point:]}"
+    return f"{sign}{whole[0]}.{whole[1:]}e{exponent:+03d}"
+
+
+def enclosure_of(value: arb) -> Enclosure:
+    """Return the ends of a real ball, exactly."""
+    ends = []
+    for end in (value.lower(), value.upper()):
+        mantissa, exponent = end.man_exp()
+        ends.append(Fraction(int(mantissa)) * Fraction(2) ** int(exponent))
+    return Enclosure(*ends)
+
+
+def enclose(
+    law: FrictionLaw,
+    criterion: str | Criterion = "least_squares",
+    *,
+    V: Number,
+    N: Number,
+    digits: int = 30,
+) -> Enclosure:
+    """Enclose the damping coefficient of a criterion, c = -N * integral_{-1}^{1} w(s) mu'(V(1 + s)) ds.
+
+    A weight that is a polynomial is integrated by parts, so that mu itself stands under the integral; the
+    harmonic one over an angle, c = 4N/(pi V) * integral_0^{pi/2} mu(2 V sin^2 phi) cos(2 phi) dphi. Kinks part
+    the way. The integrals are done by Arb: Gauss rules with proved bounds, halving where they are too wide.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound.
+    criterion : str or Criterion
+    V : number
+        Belt speed in m/s, positive. Like all numbers taken exactly: text as a decimal, a float as binary.
+    N : number
+        Normal force in N, not negative.
+    digits : int
+        Relative radius of the result, 10^-digits. Where the value is 0, or over 400 digits below its terms, the
+        enclosure is what it is, and holds 0.
+
+    Returns
+    -------
+    Enclosure
+        In kg/s.
+
+    Raises
+    ------
+    InputError
+        For an unbound law, unusable numbers, or a function that has no enclosure here.
+    NotConverged
+        If the integral is not enclosed, as where mu is infinite at v = 0.
+    """
+    criterion = find(criterion)
+    speed, force = exact(V, "V"), exact(N, "N")
+    if speed <= 0:
+        raise InputError(f"V = {float(speed):g} must be positive; at V = 0 there is nothing to integrate over")
+    if force < 0:
+        raise InputError(f"N = {float(force):g} must not be negative")
+    if not 1 <= digits <= MOST_DIGITS:
+        raise InputError(f"digits = {digits} is outside 1 to {MOST_DIGITS}")
+    law.require_speed(speed if criterion.weight is None else 2 * speed)
+    law.substitute(symbols.v)  # refuses a law without values
+    if force == 0 or not law.expr.has(symbols.v):
+        return Enclosure(Fraction(0), Fraction(0))  # every criterion averages a slope
+    goal = int(digits * _BITS) + 2
+    bits = goal + _GUARD
+    while True:
+        with working_precision(bits):
+            value = ball(force).real * _per_force(law, criterion, speed)
+            if not value.is_finite():
+                raise NotConverged(
+                    f"the {criterion.name} criterion of {law.text} is not enclosed at V = {float(speed):g}"
+                )
+            if (reached := value.rel_accuracy_bits()) >= goal or bits > goal + _GUARD + _MOST_LOST:
+                return enclosure_of(value)
+        bits += min(max(goal - reached + _GUARD, bits // 8), _MOST_LOST)
+
+
+def _per_force(law: FrictionLaw, criterion: Criterion, speed: Any) -> arb:
+    """Return c/N."""
+    point = {law.parameters[name].symbol: value for name, value in law.values.items()}
+    if criterion.weight is None:
+        slope = sp.diff(branch_from(law.expr, point, speed), symbols.v)
+        return -ball_value(slope, {**point, symbols.v: speed}).real
+    starts = [sp.Integer(0), *(place for place in law.kinks() if place < 2 * speed)]
+    parts = [ball_function(branch_from(law.expr, point, start), symbols.v, point) for start in starts]
+    over = _over_speed if criterion.is_polynomial else _over_angle
+    return over(parts, [*starts, 2 * speed], criterion, speed)
+
+
+def _over_speed(parts: list[BallFunction], ends: list[Any], criterion: Criterion, speed: Any) -> arb:
+    """Return c/N = [-w mu]/V + 1/V * integral of w' mu over s."""
+    V, s = ball(speed), symbols.s
+    slope = ball_function(sp.diff(criterion.weight, s), s, {})
+    low, high = (ball_value(criterion.weight, {s: end}) for end in (sp.Integer(-1), sp.Integer(1)))
+    total = acb(0)
+    if not (low == 0 and high == 0):
+        total += low * parts[0](acb(0), False) - high * parts[-1](2 * V, False)
+    for mu, (start, end) in zip(parts, pairwise(ends), strict=True):
+
+        def integrand(z: acb, analytic: bool, mu: BallFunction = mu) -> acb:
+            return slope(z, analytic) * mu(V * (1 + z), analytic)
+
+        total += acb.integral(integrand, ball(start / speed - 1), ball(end / speed - 1))
+    return (total / V).real
+
+
+def _over_angle(parts: list[BallFunction], ends: list[Any], criterion: Criterion, speed: Any) -> arb:
+    """Return c/N = 4/(pi V) * integral of mu(2 V sin^2 phi) cos(2 phi)."""
+    twice = 2 * ball(speed)
+    angles = [(ball(end) / twice).real.sqrt().asin() for end in ends[:-1]] + [arb.pi() / 2]
+    total = acb(0)
+    for mu, (start, end) in zip(parts, pairwise(angles), strict=True):
+
+        def integrand(phi: acb, analytic: bool, mu: BallFunction = mu) -> acb:
+            sine = phi.sin()
+            square = sine * sine
+            return mu(twice * square, analytic) * (1 - 2 * square)
+
+        total += acb.integral(integrand, start, end)
+    return (4 * total / (acb.pi() * ball(speed))).real

@@ -1,0 +1,137 @@
+"""A pure-slip threshold as a theorem: two dampings, close together, at which the slip from P is decided.
+More damping turns the field one way and moves P inwards (the chapter `one_threshold` of the derivations), so if
+the slip from P returns at one damping it does so at every smaller one. One damping at which it returns and one
+at which it does not enclose the threshold.
+"""
+
+import math
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
+from stickslip_sym.motion.thresholds.box_transit import BoxScene, Transit, transit
+from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
+from stickslip_sym.motion.thresholds.taylor_boxes import Undecided
+from stickslip_sym.motion.thresholds.theorem import Theorem
+
+__all__ = ["prove_threshold"]
+
+_BITS = 64  # of a decision, beyond those of its distance from the threshold
+_MORE_BITS = (1, 2, 4)  # times as many, until a decision falls
+_CURVED = 10  # the secant is off by the square of the bracket, times this
+_WIDEST = 1e-2  # of the first bracket, relative
+_FINE = 1000  # parts of a bracket to which its ends are rounded
+
+
+class _Search:
+    """Decisions at dampings, and what they say of the threshold."""
+
+    def __init__(self, scene: BoxScene) -> None:
+        self.scene = scene
+        self.found: dict[Any, Transit] = {}
+
+    def decide(self, c: Any, distance: float) -> Transit:
+        """Return the transit at a damping, at a precision that suits its relative distance from the threshold."""
+        least = _BITS + int(1.25 * max(0.0, -math.log2(distance)))
+        for more in _MORE_BITS:
+            try:
+                result = transit(self.scene, c, least * more)
+            except Undecided as error:
+                words = str(error)
+                continue
+            self.found[c] = result
+            return result
+        raise NotConverged(f"undecided at c = {float(c):.15g} kg/s with {least * more} bits: {words}")
+
+    @property
+    def low(self) -> Any:
+        """The largest damping at which the slip returns."""
+        return max((c for c, found in self.found.items() if found.returns), default=None)
+
+    @property
+    def high(self) -> Any:
+        """The smallest damping at which it does not."""
+        return min((c for c, found in self.found.items() if not found.returns), default=None)
+
+    def enclose(self, center: Any, width: Any) -> None:
+        """Find a damping at which the slip returns and one at which it does not, on both sides of a guess."""
+        for side in (-1, 1):
+            step = width
+            while self.decide(_rounded(center + side * step, step), float(step / center)).returns != (side < 0):
+                step *= 4
+                if step > center:
+                    raise NotConverged(f"the guess {float(center):g} kg/s is not near the threshold")
+
+    def narrow(self, half: Any, rtol: Any) -> None:
+        """Bring both dampings within a relative distance, by the secant where it serves, else by halves."""
+        while self.high - self.low > rtol * self.low:
+            low, high = self.low, self.high
+            middle, radius = self.estimate(), max(half, _CURVED * (high - low) ** 2 / low)
+            if middle is None or not low < middle < high or radius > (high - low) / 4:
+                middle, radius = (low + high) / 2, sp.Integer(0)
+            grain = radius or (high - low) / 8
+            for c in sorted({_rounded(middle + side * radius, grain) for side in (-1, 1)}):
+                if self.low < c < self.high:
+                    self.decide(c, float(grain / low))
+
+    def estimate(self) -> Any | None:
+        """Return where the lowest slip speed vanishes by the secant through two decisions close to it."""
+        points = sorted(
+            ((c, found.lowest.mid()) for c, found in self.found.items() if found.turned),
+            key=lambda pair: abs(float(pair[1])),
+        )[:2]
+        if len(points) < 2 or points[0][1] == points[1][1]:
+            return None
+        (c1, w1), (c2, w2) = points
+        return c1 - (c2 - c1) * _rational(w1 / (w2 - w1))
+
+
+def _rational(value: Any) -> Any:
+    mantissa, exponent = value.mid().man_exp()
+    return sp.Rational(int(mantissa)) * sp.Integer(2) ** int(exponent)
+
+
+def _rounded(c: Any, width: Any) -> Any:
+    """Return the nearest decimal number with no more digits than a width calls for."""
+    places = max(0, math.ceil(-math.log10(float(width) / _FINE))) if float(width) else 50
+    return sp.Rational(round(c * 10**places), 10**places)
+
+
+def prove_threshold(scene: BoxScene, guess: float, error: float, rtol: float) -> Theorem:
+    """Prove two dampings that enclose the threshold.
+
+    Parameters
+    ----------
+    scene : BoxScene
+    guess, error : float
+        A value of the threshold in kg/s, and its relative error as far as known.
+    rtol : float
+        The width of the enclosure, relative.
+
+    Raises
+    ------
+    InputError
+        If the law does not meet a hypothesis of the lemma.
+    NotConverged
+        If a decision does not fall; it says where the boxes grew.
+    """
+    hypotheses = checked_hypotheses(scene)
+    search = _Search(scene)
+    center = sp.Rational(guess)
+    half = sp.Rational(rtol) * center * sp.Rational(9, 20)
+    width = max(half, center * sp.Rational(min(max(2 * error, 1e-15), _WIDEST)))
+    search.enclose(center, width)
+    search.narrow(half, sp.Rational(rtol))
+    low, high = search.low, search.high
+    try:
+        undamped = transit(scene, sp.Integer(0), _BITS)
+    except (Undecided, InputError):
+        undamped = None
+    if undamped is not None and not undamped.returns:
+        raise NoThreshold("the slip returns at some damping, but not without any: the lemma does not hold here")
+    return Theorem(
+        scene.law, scene.values, Fraction(int(low.p), int(low.q)), Fraction(int(high.p), int(high.q)),
+        search.found[low], search.found[high], undamped, hypotheses,
+    )  # fmt: skip

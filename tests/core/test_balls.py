@@ -1,0 +1,138 @@
+"""Ball functions hold what they enclose, and tell where they are not analytic."""
+
+import random
+import threading
+
+import mpmath
+import pytest
+import sympy as sp
+from flint import acb, arb, ctx
+
+import stickslip_sym as ss
+from stickslip_sym.core import balls
+
+x = sp.Symbol("x")
+NODES = [sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.atan, sp.asinh, sp.erf,
+         sp.erfc, sp.sqrt, lambda a: a**3, lambda a: a**-2, lambda a: a ** sp.Rational(7, 10),
+         lambda a: 1 / a]  # fmt: skip
+
+
+def random_expression(rng, depth=3):
+    if depth == 0:
+        return rng.choice([x, x, sp.Rational(rng.randint(1, 9), rng.randint(1, 9)), sp.pi])
+    kind = rng.randrange(4)
+    if kind == 0:
+        return random_expression(rng, depth - 1) + random_expression(rng, depth - 1)
+    if kind == 1:
+        return random_expression(rng, depth - 1) * random_expression(rng, depth - 1)
+    return rng.choice(NODES)(random_expression(rng, depth - 1))
+
+
+def number(ball):
+    """Return a real ball's middle and radius, exactly, as mpmath numbers."""
+    (m, e), (rm, re) = ball.mid().man_exp(), ball.rad().man_exp()
+    return mpmath.ldexp(int(m), int(e)), mpmath.ldexp(int(rm), int(re))
+
+
+def test_a_ball_holds_every_value_on_its_argument():
+    rng = random.Random(1)
+    looked = 0
+    for _ in range(300):
+        expr = random_expression(rng)
+        if not expr.has(x):
+            continue
+        center, radius = rng.uniform(0.2, 3), 10 ** rng.uniform(-12, -1)
+        with balls.working_precision(120), mpmath.workdps(36):
+            value = balls.ball_function(expr, x, {})(acb(arb(center, radius)), False)
+            if not value.is_finite():
+                continue
+            place = mpmath.mpf(center) + mpmath.mpf(radius) * rng.uniform(-1, 1)
+            truth = mpmath.mpmathify(sp.lambdify(x, expr, "mpmath")(place))
+            for part, part_of_truth in ((value.real, truth.real), (value.imag, truth.imag)):
+                middle, room = number(part)
+                assert abs(middle - part_of_truth) <= room + mpmath.mpf("1e-28") * (1 + abs(truth)), expr
+            looked += 1
+    assert looked > 150
+
+
+def test_constants_of_closed_forms():
+    mu = sp.Rational(3, 7)
+    for expr in (
+        sp.besseli(1, mu), sp.lowergamma(sp.Rational(4, 3), mu), sp.uppergamma(2, mu), sp.polylog(3, -mu),
+        sp.hyper((sp.Rational(5, 4), 1), (2,), -mu), sp.elliptic_k(mu), sp.elliptic_e(mu), sp.elliptic_pi(-mu, mu),
+        sp.dirichlet_eta(3), sp.zeta(3), sp.Catalan, sp.gamma(mu), sp.im(sp.polylog(2, sp.I * mu)),
+    ):  # fmt: skip
+        with balls.working_precision(150):
+            middle, radius = number(balls.ball_value(expr, {}).real)
+        assert radius < 1e-35
+        with mpmath.workdps(35):
+            truth = mpmath.mpf(sp.N(expr, 35))
+            assert abs(middle - truth) < 1e-30 * abs(truth), expr
+
+
+def test_pieces_are_chosen_exactly():
+    a, b = sp.symbols("a b", positive=True)
+    expr = sp.Min(a, b) * sp.Piecewise((2, a < b), (3, True))
+    with balls.working_precision(64):
+        for point, value in (({a: sp.Integer(1), b: sp.Integer(2)}, 2), ({a: sp.Integer(2), b: sp.Integer(1)}, 3)):
+            assert balls.ball_value(expr, point).real == value
+
+
+@pytest.mark.parametrize("function", [sp.log, sp.sqrt, lambda a: a ** sp.Rational(3, 10), sp.atan, sp.asinh])
+def test_a_cut_is_told_wherever_a_ball_touches_it(function):
+    rng = random.Random(3)
+    across = {sp.atan: True, sp.asinh: True}.get(function, False)
+    ball_function = balls.ball_function(function(x), x, {})
+    for _ in range(200):
+        along, beside, radius = 10 ** rng.uniform(-1, 2), rng.uniform(-1, 1), 10 ** rng.uniform(-3, 0)
+        along = (1 + along) * rng.choice([-1, 1]) if across else -along
+        center = acb(beside, along) if across else acb(along, beside)
+        touches = abs(beside) <= radius
+        wide = center + acb(arb(0, radius), arb(0, radius / 10) if across else arb(0, radius))
+        if touches:
+            assert not ball_function(wide, True).is_finite()
+        elif abs(beside) > 1.5 * radius:
+            narrow = center + acb(arb(0, 1e-9), arb(0, 1e-9))
+            assert ball_function(narrow, True).is_finite()
+
+
+def test_an_integrand_that_ignores_the_question_is_tight_and_wrong():
+    """Why the cuts are looked for: the negative control."""
+    with balls.working_precision(80):
+        careless = acb.integral(lambda z, analytic: z.sqrt(), 1, 4)
+        asked = acb.integral(balls.ball_function(sp.sqrt(x), x, {}), 1, 4)
+        truth = arb(14) / 3
+        assert asked.real.overlaps(truth)
+        assert max(asked.real.rad(), careless.real.rad()) < 1e-20
+        assert not careless.real.overlaps(truth)
+
+
+def test_the_precision_is_put_back_on_every_way_out():
+    before = ctx.prec
+    with balls.working_precision(333):
+        assert ctx.prec == 333
+        with pytest.raises(ZeroDivisionError), balls.working_precision(99):
+            _ = 1 / 0
+        assert ctx.prec == 333
+    assert ctx.prec == before
+    wrong = []
+
+    def work(bits):
+        for _ in range(30):
+            with balls.working_precision(bits):
+                if ctx.prec != bits or acb(1).exp().real.rel_accuracy_bits() < bits - 5:
+                    wrong.append(bits)
+
+    threads = [threading.Thread(target=work, args=(bits,)) for bits in (64, 150, 400)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert (wrong, ctx.prec) == ([], before)
+
+
+def test_what_is_not_in_the_list_is_refused():
+    with pytest.raises(ss.InputError, match="LambertW is not among the functions"):
+        balls.ball_function(sp.LambertW(x), x, {})
+    with pytest.raises(ss.InputError, match="exponent depends on x"):
+        balls.ball_function(2**x, x, {})

@@ -1,0 +1,112 @@
+"""Enclosures of criteria hold what quadrature finds, for laws and scenes of all sizes."""
+
+import os
+import random
+from fractions import Fraction
+
+import mpmath
+import pytest
+import sympy as sp
+
+import stickslip_sym as ss
+
+PAIRS = int(os.environ.get("STICKSLIP_ENCLOSED", "24"))
+"""Seeded pairs of a law and a scene that are looked at."""
+s = ss.symbols.s
+CRITERIA = [
+    "least_squares", "harmonic", "equilibrium",
+    ss.Criterion("parabola", sp.Rational(3, 4) * (1 - s**2), "the tests"),
+    ss.Criterion("late", sp.Rational(3, 4) * (1 - s**2) * (1 + s), "the tests"),
+    ss.Criterion("flat", sp.Rational(1, 2), "the tests"),
+]  # fmt: skip
+
+
+def quadrature_lies_inside(law, criterion, V, N, digits=20):
+    enclosure = ss.enclose(law, criterion, V=V, N=N, digits=digits)
+    found = ss.quadrature.damping(law, criterion, V=V, N=N, digits=digits + 8)
+    if found == 0 and abs(enclosure.mid) < Fraction(1, 10**300):
+        return enclosure  # quadrature does not follow what cancels over 400 digits
+    with mpmath.workdps(digits + 8):
+        room = abs(found) * mpmath.mpf(10) ** -(digits + 6)
+        low, high = (mpmath.mpf(end.numerator) / end.denominator for end in (enclosure.low, enclosure.high))
+        assert low - room <= found <= high + room, (law, criterion, V, N)
+    return enclosure
+
+
+@pytest.mark.parametrize("seed", range(PAIRS))
+def test_quadrature_lies_in_the_enclosure(seed):
+    rng = random.Random(seed)
+    law = ss.laws.catalogue[rng.choice(sorted(ss.laws.catalogue))]
+    exponents = {node.exp for node in law.expr.atoms(sp.Pow)}
+    values = {
+        name: f"{float(p.typical) * 10 ** rng.uniform(*((-0.2, 0.2) if p.symbol in exponents else (-2, 2))):.6g}"
+        for name, p in law.parameters.items()
+    }
+    V, N = (f"{10 ** rng.uniform(-6, 6):.6g}" for _ in range(2))
+    try:
+        enclosure = quadrature_lies_inside(law.bind(**values), rng.choice(CRITERIA), V, N)
+    except (ss.NotConverged, ss.InputError):
+        return  # said, and by either: quadrature has its limits, and mu may not be real in the scene
+    assert enclosure.radius == 0 or enclosure.digits >= 20 or 0 in enclosure
+
+
+@pytest.mark.parametrize("criterion", CRITERIA, ids=str)
+def test_kinks_and_measured_points(criterion):
+    points = ss.FrictionLaw.from_samples([0, 0.05, 0.1, 0.2, 0.4, 1.0], [0.50, 0.44, 0.40, 0.34, 0.29, 0.27])
+    ramp = ss.FrictionLaw("Max(mu_s - a*v, mu_m)").bind(mu_s="0.5", a="0.5", mu_m="0.2")
+    for law, V in ((points, "0.23"), (ramp, "0.45"), (ramp, "0.2")):
+        quadrature_lies_inside(law, criterion, V, "9.81")
+
+
+def test_a_wrong_number_lies_outside():
+    law = ss.laws.exponential.typical()
+    enclosure = ss.enclose(law, V="0.5", N="9.81", digits=40)
+    form = ss.derive(law, search=False)
+    exact = form.evaluate(digits=60, V="0.5", N="9.81")
+    assert exact in enclosure
+    with mpmath.workdps(60):
+        assert exact * (1 + mpmath.mpf("1e-25")) not in enclosure
+        assert -exact not in enclosure
+
+
+def test_an_enclosure_says_what_is_certain():
+    enclosure = ss.enclose(ss.laws.exponential.typical(), V="0.5", N="9.81", digits=15)
+    assert str(enclosure).startswith("2.5459496029051")
+    assert enclosure.digits >= 15
+    assert enclosure.mid in enclosure
+    assert enclosure.low in enclosure
+    assert enclosure.high + 1 not in enclosure
+    assert float(enclosure) == pytest.approx(2.5459496029051, rel=1e-13)
+    assert str(ss.enclose(ss.laws.coulomb.typical(), V=1, N=1)) == "0"
+
+
+def test_digits_are_those_that_both_ends_share():
+    rng = random.Random(5)
+    for _ in range(300):
+        middle = Fraction(rng.randint(1, 10**12), 10 ** rng.randint(0, 20)) * rng.choice([-1, 1])
+        radius = abs(middle) * Fraction(rng.randint(1, 999), 10 ** rng.randint(3, 30))
+        enclosure = ss.Enclosure(middle - radius, middle + radius)
+        shown = str(enclosure)
+        if shown.endswith("[...]"):
+            text = shown.removesuffix("[...]")
+            mantissa, _, exponent = text.partition("e")
+            places = len(mantissa.partition(".")[2])
+            unit = Fraction(10) ** (int(exponent or 0) - places)
+            assert abs(Fraction(text)) <= min(abs(enclosure.low), abs(enclosure.high))
+            assert max(abs(enclosure.low), abs(enclosure.high)) < abs(Fraction(text)) + unit
+        assert (radius * 10**enclosure.digits <= abs(middle)) or enclosure.digits == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [({"V": 0}, "V = 0 must be positive"), ({"N": -1}, "N = -1 must not be negative"),
+     ({"digits": 0}, "digits = 0"), ({"criterion": "harmonious"}, "did you mean 'harmonic'")],
+)  # fmt: skip
+def test_unusable_numbers_are_refused(arguments, complaint):
+    with pytest.raises(ss.InputError, match=complaint):
+        ss.enclose(ss.laws.exponential.typical(), **({"V": 1, "N": 1} | arguments))
+
+
+def test_an_infinite_coefficient_is_refused():
+    with pytest.raises(ss.NotConverged, match="not enclosed"):
+        ss.enclose(ss.FrictionLaw("mu_0 - b*log(v/v_0)").bind(mu_0="0.5", b="0.01", v_0="0.1"), V=1, N=1)

@@ -1,0 +1,148 @@
+"""Thresholds as theorems: boxes that hold the motion, decisions that agree with simulation, checked hypotheses."""
+
+import random
+
+import mpmath
+import pytest
+import sympy as sp
+from flint import arb
+
+import stickslip_sym as ss
+from stickslip_sym.core.balls import working_precision
+from stickslip_sym.motion.thresholds import taylor_boxes
+from stickslip_sym.motion.thresholds.box_transit import BoxScene, transit
+from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
+from stickslip_sym.motion.thresholds.proof import prove_threshold
+from stickslip_sym.motion.thresholds.taylor_boxes import Undecided, flow
+
+R = sp.Rational
+POINTS = [
+    (0, 0.5), (0.05, 0.46), (0.1, 0.43), (0.2, 0.38), (0.3, 0.34), (0.4, 0.315), (0.5, 0.295), (0.6, 0.28),
+    (0.75, 0.265), (0.9, 0.255), (1.2, 0.25), (2, 0.25),
+]  # fmt: skip
+FALLING = "mu_m + (mu_s - mu_m)*exp(-alpha*v)"
+LAWS = {
+    "exponential": ss.laws.exponential.typical(),
+    "polynomial": ss.laws.polynomial.typical(),
+    "lorentzian": ss.laws.lorentzian.typical(),
+    "steep": ss.laws.exponential.typical(alpha=100),
+    "root": ss.laws.stribeck.typical(delta="0.7"),
+    "static": ss.laws.exponential.typical().with_static("0.55"),
+    "kink": ss.FrictionLaw("Max(mu_s - a*v, mu_m)").bind(mu_s="0.5", a="0.5", mu_m="0.2"),
+    "points": ss.FrictionLaw.from_samples(*zip(*POINTS, strict=True)),
+}
+
+
+def scene(law, V="1/2", N="981/100", m="1", k="100"):
+    return BoxScene(law, R(V), R(N), R(m), R(k))
+
+
+def simulated(law, rtol=1e-10, **values):
+    numbers = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0} | values
+    return ss.pure_slip_damping(law, **numbers, method="simulation", rtol=rtol)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_decisions_agree_with_simulation(name):
+    c = R(float(simulated(LAWS[name]).value))
+    below, above = (transit(scene(LAWS[name]), c * (1 + side * R(1, 10**7)), 90) for side in (-1, 1))
+    assert (below.returns, above.returns) == (True, False)
+    assert above.lowest > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "digits"),
+    [("exponential", "2.5730788789793615906"), ("polynomial", "3.0364772435578037767")],
+)
+def test_the_paper_s_scene_to_forty_digits(name, digits):
+    found = simulated(LAWS[name])
+    theorem = prove_threshold(scene(LAWS[name]), float(found.value), float(found.error), 1e-40)
+    assert str(theorem.enclosure).startswith(digits)
+    assert theorem.enclosure.digits >= 40
+    assert theorem.undamped.returns
+    with mpmath.workdps(45):  # a threshold that is shifted in the twelfth digit lies outside
+        assert mpmath.mpf(digits) * (1 + mpmath.mpf("1e-12")) not in theorem.enclosure
+
+
+def test_the_lowest_slip_speed_is_that_of_a_taylor_integration_at_30_digits():
+    """By mpmath's solver, which shares no code with the boxes."""
+    law, c = LAWS["exponential"], R("2.6")
+    lowest = transit(scene(law), c, 110).lowest
+    with mpmath.workdps(25):
+        eta = mpmath.mpf("9.81") / (mpmath.mpf("0.5") * 10)
+        damping = mpmath.mpf("2.6") / 10
+
+        def field(t, state):
+            q, w = state
+            friction = mpmath.mpf("0.3") * (1 - mpmath.exp(mpmath.mpf("-1.5") * w))
+            return [1 - w, eta * friction + q - damping * w]
+
+        motion = mpmath.odefun(field, 0, [mpmath.mpf(0), mpmath.mpf(0)])
+        turn = mpmath.findroot(lambda t: field(t, motion(t))[1], (6.2, 6.4), solver="anderson", tol=1e-40)
+        truth = motion(turn)[1]
+        assert abs(mpmath.mpf(lowest.mid().str(30, radius=False)) - truth) < 1e-18
+
+
+def random_box(rng, law):
+    with working_precision(200):
+        (segment, *_) = scene(law).segments(R(rng.randint(1, 400), 100))
+        return segment.field, arb(rng.uniform(-1, 2)), arb(rng.uniform(0.05, 2.5))
+
+
+@pytest.mark.parametrize("name", ["exponential", "lorentzian", "root"])
+def test_a_step_holds_the_motion_whatever_its_number_of_terms(name):
+    rng = random.Random(name)
+    for _ in range(20):
+        field, q, w = random_box(rng, LAWS[name])
+        with working_precision(160):
+            rough, fine = flow(field, q, w, 6), flow(field, q, w, 60)
+            time = rough.time * rng.uniform(0.2, 1)
+            assert all(one.overlaps(other) for one, other in zip(rough.at(time), fine.at(time), strict=True))
+            assert max(part.rad() for part in fine.at(time)) < 1e-25
+
+
+def test_a_step_without_its_remainder_bound_is_noticed():
+    """The negative control: what three terms leave over is seen."""
+    rng = random.Random(2)
+    left_out = 0
+    for _ in range(20):
+        field, q, w = random_box(rng, LAWS["exponential"])
+        with working_precision(160):
+            rough, fine = flow(field, q, w, 3), flow(field, q, w, 60)
+            bare = taylor_boxes.Flow(rough.q, rough.w, rough.time, arb(0), arb(0))
+            left_out += not bare.at(rough.time)[1].overlaps(fine.at(rough.time)[1])
+    assert left_out == 20
+
+
+def test_without_enough_bits_nothing_is_claimed():
+    c = R(float(simulated(LAWS["polynomial"]).value))
+    with pytest.raises(Undecided, match=r"wide|certain|bits"):
+        transit(scene(LAWS["polynomial"]), c * (1 + R(1, 10**30)), 40)
+
+
+@pytest.mark.parametrize(
+    ("law", "complaint"),
+    [
+        (ss.FrictionLaw("Piecewise((a, v < d), (b, True))").bind(a="0.5", d="0.2", b="0.3"), "jumps at v = d"),
+        (ss.FrictionLaw("a + b*sqrt(v - d)").bind(a="0.5", d="0.2", b="0.3"), "not shown to be positive"),
+        (ss.laws.exponential.typical().with_static("0.45"), "the static coefficient was not shown"),
+    ],
+)
+def test_a_hypothesis_that_fails_is_named(law, complaint):
+    with pytest.raises(ss.InputError, match=complaint):
+        checked_hypotheses(scene(law))
+
+
+@pytest.mark.parametrize("name", ss.laws.catalogue)
+def test_every_law_of_the_catalogue_meets_the_hypotheses(name):
+    assert checked_hypotheses(scene(ss.laws.catalogue[name].typical()))[0][1].startswith("mu is analytic")
+
+
+def test_the_theorem_says_what_was_shown():
+    theorem = prove_threshold(scene(LAWS["kink"]), float(simulated(LAWS["kink"]).value), 1e-9, 1e-6)
+    text = str(theorem)
+    assert "for every c from 0 to 3.08014" in text
+    assert "2 segments" in text
+    assert f"{theorem.above.steps} Taylor steps with {theorem.above.bits} bits" in text
+    assert theorem.latex().count("\\item") == len(theorem.proof)
+    assert theorem.low < theorem.high
