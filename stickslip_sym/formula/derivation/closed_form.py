@@ -247,7 +247,7 @@ def _derived(law: FrictionLaw, criterion: Criterion, search: bool, told: Told) -
     told(f"comparing with quadrature at {GATE_POINTS} points")
     gate = verify(law, criterion, expr)
     _require(gate)
-    told.found = "a formula was found that agrees with quadrature, but its proof was not finished"
+    told.found = "a formula was found that agrees with its definition, but its proof was not finished"
     told("proving")
     if criterion.weight is not None:
         _state(derivation, law, criterion, parts, gate)
