@@ -43,7 +43,7 @@ class Criterion:
 
     name: str
     weight: Any | None
-    source: str
+    source: str = ""
 
     def __post_init__(self) -> None:
         """Refuse a weight that is no average, or that nothing here can integrate."""
@@ -52,6 +52,8 @@ class Criterion:
 
     def moment(self, k: int) -> Any:
         """Return the mean of s^k: an integral for a polynomial weight, a Beta function for the harmonic one."""
+        if self.weight is None:
+            return sp.Integer(k == 0)
         if self.is_polynomial:
             terms = sp.Poly(self.weight, symbols.s).terms()
             return sp.Add(*[2 * w / (n + k + 1) for (n,), w in terms if (n + k) % 2 == 0])
@@ -152,7 +154,7 @@ harmonic = Criterion(
 catalogue: dict[str, Criterion] = {
     criterion.name: criterion for criterion in (equilibrium, least_squares, harmonic)
 }
-"""Every criterion by name."""
+"""Every criterion by name. One that is put here is found by its name wherever a criterion is taken."""
 
 
 def find(criterion: str | Criterion) -> Criterion:
