@@ -93,7 +93,7 @@ def _named(forms: Written | Sequence[Written]) -> tuple[dict[str, StableFunction
     for number, (law, group) in enumerate(chapters(listed), 1):
         for form in group:
             label = re.sub(r"\W+", "_", law.name or "", flags=re.ASCII).strip("_") or f"law_{number}"
-            name = f"damping_{label}_{form.criterion.name}"
+            name = f"damping_{label}_{form.criterion.label}"
             if name in found:
                 raise InputError(f"two of the forms would both be called {name}; give the laws different names")
             found[name] = form.function
