@@ -25,6 +25,7 @@ from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import harmonic, least_squares
+from stickslip_sym.formula.code.writer import code
 from stickslip_sym.formula.derivation import closed_form
 from stickslip_sym.formula.evaluation import branches, fitting
 from stickslip_sym.formula.evaluation.conditioning import conditioned

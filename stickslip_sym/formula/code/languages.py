@@ -33,7 +33,8 @@ class Language(Protocol):
     """What a module, or an object, supplies so that criteria are written in a language.
 
     All is text. Names that begin with an underscore belong to one criterion, and `damping` is renamed where
-    several are written. Texts that compute something leave it in `result`, or are it, as the language's own `term` wants.
+    several are written. Texts that compute something leave it in `result`, or are
+    it, as its own `term` wants.
 
     Attributes
     ----------
