@@ -26,6 +26,7 @@ from .formula.derivation.steps import Step as Step
 from .formula.evaluation.averages import SlopeAverage as SlopeAverage
 from .formula.evaluation.averages import slope_average as slope_average
 from .formula.export.export import export_c as export_c
+from .formula.export.export import export_code as export_code
 from .formula.export.export import export_latex as export_latex
 from .formula.export.export import export_octave as export_octave
 from .formula.export.export import export_python as export_python

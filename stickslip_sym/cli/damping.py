@@ -10,6 +10,7 @@ from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, S
 from stickslip_sym.cli.reading import Values, assignments, check_size, read_numbers
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import StickSlipError
+from stickslip_sym.model.operating_point import PAPER
 
 __all__ = ["damping"]
 
@@ -23,8 +24,8 @@ def damping(
     unit: Units = None,
     source: Source = None,
     parameter: Values = None,
-    speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = "0.5",
-    force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = "9.81",
+    speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = PAPER["V"],
+    force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = PAPER["N"],
     mass: Annotated[str | None, typer.Option("-m", metavar="KG", help="Mass; goes with -k.")] = None,
     stiffness: Annotated[str | None, typer.Option("-k", metavar="N/M", help="Stiffness; goes with -m.")] = None,
     method: Annotated[
@@ -45,7 +46,7 @@ def damping(
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
     from stickslip_sym.core.numbers import exact
-    from stickslip_sym.motion.thresholds.threshold import LADDER
+    from stickslip_sym.motion.thresholds.rungs import rungs
     from stickslip_sym.output.tables import duration, table
 
     friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
@@ -58,8 +59,8 @@ def damping(
     scene = {name: float(value) for name, value in numbers.items()}
     limit = read_numbers({"time_limit": time_limit}).get("time_limit")
     if everything:
-        rungs = LADDER if "m" in scene else LADDER[:3]
-        found = {rung: _threshold(bound, scene, rung, min(rtol, 1e-10), limit) for rung in rungs}
+        usable = [name for name, rung in rungs().items() if "m" in scene or not rung.oscillator]
+        found = {name: _threshold(bound, scene, name, min(rtol, 1e-10), limit) for name in usable}
     else:
         found = {method: _threshold(bound, scene, method, rtol, limit)}
         if isinstance(error := found[method][0], StickSlipError):

@@ -13,6 +13,7 @@ from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, S
 from stickslip_sym.cli.reading import CriteriaName, Values, assignments, check_size, require_writable
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, NoClosedForm
+from stickslip_sym.model.operating_point import PAPER
 
 __all__ = ["derive", "progress"]
 
@@ -27,10 +28,10 @@ def derive(
     source: Source = None,
     criterion: CriteriaName = "least_squares",
     parameter: Values = None,
-    speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = "0.5",
-    force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = "9.81",
-    mass: Annotated[str, typer.Option("-m", metavar="KG", help="Mass.")] = "1",
-    stiffness: Annotated[str, typer.Option("-k", metavar="N/M", help="Stiffness.")] = "100",
+    speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = PAPER["V"],
+    force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = PAPER["N"],
+    mass: Annotated[str, typer.Option("-m", metavar="KG", help="Mass.")] = PAPER["m"],
+    stiffness: Annotated[str, typer.Option("-k", metavar="N/M", help="Stiffness.")] = PAPER["k"],
     steps: Annotated[bool, typer.Option("--steps", help="Print every step of the derivation.")] = False,
     latex: Annotated[
         Path | None, typer.Option("--latex", metavar="FILE", help="Write the formula as LaTeX.")

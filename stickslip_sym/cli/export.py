@@ -1,5 +1,6 @@
 """``stickslip export``: criteria as LaTeX, Python, C, Octave or JSON, several at once or none at all."""
 
+from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,6 +10,7 @@ from stickslip_sym.cli.derive import progress
 from stickslip_sym.cli.law import Name, Source, Static, Units, read_law
 from stickslip_sym.cli.reading import CriteriaName, assignments, require_writable
 from stickslip_sym.core.errors import InputError, NoClosedForm
+from stickslip_sym.formula.code.languages import DESCRIPTIONS
 
 __all__ = ["export"]
 
@@ -25,9 +27,6 @@ def export(
     source: Source = None,
     criterion: CriteriaName = "least_squares",
     latex: Annotated[Path | None, typer.Option("--latex", metavar="FILE", help="A LaTeX document.")] = None,
-    python: Annotated[Path | None, typer.Option("--python", metavar="FILE", help="A NumPy module.")] = None,
-    c: Annotated[Path | None, typer.Option("--c", metavar="FILE", help="C99; it needs libm only.")] = None,
-    octave: Annotated[Path | None, typer.Option("--octave", metavar="FILE", help="An Octave script.")] = None,
     json: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="Exact, for stickslip_sym.load_all.")
     ] = None,
@@ -40,17 +39,17 @@ def export(
     time_limit: Annotated[
         float, typer.Option("--time-limit", metavar="S", help="Seconds for each criterion.")
     ] = 120.0,
+    **code: Path | None,
 ) -> None:
     """Write criteria as LaTeX, Python, C, Octave or JSON. If anything fails, nothing is written.
 
     Example: stickslip export exponential polynomial --criterion all --latex criteria.tex --symbol V=v_b
     """
-    given = {"latex": latex, "python": python, "c": c, "octave": octave, "json": json}
+    given = {"latex": latex, **code, "json": json}
     targets = {kind: path for kind, path in given.items() if path is not None}
     if not targets:
-        raise InputError(
-            "nothing to write: give --latex FILE, --python FILE, --c FILE, --octave FILE or --json FILE"
-        )
+        *first, last = (f"--{kind} FILE" for kind in given)
+        raise InputError(f"nothing to write: give {', '.join(first)} or {last}")
     if "latex" not in targets and (fragment or steps or symbol):
         raise InputError("--fragment, --steps and --symbol belong to --latex FILE")
     require_writable(*targets.values())
@@ -64,17 +63,17 @@ def export(
     if notation:
         _check_notation(notation, laws)
     forms, missing, averages = [], [], []
-    code = targets.keys() <= {"python", "c", "octave"}
+    only_code = targets.keys() <= code.keys()
     for one in laws:
         for wanted in chosen:
             try:
                 forms.append(_derived(one, wanted, time_limit))
             except NoClosedForm as error:
-                if len(chosen) == 1 and not everything and not code:
+                if len(chosen) == 1 and not everything and not only_code:
                     raise
                 missing.append((one, wanted.name, str(error)))
                 averages.append(slope_average(one, wanted))
-    if not forms and not code:
+    if not forms and not only_code:
         raise NoClosedForm(f"none of the criteria has a closed form: {missing[0][2]}")
     texts = {
         path: _text(kind, forms, averages, missing, notation, fragment, steps) for kind, path in targets.items()
@@ -83,12 +82,12 @@ def export(
         raise InputError("two outputs have the same file; give each one of its own")
     files.write_texts(texts)
     for one, name, _ in missing:
-        what = "its fast function is written" if code else "only its fast function is written, to code"
+        what = "its fast function is written" if only_code else "only its fast function is written, to code"
         typer.echo(f"no closed form: {one.name or one.text}, {name}; {what}", err=True)
     # /dev/stdout holds what was asked for, and nothing else.
     streamed = any(path.exists() and not path.is_file() for path in texts)
     for kind, path in targets.items():
-        number = len(forms) + (len(averages) if kind in ("python", "c", "octave") else 0)
+        number = len(forms) + (len(averages) if kind in code else 0)
         count = "1 criterion" if number == 1 else f"{number} criteria"
         typer.echo(f"{kind}: {count} in {path}", err=streamed)
 
@@ -140,5 +139,23 @@ def _text(
         return write.export_latex(forms, symbols=notation, fragment=fragment, steps=steps, missing=missing)
     if kind == "json":
         return keeping.collection(forms)
-    writers = {"python": write.export_python, "c": write.export_c, "octave": write.export_octave}
-    return writers[kind]([*forms, *averages])
+    return write.export_code([*forms, *averages], kind)
+
+
+def _with_languages() -> Signature:
+    """Return the options of the command, with one for each language of the table."""
+    others = [entry for entry in signature(export).parameters.values() if entry.kind is not Parameter.VAR_KEYWORD]
+    place = [entry.name for entry in others].index("latex") + 1
+    languages = [
+        Parameter(
+            name,
+            Parameter.POSITIONAL_OR_KEYWORD,
+            default=None,
+            annotation=Annotated[Path | None, typer.Option(f"--{name}", metavar="FILE", help=description)],
+        )
+        for name, description in DESCRIPTIONS.items()
+    ]
+    return Signature([*others[:place], *languages, *others[place:]])
+
+
+export.__signature__ = _with_languages()  # type: ignore[attr-defined]  # typer makes the options of it

@@ -11,7 +11,6 @@ import typer
 from stickslip_sym.cli import json_output
 from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
 from stickslip_sym.cli.reading import (
-    SCENE,
     Force,
     Mass,
     Overwrite,
@@ -26,6 +25,7 @@ from stickslip_sym.cli.reading import (
 )
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.model.operating_point import PAPER
 
 __all__ = ["motion_map"]
 
@@ -84,7 +84,7 @@ def motion_map(
     bound = friction.typical(**values)
     options = {"V": speed, "N": force, "m": mass, "k": stiffness, "c": damping}
     given = {key: text for key, text in options.items() if text is not None}
-    given |= {key: text for key, text in SCENE.items() if key not in names and key not in given}
+    given |= {key: text for key, text in PAPER.items() if key not in names and key not in given}
     scene: dict[str, Any] = read_numbers(given)
     _warn_at_corners(bound, axes, scene)
     require_new(csv, "--csv", overwrite)

@@ -9,9 +9,10 @@ from typer.core import TyperCommand
 
 from stickslip_sym.cli.completion import complete_criterion, complete_criterion_or_all
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.model.operating_point import PAPER
 
 __all__ = [
-    "SCENE", "Command", "CriteriaName", "CriterionName", "Force", "Mass", "Overwrite", "Speed", "Stiffness",
+    "Command", "CriteriaName", "CriterionName", "Force", "Mass", "Overwrite", "Speed", "Stiffness",
     "Values", "assignments", "check_size", "read_numbers", "require_new",
     "require_writable",
 ]  # fmt: skip
@@ -39,12 +40,10 @@ Values = Annotated[
     typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="Value of a parameter; may be repeated."),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Let --csv replace a file.")]
-Speed = Annotated[str | None, typer.Option("-V", metavar="M/S", help="Belt speed (0.5).")]
-Force = Annotated[str | None, typer.Option("-N", metavar="N", help="Normal force (9.81).")]
-Mass = Annotated[str | None, typer.Option("-m", metavar="KG", help="Mass (1).")]
-Stiffness = Annotated[str | None, typer.Option("-k", metavar="N/M", help="Stiffness (100).")]
-SCENE = {"V": "0.5", "N": "9.81", "m": "1", "k": "100"}
-"""What the paper's section 3 takes, and a command where nothing is given."""
+Speed = Annotated[str | None, typer.Option("-V", metavar="M/S", help=f"Belt speed ({PAPER['V']}).")]
+Force = Annotated[str | None, typer.Option("-N", metavar="N", help=f"Normal force ({PAPER['N']}).")]
+Mass = Annotated[str | None, typer.Option("-m", metavar="KG", help=f"Mass ({PAPER['m']}).")]
+Stiffness = Annotated[str | None, typer.Option("-k", metavar="N/M", help=f"Stiffness ({PAPER['k']}).")]
 
 LARGEST = 10**20  # of a number in SI units, and its inverse the smallest: the table needs time and doubles
 

@@ -10,7 +10,6 @@ import typer
 from stickslip_sym.cli import json_output
 from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
 from stickslip_sym.cli.reading import (
-    SCENE,
     Force,
     Mass,
     Overwrite,
@@ -23,6 +22,7 @@ from stickslip_sym.cli.reading import (
     require_writable,
 )
 from stickslip_sym.cli.words import in_options
+from stickslip_sym.model.operating_point import PAPER
 
 if TYPE_CHECKING:
     from stickslip_sym.model.law import FrictionLaw
@@ -78,7 +78,7 @@ def simulate(
     friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
     bound = friction.typical(**assignments(parameter or []))
     options = {"V": speed, "N": force, "m": mass, "k": stiffness, "c": damping}
-    given = SCENE | {name: text for name, text in options.items() if text is not None}
+    given = PAPER | {name: text for name, text in options.items() if text is not None}
     osc = Oscillator(**read_numbers(given))
     warn_where_negative(bound, osc.V)
     values: dict[str, Any] = read_numbers(

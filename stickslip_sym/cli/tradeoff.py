@@ -15,6 +15,7 @@ from stickslip_sym.cli.reading import (
     read_numbers,
     require_writable,
 )
+from stickslip_sym.model.operating_point import PAPER
 
 __all__ = ["tradeoff"]
 
@@ -30,12 +31,12 @@ def tradeoff(
     source: Source = None,
     parameter: Values = None,
     speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = "0.05",
-    force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = "9.81",
+    force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = PAPER["N"],
     thresholds: Annotated[
         bool, typer.Option("--thresholds", help="The ways to the threshold instead: the ladder, and Newmark.")
     ] = False,
-    mass: Annotated[str, typer.Option("-m", metavar="KG", help="Mass, for --thresholds.")] = "1",
-    stiffness: Annotated[str, typer.Option("-k", metavar="N/M", help="Stiffness, for --thresholds.")] = "100",
+    mass: Annotated[str, typer.Option("-m", metavar="KG", help="Mass, for --thresholds.")] = PAPER["m"],
+    stiffness: Annotated[str, typer.Option("-k", metavar="N/M", help="Stiffness, for --thresholds.")] = PAPER["k"],
     plot: Annotated[
         Path | None, typer.Option("--plot", metavar="FILE", help="Draw error against time (SVG, PNG or PDF).")
     ] = None,

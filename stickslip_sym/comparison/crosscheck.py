@@ -18,12 +18,9 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.tables import duration, table
 
-__all__ = ["SCENE", "Check", "crosscheck", "report"]
+__all__ = ["Check", "crosscheck", "report"]
 
 _WIDTH = 100  # characters of a line of text
-
-SCENE = {"V": "0.5", "N": "9.81", "m": "1", "k": "100"}
-"""The scene of the paper's section 3, in SI units."""
 
 
 @dataclass(frozen=True)

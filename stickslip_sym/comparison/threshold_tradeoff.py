@@ -14,7 +14,8 @@ from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.thresholds.threshold import LADDER, Threshold, pure_slip_damping
+from stickslip_sym.motion.thresholds.rungs import Rung, rungs
+from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.output.tables import duration, table
 
 __all__ = ["SPEEDS", "threshold_report", "threshold_tradeoff"]
@@ -22,7 +23,6 @@ __all__ = ["SPEEDS", "threshold_report", "threshold_tradeoff"]
 SPEEDS = np.linspace(0.05, 1.0, 20)
 """Belt speeds in m/s over which the largest error is taken, those without a threshold left out."""
 
-_EXACT = 1e-12  # tolerance of the orbit that errors are taken against
 _NEWMARK = "Newmark scan"
 _SCAN_STEP = 0.001  # kg/s, the paper's
 
@@ -59,14 +59,15 @@ def threshold_tradeoff(
 
 
 def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way]:
-    exact = _rung(law, scene, "orbit").value
+    orbit = rungs()["orbit"]
+    exact = _rung(law, scene, orbit).value
     if not exact > 0:
         raise NoThreshold(f"the threshold is {exact:.3g} kg/s in this scene: nothing has a relative error")
     others = {name: value for name, value in scene.items() if name != "V"}
     references = {}
     for speed in SPEEDS.tolist():
         try:
-            reference = _rung(law, others | {"V": speed}, "orbit").value
+            reference = _rung(law, others | {"V": speed}, orbit).value
         except (NoThreshold, NotConverged):
             continue
         except OutOfTime:
@@ -74,16 +75,16 @@ def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way]:
         if reference > 0:
             references[speed] = reference
     ways = []
-    for method in LADDER:
+    for method, rung in rungs().items():
         try:
-            found, seconds = _timed(partial(_rung, law, scene, method))
+            found, seconds = _timed(partial(_rung, law, scene, rung))
         except OutOfTime:
             ways.append(Way(method, math.nan, math.nan))
             continue
         try:
             largest = max(
                 (
-                    _error(_rung(law, others | {"V": speed}, method), reference)
+                    _error(_rung(law, others | {"V": speed}, rung), reference)
                     for speed, reference in references.items()
                 ),
                 default=math.nan,
@@ -101,20 +102,15 @@ def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way]:
     return ways
 
 
-def _rung(law: FrictionLaw, scene: Mapping[str, float], method: str) -> Threshold:
+def _rung(law: FrictionLaw, scene: Mapping[str, float], rung: Rung) -> Threshold:
     """Return the threshold by a rung; averages of slopes are not made to look for their error."""
-    numbers = dict(scene) if method in ("second_order", "orbit", "simulation") else _without_oscillator(scene)
-    rtol = {"second_order": 1.0, "simulation": 1e-10}.get(method, _EXACT)
-    return pure_slip_damping(law, **numbers, method=method, rtol=rtol)
+    numbers = dict(scene) if rung.oscillator else {"V": scene["V"], "N": scene["N"]}
+    return pure_slip_damping(law, **numbers, method=rung, rtol=rung.best)
 
 
 def _error(found: Threshold, reference: float) -> float:
     """Return the error against the orbit; the orbit's own is its estimate."""
     return float(found.error) if found.method == "orbit" else abs(found.value / reference - 1)
-
-
-def _without_oscillator(scene: Mapping[str, float]) -> dict[str, float]:
-    return {"V": scene["V"], "N": scene["N"]}
 
 
 def _timed(compute: Callable[[], Threshold]) -> tuple[Threshold, float]:

@@ -1,7 +1,8 @@
 """Numbers as users give them, read exactly.
 
 A float is the binary number that it is; text such as "0.3" is the decimal that it says.
-Fifty digits of a result mean something only if the input is known to fifty digits too.
+Fifty digits of a result mean something only if the input is known to fifty digits too. What is computed in
+double precision is read by `real` and `read_array`.
 """
 
 import math
@@ -12,11 +13,15 @@ from fractions import Fraction
 from typing import Any, SupportsFloat, TypeVar
 
 import mpmath
+import numpy as np
 import sympy as sp
 
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["Number", "bits", "exact", "exact_values", "lookup", "suggestion", "to_mpf", "within"]
+__all__ = [
+    "Number", "bits", "exact", "exact_values", "lookup", "read_array", "read_rtol", "real", "suggestion", "to_mpf",
+    "within",
+]  # fmt: skip
 
 T = TypeVar("T")
 Number = int | float | str | Fraction | Decimal | SupportsFloat
@@ -61,6 +66,55 @@ def exact(value: Number, name: str) -> Any:
         if math.isfinite(as_float):
             return sp.Rational(Fraction(as_float))
     raise InputError(f"{name} = {value!r} is not a finite real number; give a number such as 0.5 or '0.5'")
+
+
+def real(name: str, value: Any) -> float:
+    """Return a number as a float, or refuse what is none and what is not finite."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} = {str(value)[:60]!r} is not a number; give a float such as 0.5") from None
+    if not math.isfinite(number):
+        raise InputError(f"{name} = {number} is not finite; give a float such as 0.5")
+    return number
+
+
+def read_array(name: str, value: Any, *, finite: bool = True) -> Any:
+    """Return a number or numbers as an array of real numbers, as it is where it is one.
+
+    Parameters
+    ----------
+    name : str
+        What they are, for the message.
+    value : array_like
+    finite : bool
+        Whether to refuse NaN and infinity.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind in "mM" or (array.dtype.kind == "O" and any(item is None for item in array.flat)):
+            raise TypeError
+        if array.dtype.kind not in "fiub":
+            array = array.astype(np.float64, casting="safe" if array.dtype.kind == "c" else "unsafe")
+    except (TypeError, ValueError, OverflowError):
+        shown = "an integer beyond float64" if isinstance(value, int) else repr(value)[:60]
+        raise InputError(f"{name} = {shown} is not a number or an array of numbers; try 0.5") from None
+    if finite and not np.isfinite(array).all():
+        bad = array[~np.isfinite(array)].flat[0]
+        raise InputError(f"{name} holds a value that is not finite: {bad}; give a float such as 0.5")
+    return array
+
+
+def read_rtol(rtol: Any, *, least: float = 1e-13, most: float = 1e-3) -> float:
+    """Return a tolerance as a float, or refuse one that double precision cannot hold, or that means nothing."""
+    number = real("rtol", rtol)
+    if not least <= number <= most:
+        raise InputError(f"rtol = {number:g} is outside {least:g} to {most:g}")
+    return number
 
 
 def _from_text(text: str, name: str) -> Any:

@@ -5,6 +5,7 @@ With s = (v - V)/V in [-1, 1] every criterion reads
     c = N <-mu'(V(1 + s))>_w = -N * integral_{-1}^{1} w(s) mu'(V(1 + s)) ds,    integral of w = 1.
 """
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,23 +44,28 @@ class Criterion:
 
     name: str
     weight: Any | None
-    source: str
+    source: str = ""
 
     def __post_init__(self) -> None:
         """Refuse a weight that is no average, or that nothing here can integrate."""
+        if not isinstance(self.name, str) or not self.name.isprintable() or not self.name.strip():
+            raise InputError(f"a criterion has a name, got {self.name!r}; give one such as 'early'")
         if self.weight is not None:
             object.__setattr__(self, "weight", _checked_weight(self.name, self.weight))
 
     def moment(self, k: int) -> Any:
         """Return the mean of s^k: an integral for a polynomial weight, a Beta function for the harmonic one."""
+        if self.weight is None:
+            return sp.Integer(k == 0)
         if self.is_polynomial:
             terms = sp.Poly(self.weight, symbols.s).terms()
             return sp.Add(*[2 * w / (n + k + 1) for (n,), w in terms if (n + k) % 2 == 0])
         return sp.Integer(0) if k % 2 else sp.catalan(k // 2) / sp.Integer(4) ** (k // 2)
 
-    def even_moment(self, j: int) -> Any:
-        """Return the mean of s^2j."""
-        return self.moment(2 * j)
+    @property
+    def label(self) -> str:
+        """The name as one word of letters, digits and underscores, for code and for references."""
+        return re.sub(r"\W+", "_", self.name, flags=re.ASCII).strip("_") or "criterion"
 
     @property
     def ends(self) -> tuple[Any, Any]:
@@ -112,6 +118,7 @@ class Criterion:
         return sp.diff(self.weight, symbols.s)
 
 
+_HIGHEST = 40  # degree of a weight; double precision holds no polynomial in s of a much higher one
 _HARMONIC = 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
 
 
@@ -129,6 +136,8 @@ def _checked_weight(name: str, weight: Any) -> Any:
         return weight
     weight = sp.nsimplify(weight, rational=True) if weight.has(sp.Float) else weight
     polynomial = weight.is_polynomial(symbols.s)
+    if polynomial and (degree := sp.degree(weight, symbols.s)) > _HIGHEST:
+        raise InputError(f"{what} is of degree {degree}; take one of degree {_HIGHEST} at most")
     if not polynomial or not all(c.is_Rational for c in sp.Poly(weight, symbols.s).all_coeffs()):
         raise InputError(f"{what} is {weight}; it must be a polynomial in s with rational coefficients")
     total = sp.integrate(sp.expand(weight), (symbols.s, -1, 1))
@@ -152,7 +161,7 @@ harmonic = Criterion(
 catalogue: dict[str, Criterion] = {
     criterion.name: criterion for criterion in (equilibrium, least_squares, harmonic)
 }
-"""Every criterion by name."""
+"""Every criterion by name. One that is put here is found by its name wherever a criterion is taken."""
 
 
 def find(criterion: str | Criterion) -> Criterion:

@@ -3,38 +3,19 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import Any
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import real
 from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 
-__all__ = ["Oscillator", "Scene", "read_rtol", "real"]
+__all__ = ["Oscillator", "Scene"]
 
 _NO_BELT = (
     "on a belt that stands still nothing drives the mass, so take a small speed such as 1e-6 instead",
     "x counts along the belt, so where it runs backward mirror the scene: V, x0 and v0 with their signs changed",
 )
 _SMALL = 1e-6  # slip speed, relative, over which a slope of mu is taken
-
-
-def real(name: str, value: Any) -> float:
-    """Return a number as a float, or refuse what is none and what is not finite."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} = {str(value)[:60]!r} is not a number; give a float such as 0.5") from None
-    if not math.isfinite(number):
-        raise InputError(f"{name} = {number} is not finite; give a float such as 0.5")
-    return number
-
-
-def read_rtol(rtol: Any, *, least: float = 1e-13, most: float = 1e-3) -> float:
-    """Return a tolerance as a float, or refuse one that double precision cannot hold, or that means nothing."""
-    number = real("rtol", rtol)
-    if not least <= number <= most:
-        raise InputError(f"rtol = {number:g} is outside {least:g} to {most:g}")
-    return number
 
 
 @dataclass(frozen=True, kw_only=True)

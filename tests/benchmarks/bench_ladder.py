@@ -5,7 +5,9 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym.motion.orbits.expansion import expand
-from stickslip_sym.motion.thresholds.threshold import LADDER
+from stickslip_sym.motion.thresholds.rungs import rungs
+
+LADDER = list(rungs())
 
 LAW = ss.laws.exponential.typical()
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}

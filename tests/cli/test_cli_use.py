@@ -15,7 +15,7 @@ from systems import WINDOWS, needs_posix_shell
 import stickslip_sym as ss
 from stickslip_sym.cli import completion, json_output, program, reading, tradeoff
 from stickslip_sym.comparison.tradeoff import Way
-from stickslip_sym.motion.thresholds import threshold
+from stickslip_sym.motion.thresholds import rungs
 
 COMMANDS = {
     "laws": ["--json"],
@@ -146,7 +146,7 @@ def test_damping_as_json(monkeypatch, capsys):
     assert (one["c"], one["method"]) == ({"value": expected.value, "unit": "kg/s"}, expected.method)
     _, out, _ = run(monkeypatch, capsys, "damping", "coulomb", "-m1", "-k100", "--all", "--json")
     found = read_json(out)["thresholds"]
-    assert [one["method"] for one in found] == list(threshold.LADDER)
+    assert [one["method"] for one in found] == list(rungs.rungs())
     assert [("reason" in one["c"], one["c"]["value"] is None) for one in found].count((True, True)) >= 1
     assert all(("reason" in one["c"]) == (one["c"]["value"] is None) for one in found)
 
@@ -242,7 +242,7 @@ def test_completed_names_are_those_there_are():
     assert completion.complete_law("") == list(ss.laws.catalogue)
     assert completion.complete_criterion("") == list(ss.criteria.catalogue)
     assert completion.complete_criterion_or_all("a") == ["all"]
-    assert completion.complete_method("") == list(threshold.METHODS)
+    assert completion.complete_method("") == [*rungs.rungs(), "auto"]
 
 
 def completed(kind, line):

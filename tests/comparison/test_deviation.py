@@ -8,7 +8,7 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym.comparison import crosscheck, deviation
-from stickslip_sym.formula.code.code_text import python_code
+from stickslip_sym.formula.code.writer import code
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 
@@ -48,7 +48,7 @@ def test_scattered_points_do_not_get_fifty_digits(monkeypatch):
 def test_without_a_closed_form_there_is_code():
     average = ss.slope_average(ss.laws.catalogue["andersson"].typical())
     namespace = {}
-    exec(python_code({"damping": average.function}, "andersson"), namespace)
+    exec(code({"damping": average.function}, "andersson", "python"), namespace)
     values = [float(value) for value in average.law.values.values()]
     assert namespace["damping"](0.5, 9.81, *values) == pytest.approx(average(V=0.5, N=9.81), rel=1e-12)
 

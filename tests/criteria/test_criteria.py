@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym.formula.code.code_text import python_code
+from stickslip_sym.formula.code.writer import code
 
 s = ss.symbols.s
 R = sp.Rational
@@ -37,7 +37,7 @@ def test_all_ways_to_a_user_s_criterion_agree(weight, law):
         form = ss.derive(law, criterion)
         ways += [form, lambda **scene: float(form.evaluate(20, **scene))]
     namespace = {}
-    exec(python_code({"damping": ways[0].function}, "mine"), namespace)
+    exec(code({"damping": ways[0].function}, "mine", "python"), namespace)
     ways.append(lambda V, N: namespace["damping"](V, N, *values_of(law).values()))
     for V in (0.45, 3.0):
         expected = float(ss.quadrature.damping(law, criterion, V=V, N=2, digits=20))

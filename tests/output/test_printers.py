@@ -21,8 +21,8 @@ from random_formulas import NOTATION, SEVERAL, Draws
 from text_reader import read_text
 
 import stickslip_sym as ss
-from stickslip_sym.formula.code import c_text, dialects, octave_text, python_text
-from stickslip_sym.formula.code.dialects import c99, octave, python
+from stickslip_sym.formula.code import c as c99
+from stickslip_sym.formula.code import octave, python
 from stickslip_sym.output import abbreviation, latex_printer, layout, markup, printing, text_printer
 from stickslip_sym.output.notation import notation_of
 
@@ -177,7 +177,7 @@ def written(dialect, batch):
 
 
 def by_python(batch, folder):
-    parts, given = [python_text.head("formulas", products=False)], list(written(python, batch))
+    parts, given = [python.head("formulas", products=False)], list(written(python.dialect, batch))
     for number, (_, text, names, _, _) in enumerate(given):
         parts.append(f"\n\ndef f_{number}({', '.join(names)}):\n    return {text}\n")
     (folder / "formulas.py").write_text("".join(parts))
@@ -191,8 +191,8 @@ def by_python(batch, folder):
 
 
 def by_c(batch, folder):
-    parts, calls = [c_text.head("formulas", products=False), "#include <stdio.h>\n"], []
-    for number, (_, text, names, values, _) in enumerate(written(c99, batch)):
+    parts, calls = [c99.head("formulas", products=False), "#include <stdio.h>\n"], []
+    for number, (_, text, names, values, _) in enumerate(written(c99.dialect, batch)):
         listed = ", ".join(f"double {name}" for name in names)
         parts.append(f"static double f_{number}({listed})\n{{\n    return {text};\n}}\n")
         calls.append(f'    printf("%.17g\\n", f_{number}({", ".join(map(repr, values))}));\n')
@@ -204,9 +204,9 @@ def by_c(batch, folder):
 
 
 def by_octave(batch, folder):
-    parts = [octave_text.head("formulas", products=False)]
+    parts = [octave.head("formulas", products=False)]
     calls = []
-    for number, (_, text, names, values, _) in enumerate(written(octave, batch)):
+    for number, (_, text, names, values, _) in enumerate(written(octave.dialect, batch)):
         parts.append(f"function value = f_{number}({', '.join(names)})\n    value = {text};\nend\n")
         calls.append(f'printf("%.17g\\n", f_{number}({", ".join(map(repr, values))}));\n')
     (folder / "formulas.m").write_text("".join([*parts, *calls]))
@@ -219,12 +219,12 @@ def numbers(text):
 
 
 LANGUAGES = {
-    "Python": pytest.param(by_python, python),
+    "Python": pytest.param(by_python, python.dialect),
     "C": pytest.param(
-        by_c, c99, marks=pytest.mark.skipif(not shutil.which("cc"), reason="there is no C compiler")
+        by_c, c99.dialect, marks=pytest.mark.skipif(not shutil.which("cc"), reason="there is no C compiler")
     ),
     "Octave": pytest.param(
-        by_octave, octave,
+        by_octave, octave.dialect,
         marks=pytest.mark.skipif(not shutil.which("octave-cli"), reason="there is no octave; Debian has it"),
     ),
 }  # fmt: skip
@@ -239,12 +239,12 @@ def test_code_computes_what_it_is_written_of(run, dialect, batch, tmp_path):
 
 
 def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
-    monkeypatch.setattr(dialects._Python, "parenthesize", lambda self, item, *_, **__: self._print(item))
-    found = zip(written(python, 0), by_python(0, tmp_path), strict=True)
+    monkeypatch.setattr(python._Python, "parenthesize", lambda self, item, *_, **__: self._print(item))
+    found = zip(written(python.dialect, 0), by_python(0, tmp_path), strict=True)
     assert sum(not agrees(got, expected) for (*_, expected), got in found) >= 20
 
 
-@pytest.mark.parametrize("dialect", [python, c99, octave])
+@pytest.mark.parametrize("dialect", [python.dialect, c99.dialect, octave.dialect])
 @pytest.mark.parametrize(
     "function", [sp.besseli(1, V), sp.polylog(2, -V), sp.erfi(V), sp.gamma(V), sp.elliptic_e(V)]
 )

@@ -1,4 +1,5 @@
 """Fast functions as source text of other languages.
 
-One more language is one file like `c_text`, with its dialect in `dialects`.
+One more language is one file here that supplies what `languages.Language` says, and its line in the table there;
+one outside the package is `languages.register(name, language, description)`.
 """

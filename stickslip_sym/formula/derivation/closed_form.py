@@ -15,7 +15,7 @@ from stickslip_sym.core.interruption import within
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.core.symbols import N, V, c, mu, v
 from stickslip_sym.criteria.criterion import Criterion, find
-from stickslip_sym.formula.code.code_text import c_code, octave_code, python_code
+from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.derivation.gate import GATE_POINTS, verify
 from stickslip_sym.formula.derivation.proving import Status, Verdict
 from stickslip_sym.formula.derivation.steps import Derivation
@@ -145,26 +145,24 @@ class ClosedForm:
         names = notation_of(["c", *self.arguments], given)
         return f"{names['c']} = {printing.latex(self.expr, names)}"
 
-    def python(self) -> str:
-        """Return a self-contained NumPy module with a function ``damping(V, N, ...)``.
+    def code(self, language: str) -> str:
+        """Return text of a language, such as "python", that defines a function ``damping`` of V, N, ...
 
         It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
         """
-        return python_code({"damping": self.function}, repr(self))
+        return writer.code({"damping": self.function}, repr(self), language)
+
+    def python(self) -> str:
+        """Return a self-contained NumPy module with a function ``damping(V, N, ...)``, as `code` does."""
+        return self.code("python")
 
     def c(self) -> str:
-        """Return C99 with a function ``double damping(double V, double N, ...)`` that needs libm only.
-
-        It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
-        """
-        return c_code({"damping": self.function}, repr(self))
+        """Return C99 with a function ``double damping(double V, double N, ...)`` that needs libm only."""
+        return self.code("c")
 
     def octave(self) -> str:
-        """Return an Octave script that defines a function ``damping(V, N, ...)`` of numbers, or of arrays.
-
-        It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
-        """
-        return octave_code({"damping": self.function}, repr(self))
+        """Return an Octave script that defines a function ``damping(V, N, ...)`` of numbers, or of arrays."""
+        return self.code("octave")
 
     def __getstate__(self) -> dict[str, Any]:
         # What is compiled cannot be pickled, and is made again when it is needed.

@@ -12,6 +12,7 @@ from typing import Any
 
 from stickslip_sym import criteria
 from stickslip_sym.core.errors import InputError, NoClosedForm
+from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.derivation.gate import verify
 from stickslip_sym.formula.derivation.proving import Status, Verdict
@@ -66,7 +67,7 @@ def _form_out(form: ClosedForm) -> dict[str, Any]:
         "format": _FORMAT,
         "version": _VERSION,
         "text": f"{form.criterion.name}: c = {printing.text(form.expr)}",
-        "criterion": form.criterion.name,
+        "criterion": _criterion_out(form.criterion),
         "formula": to_tree(form.expr),
         "gate": _verdict_out(form.gate),
         "law": law_out(form.law),
@@ -78,6 +79,21 @@ def _form_out(form: ClosedForm) -> dict[str, Any]:
     }
     content["digest"] = _digest(content)
     return content
+
+
+def _criterion_out(criterion: Criterion) -> Any:
+    """Return the name of a criterion of the catalogue, and all there is to know of another one."""
+    if criteria.catalogue.get(criterion.name) == criterion:
+        return criterion.name
+    weight = None if criterion.weight is None else to_tree(criterion.weight)
+    return {"name": criterion.name, "weight": weight, "source": criterion.source}
+
+
+def _criterion_in(content: Any) -> Criterion:
+    if isinstance(content, str):
+        return criteria.find(content)
+    weight = None if content["weight"] is None else from_tree(content["weight"], {})
+    return Criterion(content["name"], weight, str(content["source"]))
 
 
 def _digest(content: dict[str, Any]) -> str:
@@ -177,7 +193,7 @@ def _form_in(content: dict[str, Any]) -> ClosedForm:
     law = law_in(content["law"])
     names = {name: parameter.symbol for name, parameter in law.parameters.items()}
     expr = from_tree(content["formula"], names)
-    criterion = criteria.find(content["criterion"])
+    criterion = _criterion_in(content["criterion"])
     steps = [_step_in(step, names) for step in content["derivation"]["steps"]]
     derivation = Derivation(str(content["derivation"]["name"]), str(content["derivation"]["title"]), steps)
     form = ClosedForm(law, criterion, expr, derivation, _verdict_in(content["gate"]))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import suggestion
+from stickslip_sym.core.numbers import read_array, suggestion
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.stable import StableFunction
 from stickslip_sym.model.law import FrictionLaw
@@ -105,16 +105,7 @@ def _array(name: str, value: Any) -> Any:
     if isinstance(value, np.ma.MaskedArray):
         # What is masked takes no part: 1 is a valid value of everything.
         value = value.filled(1) if value.dtype.kind in "iub" else value.filled(1.0)
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind in "mM" or (array.dtype.kind == "O" and any(item is None for item in array.flat)):
-            raise TypeError
-        if array.dtype.kind not in "fiub":
-            array = array.astype(np.float64, casting="safe" if array.dtype.kind == "c" else "unsafe")
-    except (TypeError, ValueError, OverflowError):
-        shown = "an integer beyond float64" if isinstance(value, int) else repr(value)[:60]
-        raise InputError(f"{name} = {shown} is not a number or an array of numbers") from None
-    return array
+    return read_array(name, value, finite=False)
 
 
 def _in_blocks(

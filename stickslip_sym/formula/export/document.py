@@ -177,9 +177,10 @@ def _criterion(
 ) -> Iterator[str]:
     criterion = form.criterion
     name = prose(criterion.name.replace("_", "-"))
-    lines = [f"The {name} criterion ({prose(criterion.source, {'V': names['V']})}) is"]
+    source = f" ({prose(criterion.source, {'V': names['V']})})" if criterion.source else ""
+    lines = [f"The {name} criterion{source} is"]
     lines.append(f"% exact: c = {printing.text(form.expr)}")
-    label = f"eq:{mark}-{criterion.name}"
+    label = f"eq:{mark}-{criterion.label}"
     lines.append(equation(names["c"], form.expr, names, label=label))
     lines += [f"Here {meaning}." for kind, meaning in _SPECIAL.items() if form.expr.has(kind)]
     lines += [*_ends(form, names, time_limit), *_zeros(form, names)]

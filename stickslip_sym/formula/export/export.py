@@ -5,13 +5,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.formula.code.code_text import c_code, octave_code, python_code
+from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
 from stickslip_sym.formula.evaluation.stable import StableFunction
 from stickslip_sym.formula.export.document import chapters, document
 
-__all__ = ["export_c", "export_latex", "export_octave", "export_python"]
+__all__ = ["export_c", "export_code", "export_latex", "export_octave", "export_python"]
 
 
 def export_latex(
@@ -64,19 +64,36 @@ Written = ClosedForm | SlopeAverage
 """What can be written as code: a closed form, or the fast function of a criterion that has none."""
 
 
+def export_code(forms: Written | Sequence[Written], language: str) -> str:
+    """Return text of a language: one form as ``damping``, several as ``damping_<law>_<criterion>``.
+
+    Parameters
+    ----------
+    forms : ClosedForm, SlopeAverage, or a sequence of them
+    language : str
+        "python", "c", "octave", or the name of one that was registered.
+
+    Raises
+    ------
+    InputError
+        If there is no such language, nothing to write, or two functions would have one name.
+    """
+    return writer.code(*_named(forms), language)
+
+
 def export_python(forms: Written | Sequence[Written]) -> str:
-    """Return a NumPy module: one form as ``damping``, several as ``damping_<law>_<criterion>``."""
-    return python_code(*_named(forms))
+    """Return a NumPy module, as `export_code` does."""
+    return export_code(forms, "python")
 
 
 def export_c(forms: Written | Sequence[Written]) -> str:
-    """Return C99 that needs libm only; functions are named as by `export_python`."""
-    return c_code(*_named(forms))
+    """Return C99 that needs libm only, as `export_code` does."""
+    return export_code(forms, "c")
 
 
 def export_octave(forms: Written | Sequence[Written]) -> str:
-    """Return an Octave script that defines functions; they are named as by `export_python`."""
-    return octave_code(*_named(forms))
+    """Return an Octave script that defines functions, as `export_code` does."""
+    return export_code(forms, "octave")
 
 
 _NOTHING = "there is nothing to export; give at least one closed form"
@@ -93,7 +110,7 @@ def _named(forms: Written | Sequence[Written]) -> tuple[dict[str, StableFunction
     for number, (law, group) in enumerate(chapters(listed), 1):
         for form in group:
             label = re.sub(r"\W+", "_", law.name or "", flags=re.ASCII).strip("_") or f"law_{number}"
-            name = f"damping_{label}_{form.criterion.name}"
+            name = f"damping_{label}_{form.criterion.label}"
             if name in found:
                 raise InputError(f"two of the forms would both be called {name}; give the laws different names")
             found[name] = form.function

@@ -16,7 +16,6 @@ from scipy.optimize import brentq
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import StickSlipError
-from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.derivation.tidy import tidy
 from stickslip_sym.formula.integration import search
@@ -161,7 +160,7 @@ def zeros(form: ClosedForm) -> Zeros:
             if found.is_positive:
                 return Zeros(found, None)
     law = form.law.typical()
-    if law.missing or catalogue.get(form.criterion.name) != form.criterion:
+    if law.missing:
         return Zeros(None, None)
     return Zeros(None, _crossings(law, form))
 

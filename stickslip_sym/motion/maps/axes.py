@@ -8,9 +8,9 @@ import numpy as np
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import suggestion
+from stickslip_sym.core.numbers import read_array, real, suggestion
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, real
+from stickslip_sym.model.oscillator import Oscillator
 
 __all__ = ["SCENE", "Axis", "fixed_values", "read_axes", "read_values", "require_few"]
 
@@ -57,14 +57,9 @@ def read_values(name: str, values: Any) -> Any:
     InputError
         If they are not finite numbers in ascending order.
     """
-    try:
-        array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"the values of {name} are not numbers: {str(values)[:60]}") from None
+    array = np.array(read_array(name, values), dtype=np.float64)
     if array.ndim != 1 or not array.size:
         raise InputError(f"the values of {name} are one row of numbers, got an array of shape {array.shape}")
-    if not np.isfinite(array).all():
-        raise InputError(f"{name} holds {array[~np.isfinite(array)][0]}; every value must be a finite number")
     if not (np.diff(array) > 0).all():
         raise InputError(f"the values of {name} do not ascend; sort them, and give each once")
     return array

@@ -9,9 +9,10 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
+from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, read_rtol
+from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, read_values, require_few
 from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.motion.maps.columns import MOTIONS

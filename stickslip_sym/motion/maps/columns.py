@@ -22,6 +22,7 @@ import numpy as np
 
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
+from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.orbits.cycles import needed_damping
@@ -30,7 +31,8 @@ from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify
 from stickslip_sym.motion.simulation.transit import stick_slip_cycle
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
-from stickslip_sym.motion.thresholds.rungs import Scenes, average, numerical_averages
+from stickslip_sym.motion.thresholds.rungs import average, numerical_averages
+from stickslip_sym.motion.thresholds.scenes import Scenes
 
 __all__ = ["MOTIONS", "REASONS", "Attractor", "Cells", "Reason", "decide"]
 
@@ -179,8 +181,8 @@ class _Column:
         scenes = Scenes.of(self.law, V=self.osc.V, N=self.osc.N)
         try:
             if self.smooth:
-                return float(numerical_averages(scenes)["least_squares"][0])
-            return float(average(scenes, "least_squares")[0])
+                return float(numerical_averages(scenes)[least_squares.name][0])
+            return float(average(scenes, least_squares)[0])
         except OutOfTime:
             raise
         except StickSlipError:

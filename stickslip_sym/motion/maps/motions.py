@@ -10,9 +10,10 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged, StickSlipError
+from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, read_rtol
+from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, fixed_values, read_axes
 from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.motion.maps.columns import MOTIONS, REASONS, Attractor, Cells, Reason, decide

@@ -9,14 +9,18 @@ Poincare; `derivations/d8_second_order.py` proves the formulas. For A = 1 it gra
 slope of mu enters, never mu itself: nothing cancels at small belt speeds.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
+import sympy as sp
 from scipy.fft import dct, dst, idct, idst
 
+from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.criteria.criterion import Criterion, harmonic
+from stickslip_sym.criteria.gauss import weight_of
 from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["LARGEST_GRID", "Expansion", "averages", "expand", "slopes"]
@@ -169,8 +173,8 @@ def _from_cosines(coefficients: Any) -> Any:
     return idct(scaled, 2, axis=1)
 
 
-def averages(law: FrictionLaw, V: Any, A: Any = 1.0) -> tuple[Any, Any]:
-    """Return the averages of -mu' at belt speeds V by the weights least_squares and harmonic, in s/m.
+def averages(law: FrictionLaw, V: Any, A: Any = 1.0, *, criteria: Sequence[Criterion] = (harmonic,)) -> list[Any]:
+    """Return the averages of -mu' at belt speeds V by the weights of criteria, in s/m.
 
     Over the slip speeds V (1 - A) to V (1 + A) of a harmonic motion of velocity amplitude A V.
 
@@ -178,13 +182,21 @@ def averages(law: FrictionLaw, V: Any, A: Any = 1.0) -> tuple[Any, Any]:
     features lie at any part of the belt's speed down to 1e-24 of it is resolved.
     """
     V, A = (column[:, None] for column in np.broadcast_arrays(np.asarray(V, np.float64), A))
-    theta, weight = _graded()
+    theta, _ = _graded()
     slope = -slopes(law)(V * ((1 - A) + 2 * A * np.sin(theta / 2) ** 2))
-    sine, cosine = np.sin(theta), np.cos(theta)
-    return (
-        slope @ (weight * 0.625 * (1 - cosine**4) * sine),
-        slope @ (weight * (2 / np.pi) * sine**2),
-    )
+    return [slope @ _shares(criterion) for criterion in criteria]
+
+
+@lru_cache(maxsize=32)
+def _shares(criterion: Criterion) -> Any:
+    """Return what each node contributes to an average."""
+    theta, weight = _graded()
+    sine = np.sin(theta)
+    if criterion == harmonic:
+        return weight * (2 / np.pi) * sine**2
+    m, p, q = sp.symbols("m p q", positive=True)
+    value = function_of([m, p, q], weight_of(criterion, m, p, q), "numpy")
+    return weight * value(sine**2, 2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2) * sine
 
 
 @cache

@@ -173,7 +173,7 @@ def obstacle(law: FrictionLaw, V: Any, lowest: float = -1.0, *, jump: bool = Tru
 def _harmonics(law: FrictionLaw, problem: _Problem, size: int) -> tuple[Any, Any]:
     """Return the harmonic damping over impedance, from the slopes on a grid and from slopes at every scale."""
     on_grid = expand(law, problem.V, problem.A, grid=size // 2).harmonic
-    return problem.e * on_grid, problem.e * averages(law, problem.V, problem.A)[1]
+    return problem.e * on_grid, problem.e * averages(law, problem.V, problem.A)[0]
 
 
 def orbits(

@@ -17,8 +17,9 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import OutOfTime
+from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol
+from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, next_peak, overtaking_cycle, slip_orbits
 from stickslip_sym.motion.simulation.slip import follow

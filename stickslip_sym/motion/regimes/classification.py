@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.numbers import read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol, real
+from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.attractors import graze, grows_far_out
 from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits

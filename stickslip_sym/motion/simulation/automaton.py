@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol, real
+from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.simulation.engines import follower
 from stickslip_sym.motion.simulation.slip_phase import SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point

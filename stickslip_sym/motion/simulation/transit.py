@@ -14,8 +14,9 @@ from dataclasses import dataclass, fields
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol
+from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.simulation.engines import follower
 from stickslip_sym.motion.simulation.slip_phase import SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point

@@ -11,8 +11,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
+from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol
+from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.simulation.transit import lowest_slip_speed
 
 __all__ = ["grazing_damping"]

@@ -1,96 +1,184 @@
-"""The rungs of the ladder towards the exact threshold: each a function of scenes, by arrays."""
+"""The rungs of the ladder towards the exact threshold, in the order in which they are climbed.
 
+Every criterion is a rung, an average of the slope of mu. One more way is one `Rung`, added by `add`.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from enum import Enum
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import lookup
+from stickslip_sym.criteria import criterion as criteria
+from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.averages import SlopeAverage, slope_average
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.expansion import averages, expand
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
+from stickslip_sym.motion.thresholds.scenes import Scenes
 
-__all__ = [
-    "AVERAGES", "Scenes", "average", "numerical_averages", "on_orbit", "second_order", "simulated",
-]  # fmt: skip
+__all__ = ["Basis", "Found", "Rung", "add", "average", "find", "numerical_averages", "rungs", "second_order"]
 
-AVERAGES = ("equilibrium", "least_squares", "harmonic")
+ROUNDING = 1e-14
+_LOOSEST = 1e-7  # of a simulation: what it costs hardly depends on it, and stiff motions get lost in rounding
+_TIGHTER = (0.1, 1e-3, 1e-5)  # tolerances of simulation over rtol, until the error is at most that
+
+
+class Basis(Enum):
+    """What the error of a rung rests on."""
+
+    DIFFERENCE = "its difference from the best value known"
+    ESTIMATE = "an estimate of its own"
+    BOUND = "a proof"
 
 
 @dataclass(frozen=True)
-class Scenes:
-    """Scenes of one law, flat arrays of one length; m and k are None where they were not given."""
+class Found:
+    """What a rung says of scenes.
 
-    law: FrictionLaw
-    V: Any
-    N: Any
-    m: Any
-    k: Any
-    shape: tuple[int, ...]
+    Attributes
+    ----------
+    value : numpy.ndarray
+        In kg/s.
+    error : numpy.ndarray
+        Relative, infinite where there is no value. Where it rests on a difference, the part that the rung knows
+        of by itself, its resolution.
+    reason : str
+        Why an error is larger than was asked for.
+    doubt : numpy.ndarray, optional
+        An estimate of the whole error of a rung whose error rests on a difference, so that lower rungs can be
+        compared with it.
+    """
 
-    @classmethod
-    def of(cls, law: FrictionLaw, **values: ArrayLike | None) -> "Scenes":
-        """Broadcast V, N, m and k.
+    value: Any
+    error: Any
+    reason: str = ""
+    doubt: Any = None
+
+
+def _one_attempt(rtol: float) -> tuple[float, ...]:
+    return (rtol / 10,)
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One way to a threshold.
+
+    Attributes
+    ----------
+    name : str
+    compute : callable
+        From scenes, and the relative error that is good enough, to what is `Found`.
+    rests_on : Basis
+        What its error rests on.
+    criterion : Criterion or None
+        That of an average.
+    oscillator : bool
+        Whether it needs m and k.
+    smooth : bool
+        Whether it needs a smooth law.
+    singly : bool
+        Whether scenes are computed one by one, each at some cost: "auto" asks it last.
+    best, loosest : float
+        The relative error it reaches, to compare others with it, and the largest that it can be asked for.
+    reachable : float
+        An error that is never refused.
+    attempts : callable
+        From the relative error that is wanted to those it is asked for, one after another, in "auto".
+    """
+
+    name: str
+    compute: Callable[[Scenes, float], Found]
+    rests_on: Basis
+    criterion: Criterion | None = None
+    oscillator: bool = True
+    smooth: bool = False
+    singly: bool = False
+    best: float = 1e-12
+    loosest: float = 1.0
+    reachable: float = 0.0
+    attempts: Callable[[float], tuple[float, ...]] = _one_attempt
+
+    @property
+    def knows_its_error(self) -> bool:
+        """Whether its error needs no other rung."""
+        return self.rests_on is not Basis.DIFFERENCE
+
+    def require_oscillator(self, m: Any) -> None:
+        """Refuse to do without m and k where they are needed.
 
         Raises
         ------
         InputError
-            For numbers that are not finite or have the wrong sign, shapes that do not broadcast, or only one
-            of m and k.
         """
-        given = {name: _column(name, value) for name, value in values.items() if value is not None}
-        if ("m" in given) != ("k" in given):
-            raise InputError("give both the mass m and the stiffness k, or neither")
-        try:
-            columns = dict(zip(given, np.broadcast_arrays(*given.values()), strict=True))
-        except ValueError:
-            shapes = ", ".join(f"{name} {array.shape}" for name, array in given.items())
-            raise InputError(f"the shapes do not broadcast: {shapes}") from None
-        flat = {name: column.ravel() for name, column in columns.items()}
-        return cls(law, flat["V"], flat["N"], flat.get("m"), flat.get("k"), columns["V"].shape)
+        if self.oscillator and m is None:
+            raise InputError(f'method="{self.name}" needs the mass m and the stiffness k')
 
-    def __len__(self) -> int:
-        return len(self.V)
+    def require_smooth(self, law: FrictionLaw, V: Any) -> None:
+        """Refuse a law that is not smooth where it has to be.
 
-    def rows(self, chosen: Any) -> "Scenes":
-        """Return some of the scenes."""
-        m, k = (None if column is None else column[chosen] for column in (self.m, self.k))
-        return Scenes(self.law, self.V[chosen], self.N[chosen], m, k, self.V[chosen].shape)
-
-    @property
-    def impedance(self) -> Any:
-        """The unit of damping, sqrt(k m) in kg/s."""
-        return np.sqrt(self.k) * np.sqrt(self.m)
-
-    def label(self, row: int) -> str:
-        """Say which scene it is."""
-        columns = (("V", self.V), ("N", self.N), ("m", self.m), ("k", self.k))
-        return ", ".join(f"{name} = {column[row]:g}" for name, column in columns if column is not None)
+        Raises
+        ------
+        InputError
+        """
+        reason = obstacle(law, V) if self.smooth else None
+        if reason is not None:
+            raise InputError(f'method="{self.name}" needs a law that is smooth: {reason}; try method="simulation"')
 
 
-def _column(name: str, value: ArrayLike) -> Any:
-    if np.ma.is_masked(value):
-        raise InputError(f"{name} has masked entries; drop them, or fill them with a number")
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} = {str(value)[:60]!r} is no number or array of numbers; try 0.5") from None
-    if not np.isfinite(array).all():
-        raise InputError(f"{name} holds a value that is not finite; give a float such as 0.5")
-    lowest = array.min(initial=np.inf)
-    if lowest < 0 or (lowest == 0 and name != "N"):
-        required = "not be negative" if name == "N" else "be positive"
-        raise InputError(f"{name} = {lowest:g} must {required}: it is the {symbols.QUANTITIES[name].meaning}")
-    return array
+_table: dict[str, Rung] = {}
+
+
+def add(rung: Rung) -> None:
+    """Put a rung on top of the ladder.
+
+    Raises
+    ------
+    InputError
+        If there is one of that name.
+    """
+    if rung.name in rungs() or rung.name == "auto":
+        raise InputError(f"there is a rung {rung.name!r} already; give the new one another name")
+    _table[rung.name] = rung
+
+
+def rungs() -> dict[str, Rung]:
+    """Return the ladder: the averages by the criteria of the catalogue, and what comes closer."""
+    return {name: _average_rung(criterion) for name, criterion in criteria.catalogue.items()} | _table
+
+
+def find(method: "str | Criterion | Rung") -> Rung | None:
+    """Return the rung of a method; None for "auto".
+
+    Raises
+    ------
+    InputError
+        If there is none of that name.
+    """
+    if isinstance(method, Rung):
+        return method
+    if isinstance(method, Criterion):
+        return _average_rung(method)
+    known: dict[str, Rung | None] = {**rungs(), "auto": None}
+    return lookup("method", method, known)
 
 
 # -- averages of the slope -------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=32)
+def _average_rung(criterion: Criterion) -> Rung:
+    def compute(scenes: Scenes, rtol: float) -> Found:
+        del rtol
+        return Found(average(scenes, criterion), np.zeros(len(scenes)))
+
+    return Rung(criterion.name, compute, Basis.DIFFERENCE, criterion, oscillator=False)
 
 
 @dataclass(frozen=True)
@@ -102,11 +190,11 @@ class _Shape:
 
 
 @lru_cache(maxsize=128)
-def _slope_average(shape: _Shape, criterion: str) -> SlopeAverage:
+def _slope_average(shape: _Shape, criterion: Criterion) -> SlopeAverage:
     return slope_average(shape.law, criterion)
 
 
-def average(scenes: Scenes, criterion: str) -> Any:
+def average(scenes: Scenes, criterion: Criterion) -> Any:
     """Return a criterion's damping; no closed form is derived for it."""
     values: dict[str, Any] = {name: float(value) for name, value in scenes.law.values.items()}
     compiled = _slope_average(_Shape(scenes.law.expr, scenes.law), criterion)
@@ -114,14 +202,16 @@ def average(scenes: Scenes, criterion: str) -> Any:
 
 
 def numerical_averages(scenes: Scenes) -> dict[str, Any]:
-    """Return the criteria's dampings for a smooth law without any derivation."""
+    """Return the dampings of the catalogue's criteria for a smooth law without any derivation."""
     law, N = scenes.law, scenes.N
-    fit, harmonic = averages(law, scenes.V)
-    found = {"equilibrium": N * -law.slope(scenes.V), "least_squares": N * fit, "harmonic": N * harmonic}
-    if not np.isfinite(harmonic + fit).all():
-        row = int(np.flatnonzero(~np.isfinite(harmonic + fit))[0])
+    chosen = list(criteria.catalogue.values())
+    found = averages(law, scenes.V, criteria=[one for one in chosen if one.weight is not None])
+    finite = np.isfinite(sum(found))
+    if not finite.all():
+        row = int(np.flatnonzero(~finite)[0])
         raise InputError(f"mu has no finite slope somewhere between 0 and 2 V, for {scenes.label(row)}: {law!r}")
-    return found
+    weighted = iter(found)
+    return {one.name: N * (-law.slope(scenes.V) if one.weight is None else next(weighted)) for one in chosen}
 
 
 # -- the rungs that need m and k -------------------------------------------------------------------
@@ -141,7 +231,7 @@ def second_order(scenes: Scenes) -> tuple[Any, Any, Any]:
         # `tail` is relative to the largest slope.
         resolution = np.where(weak.tail == 0, 0.0, weak.tail * weak.largest / np.abs(weak.harmonic))
         # A layer of the law between v = 0 and the first phase would pass unseen.
-        everything = averages(scenes.law, scenes.V)[1]
+        (everything,) = averages(scenes.law, scenes.V)
         unseen = np.abs(weak.harmonic - everything)
         resolution += np.where(unseen == 0, 0.0, unseen / np.abs(weak.harmonic))
         distortion = e * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
@@ -150,20 +240,47 @@ def second_order(scenes: Scenes) -> tuple[Any, Any, Any]:
     return value, resolution, np.where(np.isnan(next_order), np.inf, next_order)
 
 
-def on_orbit(scenes: Scenes, rtol: float) -> tuple[Any, Any, str]:
-    """Return the damping of the grazing orbit, its relative error, and the reason where that is infinite."""
+def _second_order(scenes: Scenes, rtol: float) -> Found:
+    value, resolution, next_order = second_order(scenes)
+    reason = f"1024 phases do not resolve the slope of mu to {rtol:g}"
+    return Found(value, resolution, reason, next_order + resolution + ROUNDING)
+
+
+def _on_orbit(scenes: Scenes, rtol: float) -> Found:
+    """Return the damping of the grazing orbit."""
     found = orbits(scenes.law, scenes.V, scenes.N / scenes.impedance, rtol=rtol)
     value, error = found.d * scenes.impedance, found.relative_error
     reason = obstacle(scenes.law, scenes.V, float(found.lowest.min(initial=0.0)))
     if reason is not None:
-        return np.full_like(value, np.nan), np.full_like(error, np.inf), reason
+        return Found(np.full_like(value, np.nan), np.full_like(error, np.inf), reason)
     reason = "friction is too strong, or its law not smooth enough at v = 0, for the bound on work"
-    return value, error, reason
+    return Found(value, error, reason)
 
 
-def simulated(scenes: Scenes, rtol: float) -> tuple[Any, Any]:
-    """Return the damping at which the simulated orbit grazes, and its estimated relative error."""
+def _simulated(scenes: Scenes, rtol: float) -> Found:
+    """Return the damping at which the simulated orbit grazes."""
     found = np.empty((2, len(scenes)))
     for row, (V, N, m, k) in enumerate(zip(scenes.V, scenes.N, scenes.m, scenes.k, strict=True)):
         found[:, row] = grazing_damping(scenes.law, Oscillator(m=m, k=k, V=V, N=N), rtol=rtol)
-    return found[0], found[1]
+    return Found(found[0], found[1])
+
+
+def _tighter(rtol: float) -> tuple[float, ...]:
+    return tuple(min(max(rtol * part, 1e-13), _LOOSEST) for part in _TIGHTER)
+
+
+add(Rung("second_order", _second_order, Basis.DIFFERENCE, smooth=True, best=1.0))
+# The orbit's error is rounding where thresholds are near 0.
+add(Rung("orbit", _on_orbit, Basis.ESTIMATE, smooth=True, reachable=1e-9))
+add(
+    Rung(
+        "simulation",
+        _simulated,
+        Basis.ESTIMATE,
+        singly=True,
+        best=1e-10,
+        loosest=1e-3,
+        reachable=np.inf,
+        attempts=_tighter,
+    )
+)

@@ -14,15 +14,14 @@ import sympy as sp
 from scipy.optimize import brentq, minimize_scalar
 
 from stickslip_sym.core import deadline, symbols
-from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime
-from stickslip_sym.core.numbers import exact, lookup
-from stickslip_sym.criteria.criterion import catalogue
+from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
+from stickslip_sym.core.numbers import exact, read_rtol, real
+from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import read_rtol, real
 from stickslip_sym.motion.orbits.expansion import averages, slopes
 from stickslip_sym.motion.orbits.orbit import obstacle
-from stickslip_sym.motion.thresholds.rungs import AVERAGES, Scenes, average, on_orbit, second_order, simulated
-from stickslip_sym.motion.thresholds.threshold import METHODS
+from stickslip_sym.motion.thresholds.rungs import Rung, average, find, rungs, second_order
+from stickslip_sym.motion.thresholds.scenes import Scenes
 from stickslip_sym.output import markup
 
 __all__ = ["TransitionSpeed", "transition_speed"]
@@ -33,12 +32,13 @@ _NEAR = 0.5  # relative distance of c from the threshold by slopes, within which
 _FINER = 4  # times as dense there
 _RESOLVED = 1e-2  # relative error of an expansion from its grid, above which it is no number
 _LOOSE, _TIGHT = 1e-6, 1e-12  # relative errors of orbits on a grid of belt speeds, and at a root
-_SIMULATED = 1e-9  # and of simulations
+_SINGLE = 1e-9  # and of rungs that take scenes one by one
 _BESIDE = 1e-4  # relative distance at which the slope of the threshold is taken
-_SIMULATED_NEAR = 1e-3  # relative distance from the orbit's root within which simulation's is sought
+_SINGLE_NEAR = 1e-3  # relative distance from the orbit's root within which simulation's is sought
 _SHARE = 0.4  # of the last measured speed, up to which belt speeds are tried: motions slip at a little over 2 V
 _COARSE_GRID = 10.0 ** np.linspace(-4, 4, 25)  # belt speeds in m/s at which a law that is not smooth is sampled
 _ROOT = float(4 * np.finfo(np.float64).eps)
+_WEAK = rungs()[harmonic.name]  # the limit of weak friction
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def transition_speed(
     N: float,
     m: float | None = None,
     k: float | None = None,
-    method: str = "auto",
+    method: str | Criterion | Rung = "auto",
     rtol: float = 1e-3,
     time_limit: float | None = None,
 ) -> tuple[TransitionSpeed, ...]:
@@ -90,7 +90,7 @@ def transition_speed(
         Damping coefficient in kg/s and normal force in N.
     m, k : float, optional
         Mass in kg and stiffness in N/m. Without them errors are not known.
-    method : str
+    method : str, Criterion or Rung
         As for `pure_slip_damping`; "auto" gives the cheapest rung whose speeds are all within `rtol` of those of
         the orbit, or of the simulation where that has no value. Without m and k it gives "harmonic".
     rtol : float
@@ -112,18 +112,18 @@ def transition_speed(
     OutOfTime
         When the time limit is reached; it tells the speeds of the last rung that was finished.
     """
-    lookup("method", method, dict.fromkeys(METHODS))
+    rung = find(method)
     c, rtol = real("c", c), read_rtol(rtol, least=1e-12, most=1.0)
     scene = Scenes.of(law, V=1.0, N=real("N", N), m=m, k=k)
-    if scene.m is None and method in ("second_order", "orbit", "simulation"):
-        raise InputError(f'method="{method}" needs the mass m and the stiffness k')
+    if rung is not None:
+        rung.require_oscillator(scene.m)
     search = _Search(law, c, scene)
     with deadline.time_limit(time_limit):
         try:
             if scene.m is not None:
-                return search.climb(rtol) if method == "auto" else search.named(method)
-            method = "harmonic" if method == "auto" else method
-            return _speeds(search.roots(method), method, None)
+                return search.climb(rtol) if rung is None else search.named(rung)
+            rung = rung or _WEAK
+            return _speeds(search.roots(rung), rung, None)
         except OutOfTime as stop:
             raise OutOfTime(f"{stop}; {search.so_far}") from None
 
@@ -143,76 +143,69 @@ class _Search:
         )  # fmt: skip
         return Scenes(self.law, V, N, m, k, V.shape)
 
-    def excess(self, method: str, V: Any, orbit_rtol: float = _TIGHT) -> Any:
+    def excess(self, rung: Rung, V: Any, orbit_rtol: float = _TIGHT) -> Any:
         """Return threshold minus c at belt speeds; NaN where there is none."""
         deadline.check_time()
-        if method in AVERAGES:
-            return self._by_slopes(method, V) - self.c
-        if method == "second_order":
-            value, resolution, _ = second_order(self.scenes(V))
-            return np.where(resolution < _RESOLVED, value, np.nan) - self.c
-        if method == "orbit":
-            # Where the expansion is not resolved by any grid, the orbit is not either.
-            value = np.full(V.size, np.nan)
-            fine = np.flatnonzero(second_order(self.scenes(V))[1] < _RESOLVED)
-            value[fine] = on_orbit(self.scenes(V[fine]), orbit_rtol)[0]
-            return value - self.c
-        return np.array([self._simulated(self.scenes(V[[row]])) for row in range(V.size)])
+        if rung.criterion is not None:
+            return self._by_slopes(rung.criterion, V) - self.c
+        if rung.singly:
+            return np.array([self._single(rung, self.scenes(V[[row]])) for row in range(V.size)])
+        # Where the expansion is not resolved by any grid, the orbit is not either.
+        weak, resolution, _ = second_order(self.scenes(V))
+        value, fine = np.full(V.size, np.nan), np.flatnonzero(resolution < _RESOLVED)
+        if rung.knows_its_error:
+            value[fine] = rung.compute(self.scenes(V[fine]), orbit_rtol).value
+        else:
+            value[fine] = weak[fine]
+        return value - self.c
 
-    def _by_slopes(self, method: str, V: Any) -> Any:
+    def _by_slopes(self, criterion: Criterion, V: Any) -> Any:
         if self.law.kinks():
-            return average(self.scenes(V), method)
-        least_squares, harmonic = averages(self.law, V)
-        by_name = {"least_squares": least_squares, "harmonic": harmonic}
-        return self.scene.N[0] * (by_name[method] if method in by_name else -slopes(self.law)(V))
+            return average(self.scenes(V), criterion)
+        if criterion.weight is None:
+            return self.scene.N[0] * -slopes(self.law)(V)
+        (found,) = averages(self.law, V, criteria=[criterion])
+        return self.scene.N[0] * found
 
-    def _simulated(self, scenes: Scenes) -> float:
+    def _single(self, rung: Rung, scenes: Scenes) -> float:
         try:
-            return float(simulated(scenes, _SIMULATED)[0][0]) - self.c
+            return float(rung.compute(scenes, _SINGLE).value[0]) - self.c
         except NoThreshold:
             return -1.0 - abs(self.c)  # it lies below 0, nobody knows how far
         except NotConverged:
             return math.nan
 
-    def roots(self, method: str) -> Any:
+    def roots(self, rung: Rung) -> Any:
         """Return the roots of a rung, ascending."""
-        found = self._roots(method)
+        found = self._roots(rung)
         speeds = ", ".join(f"{V:.6g}" for V in found) or "none"
-        self.so_far = f"by {method} the speeds are, to an unknown error, {speeds} m/s"
+        self.so_far = f"by {rung.name} the speeds are, to an unknown error, {speeds} m/s"
         return found
 
-    def _roots(self, method: str) -> Any:
-        if method in AVERAGES and self.law.expr.is_polynomial(symbols.v):
-            return self._of_polynomial(method)
+    def _roots(self, rung: Rung) -> Any:
+        if rung.criterion is not None and self.law.expr.is_polynomial(symbols.v):
+            return self._of_polynomial(rung.criterion)
         V = 10.0 ** np.linspace(*_DECADES, (_DECADES[1] - _DECADES[0]) * _PER_DECADE + 1)
         smooth = obstacle(self.law, np.inf) is None
         if not smooth:  # each value takes a quadrature or a simulation
             V = _COARSE_GRID
         if self.law.v_max is not None:
             V = np.geomspace(1e-4, _SHARE, V.size) * float(self.law.v_max)
-        if method == "simulation" and smooth:
-            nearby = [V * (1 + sign * _SIMULATED_NEAR) for V in self.roots("orbit") for sign in (-1, 1)]
-            V = np.array(nearby)
-        elif method not in (*AVERAGES, "simulation"):
+        if rung.smooth:
             V = self._near(V)
-        return np.array(sorted(self._crossings(method, V)))
+        elif rung.singly and smooth:
+            orbit = rungs()["orbit"]
+            V = np.array([V * (1 + sign * _SINGLE_NEAR) for V in self.roots(orbit) for sign in (-1, 1)])
+        return np.array(sorted(self._crossings(rung, V)))
 
-    def _of_polynomial(self, method: str) -> Any:
+    def _of_polynomial(self, criterion: Criterion) -> Any:
         """Return the roots of c(V), for which the slope is averaged term by term of its expansion about V."""
         V, v = symbols.V, symbols.v
-        slope = sp.Poly(self.law.substitute(self.law.expr), v).diff()
-        criterion = catalogue[method]
+        slope, N = sp.Poly(self.law.substitute(self.law.expr), v).diff(), exact(self.scene.N[0], "N")
         total = exact(self.c, "c")
-        for j in range(slope.degree() // 2 + 1 if not slope.is_zero else 0):
-            moment = criterion.even_moment(j) if criterion.weight is not None else sp.Integer(j == 0)
-            derivative = slope.diff((v, 2 * j)) if j else slope
-            total += (
-                exact(self.scene.N[0], "N")
-                * moment
-                * derivative.as_expr().subs(v, V)
-                * V ** (2 * j)
-                / sp.factorial(2 * j)
-            )
+        for j in range(slope.degree() + 1 if not slope.is_zero else 0):
+            derivative = slope.diff((v, j)) if j else slope
+            total += N * criterion.moment(j) * derivative.as_expr().subs(v, V) * V**j / sp.factorial(j)
         polynomial = sp.Poly(total, V)
         if polynomial.is_ground:
             return np.empty(0)
@@ -222,7 +215,7 @@ class _Search:
     def _near(self, V: Any) -> Any:
         """Return a finer grid, near where the harmonic threshold comes close to c."""
         with np.errstate(all="ignore"):
-            off = self.excess("harmonic", V)
+            off = self.excess(_WEAK, V)
             near = np.abs(off) <= _NEAR * (np.abs(off + self.c) + abs(self.c))
             near[:-1] |= np.sign(off[:-1]) != np.sign(off[1:])
         near = np.convolve(near & np.isfinite(off), np.ones(5), "same") > 0
@@ -230,23 +223,23 @@ class _Search:
         fine = np.linspace(exponents[0], exponents[-1], _FINER * (V.size - 1) + 1)
         return 10.0 ** fine[np.interp(fine, exponents, near) > 0]
 
-    def _crossings(self, method: str, V: Any) -> list[float]:
+    def _crossings(self, rung: Rung, V: Any) -> list[float]:
         """Return the places where a rung's excess changes sign, also between two points of a grid."""
 
         def single(logarithm: float) -> float:
-            value = float(self.excess(method, np.exp([logarithm]))[0])
+            value = float(self.excess(rung, np.exp([logarithm]))[0])
             if np.isnan(value):
                 raise NotConverged(
-                    f"there is no {method} threshold at V = {np.exp(logarithm):g}; try another method"
+                    f"there is no {rung.name} threshold at V = {np.exp(logarithm):g}; try another method"
                 )
             return value
 
         asked = V.size
         with np.errstate(all="ignore"):
-            off = self.excess(method, V, _LOOSE)
+            off = self.excess(rung, V, _LOOSE)
         V, off = V[np.isfinite(off)], off[np.isfinite(off)]
         if asked and not V.size:
-            raise NotConverged(f"there is no {method} threshold at any belt speed; try another method")
+            raise NotConverged(f"there is no {rung.name} threshold at any belt speed; try another method")
         if not V.size:
             return []
         x = np.log(V)
@@ -271,50 +264,52 @@ class _Search:
         crossed = (off == 0) & (padded[:-2] != 0) & (padded[2:] != 0)
         return [*found, *V[crossed].tolist()]
 
-    def named(self, method: str) -> tuple[TransitionSpeed, ...]:
-        """Return the roots of a rung; the error of the two exact ones is known."""
-        reason = obstacle(self.law, np.inf)
-        if reason is not None and method in ("second_order", "orbit"):
-            raise InputError(f'method="{method}" needs a law that is smooth: {reason}; try method="simulation"')
-        found = self.roots(method)
-        return _speeds(found, method, self._doubt(method, found) if method in ("orbit", "simulation") else None)
+    def named(self, rung: Rung) -> tuple[TransitionSpeed, ...]:
+        """Return the roots of a rung; the error of those that know their own is known."""
+        rung.require_smooth(self.law, np.inf)
+        found = self.roots(rung)
+        return _speeds(found, rung, self._doubt(rung, found) if rung.knows_its_error else None)
 
     def climb(self, rtol: float) -> tuple[TransitionSpeed, ...]:
         """Return the roots of the cheapest rung that are all known to be close enough to the exact ones."""
         smooth = obstacle(self.law, np.inf) is None
+        ladder = [rung for rung in rungs().values() if smooth or not rung.smooth]
+        lower = [rung for rung in ladder if not rung.knows_its_error]
         if smooth:
-            expected = self.roots("second_order")
-            for method in (*AVERAGES, "second_order"):
-                V = self.roots(method)
+            expected = self.roots(lower[-1])
+            for rung in lower:
+                V = self.roots(rung)
                 if V.size == expected.size and ((error := self._distance(V, rtol)) <= rtol).all():
-                    return _speeds(V, method, error)
-        for method in ("orbit", "simulation") if smooth else ("simulation",):
-            V = self.roots(method)
-            if ((error := self._doubt(method, V)) <= rtol).all():
-                return _speeds(V, method, error)
+                    return _speeds(V, rung, error)
+        for rung in ladder:
+            if rung.knows_its_error:
+                V = self.roots(rung)
+                if ((error := self._doubt(rung, V)) <= rtol).all():
+                    return _speeds(V, rung, error)
         raise NotConverged(f"the belt speeds are known to {error.max():.1e} relative only, not to rtol = {rtol:g}")
 
     def _distance(self, V: Any, rtol: float) -> Any:
         """Return how far speeds are from the exact ones, by a step of Newton's method on the orbit."""
         if not V.size:
             return V
-        below, above = (self.excess("second_order", V * (1 + shift)) for shift in (-_BESIDE, _BESIDE))
-        value, error, _ = on_orbit(self.scenes(V), rtol / 10)
+        weak, orbit = rungs()["second_order"], rungs()["orbit"]
+        below, above = (self.excess(weak, V * (1 + shift)) for shift in (-_BESIDE, _BESIDE))
+        found = orbit.compute(self.scenes(V), rtol / 10)
         with np.errstate(all="ignore"):
-            off = np.abs(value - self.c) + error * np.abs(value)
+            off = np.abs(found.value - self.c) + found.error * np.abs(found.value)
             distance = off * 2 * _BESIDE / np.abs(above - below)
         return np.where(np.isnan(distance), np.inf, distance)
 
-    def _doubt(self, method: str, V: Any) -> Any:
+    def _doubt(self, rung: Rung, V: Any) -> Any:
         """Return the relative error of roots, from the error of the threshold and its slope beside them."""
-        below, above = (self.excess(method, V * (1 + shift)) for shift in (-_BESIDE, _BESIDE))
-        error = np.full(V.size, _SIMULATED)
-        if method == "orbit":
-            error = on_orbit(self.scenes(V * (1 + _BESIDE)), _TIGHT)[1]
+        below, above = (self.excess(rung, V * (1 + shift)) for shift in (-_BESIDE, _BESIDE))
+        error = np.full(V.size, _SINGLE)
+        if not rung.singly:
+            error = rung.compute(self.scenes(V * (1 + _BESIDE)), _TIGHT).error
         with np.errstate(divide="ignore"):
             return error * np.abs(above + self.c) * 2 * _BESIDE / np.abs(above - below) + _ROOT
 
 
-def _speeds(V: Any, method: str, error: Any) -> tuple[TransitionSpeed, ...]:
+def _speeds(V: Any, rung: Rung, error: Any) -> tuple[TransitionSpeed, ...]:
     errors = [None] * len(V) if error is None else error.tolist()
-    return tuple(TransitionSpeed(value, method, doubt) for value, doubt in zip(V.tolist(), errors, strict=True))
+    return tuple(TransitionSpeed(value, rung.name, doubt) for value, doubt in zip(V.tolist(), errors, strict=True))

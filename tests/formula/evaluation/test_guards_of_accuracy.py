@@ -25,7 +25,7 @@ from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import harmonic, least_squares
-from stickslip_sym.formula.code.code_text import c_code, octave_code, python_code
+from stickslip_sym.formula.code.writer import code
 from stickslip_sym.formula.derivation import closed_form
 from stickslip_sym.formula.evaluation import branches, fitting
 from stickslip_sym.formula.evaluation.conditioning import conditioned
@@ -69,18 +69,18 @@ HIDING = ["a*v + a*w*exp(-v/w)", "a*v^2 + a*w^2*exp(-v^2/w^2)", "a*v - a*w*log(1
 
 def in_python(average, columns, _):
     module = {}
-    exec(compile(python_code({"damping": average.function}, "a law"), "text", "exec"), module)
+    exec(compile(code({"damping": average.function}, "a law", "python"), "text", "exec"), module)
     return module["damping"](**columns)
 
 
 def in_c(average, columns, directory):
-    function = compiled(c_code({"damping": average.function}, "a law"), directory, len(average.arguments))
+    function = compiled(code({"damping": average.function}, "a law", "c"), directory, len(average.arguments))
     return [function(*row) for row in zip(*(columns[name] for name in average.arguments), strict=True)]
 
 
 def in_octave(average, columns, directory):
     arrays = ", ".join("[" + ", ".join(repr(float(x)) for x in columns[name]) + "]" for name in average.arguments)
-    text = octave_code({"damping": average.function}, "a law")
+    text = code({"damping": average.function}, "a law", "octave")
     (directory / "a.m").write_text(f'{text}\nprintf("%.17g\\n", damping({arrays}));\n')
     command = ["octave-cli", "--norc", "--quiet", "a.m"]
     done = subprocess.run(command, cwd=directory, capture_output=True, text=True, timeout=120, check=True)
@@ -128,7 +128,7 @@ def test_the_terms_alone_fail_that_test(hidden):
     """The negative control: the Python text with its guard taken out."""
     average, columns, right = hidden[0]
     module = {}
-    text = python_code({"damping": average.function}, "a law")
+    text = code({"damping": average.function}, "a law", "python")
     exec(text.replace("cancelled.any()", "False"), module)
     assert accuracy.units(average, columns, module["damping"](**columns), right).max() > 1e3
 

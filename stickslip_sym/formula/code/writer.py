@@ -1,4 +1,4 @@
-"""A criterion as text in Python, C or Octave: the fast function's branches, and no need of this package.
+"""A criterion as text of another language: the fast function's branches, and no need of this package.
 
 What the fast function leaves to arbitrary precision, the text averages by Gauss rules like all that has no
 branch: there it is as accurate as the slope of mu in double precision.
@@ -12,14 +12,14 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.criteria.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre, weight_of
-from stickslip_sym.formula.code import c_text, octave_text, python_text
-from stickslip_sym.formula.code.dialects import Dialect, c99, numeric_list, octave, python
+from stickslip_sym.formula.code.dialect import numeric_list
+from stickslip_sym.formula.code.languages import Language, find
 from stickslip_sym.formula.evaluation.branches import Closed, Formula, LogTail, Series, Table
 from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
 from stickslip_sym.formula.evaluation.stable import StableFunction
 from stickslip_sym.model.expression.pieces import jumps, places
 
-__all__ = ["c_code", "octave_code", "python_code"]
+__all__ = ["code"]
 
 _PRIVATE = re.compile(r"\b_(?!scale\b|unscale\b|product\b|broadcast\b|erf\b)(?=[a-z])")
 """How the names of what belongs to one function begin, other than those that all share."""
@@ -27,26 +27,20 @@ _MOST_HALVINGS = 500  # of panels in a scene: where terms cancel, the rules neve
 _PUBLIC = re.compile(r"\bdamping\b(?=[(:])")
 
 
-def python_code(functions: Mapping[str, StableFunction], title: str) -> str:
-    """Return a NumPy module with functions of V, N, ... by their names."""
-    return _write(functions, title, python, python_text)
+def code(functions: Mapping[str, StableFunction], title: str, language: str) -> str:
+    """Return functions of V, N, ... by their names as text of a language of the table.
 
-
-def c_code(functions: Mapping[str, StableFunction], title: str) -> str:
-    """Return C99 with functions of doubles V, N, ... by their names; it needs libm only."""
-    return _write(functions, title, c99, c_text)
-
-
-def octave_code(functions: Mapping[str, StableFunction], title: str) -> str:
-    """Return an Octave script that defines functions of V, N, ... by their names."""
-    return _write(functions, title, octave, octave_text)
-
-
-def _write(functions: Mapping[str, StableFunction], title: str, dialect: Dialect, language: Any) -> str:
-    products = any(_branched(function) for function in functions.values())
-    parts = [language.head(title, products=products)]
+    Raises
+    ------
+    InputError
+        If there is no such language.
+    NoClosedForm
+        For a function that not every language here has.
+    """
+    written = find(language)
+    parts = [written.head(title, products=any(_branched(function) for function in functions.values()))]
     for name, function in functions.items():
-        text = _body(function, dialect, language)
+        text = _body(function, written)
         if len(functions) > 1:
             text = _PRIVATE.sub(f"_{name}_", text)
         parts.append(_PUBLIC.sub(name, text))
@@ -62,21 +56,21 @@ def _branched(function: StableFunction) -> list[Any] | None:
     return terms if all(profile is not None and all(profile.branches) for profile in profiles) else None
 
 
-def _body(function: StableFunction, dialect: Dialect, language: Any) -> str:
-    names = {symbol: dialect.name(symbol) for symbol in function.arguments}
+def _body(function: StableFunction, language: Language) -> str:
+    names = {symbol: language.dialect.name(symbol) for symbol in function.arguments}
     arguments = list(names.values())
     terms = _branched(function)
     parts = []
     if terms is None or len(terms) > 1:
-        parts.append(_gauss(function, names, dialect, language))
+        parts.append(_gauss(function, names, language))
     for number, term in enumerate(terms or []):
         profile = term.profile((), 1)
         assert profile is not None
-        bases = [dialect.text(base, names) for base in term.base_exprs]
+        bases = [language.dialect.text(base, names) for base in term.base_exprs]
         branches = [
             (
                 start,
-                *_branch(branch, dialect, language, f"_table_{number}"),
+                *_branch(branch, language, f"_table_{number}"),
                 _product(term, branch.power, bases, language),
             )
             for start, branch in zip(profile.starts, profile.branches, strict=True)
@@ -90,7 +84,7 @@ def _body(function: StableFunction, dialect: Dialect, language: Any) -> str:
     return "\n".join(part for part in parts if part)
 
 
-def _product(term: Any, power: float, bases: list[str], language: Any) -> str:
+def _product(term: Any, power: float, bases: list[str], language: Language) -> str:
     exponents = [a + power * e for a, e in zip(term.amplitude, term.ratio, strict=True)]
     number = term.number * term.size**-power
     return str(language.product(repr(number), _factors(bases, exponents), "g"))
@@ -100,7 +94,7 @@ def _factors(bases: Sequence[str], exponents: Sequence[float]) -> list[tuple[str
     return [(base, e) for base, e in zip(bases, exponents, strict=True) if e]
 
 
-def _branch(branch: Any, dialect: Dialect, language: Any, table: str) -> tuple[str, str]:
+def _branch(branch: Any, language: Language, table: str) -> tuple[str, str]:
     """Return definitions that stand before the function, and the lines that compute g from r."""
     V = symbols.V
     if isinstance(branch, Series):
@@ -117,15 +111,15 @@ def _branch(branch: Any, dialect: Dialect, language: Any, table: str) -> tuple[s
         parts = []
         for expr, coefficients, _, _ in branch.parts:
             polynomial = _horner(coefficients)
-            parts.append(f"({polynomial})" + ("" if expr == 1 else f"*({dialect.text(expr, {V: 'z'})})"))
+            parts.append(f"({polynomial})" + ("" if expr == 1 else f"*({language.dialect.text(expr, {V: 'z'})})"))
         return "", language.lines([("z", "r"), ("g", "\n        + ".join(parts))])
     if isinstance(branch, Formula):
-        return "", language.lines([("g", dialect.text(branch.expr, {V: "r"}))])
+        return "", language.lines([("g", language.dialect.text(branch.expr, {V: "r"}))])
     if isinstance(branch, LogTail):
         tail = f" + {branch.slope!r}*{language.log}(r)" if branch.slope else ""
         return "", language.lines([("g", f"{branch.constant!r}{tail} + 0.0*r")])
     assert isinstance(branch, Table)
-    return language.table(table, branch.rows), language.lines([("g", language.look_up(table, branch.first))])
+    return language.table(table, branch.rows), language.lines([("g", f"{table}_at(r, {branch.first})")])
 
 
 def _horner(coefficients: Sequence[float]) -> str:
@@ -137,20 +131,23 @@ def _horner(coefficients: Sequence[float]) -> str:
     return text
 
 
-def _gauss(function: StableFunction, names: dict[Any, str], dialect: Dialect, language: Any) -> str:
+def _gauss(function: StableFunction, names: dict[Any, str], language: Language) -> str:
     """Return the slope, its scales and its kinks, and the adaptive average."""
     arguments = list(names.values())
     slope = conditioned(sp.diff(function.mu, symbols.v))
-    slope_text = dialect.text(slope, names | {symbols.v: "v"})
+    slope_text = language.dialect.text(slope, names | {symbols.v: "v"})
     if function.criterion.weight is None:
         return str(language.slope(arguments, slope_text) + language.at_a_point(arguments))
-    scales = [dialect.text(scale, names) for scale in speed_scales(slope, symbols.v)]
-    kinks = [dialect.text(place, names) for place in places(function.mu)]
-    steps = [(dialect.text(place, names), dialect.text(height, names)) for place, height in jumps(function.mu)]
+    scales = [language.dialect.text(scale, names) for scale in speed_scales(slope, symbols.v)]
+    kinks = [language.dialect.text(place, names) for place in places(function.mu)]
+    steps = [
+        (language.dialect.text(place, names), language.dialect.text(height, names))
+        for place, height in jumps(function.mu)
+    ]
     m, sine, angle, place, V = sp.symbols("m sine angle place V", positive=True)
     given = {symbol: symbol.name for symbol in (m, sine, angle, place, V)}
-    at_jump = dialect.text(weight_of(function.criterion, m, place / V, 2 - place / V), given)
-    weight = dialect.text(
+    at_jump = language.dialect.text(weight_of(function.criterion, m, place / V, 2 - place / V), given)
+    weight = language.dialect.text(
         angle_weight(function.criterion, m, 2 * sine**2, 2 * sp.cos(angle, evaluate=False) ** 2), given
     )
     rules = [

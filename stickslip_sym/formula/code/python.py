@@ -1,17 +1,51 @@
 """The parts of a criterion written in Python with NumPy."""
 
+import builtins
+import keyword
 from typing import Any
 
-from stickslip_sym.formula.code.dialects import numeric_list
-from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
+from sympy.printing.numpy import NumPyPrinter
 
-__all__ = [
-    "at_a_point", "average", "brackets", "exp", "head", "lines", "log", "look_up", "one", "product", "slope",
-    "sqrt", "steps", "table", "term", "total",
-]  # fmt: skip
+from stickslip_sym.formula.code.dialect import Dialect, Reciprocal, numeric_list
+from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
 
 exp, log, sqrt, one = "np.exp", "np.log", "np.sqrt", "np.ones_like(V)"
 brackets = "[]"
+
+
+class _Python(Reciprocal, NumPyPrinter):  # type: ignore[misc]  # SymPy is untyped
+    def _print_erf(self, expr: Any) -> str:
+        return f"_erf({self._print(expr.args[0])})"
+
+    def _print_NumberSymbol(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    def _print_Exp1(self, expr: Any) -> str:
+        return self._print_NumberSymbol(expr)
+
+    def _print_Pi(self, expr: Any) -> str:
+        return self._print_NumberSymbol(expr)
+
+    def _print_Max(self, expr: Any) -> str:
+        return self._nested("maximum", expr)
+
+    def _print_Min(self, expr: Any) -> str:
+        return self._nested("minimum", expr)
+
+    def _nested(self, name: str, expr: Any) -> str:
+        first, *others = (self._print(argument) for argument in expr.args)
+        for other in others:
+            first = f"numpy.{name}({first}, {other})"
+        return str(first)
+
+    def doprint(self, expr: Any, assign_to: Any = None) -> str:
+        return str(super().doprint(expr, assign_to)).replace("numpy.", "np.")
+
+
+dialect = Dialect(
+    _Python({"fully_qualified_modules": True, "allow_unknown_functions": True}),
+    frozenset(keyword.kwlist) | frozenset(dir(builtins)),
+)
 
 _HEAD = '''"""{title}
 
@@ -82,11 +116,6 @@ def {name}_at(r, first):
         g = g*t + column[2*(exponent - first) + upper]
     return g
 """
-
-
-def look_up(name: str, first: int) -> str:
-    """Return the value of a table."""
-    return f"{name}_at(r, {first})"
 
 
 def term(number: int, arguments: list[str], ratio: str, branches: list[tuple[float, str, str, str]]) -> str:

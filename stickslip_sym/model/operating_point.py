@@ -1,0 +1,6 @@
+"""The operating point of the paper's section 3: what is taken where none is given."""
+
+__all__ = ["PAPER"]
+
+PAPER = {"V": "0.5", "N": "9.81", "m": "1", "k": "100"}
+"""Belt speed, normal force, mass and stiffness in SI units, as exact decimals."""

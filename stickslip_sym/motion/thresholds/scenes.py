@@ -1,0 +1,76 @@
+"""`Scenes`: where thresholds are asked for, by arrays."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import read_array
+from stickslip_sym.model.law import FrictionLaw
+
+__all__ = ["Scenes"]
+
+
+@dataclass(frozen=True)
+class Scenes:
+    """Scenes of one law, flat arrays of one length; m and k are None where they were not given."""
+
+    law: FrictionLaw
+    V: Any
+    N: Any
+    m: Any
+    k: Any
+    shape: tuple[int, ...]
+
+    @classmethod
+    def of(cls, law: FrictionLaw, **values: ArrayLike | None) -> "Scenes":
+        """Broadcast V, N, m and k.
+
+        Raises
+        ------
+        InputError
+            For numbers that are not finite or have the wrong sign, shapes that do not broadcast, or only one
+            of m and k.
+        """
+        given = {name: _column(name, value) for name, value in values.items() if value is not None}
+        if ("m" in given) != ("k" in given):
+            raise InputError("give both the mass m and the stiffness k, or neither")
+        try:
+            columns = dict(zip(given, np.broadcast_arrays(*given.values()), strict=True))
+        except ValueError:
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in given.items())
+            raise InputError(f"the shapes do not broadcast: {shapes}") from None
+        flat = {name: column.ravel() for name, column in columns.items()}
+        return cls(law, flat["V"], flat["N"], flat.get("m"), flat.get("k"), columns["V"].shape)
+
+    def __len__(self) -> int:
+        return len(self.V)
+
+    def rows(self, chosen: Any) -> "Scenes":
+        """Return some of the scenes."""
+        m, k = (None if column is None else column[chosen] for column in (self.m, self.k))
+        return Scenes(self.law, self.V[chosen], self.N[chosen], m, k, self.V[chosen].shape)
+
+    @property
+    def impedance(self) -> Any:
+        """The unit of damping, sqrt(k m) in kg/s."""
+        return np.sqrt(self.k) * np.sqrt(self.m)
+
+    def label(self, row: int) -> str:
+        """Say which scene it is."""
+        columns = (("V", self.V), ("N", self.N), ("m", self.m), ("k", self.k))
+        return ", ".join(f"{name} = {column[row]:g}" for name, column in columns if column is not None)
+
+
+def _column(name: str, value: ArrayLike) -> Any:
+    if np.ma.is_masked(value):
+        raise InputError(f"{name} has masked entries; drop them, or fill them with a number")
+    array = read_array(name, value).astype(np.float64, copy=False)
+    lowest = array.min(initial=np.inf)
+    if lowest < 0 or (lowest == 0 and name != "N"):
+        required = "not be negative" if name == "N" else "be positive"
+        raise InputError(f"{name} = {lowest:g} must {required}: it is the {symbols.QUANTITIES[name].meaning}")
+    return array

@@ -1,0 +1,207 @@
+"""One law, criterion, rung and language more, each added from outside and used by the public interface."""
+
+import ctypes
+import json
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import sympy as sp
+from typer.testing import CliRunner
+
+import stickslip_sym as ss
+from stickslip_sym.cli import program
+from stickslip_sym.formula.code import c, languages
+from stickslip_sym.motion.thresholds import rungs
+from stickslip_sym.motion.thresholds.rungs import Basis, Found, Rung
+
+SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+s = ss.symbols.s
+WEIGHTS = {
+    "late slip": sp.Rational(3, 4) * (1 - s**2) * (1 + s),
+    "edges": sp.Rational(3, 2) * s**2,
+    "tilted": sp.Rational(1, 2) - s,
+}
+"""Asymmetric; not 0 at the ends; both, and negative somewhere."""
+
+
+def command(*arguments):
+    done = CliRunner().invoke(program.app, list(arguments), catch_exceptions=False)
+    assert done.exit_code == 0
+    return done.stdout
+
+
+def test_a_law(monkeypatch):
+    law = ss.FrictionLaw(
+        "mu_a - b*v + d*v^3", name="mine", parameters=[ss.Parameter("b", "fall", "s/m", typical="0.4")]
+    )
+    monkeypatch.setitem(ss.laws.catalogue, "mine", law)
+    assert ss.laws.mine is law
+    value = ss.derive(ss.laws.mine)(V=0.5, N=2, mu_a=0.5, b=0.4, d=0.1)
+    assert value == pytest.approx(ss.slope_average(law)(V=0.5, N=2, mu_a=0.5, b=0.4, d=0.1), rel=1e-13)
+    said = command("damping", "mine", "-p", "mu_a=0.5", "-p", "d=0.1", "-V", "0.5", "-N", "2")
+    assert "harmonic" in said
+
+
+@pytest.fixture(scope="module")
+def forms():
+    law = ss.laws.exponential
+    return {name: ss.derive(law, ss.Criterion(name, weight)) for name, weight in WEIGHTS.items()}
+
+
+@pytest.mark.parametrize("name", WEIGHTS)
+def test_a_criterion_by_every_route(name, forms, tmp_path):
+    form, law = forms[name], ss.laws.exponential.typical()
+    right = float(ss.quadrature.damping(law, form.criterion, V=0.5, N=9.81, digits=20))
+    values = {parameter: float(value) for parameter, value in law.values.items()}
+    ss.save(form, tmp_path / "form.json")
+    kept = ss.load(tmp_path / "form.json", verify=True)
+    assert kept.criterion == form.criterion
+    module = {}
+    exec(form.python(), module)
+    found = [
+        form(V=0.5, N=9.81, **values),
+        float(kept.evaluate(20, V="0.5", N=9.81, **law.values)),
+        module["damping"](0.5, 9.81, **values),
+        ss.slope_average(law, form.criterion)(V=0.5, N=9.81),
+        ss.pure_slip_damping(law, V=0.5, N=9.81, method=form.criterion).value,
+        ss.pure_slip_damping(law, **SCENE, method=form.criterion).value,
+    ]
+    assert found == pytest.approx([right] * len(found), rel=1e-13)
+    (speed, *_) = ss.transition_speed(law, c=1.0, N=9.81, method=form.criterion)
+    assert ss.slope_average(law, form.criterion)(V=speed.value, N=9.81) == pytest.approx(1.0, rel=1e-12)
+    assert f"eq:exponential-{form.criterion.label}" in ss.export_latex(form)
+
+
+def test_criteria_in_c_and_octave(forms, tmp_path):
+    values = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
+    right = [form(**values) for form in forms.values()]
+    names = [f"damping_exponential_{form.criterion.label}" for form in forms.values()]
+    ordered = [values[name] for name in next(iter(forms.values())).arguments]
+    if compiler := shutil.which("cc"):
+        (tmp_path / "a.c").write_text(ss.export_c(list(forms.values())))
+        subprocess.run([compiler, "-shared", "-fPIC", "-o", "a.so", "a.c", "-lm"], cwd=tmp_path, check=True)
+        library = ctypes.CDLL(str(tmp_path / "a.so"))
+        for name, value in zip(names, right, strict=True):
+            function = getattr(library, name)
+            function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * len(ordered)
+            assert function(*ordered) == pytest.approx(value, rel=1e-13)
+    if octave := shutil.which("octave-cli"):
+        calls = "".join(f'printf("%.17g\\n", {name}({str(ordered)[1:-1]}));\n' for name in names)
+        (tmp_path / "a.m").write_text(ss.export_octave(list(forms.values())) + calls)
+        done = subprocess.run(
+            [octave, "--norc", "--quiet", "a.m"], cwd=tmp_path, check=True, capture_output=True, text=True
+        )
+        assert [float(line) for line in done.stdout.split()] == pytest.approx(right, rel=1e-13)
+
+
+def test_a_criterion_of_the_catalogue(monkeypatch):
+    """It is found by its name, and is a rung."""
+    criterion = ss.Criterion("uniform", sp.Rational(1, 2), "of no one")
+    monkeypatch.setitem(ss.criteria.catalogue, "uniform", criterion)
+    law = ss.laws.exponential.typical()
+    right = 9.81 * float(law.mu(0.0) - law.mu(1.0))  # N (mu(0) - mu(2V))/(2V)
+    assert ss.derive(law, "uniform")(V=0.5, N=9.81) == pytest.approx(right, rel=1e-13)
+    assert ss.pure_slip_damping(law, **SCENE, method="uniform").value == pytest.approx(right, rel=1e-13)
+    said = command("damping", "exponential", "-m1", "-k100", "--all", "--json")
+    found = {one["method"]: one["c"] for one in json.loads(said)["thresholds"]}
+    assert list(found)[3] == "uniform"
+    assert float(found["uniform"]["value"]) == pytest.approx(right, rel=1e-13)
+    assert "least_squares" in found
+
+
+def test_a_name_of_no_criterion_is_refused():
+    for call in (ss.pure_slip_damping, ss.transition_speed):
+        given = SCENE if call is ss.pure_slip_damping else {"c": 1.0, "N": 9.81}
+        with pytest.raises(ss.InputError, match=r"there is no method 'harmonics' .did you mean 'harmonic'"):
+            call(ss.laws.exponential.typical(), **given, method="harmonics")
+    with pytest.raises(ss.InputError, match="is of degree 1000"):
+        ss.Criterion("steep", s**1000 * sp.Rational(1001, 2))
+    with pytest.raises(ss.InputError, match="a criterion has a name"):
+        ss.Criterion("", sp.Rational(1, 2))
+
+
+def test_a_rung(monkeypatch):
+    """One that proves its error, as good as the orbit."""
+    monkeypatch.setattr(rungs, "_table", dict(rungs._table))
+    orbit = rungs.rungs()["orbit"]
+
+    def compute(scenes, rtol):
+        found = orbit.compute(scenes, 1e-12)
+        return Found(found.value, np.full(len(scenes), 1e-11))
+
+    rungs.add(Rung("proof", compute, Basis.BOUND, smooth=True))
+    law = ss.laws.exponential.typical()
+    proved = ss.pure_slip_damping(law, **SCENE, method="proof")
+    assert (proved.method, proved.error) == ("proof", 1e-11)
+    assert proved.value == pytest.approx(2.57307887897936159, rel=1e-11)
+    (speed,) = ss.transition_speed(law, c=proved.value, N=9.81, m=1, k=100, method="proof")
+    assert speed.value == pytest.approx(0.5, rel=1e-9)
+    assert "proof" in command("damping", "exponential", "-m1", "-k100", "--method", "proof")
+    with pytest.raises(ss.InputError, match='method="proof" needs the mass m'):
+        ss.pure_slip_damping(law, V=0.5, N=9.81, method="proof")
+    with pytest.raises(ss.InputError, match="a rung 'proof' already"):
+        rungs.add(Rung("proof", compute, Basis.BOUND))
+    # Where no other rung that knows its error is left, the ladder ends on it.
+    for name in ("orbit", "simulation"):
+        del rungs._table[name]
+    assert ss.pure_slip_damping(law, **SCENE, rtol=1e-9).method == "proof"
+
+
+class Cplusplus:
+    """C++ is C but for what stands first, and for how functions are linked."""
+
+    def __getattr__(self, name):
+        return getattr(c, name)
+
+    def head(self, title, products):
+        return "// C++\n" + c.head(title, products)
+
+    def total(self, public, arguments, terms):
+        return c.total(public, arguments, terms).replace("double damping(", 'extern "C" double damping(')
+
+
+def test_a_language(monkeypatch, tmp_path):
+    monkeypatch.setattr(languages, "DESCRIPTIONS", dict(languages.DESCRIPTIONS))
+    languages.register("cpp", Cplusplus(), "C++.")
+    law = ss.laws.exponential.typical()
+    average = ss.slope_average(law)
+    text = ss.export_code(average, "cpp")
+    assert text.startswith("// C++")
+    assert 'extern "C" double damping(' in text
+    with pytest.raises(ss.InputError, match=r"there is no language 'pyhton' .did you mean 'python'"):
+        ss.export_code(average, "pyhton")
+    with pytest.raises(ss.InputError, match="cannot be the name of a language"):
+        languages.register("c", Cplusplus(), "C once more")
+    if compiler := shutil.which("c++"):
+        (tmp_path / "a.cpp").write_text(text)
+        subprocess.run([compiler, "-shared", "-fPIC", "-o", "a.so", "a.cpp", "-lm"], cwd=tmp_path, check=True)
+        function = ctypes.CDLL(str(tmp_path / "a.so")).damping
+        function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * 5
+        values = {"V": 0.5, "N": 9.81} | {name: float(value) for name, value in law.values.items()}
+        assert function(*(values[name] for name in average.arguments)) == pytest.approx(
+            average(V=0.5, N=9.81), rel=1e-14
+        )
+
+
+def test_a_language_is_an_option_of_the_command(tmp_path):
+    code = (
+        "from stickslip_sym.formula.code import languages\n"
+        "class Shout:\n"
+        "    def __getattr__(self, name):\n"
+        "        return getattr(languages.find('c'), name)\n"
+        "    def head(self, title, products):\n"
+        "        return 'SHOUT'\n"
+        "languages.register('shout', Shout(), 'C, but louder.')\n"
+        "from stickslip_sym.cli.program import main\n"
+        "main()\n"
+    )
+    target = tmp_path / "a.txt"
+    arguments = [sys.executable, "-c", code, "export", "coulomb", "--shout", str(target)]
+    done = subprocess.run(arguments, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert target.read_text().startswith("SHOUT")
+    shown = subprocess.run([*arguments[:3], "export", "--help"], capture_output=True, text=True, timeout=60)
+    assert "C, but louder." in shown.stdout
