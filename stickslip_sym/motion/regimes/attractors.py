@@ -22,7 +22,7 @@ from stickslip_sym.model.oscillator import Oscillator, Scene, read_rtol
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, next_peak, overtaking_cycle, slip_orbits
 from stickslip_sym.motion.simulation.slip import follow
-from stickslip_sym.motion.simulation.slip_phase import SlipPhase
+from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.simulation.transit import StickSlipCycle, lowest_slip_speed, stick_slip_cycle
 from stickslip_sym.output import drawing, markup
@@ -315,5 +315,5 @@ def _separatrices(
         # With time reversed and q mirrored the equations keep their form; friction and damping change sign.
         backward = replace(scene, eta=-scene.eta, zeta=-scene.zeta)
         slip = follow(backward, Point(0.0, backward.turn(0.0), 0.0), 1, horizon=_LONGEST, rtol=rtol)
-        if slip.end != "unbounded":
+        if slip.end is not End.UNBOUNDED:
             yield curve(slip, "graze", -1)
