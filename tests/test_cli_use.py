@@ -220,7 +220,7 @@ def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys):
 WRITERS = """
 import os, sys
 import stickslip_sym.closed_form, stickslip_sym.crosscheck, stickslip_sym.maps  # once for all
-from stickslip_sym.cli import main
+from stickslip_sym.cli.program import main
 for line in sys.argv[1:]:
     if (child := os.fork()) == 0:
         sys.argv = ["stickslip", *line.split()]
@@ -265,7 +265,7 @@ def test_completed_names_are_those_there_are():
 
 def completed(kind, line):
     """Ask for completions as a shell's script does."""
-    command = [sys.executable, "-X", "importtime", "-c", "from stickslip_sym.cli import main; main()"]
+    command = [sys.executable, "-X", "importtime", "-c", "from stickslip_sym.cli.program import main; main()"]
     asked = {
         "bash": {"COMP_WORDS": line, "COMP_CWORD": str(len(line.split()) - 1)},
         "zsh": {"_TYPER_COMPLETE_ARGS": line},
@@ -298,7 +298,7 @@ def test_a_shell_completes_and_nothing_slow_is_imported(kind, line, expected):
 @pytest.mark.parametrize("kind", ["bash", "zsh", "fish"])
 def test_the_script_of_completion_is_shown(kind):
     program = shutil.which(kind)
-    command = [sys.executable, "-c", "from stickslip_sym.cli import main; main()"]
+    command = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()"]
     environment = os.environ | {"_STICKSLIP_COMPLETE": f"source_{kind}"}
     done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (0, "")

@@ -184,7 +184,7 @@ def test_another_law_or_value_is_another_request(tmp_path):
 
 def test_a_run_killed_midway_goes_on_to_the_same_output(run, tmp_path):
     command = [
-        sys.executable, "-c", "from stickslip_sym.cli import main; main()", "map", "exponential",
+        sys.executable, "-c", "from stickslip_sym.cli.program import main; main()", "map", "exponential",
         "--x", "V=0.2:0.9:30", "--y", "c=0.5:6:20",
     ]  # fmt: skip
     checkpointed = [*command, "--checkpoint", "kept", "--csv", "resumed.csv", "--npz", "resumed.npz"]
@@ -212,7 +212,7 @@ def test_a_run_killed_midway_goes_on_to_the_same_output(run, tmp_path):
 
 @needs_groups
 def test_ctrl_c_ends_quietly_and_the_checkpoint_remains(tmp_path):
-    run = [sys.executable, "-c", "from stickslip_sym.cli import main; main()", "map", "exponential"]
+    run = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()", "map", "exponential"]
     axes = ["--x", "V=0.2:0.9:1200", "--y", "c=0.5:6:20", "--workers", "2", "--checkpoint", "kept"]
     with subprocess.Popen(
         [*run, *axes],
