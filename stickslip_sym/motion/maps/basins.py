@@ -18,7 +18,7 @@ from stickslip_sym.motion.maps.columns import MOTIONS
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify
-from stickslip_sym.output import archive, drawing, markup
+from stickslip_sym.output import drawing, files, markup
 
 __all__ = ["BasinMap", "basin_map"]
 
@@ -75,7 +75,7 @@ class BasinMap:
             If the file cannot be written.
         """
         X, Y = np.meshgrid(self.x0, self.v0)
-        archive.write_csv(Path(path), {"x0": X, "v0": Y, "motion": archive.texts(self.motion)})
+        files.write_csv(Path(path), {"x0": X, "v0": Y, "motion": files.texts(self.motion)})
 
     def to_npz(self, path: str | Path) -> None:
         """Write plain arrays, which ``numpy.load`` reads with ``allow_pickle=False``.
@@ -87,10 +87,10 @@ class BasinMap:
         InputError
             If the file cannot be written.
         """
-        arrays = {"x0": self.x0, "v0": self.v0, "motion": archive.texts(self.motion)}
+        arrays = {"x0": self.x0, "v0": self.v0, "motion": files.texts(self.motion)}
         arrays |= {"law": np.array(text_of_law(self.law))}
         arrays |= {name: np.array(value) for name, value in asdict(self.oscillator).items()}
-        archive.write_npz(Path(path), arrays)
+        files.write_npz(Path(path), arrays)
 
     def plot(self, path: str | Path | None = None) -> Any:
         """Draw the basins, told apart by colour and hatching, and the separatrices.
