@@ -212,9 +212,9 @@ class Trajectory:
         """
         times = self.t if t is None else np.atleast_1d(t)
         state = State(self.x, self.v, self.phase) if t is None else self.at(times)
+        numbers = {"t (s)": np.asarray(times, dtype=np.float64), "x (m)": state.x, "v (m/s)": state.v}
         phases = np.array([phase.name.lower() for phase in state.phase])
-        columns = {"t (s)": np.asarray(times, dtype=np.float64), "x (m)": state.x, "v (m/s)": state.v, "phase": phases}
-        files.write_csv(Path(path), columns)
+        files.write_csv(Path(path), numbers | {"phase": phases})
 
     def plot(self, path: str | Path | None = None, *, since: float | None = None) -> Any:
         """Draw the time history and the phase plane, stick and slip told apart.
