@@ -22,7 +22,7 @@ SECTION = re.compile(r"^(?:Parameters|Attributes|Returns|Raises)\n-+", re.M)
 
 def displayed():
     """Lines of a docstring's text that are set apart and hold an equation."""
-    for path in sorted(PACKAGE.glob("*.py")):
+    for path in sorted(PACKAGE.rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
                 text = SECTION.split(ast.get_docstring(node) or "")[0]

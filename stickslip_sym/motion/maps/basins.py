@@ -24,7 +24,7 @@ __all__ = ["BasinMap", "basin_map"]
 
 
 @dataclass(frozen=True, repr=False)
-class BasinMap:
+class BasinMap(drawing.Drawn):
     """The motions that starts lead to.
 
     Attributes
@@ -92,29 +92,10 @@ class BasinMap:
         arrays |= {name: np.array(value) for name, value in asdict(self.oscillator).items()}
         files.write_npz(Path(path), arrays)
 
-    def plot(self, path: str | Path | None = None) -> Any:
-        """Draw the basins, told apart by colour and hatching, and the separatrices.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            A file to draw to: SVG, PNG or PDF, by its ending.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not installed, or cannot write the file.
-        """
+    def _figure(self) -> Any:
         from stickslip_sym.motion.maps.drawing import draw_basins
 
-        figure = draw_basins(self)
-        if path is not None:
-            drawing.save(figure, Path(path))
-        return figure
+        return draw_basins(self)
 
 
 def basin_map(

@@ -26,7 +26,7 @@ _CURVES = ("equilibrium", "least_squares", "exact")
 
 
 @dataclass(frozen=True, repr=False)
-class MotionMap:
+class MotionMap(drawing.Drawn):
     """The motions over a plane; arrays have a row for each value of y, and a column for each of x.
 
     Attributes
@@ -128,29 +128,10 @@ class MotionMap:
             arrays |= {side: axis.values, f"{side}_name": np.array(axis.name), f"{side}_unit": np.array(axis.unit)}
         files.write_npz(Path(path), arrays)
 
-    def plot(self, path: str | Path | None = None) -> Any:
-        """Draw the regions, told apart by colour and hatching, and the three thresholds.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            A file to draw to: SVG, PNG or PDF, by its ending.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not installed, or cannot write the file.
-        """
+    def _figure(self) -> Any:
         from stickslip_sym.motion.maps.drawing import draw_map
 
-        figure = draw_map(self)
-        if path is not None:
-            drawing.save(figure, Path(path))
-        return figure
+        return draw_map(self)
 
 
 def motion_map(

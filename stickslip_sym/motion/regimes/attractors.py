@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -88,7 +87,7 @@ class Separatrix:
 
 
 @dataclass(frozen=True)
-class Regime:
+class Regime(drawing.Drawn):
     """Every motion that an oscillator has.
 
     Attributes
@@ -147,29 +146,10 @@ class Regime:
         table = markup.table(["motion", "neighbours"], rows, caption="motions")
         return markup.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *notes)
 
-    def plot(self, path: str | Path | None = None) -> Any:
-        """Draw the phase plane: rest, every periodic motion, and the separatrices.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            A file to draw to: SVG, PNG or PDF, by its ending.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not installed, or cannot write the file.
-        """
+    def _figure(self) -> Any:
         from stickslip_sym.motion.regimes.drawing import draw_regime
 
-        figure = draw_regime(self)
-        if path is not None:
-            drawing.save(figure, Path(path))
-        return figure
+        return draw_regime(self)
 
 
 def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, time_limit: float | None = None) -> Regime:
