@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -65,6 +65,9 @@ class Rest:
         return f"Rest: {self}, {'stable' if self.stable else 'unstable'}, growth rate {self.rate:.6g} 1/s"
 
 
+SeparatrixKind = Literal["limit cycle", "graze"]
+
+
 @dataclass(frozen=True)
 class Separatrix:
     """A curve in the phase plane that parts two basins of attraction.
@@ -80,7 +83,7 @@ class Separatrix:
 
     x: Any
     v: Any
-    kind: str
+    kind: SeparatrixKind
 
     def __repr__(self) -> str:
         return f"Separatrix: {self.kind}, {len(self.x)} points"
@@ -284,7 +287,7 @@ def _separatrices(
 ) -> Iterator[Separatrix]:
     onset = osc.onset(law)
 
-    def curve(slip: SlipPhase, kind: str, forward: int = 1) -> Separatrix:
+    def curve(slip: SlipPhase, kind: SeparatrixKind, forward: int = 1) -> Separatrix:
         q, w = slip.at(np.linspace(slip.pieces[0].start.tau, slip.last.tau, _SAMPLES))
         return Separatrix(onset + osc.length * forward * q, osc.V * (1 - w), kind)
 

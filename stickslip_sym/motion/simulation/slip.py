@@ -66,10 +66,7 @@ def follow(
         elif len(phase.pieces) >= max_steps:
             phase.end = End.STEPS
             break
-        elif time_left() < 0:
-            phase.end = End.DEADLINE
-            break
-        if time.monotonic() > deadline:
+        if (max_steps is not None and time_left() < 0) or time.monotonic() > deadline:
             phase.end = End.DEADLINE
             break
         method.check_work(bounded=max_steps is not None)
