@@ -7,7 +7,7 @@ import typer
 from stickslip_sym.cli import json_output
 from stickslip_sym.cli.completion import complete_method
 from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
-from stickslip_sym.cli.reading import Values, assignments, check_size, read_numbers
+from stickslip_sym.cli.reading import Values, assignments, read_numbers
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.operating_point import PAPER
@@ -45,7 +45,6 @@ def damping(
 
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
-    from stickslip_sym.core.numbers import exact
     from stickslip_sym.motion.thresholds.rungs import rungs
     from stickslip_sym.output.tables import duration, table
 
@@ -53,10 +52,7 @@ def damping(
     bound = friction.typical(**assignments(parameter or []))
     options = {"V": speed, "N": force, "m": mass, "k": stiffness}
     given = {name: text for name, text in options.items() if text is not None}
-    numbers = {name: exact(value, name) for name, value in given.items()}
-    for name, value in numbers.items():
-        check_size(name, value)
-    scene = {name: float(value) for name, value in numbers.items()}
+    scene = read_numbers(given)
     limit = read_numbers({"time_limit": time_limit}).get("time_limit")
     if everything:
         usable = [name for name, rung in rungs().items() if "m" in scene or not rung.oscillator]

@@ -1,7 +1,6 @@
 """``stickslip derive``: a law's criteria in closed form, with a table that cross-checks each."""
 
 import contextlib
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,7 +9,15 @@ import typer
 
 from stickslip_sym.cli import json_output
 from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
-from stickslip_sym.cli.reading import CriteriaName, Values, assignments, check_size, require_writable
+from stickslip_sym.cli.reading import (
+    CriteriaName,
+    Values,
+    assignments,
+    check_size,
+    progress_bar,
+    read_exact,
+    require_writable,
+)
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.model.operating_point import PAPER
@@ -49,7 +56,6 @@ def derive(
     Example: stickslip derive "mu_m + (mu_s - mu_m)*exp(-alpha*v)" -p mu_s=0.5 -p mu_m=0.2 -p alpha=3
     """
     from stickslip_sym import criteria
-    from stickslip_sym.core.numbers import exact
     from stickslip_sym.formula.derivation import keeping
     from stickslip_sym.model.doubts import warn_where_negative
     from stickslip_sym.model.oscillator import Oscillator
@@ -63,8 +69,8 @@ def derive(
     bound = friction.typical(**assignments(parameter or []))
     scene = {"V": speed, "N": force, "m": mass, "k": stiffness}
     # Refuse what the table cannot be computed for before anything is derived or written.
-    numbers = {name: exact(value, name) for name, value in scene.items()}
-    for name, value in (numbers | bound.values).items():
+    numbers = read_exact(scene)
+    for name, value in bound.values.items():
         check_size(name, value)
     Oscillator(**{name: float(value) for name, value in numbers.items()})
     for one in chosen:
@@ -182,8 +188,7 @@ def _latex(form: Any, steps: bool) -> str:
 @contextlib.contextmanager
 def progress(time_limit: float) -> Iterator[Callable[[str], None]]:
     """Show on a terminal what is being done, and how long it may still take; elsewhere show nothing."""
-    from rich.console import Console
-    from rich.progress import Progress, ProgressColumn, SpinnerColumn, Task, TextColumn
+    from rich.progress import ProgressColumn, SpinnerColumn, Task, TextColumn
     from rich.table import Column
     from rich.text import Text
 
@@ -191,10 +196,6 @@ def progress(time_limit: float) -> Iterator[Callable[[str], None]]:
         def render(self, task: Task) -> Text:
             return Text(f"at most {max(time_limit - (task.elapsed or 0.0), 0.0):.0f} s left")
 
-    console = Console(stderr=True)
-    # Rich takes FORCE_COLOR for a terminal, and would draw into a file.
-    drawn = console.is_terminal and sys.stderr.isatty()
     words = TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, ratio=1))
-    with Progress(SpinnerColumn(), words, TimeLeft(), console=console, transient=True, disable=not drawn) as shown:
-        task = shown.add_task("reading the law", total=None)
-        yield lambda text: shown.update(task, description=text)
+    with progress_bar(SpinnerColumn(), words, TimeLeft()) as update:
+        yield lambda text: update(description=text)

@@ -19,6 +19,7 @@ from stickslip_sym.cli.reading import (
     Values,
     assignments,
     check_size,
+    progress_bar,
     read_numbers,
     require_new,
     require_writable,
@@ -204,11 +205,8 @@ def _report(found: Any) -> str:
 @contextlib.contextmanager
 def _progress() -> Iterator[Callable[[int, int], None]]:
     """Show on a terminal how much is done; elsewhere show nothing."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
-    console = Console(stderr=True)
     columns = TextColumn("lines of cells"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
-        task = shown.add_task("", total=None)
-        yield lambda done, total: shown.update(task, completed=done, total=total)
+    with progress_bar(*columns) as update:
+        yield lambda done, total: update(completed=done, total=total)

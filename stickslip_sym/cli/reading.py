@@ -1,6 +1,9 @@
 """What the commands read from their arguments: laws, values and sizes. Each refusal says what to write."""
 
-from collections.abc import Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,7 +16,7 @@ from stickslip_sym.model.operating_point import PAPER
 
 __all__ = [
     "Command", "CriteriaName", "CriterionName", "Force", "Mass", "Overwrite", "Speed", "Stiffness",
-    "Values", "assignments", "check_size", "read_numbers", "require_new",
+    "Values", "assignments", "check_size", "progress_bar", "read_exact", "read_numbers", "require_new",
     "require_writable",
 ]  # fmt: skip
 
@@ -75,14 +78,19 @@ def assignments(texts: Sequence[str], example: str = "-p alpha=3") -> dict[str, 
     return values
 
 
-def read_numbers(given: Mapping[str, str | None]) -> dict[str, float]:
-    """Read numbers as floats of a possible size; those that were not given are left out."""
+def read_exact(given: Mapping[str, str | None]) -> dict[str, Any]:
+    """Read numbers of a possible size, exactly; those that were not given are left out."""
     from stickslip_sym.core.numbers import exact
 
     numbers = {name: exact(text, name) for name, text in given.items() if text is not None}
     for name, value in numbers.items():
         check_size(name, value)
-    return {name: float(value) for name, value in numbers.items()}
+    return numbers
+
+
+def read_numbers(given: Mapping[str, str | None]) -> dict[str, float]:
+    """Read numbers as floats, as `read_exact` does."""
+    return {name: float(value) for name, value in read_exact(given).items()}
 
 
 def check_size(name: str, value: Any) -> None:
@@ -117,3 +125,16 @@ def require_writable(*paths: Path | None, plot: Path | None = None) -> None:
         from stickslip_sym.output.drawing import require_matplotlib
 
         require_matplotlib()
+
+
+@contextmanager
+def progress_bar(*columns: Any) -> Iterator[Callable[..., None]]:
+    """Show columns of rich on a terminal, and yield what updates them; elsewhere show nothing."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    # Rich takes FORCE_COLOR for a terminal, and would draw into a file.
+    drawn = console.is_terminal and sys.stderr.isatty()
+    with Progress(*columns, console=console, transient=True, disable=not drawn) as shown:
+        yield partial(shown.update, shown.add_task("reading the law", total=None))

@@ -11,7 +11,7 @@ from stickslip_sym.cli.reading import (
     CriterionName,
     Values,
     assignments,
-    check_size,
+    read_exact,
     read_numbers,
     require_writable,
 )
@@ -51,25 +51,14 @@ def tradeoff(
     """
     from stickslip_sym.comparison import threshold_tradeoff
     from stickslip_sym.comparison import tradeoff as measured
-    from stickslip_sym.core.numbers import exact
     from stickslip_sym.formula.derivation.closed_form import derive as derive_form
     from stickslip_sym.model.doubts import warn_where_negative
 
     law = law if law or from_csv else "exponential"
-    friction = read_law(
-        law,
-        from_csv,
-        extrapolate=extrapolate,
-        static=static,
-        name=name,
-        unit=unit,
-        source=source,
-    )
+    friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
     bound = friction.typical(**assignments(parameter or []))
     given = {"V": speed, "N": force} | ({"m": mass, "k": stiffness} if thresholds else {})
-    numbers = {name: exact(value, name) for name, value in given.items()}
-    for name, value in numbers.items():
-        check_size(name, value)
+    numbers = read_exact(given)
     limit = read_numbers({"time_limit": time_limit})["time_limit"]
     require_writable(plot=plot)
     if not bound.missing:

@@ -1,6 +1,7 @@
 """What every drawing needs: matplotlib, or a word that it is missing, and a file that is the same each time."""
 
 import io
+from abc import ABC, abstractmethod
 from base64 import b64encode
 from collections.abc import Callable, Sequence
 from html import escape
@@ -11,7 +12,7 @@ from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.output.files import require_name
 from stickslip_sym.output.markup import Markup
 
-__all__ = ["label", "picture", "require_matplotlib", "save"]
+__all__ = ["Drawn", "label", "picture", "require_matplotlib", "save"]
 
 _STYLE: Any = {
     "svg.fonttype": "none",  # text stays text
@@ -33,6 +34,36 @@ def require_matplotlib() -> None:
         import matplotlib.figure  # noqa: F401  # only to see that it is there, and whole
     except ImportError:
         raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
+
+
+class Drawn(ABC):
+    """A result that has a picture."""
+
+    @abstractmethod
+    def _figure(self) -> Any:
+        """Return its matplotlib.figure.Figure."""
+
+    def plot(self, path: str | Path | None = None) -> Any:
+        """Draw the regions or basins, told apart by colour and hatching, the curves between them, or the orbits.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            A file to draw to: SVG, PNG or PDF, by its ending.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not installed, or cannot write the file.
+        """
+        figure = self._figure()
+        if path is not None:
+            save(figure, Path(path))
+        return figure
 
 
 def label(axes: Any, labels: Sequence[tuple[str, tuple[float, float], str]]) -> None:

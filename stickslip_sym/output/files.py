@@ -1,25 +1,31 @@
-"""Writing files so that nothing is lost: the new content replaces the old at once, or not at all."""
+"""Writing files so that nothing is lost: the new content replaces the old at once, or not at all.
 
+Arrays are written so that files are the same, byte by byte, for the same content.
+"""
+
+import csv
 import errno
+import io
 import os
-import tempfile
+import secrets
+import shutil
+import zipfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["is_kept", "require_name", "write_bytes", "write_text", "write_texts"]
+__all__ = ["is_kept", "require_name", "texts", "write_csv", "write_npz", "write_text", "write_texts"]
+
+_OWN = {"/dev/stdout": 1, "/dev/stderr": 2}
+"""This process's own output: sent to a file, it must not be replaced, or what is printed later is lost."""
 
 
 def is_kept(path: Path) -> bool:
     """Return whether a file would be lost if it were written: not a stream, nor this process's own output."""
-    if not path.is_file():
-        return False
-    if (own := _own_output(path)) is not None:
-        os.close(own)
-        return False
-    return True
+    return path.is_file() and str(path) not in _OWN
 
 
 def require_name(path: Path) -> None:
@@ -34,59 +40,47 @@ def require_name(path: Path) -> None:
         raise InputError(f"the name of a file cannot hold a null byte, as {str(path)!r} does; choose another file")
 
 
-def write_text(path: Path, content: str) -> None:
-    """Write text to a file; what was there before stays if writing fails.
+def write_text(path: Path, content: str | bytes) -> None:
+    """Write a file; what was there before stays if writing fails.
 
     Raises
     ------
     InputError
         If the file cannot be written.
     """
-    write_bytes(path, content.encode())
+    write_texts({path: content})
 
 
-def write_bytes(path: Path, content: bytes) -> None:
-    """Write bytes to a file, as `write_text` does."""
-    _write_all({path: content})
-
-
-def write_texts(contents: Mapping[Path, str]) -> None:
-    """Write texts to files, all of them or none; streams and devices, which cannot be taken back, come last.
+def write_texts(contents: Mapping[Path, str | bytes]) -> None:
+    """Write files, all of them or none; streams and devices, which cannot be taken back, come last.
 
     Raises
     ------
     InputError
         If a file cannot be written.
     """
-    _write_all({path: content.encode() for path, content in contents.items()})
-
-
-def _write_all(contents: Mapping[Path, bytes]) -> None:
-    staged: list[tuple[Path, str, Path]] = []
-    streams: list[tuple[Path, Path | int, bytes]] = []
+    staged: list[tuple[Path, Path, Path]] = []
+    streams: list[tuple[Path, bytes]] = []
     try:
         for path, content in contents.items():
             require_name(path)
+            whole = content.encode() if isinstance(content, str) else content
             with _refusing(path):
-                # Before links are followed: /dev/stdout leads to a name such as pipe:[42] that no file has.
-                if path.exists() and not path.is_file():
-                    streams.append((path, path, content))
-                elif (own := _own_output(path)) is not None:
-                    streams.append((path, own, content))
+                if str(path) in _OWN or (path.exists() and not path.is_file()):
+                    streams.append((path, whole))
                 else:
-                    target = Path(os.path.realpath(path))
-                    staged.append((path, _staged(target, content), target))
+                    staged.append((path, *_staged(path, whole)))
         while staged:
             path, temporary, target = staged[0]
             with _refusing(path):
                 os.replace(temporary, target)
             del staged[0]
-        for path, stream, content in streams:
+        for path, whole in streams:
             with _refusing(path):
-                _write_into(stream, content)
+                _write_into(path, whole)
     finally:
         for _, temporary, _ in staged:
-            os.unlink(temporary)
+            temporary.unlink()
 
 
 @contextmanager
@@ -100,48 +94,65 @@ def _refusing(path: Path) -> Iterator[None]:
         raise InputError(f"cannot write {str(path)!r}: {reason}; choose another file") from None
 
 
-def _own_output(path: Path) -> int | None:
-    """Return a copy of this process's output stream if that is what `path` is.
-
-    `/dev/stdout` with output sent to a file: to replace that file would lose what is printed afterwards.
-    """
-    for stream in (1, 2):
-        with suppress(OSError):
-            if os.path.samestat(path.stat(), os.fstat(stream)):
-                return os.dup(stream)
-    return None
-
-
-def _write_into(target: Path | int, content: bytes) -> None:
+def _write_into(path: Path, content: bytes) -> None:
     """Write to a stream, a device or a pipe, which cannot be replaced; a directory refuses by itself."""
-    with open(target, "wb") as stream:
+    own = _OWN.get(str(path))
+    with open(path if own is None else os.dup(own), "wb") as stream:
         stream.write(content)
 
 
-def _staged(target: Path, content: bytes) -> str:
-    """Write beside a file what shall replace it, and return where."""
-    if target.is_symlink():  # no link is left after following all, except in a loop
-        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
-    exists = target.exists()
+def _staged(path: Path, content: bytes) -> tuple[Path, Path]:
+    """Write beside a file what shall replace it, and return both; links are followed."""
+    target = Path(os.path.realpath(path))
+    try:
+        target.stat()
+        exists = True
+    except FileNotFoundError:
+        exists = False
     if exists and not os.access(target, os.W_OK):
         # Replacing needs no permission on the file itself; a file that may not be written stays all the same.
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-    mode = target.stat().st_mode & 0o777 if exists else 0o666 & ~_umask()
-    # A fixed prefix: with the target's own name the longest names would become too long.
-    descriptor, temporary = tempfile.mkstemp(dir=target.parent, prefix=".stickslip-")
+    # A fixed length: with the target's own name the longest names would become too long.
+    temporary = target.parent / f".stickslip-{secrets.token_hex(8)}"
     try:
-        with os.fdopen(descriptor, "wb") as stream:
+        with temporary.open("xb") as stream:
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())
-        os.chmod(temporary, mode)
+        if exists:
+            shutil.copymode(target, temporary)
     except BaseException:
-        os.unlink(temporary)
+        temporary.unlink(missing_ok=True)
         raise
-    return temporary
+    return temporary, target
 
 
-def _umask() -> int:
-    current = os.umask(0)
-    os.umask(current)
-    return current
+def texts(array: Any) -> Any:
+    """Return an array of members of an enumeration as text."""
+    import numpy as np
+
+    return np.array([entry.value for entry in np.ravel(array)]).reshape(np.shape(array))
+
+
+def write_csv(path: Path, columns: Mapping[str, Any]) -> None:
+    """Write arrays of one size as columns of a CSV file, floats to their last digit, as `write_text` does."""
+    import numpy as np
+
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*(np.ravel(column).tolist() for column in columns.values()), strict=True))
+    write_text(path, buffer.getvalue())
+
+
+def write_npz(path: Path, arrays: Mapping[str, Any]) -> None:
+    """Write arrays as ``numpy.savez_compressed`` does, but without the time of writing, as `write_text` does."""
+    import numpy as np
+
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as whole:
+        for name, array in arrays.items():
+            part = io.BytesIO()
+            np.lib.format.write_array(part, np.asarray(array, order="C"), allow_pickle=False)
+            whole.writestr(zipfile.ZipInfo(f"{name}.npy"), part.getvalue(), zipfile.ZIP_DEFLATED)
+    write_text(path, buffer.getvalue())

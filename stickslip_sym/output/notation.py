@@ -1,11 +1,11 @@
 r"""How symbols are written in LaTeX: ``mu_s`` is ``\mu_{\mathrm{s}}``, unless the user wants it otherwise.
 
 Subscripts that are letters describe, so they stand upright; subscripts that are numbers count. What a user
-gives instead goes into the document as it is, so only commands that print a symbol may stand in it.
+gives instead goes into the document as it is if it reads as one symbol; its commands are the user's business.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import suggestion
@@ -21,27 +21,16 @@ _GREEK = frozenset(
     }
 )  # fmt: skip
 _SPELLED = {"lamda": "lambda", "Lamda": "Lambda"}  # lambda is a word of Python
-_SIGNS = frozenset(
-    {
-        "ell", "hbar", "star", "ast", "prime", "circ", "dagger", "perp", "parallel", "infty", ",", "!", ";",
-    }
-)  # fmt: skip
-_WORDS = frozenset({"text", "operatorname"})  # no mathematics stands in these
-_ALPHABETS = frozenset({"mathrm", "mathit", "mathbf", "mathsf", "mathcal", "boldsymbol"})
-_STYLES = _WORDS | _ALPHABETS | {
-    "hat", "widehat", "tilde", "widetilde", "bar", "overline", "underline", "vec", "dot", "ddot",
-}  # fmt: skip
-"""Commands of amsmath that take an argument."""
-_COMMAND = re.compile(r"\\([A-Za-z]+|.|$)", re.S)
-_FOREIGN = re.compile(r"[^A-Za-z0-9\\{}_^ ,;!'*+-]")
 _PARTS = re.compile(r"([A-Za-z]+?)_?(\d*)")
-_GROUP = re.compile(r"\{[^{}]")
-_WORD = re.compile(r"\{[A-Za-z0-9 -]+\}")
-_NO_SCRIPT = re.compile(r"[_^]\s*([_^'@]|$)|^\s*[_^']")
-_LETTER = rf"[A-Za-z]|\\(?:{'|'.join(sorted(_GREEK | {'ell', 'hbar'}))})(?![A-Za-z])"
-_MARK = r"\s|'|\\[,!;]|_\s*[A-Za-z0-9*'+-]|\^\s*[A-Za-z*'+-]|[_^]\s*\\[A-Za-z]+"
-_ONE = re.compile(rf"\s*(?:\\Delta(?![A-Za-z])\s*)?(?:{_LETTER})(?:{_MARK})*")
-"""A letter with its scripts, and the change of it."""
+_FOREIGN = re.compile(r"[^A-Za-z0-9\\{}_^ ,;!'*+-]")
+_SCRIPT = r"\s*(?:@|\\[A-Za-z]+|[A-Za-z0-9*'+-])"
+_ONE = re.compile(
+    rf"\s*(?:\\Delta(?![A-Za-z])\s*)?(?:[A-Za-z]|\\[A-Za-z]+\s*@?)\s*(?:(?:_{_SCRIPT})?\s*(?:\^{_SCRIPT}|'+)?|"
+    rf"(?:\^{_SCRIPT}|'+)\s*_{_SCRIPT})(?:\s|\\[,!;])*"
+)
+"""A letter, or a command with its argument, its scripts, and the change of it; @ is what stands in braces."""
+_OTHERWISE = re.compile(r"\^[{\s]*[+-]?\s*[0-9]|(?<![_^])(?<!\\text)\{(?:\s*[0-9]|[^{}]*[*+-])")
+"""A power, a number or a sum that would be taken for one."""
 _LONGEST = 60
 
 
@@ -121,7 +110,7 @@ def check_known(given: Mapping[str, str], names: Iterable[str]) -> None:
 
 
 def _check(name: str, latex: str) -> None:
-    r"""Refuse LaTeX that is no symbol, or that could do more than print one.
+    r"""Refuse LaTeX that is no symbol.
 
     Raises
     ------
@@ -133,61 +122,24 @@ def _check(name: str, latex: str) -> None:
         raise InputError(f"the LaTeX of {name} is a text of 1 to {_LONGEST} characters; {example}")
     if foreign := _FOREIGN.search(latex):
         raise InputError(f"the LaTeX of {name}, {latex!r}, has the character {foreign[0]!r}; {example}")
-    for command in _COMMAND.findall(latex):
-        if command not in _GREEK | _SIGNS | _STYLES:
-            raise InputError(
-                f"the LaTeX of {name} has the command \\{command}, which prints no symbol with amsmath; {example}"
-            )
-    depth = 0
-    for character in latex:
-        depth += (character == "{") - (character == "}")
-        if depth < 0:
-            break
-    if depth:
+    inner, outline = latex, _outline(latex)
+    if "{" in outline or "}" in outline:
         raise InputError(f"the braces of the LaTeX of {name}, {latex!r}, do not match; {example}")
-    for found in _COMMAND.finditer(latex):
-        if found[1] in _STYLES and not (_WORD if found[1] in _WORDS else _GROUP).match(latex, found.end()):
-            raise InputError(f"{found[0]} in the LaTeX of {name} needs its argument in braces; {example}")
-    for level in _levels(latex):
-        superscripts = level.count("^") + ("'" in level)
-        if level.count("_") > 1 or superscripts > 1 or _NO_SCRIPT.search(level):
-            raise InputError(
-                f"the LaTeX of {name}, {latex!r}, has a subscript or superscript of nothing, or two of them, "
-                f"or one without its braces; {example}"
-            )
-    if not _is_one_symbol(latex):
+    while outline.strip() == "@":
+        inner = inner.strip()[1:-1]
+        outline = _outline(inner)
+    if not _ONE.fullmatch(outline) or _OTHERWISE.search(inner):
         raise InputError(
-            f"the LaTeX of {name}, {latex!r}, reads as a product, a sum or a number, not as one symbol; "
-            f"put several letters into \\mathit{{...}}; {example}"
+            f"the LaTeX of {name}, {latex!r}, reads as a product, a sum or a number, or has a script of nothing, "
+            f"not as one symbol; put several letters into \\mathit{{...}}; {example}"
         )
 
 
-def _levels(latex: str) -> Iterator[str]:
-    """Yield what stands in each pair of braces, and around them all, with a letter for each inner pair."""
-    plain = re.sub(r"\\([A-Za-z]+|.)", lambda found: "@" if found[1] in _STYLES else "x", latex)
-    while inner := re.search(r"\{([^{}]*)\}", plain):
-        yield inner[1]
-        plain = f"{plain[: inner.start()]}x{plain[inner.end() :]}"
-    yield plain
-
-
-def _is_one_symbol(latex: str) -> bool:
-    r"""Tell whether LaTeX is a letter or a word with scripts and accents, or the change of one like \Delta v."""
-    while inner := re.search(r"(\\[A-Za-z]+|[_^])?\s*\{([^{}]*)\}", latex):
-        before, content = inner[1] or "", inner[2]
-        if before in ("_", "^"):
-            # An exponent that is a number would be taken for a power.
-            shorter = f"{before}{'2' if re.match(r'[ +-]*[0-9]', content) else 'x'} "
-        elif before[1:] in _ALPHABETS | _WORDS:
-            # Words need a letter in front, and no sign but a hyphen where it is not a minus.
-            word = r"[A-Za-z][A-Za-z0-9 -]*" if before == r"\text" else r"[A-Za-z][A-Za-z0-9 ]*"
-            if not re.fullmatch(word, content) and not _ONE.fullmatch(content):
-                return False
-            shorter = " x"
-        else:  # braces are not seen; an accent covers all that it stands over
-            shorter = " x" if before[1:] in _STYLES else f"{before} {content}"
-        latex = latex[: inner.start()] + shorter + latex[inner.end() :]
-    return bool(_ONE.fullmatch(latex))
+def _outline(latex: str) -> str:
+    """Return LaTeX with @ for what stands in braces."""
+    while (shorter := re.sub(r"\{[^{}]*\}", "@", latex)) != latex:
+        latex = shorter
+    return latex
 
 
 def look(latex: str) -> str:

@@ -25,8 +25,9 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.model.oscillator import Scene
-from stickslip_sym.motion.simulation import taylor
-from stickslip_sym.motion.simulation.engines import follower
+from stickslip_sym.motion.simulation import engines
+from stickslip_sym.motion.simulation import heyoka as compiled
+from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.steppers import Point
 
 LAW = ss.laws.exponential.typical()
@@ -160,8 +161,8 @@ def compile_afresh():
 
     heyoka.llvm_state.clear_memcache()
     heyoka.llvm_state.set_diskcache_enabled(False)
-    taylor._compiled.of.cache_clear()
-    follower("heyoka")(Scene.of(LAW, OSC), P, 1, horizon=1.0, rtol=1e-10)
+    compiled._compiled.of.cache_clear()
+    follow(Scene.of(LAW, OSC), P, 1, horizon=1.0, rtol=1e-10, engine=engines.find("heyoka"))
 
 
 @pytest.mark.benchmark(group="compilation")

@@ -14,7 +14,8 @@ from stickslip_sym.motion.orbits.expansion import expand
 from stickslip_sym.motion.orbits.orbit import orbits
 from stickslip_sym.motion.regimes.attractors import grows_far_out
 from stickslip_sym.motion.regimes.slip_orbits import by_simulation, overtaking_cycle
-from stickslip_sym.motion.simulation import taylor
+from stickslip_sym.motion.simulation import engines
+from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.thresholds.rungs import Scenes, on_orbit, second_order
 
@@ -268,7 +269,7 @@ def test_every_taylor_step_obeys_the_equations_at_its_end_and_halfway(law):
     for width in np.geomspace(1e-4, 0.1, 8).tolist():
         scene = Scene.of(law.bind(w=width), paper_oscillator(rng.uniform(0, 3)))
         start = Point(0.0, rng.uniform(-1, 3), rng.uniform(0.1, 2))
-        phase = taylor.follow(scene, start, 1, horizon=6.0, rtol=1e-12)
+        phase = follow(scene, start, 1, horizon=6.0, rtol=1e-12, engine=engines.find("heyoka"))
         for piece, end in zip(phase.pieces, phase.points[1:], strict=True):
             for time in (0.5 * (end.tau - piece.t_old), end.tau - piece.t_old):
                 q, w = piece(piece.t_old + time)

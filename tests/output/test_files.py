@@ -1,5 +1,7 @@
 """Names that no system takes for a file are refused, in the same words everywhere."""
 
+import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -69,3 +71,41 @@ def test_a_picture_without_matplotlib_is_none(monkeypatch):
     assert drawing.picture(lambda: pytest.fail("drawn"), "a picture") == ""
     with pytest.raises(ss.InputError, match="null byte"):
         files.require_name(Path("a\0b"))
+
+
+@pytest.mark.skipif(not Path("/dev/stdout").exists(), reason="needs /dev/stdout")
+def test_standard_output_is_no_file_to_keep(tmp_path):
+    assert not files.is_kept(Path("/dev/stdout"))
+    assert not files.is_kept(tmp_path)
+    (tmp_path / "a.csv").write_text("measured")
+    assert files.is_kept(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_all_files_are_written_or_none_and_none_is_left_behind(seed, tmp_path, monkeypatch):
+    """Whatever step fails, each file has its old content or its new one, whole."""
+    rng = np.random.default_rng(seed)
+    paths = [tmp_path / name for name in "abcd"]
+    for path in paths[: rng.integers(0, 4)]:
+        path.write_text("old")
+    before = {path: path.read_text() for path in paths if path.exists()}
+    step, failing = rng.choice(["os.fsync", "shutil.copymode", "os.replace"]), int(rng.integers(0, 4))
+    real, calls = {"os.fsync": os.fsync, "shutil.copymode": shutil.copymode, "os.replace": os.replace}[step], []
+
+    def sometimes(*arguments):
+        calls.append(arguments)
+        if len(calls) == failing + 1:
+            raise OSError(28, "No space left on device")
+        return real(*arguments)
+
+    monkeypatch.setattr(step, sometimes)
+    new = {path: f"new {path.name}" for path in paths}
+    try:
+        files.write_texts(new)
+        replaced = len(paths)
+    except ss.InputError as error:
+        assert "No space left on device; choose another file" in str(error)  # noqa: PT017
+        replaced = failing if step == "os.replace" else 0
+    monkeypatch.undo()
+    expected = before | {path: new[path] for path in paths[:replaced]}
+    assert {path: path.read_text() for path in tmp_path.iterdir()} == expected

@@ -19,13 +19,13 @@ from stickslip_sym.motion.maps.columns import MOTIONS
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify
-from stickslip_sym.output import archive, drawing, markup
+from stickslip_sym.output import drawing, files, markup
 
 __all__ = ["BasinMap", "basin_map"]
 
 
 @dataclass(frozen=True, repr=False)
-class BasinMap:
+class BasinMap(drawing.Drawn):
     """The motions that starts lead to.
 
     Attributes
@@ -76,7 +76,7 @@ class BasinMap:
             If the file cannot be written.
         """
         X, Y = np.meshgrid(self.x0, self.v0)
-        archive.write_csv(Path(path), {"x0": X, "v0": Y, "motion": archive.texts(self.motion)})
+        files.write_csv(Path(path), {"x0": X, "v0": Y, "motion": files.texts(self.motion)})
 
     def to_npz(self, path: str | Path) -> None:
         """Write plain arrays, which ``numpy.load`` reads with ``allow_pickle=False``.
@@ -88,34 +88,15 @@ class BasinMap:
         InputError
             If the file cannot be written.
         """
-        arrays = {"x0": self.x0, "v0": self.v0, "motion": archive.texts(self.motion)}
+        arrays = {"x0": self.x0, "v0": self.v0, "motion": files.texts(self.motion)}
         arrays |= {"law": np.array(text_of_law(self.law))}
         arrays |= {name: np.array(value) for name, value in asdict(self.oscillator).items()}
-        archive.write_npz(Path(path), arrays)
+        files.write_npz(Path(path), arrays)
 
-    def plot(self, path: str | Path | None = None) -> Any:
-        """Draw the basins, told apart by colour and hatching, and the separatrices.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            A file to draw to: SVG, PNG or PDF, by its ending.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not installed, or cannot write the file.
-        """
+    def _figure(self) -> Any:
         from stickslip_sym.motion.maps.drawing import draw_basins
 
-        figure = draw_basins(self)
-        if path is not None:
-            drawing.save(figure, Path(path))
-        return figure
+        return draw_basins(self)
 
 
 def basin_map(

@@ -9,7 +9,8 @@ import json
 import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -58,38 +59,18 @@ def collect(
     """
     check_workers(workers)
     found: dict[int, Any] = {}
-    if checkpoint is None:
-        return _run(function, tasks, found, workers, progress, lambda index, result: None)
-    head = json.dumps({"format": _FORMAT, "request": _digest(function, tasks), "chunks": len(tasks)}) + "\n"
-    path = Path(checkpoint)
-    with _opened(path) as stream:
-        with _explained(path):
-            found = _resume(path, stream, head.encode(), len(tasks))
-
-        def keep(index: int, result: Any) -> None:
-            # One unbuffered write a line: a kill can tear the last line only.
-            with _explained(path):
-                stream.write((json.dumps([index, result]) + "\n").encode())
-
-        return _run(function, tasks, found, workers, progress, keep)
-
-
-def _run(
-    function: Callable[[Any], Any],
-    tasks: Sequence[Any],
-    found: dict[int, Any],
-    workers: Workers,
-    progress: Progress | None,
-    keep: Callable[[int, Any], None],
-) -> list[Any]:
     told = progress or (lambda done, total: None)
-    told(len(found), len(tasks))
-    left = [index for index in range(len(tasks)) if index not in found]
-    for place, result in run(_limited(function), [tasks[index] for index in left], workers):
-        if not (isinstance(result, dict) and result.get(UNFINISHED)):
-            keep(left[place], result)
-        found[left[place]] = result
+    with nullcontext() if checkpoint is None else _opened(Path(checkpoint)) as file:
+        if file is not None:
+            request = {"format": _FORMAT, "request": _digest(function, tasks), "chunks": len(tasks)}
+            found = file.resume(request, len(tasks))
         told(len(found), len(tasks))
+        left = [index for index in range(len(tasks)) if index not in found]
+        for place, result in run(_limited(function), [tasks[index] for index in left], workers):
+            if file is not None and not (isinstance(result, dict) and result.get(UNFINISHED)):
+                file.keep(left[place], result)
+            found[left[place]] = result
+            told(len(found), len(tasks))
     return [found[index] for index in range(len(tasks))]
 
 
@@ -113,10 +94,13 @@ def _digest(function: Callable[[Any], Any], tasks: Iterable[Any]) -> str:
     return digest.hexdigest()
 
 
-def _opened(path: Path) -> BinaryIO:
+@contextmanager
+def _opened(path: Path) -> Iterator["_File"]:
     require_name(path)
     with _explained(path):
-        return path.open("a+b", buffering=0)
+        stream = path.open("a+b", buffering=0)
+    with stream:
+        yield _File(path, stream)
 
 
 @contextmanager
@@ -128,40 +112,46 @@ def _explained(path: Path) -> Iterator[None]:
         raise InputError(f"cannot use the checkpoint {str(path)!r}: {error.strerror or error}") from None
 
 
-def _resume(path: Path, stream: BinaryIO, head: bytes, count: int) -> dict[int, Any]:
-    """Read what is done, and leave the file ready for the next line."""
-    stream.seek(0)
-    content = stream.read()
-    whole = content[: content.rfind(b"\n") + 1]
-    lines = whole.splitlines()
-    if not lines and not head.startswith(content):
-        raise InputError(f"{str(path)!r} is no checkpoint, and is left as it is; choose another file")
-    if lines and lines[0] + b"\n" != head:
-        _refuse(path, lines[0])
-    stream.truncate(len(whole))
-    if not lines:
-        stream.write(head)
-    found = {}
-    for number, line in enumerate(lines[1:], 2):
-        try:
-            index, result = json.loads(line)
-        except ValueError:
-            index, result = -1, None
-        if type(index) is not int or not 0 <= index < count:
-            raise InputError(f"line {number} of the checkpoint {str(path)!r} was changed; choose another file")
-        found[index] = result
-    return found
+@dataclass(frozen=True)
+class _File:
+    """A checkpoint; each line is one unbuffered write, so that a kill can tear the last one only."""
+
+    path: Path
+    stream: BinaryIO
+
+    def keep(self, index: int, result: Any) -> None:
+        with _explained(self.path):
+            self.stream.write(_line([index, result]))
+
+    def resume(self, request: dict[str, Any], count: int) -> dict[int, Any]:
+        """Read what is done, and leave the file ready for the next line."""
+        name, head = str(self.path), _line(request)
+        with _explained(self.path):
+            self.stream.seek(0)
+            content = self.stream.read()
+        first, *lines = content[: content.rfind(b"\n") + 1].splitlines() or [b""]
+        if first + b"\n" != head and (first or not head.startswith(content)):
+            if first.startswith(_line({"format": _FORMAT})[:-2]):
+                raise InputError(
+                    f"the checkpoint {name!r} belongs to another request: another law, axis, value or version; "
+                    "repeat that request, or choose another file"
+                )
+            raise InputError(f"{name!r} is no checkpoint, and is left as it is; choose another file")
+        with _explained(self.path):
+            self.stream.truncate(content.rfind(b"\n") + 1)
+            if not first:
+                self.stream.write(head)
+        found = {}
+        for number, line in enumerate(lines, 2):
+            try:
+                index, result = json.loads(line)
+            except ValueError:
+                index, result = -1, None
+            if type(index) is not int or not 0 <= index < count:
+                raise InputError(f"line {number} of the checkpoint {name!r} was changed; choose another file")
+            found[index] = result
+        return found
 
 
-def _refuse(path: Path, first: bytes) -> None:
-    """Say what a file is that is no checkpoint of this request."""
-    try:
-        ours = json.loads(first).get("format") == _FORMAT
-    except (ValueError, AttributeError):
-        ours = False
-    if ours:
-        raise InputError(
-            f"the checkpoint {str(path)!r} belongs to another request: another law, axis, value or version; "
-            "repeat that request, or choose another file"
-        )
-    raise InputError(f"{str(path)!r} is no checkpoint, and is left as it is; choose another file")
+def _line(content: Any) -> bytes:
+    return (json.dumps(content) + "\n").encode()

@@ -19,7 +19,7 @@ from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.motion.maps.columns import MOTIONS, REASONS, Attractor, Cells, Reason, decide
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.classification import Motion
-from stickslip_sym.output import archive, drawing, markup
+from stickslip_sym.output import drawing, files, markup
 
 __all__ = ["MotionMap", "motion_map"]
 
@@ -27,7 +27,7 @@ _CURVES = ("equilibrium", "least_squares", "exact")
 
 
 @dataclass(frozen=True, repr=False)
-class MotionMap:
+class MotionMap(drawing.Drawn):
     """The motions over a plane; arrays have a row for each value of y, and a column for each of x.
 
     Attributes
@@ -95,14 +95,14 @@ class MotionMap:
         columns = {
             self.x.name: X,
             self.y.name: Y,
-            "motion": archive.texts(self.motion),
+            "motion": files.texts(self.motion),
             "stick_slip": self.stick_slip.astype(int),
             "rest": self.rest.astype(int),
             "pure_slip": self.pure_slip.astype(int),
-            "reason": archive.texts(self.reason),
+            "reason": files.texts(self.reason),
             **{f"c_{name}": np.broadcast_to(curve, X.shape) for name, curve in self.thresholds.items()},
         }
-        archive.write_csv(Path(path), columns)
+        files.write_csv(Path(path), columns)
 
     def to_npz(self, path: str | Path) -> None:
         """Write plain arrays, which ``numpy.load`` reads with ``allow_pickle=False``.
@@ -116,42 +116,23 @@ class MotionMap:
             If the file cannot be written.
         """
         arrays = {
-            "motion": archive.texts(self.motion),
+            "motion": files.texts(self.motion),
             "stick_slip": self.stick_slip,
             "rest": self.rest,
             "pure_slip": self.pure_slip,
-            "reason": archive.texts(self.reason),
+            "reason": files.texts(self.reason),
             **{f"c_{name}": curve for name, curve in self.thresholds.items()},
             **{f"fixed_{name}": np.array(value) for name, value in self.fixed.items()},
             "law": np.array(text_of_law(self.law)),
         }
         for side, axis in (("x", self.x), ("y", self.y)):
             arrays |= {side: axis.values, f"{side}_name": np.array(axis.name), f"{side}_unit": np.array(axis.unit)}
-        archive.write_npz(Path(path), arrays)
+        files.write_npz(Path(path), arrays)
 
-    def plot(self, path: str | Path | None = None) -> Any:
-        """Draw the regions, told apart by colour and hatching, and the three thresholds.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            A file to draw to: SVG, PNG or PDF, by its ending.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not installed, or cannot write the file.
-        """
+    def _figure(self) -> Any:
         from stickslip_sym.motion.maps.drawing import draw_map
 
-        figure = draw_map(self)
-        if path is not None:
-            drawing.save(figure, Path(path))
-        return figure
+        return draw_map(self)
 
 
 def motion_map(

@@ -7,7 +7,7 @@ a function and an iterable as the builtin `map` does.
 import os
 import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing import active_children, get_context
@@ -20,7 +20,8 @@ __all__ = ["Workers", "check_workers", "run"]
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
-Workers = int | Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
+Mapper = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
+Workers = int | Mapper
 _MOST_STARTS = 3
 
 
@@ -62,7 +63,7 @@ def run(
     elif workers == 1 or len(tasks) < 2:
         yield from enumerate(map(function, tasks))
     else:
-        yield from _pooled(function, tasks, min(_processors() if workers == -1 else workers, len(tasks)))
+        yield from _pooled(function, tasks, _processors() if workers == -1 else workers)
 
 
 def _processors() -> int:
@@ -70,7 +71,9 @@ def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _mapped(function: Any, tasks: Sequence[Any], mapper: Any) -> Iterator[tuple[int, Any]]:
+def _mapped(
+    function: Callable[[Task], Result], tasks: Sequence[Task], mapper: Mapper
+) -> Iterator[tuple[int, Result]]:
     count = 0
     for result in mapper(function, tasks):
         if count == len(tasks):
@@ -81,43 +84,32 @@ def _mapped(function: Any, tasks: Sequence[Any], mapper: Any) -> Iterator[tuple[
         raise InputError(f"the map given as workers returned {count} results for {len(tasks)} tasks")
 
 
-def _pooled(function: Any, tasks: Sequence[Any], count: int) -> Iterator[tuple[int, Any]]:
+def _pooled(function: Callable[[Task], Result], tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Result]]:
     """Use processes of our own; where one of them is killed, start anew with what is not done yet."""
-    todo = dict(enumerate(tasks))
+    todo, others = dict(enumerate(tasks)), set(active_children())
     for _ in range(_MOST_STARTS):
-        with _pool(function, todo, count) as futures:
-            try:
-                for future in as_completed(futures):
-                    index, result = futures[future], future.result()
-                    del todo[index]
-                    yield index, result
-            except BrokenProcessPool:
-                continue
-        return
+        # Spawned, not forked: a fork of a process with threads may hang.
+        pool = ProcessPoolExecutor(min(count, len(todo)), mp_context=get_context("spawn"))
+        started: set[BaseProcess] = set()
+        try:
+            with _no_interrupt():
+                futures = {pool.submit(function, task): index for index, task in todo.items()}
+                started = set(active_children()) - others
+            for future in as_completed(futures):
+                index, result = futures[future], future.result()
+                del todo[index]
+                yield index, result
+            return
+        except BrokenProcessPool:
+            continue
+        finally:
+            for process in started if todo else ():  # nobody waits for the tasks that they are at
+                process.terminate()
+            pool.shutdown(cancel_futures=True)
     raise NotConverged(
         f"worker processes ended {_MOST_STARTS} times before their work was done: memory may be short, or a "
         'script that starts workers lacks its `if __name__ == "__main__":`; try workers=1'
     )
-
-
-@contextmanager
-def _pool(function: Any, tasks: dict[int, Any], count: int) -> Iterator[dict[Future[Any], int]]:
-    """Start processes for tasks; none is left at the end, whatever ended it."""
-    others = set(active_children())
-    started: set[BaseProcess] = set()
-    # Spawned, not forked: a fork of a process with threads may hang.
-    executor = ProcessPoolExecutor(min(count, len(tasks)), mp_context=get_context("spawn"))
-    try:
-        with _no_interrupt():
-            futures = {executor.submit(function, task): index for index, task in tasks.items()}
-            started = set(active_children()) - others
-        yield futures
-    except BaseException:
-        for process in started:  # nobody waits for the tasks that they are at
-            process.terminate()
-        raise
-    finally:
-        executor.shutdown(cancel_futures=True)
 
 
 @contextmanager

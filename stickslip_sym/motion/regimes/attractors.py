@@ -10,8 +10,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, next_peak, overtaking_cycle, slip_orbits
 from stickslip_sym.motion.simulation.slip import follow
-from stickslip_sym.motion.simulation.slip_phase import SlipPhase
+from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.simulation.transit import StickSlipCycle, lowest_slip_speed, stick_slip_cycle
 from stickslip_sym.output import drawing, markup
@@ -67,6 +66,9 @@ class Rest:
         return f"Rest: {self}, {'stable' if self.stable else 'unstable'}, growth rate {self.rate:.6g} 1/s"
 
 
+SeparatrixKind = Literal["limit cycle", "graze"]
+
+
 @dataclass(frozen=True)
 class Separatrix:
     """A curve in the phase plane that parts two basins of attraction.
@@ -82,14 +84,14 @@ class Separatrix:
 
     x: Any
     v: Any
-    kind: str
+    kind: SeparatrixKind
 
     def __repr__(self) -> str:
         return f"Separatrix: {self.kind}, {len(self.x)} points"
 
 
 @dataclass(frozen=True)
-class Regime:
+class Regime(drawing.Drawn):
     """Every motion that an oscillator has.
 
     Attributes
@@ -148,29 +150,10 @@ class Regime:
         table = markup.table(["motion", "neighbours"], rows, caption="motions")
         return markup.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *notes)
 
-    def plot(self, path: str | Path | None = None) -> Any:
-        """Draw the phase plane: rest, every periodic motion, and the separatrices.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            A file to draw to: SVG, PNG or PDF, by its ending.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not installed, or cannot write the file.
-        """
+    def _figure(self) -> Any:
         from stickslip_sym.motion.regimes.drawing import draw_regime
 
-        figure = draw_regime(self)
-        if path is not None:
-            drawing.save(figure, Path(path))
-        return figure
+        return draw_regime(self)
 
 
 def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, time_limit: float | None = None) -> Regime:
@@ -305,7 +288,7 @@ def _separatrices(
 ) -> Iterator[Separatrix]:
     onset = osc.onset(law)
 
-    def curve(slip: SlipPhase, kind: str, forward: int = 1) -> Separatrix:
+    def curve(slip: SlipPhase, kind: SeparatrixKind, forward: int = 1) -> Separatrix:
         q, w = slip.at(np.linspace(slip.pieces[0].start.tau, slip.last.tau, _SAMPLES))
         return Separatrix(onset + osc.length * forward * q, osc.V * (1 - w), kind)
 
@@ -316,5 +299,5 @@ def _separatrices(
         # With time reversed and q mirrored the equations keep their form; friction and damping change sign.
         backward = replace(scene, eta=-scene.eta, zeta=-scene.zeta)
         slip = follow(backward, Point(0.0, backward.turn(0.0), 0.0), 1, horizon=_LONGEST, rtol=rtol)
-        if slip.end != "unbounded":
+        if slip.end is not End.UNBOUNDED:
             yield curve(slip, "graze", -1)

@@ -3,7 +3,6 @@
 import math
 from enum import Enum
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.attractors import graze, grows_far_out
 from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits
 from stickslip_sym.motion.simulation.slip import follow
-from stickslip_sym.motion.simulation.slip_phase import SlipPhase
+from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase, Until
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.simulation.transit import horizon, stick_slip_cycle
 
@@ -106,14 +105,14 @@ class _Course:
                 if side > 0 and first is not None:
                     return self._outside(first, point.q)
                 first = point.q if side > 0 else first
-            slip = self._slip(point, side, "turn" if side > 0 else "return")
-            if slip.end == "rest":
+            slip = self._slip(point, side, End.MINIMUM if side > 0 else End.RETURN)
+            if slip.end is End.REST:
                 return Motion.DAMPED_SLIP
-            if slip.end == "horizon":
+            if slip.end is End.HORIZON:
                 return Motion.UNDECIDED
-            if slip.end == "unbounded":
+            if slip.end is End.UNBOUNDED:
                 return self._beyond_all
-            if slip.end == "minimum":
+            if slip.end is End.MINIMUM:
                 return self._inside(1 - slip.last.w)
             point = Point(0.0, slip.last.q, slip.last.w)
 
@@ -167,6 +166,6 @@ class _Course:
     def _orbits(self) -> SlipOrbits:
         return slip_orbits(self.law, self.osc, rtol=self.rtol)
 
-    def _slip(self, start: Point, side: int, until: Literal["return", "turn"]) -> SlipPhase:
+    def _slip(self, start: Point, side: int, until: Until) -> SlipPhase:
         end = start.tau + horizon(self.scene)
         return follow(self.scene, start, side, horizon=end, rtol=self.rtol, until=until)

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 from scipy.optimize import brentq
@@ -22,7 +21,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.orbits.cycles import LimitCycle, cycles_among, needed_damping
 from stickslip_sym.motion.simulation.slip import follow
-from stickslip_sym.motion.simulation.slip_phase import SlipPhase
+from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase, Until
 from stickslip_sym.motion.simulation.steppers import Point
 
 __all__ = ["SlipOrbits", "by_simulation", "next_peak", "overtaking_cycle", "round_from", "slip_orbits", "trough"]
@@ -113,12 +112,12 @@ def next_peak(scene: Scene, amplitude: float, rtol: float) -> tuple[float, SlipP
     Where the mass meets the belt before, with an acceleration a, it is 1 + a^2/2 in units of omega V: the peak to
     which the spring alone would pull it. At rest it is 0; of a motion without bound it is very large.
     """
-    slip = follow(scene, trough(scene, amplitude), 1, horizon=_horizon(scene), rtol=rtol, until="turn")
-    if slip.end == "return":
+    slip = follow(scene, trough(scene, amplitude), 1, horizon=_horizon(scene), rtol=rtol, until=End.MINIMUM)
+    if slip.end is End.RETURN:
         return 1 + scene.acceleration(slip.last.q, 0.0, 1) ** 2 / 2, slip
-    if slip.end == "unbounded":
+    if slip.end is End.UNBOUNDED:
         return _ESCAPED, slip
-    return (1 - slip.last.w if slip.end == "minimum" else 0.0), slip
+    return (1 - slip.last.w if slip.end is End.MINIMUM else 0.0), slip
 
 
 class _Peaks:
@@ -215,22 +214,22 @@ def round_from(scene: Scene, q: float, rtol: float) -> tuple[float, float, float
         for ever, infinity.
     """
     slow = _phase(scene, q, 1, rtol)
-    if slow.end == "unbounded":
+    if slow.end is End.UNBOUNDED:
         return math.inf, slow.last.tau, 0.0
-    if slow.end != "return":
+    if slow.end is not End.RETURN:
         return 0.0, slow.last.tau, 0.0
     if scene.sticks(slow.last.q):
         return math.nan, slow.last.tau, 0.0
     fast = _phase(scene, slow.last.q, -1, rtol)
-    if fast.end == "unbounded":
+    if fast.end is End.UNBOUNDED:
         return math.inf, slow.last.tau + fast.last.tau, 0.0
-    stuck = fast.end != "return" or scene.sticks(fast.last.q)
+    stuck = fast.end is not End.RETURN or scene.sticks(fast.last.q)
     speed = max((point.w for point in fast.extrema), default=0.0)
     return (math.nan if stuck else fast.last.q), slow.last.tau + fast.last.tau, speed
 
 
 def _phase(scene: Scene, q: float, side: int, rtol: float) -> SlipPhase:
-    until: Literal["return", "turn"] = "turn" if side > 0 else "return"
+    until: Until = End.MINIMUM if side > 0 else End.RETURN
     return follow(scene, Point(0.0, float(q), 0.0), side, horizon=_horizon(scene), rtol=rtol, until=until)
 
 

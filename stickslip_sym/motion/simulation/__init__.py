@@ -1,4 +1,4 @@
 """Slip and stick, event by event: steps, phases, engines, trajectories.
 
-One more engine is one function with the signature of `slip.follow`, and an entry in `engines`.
+One more engine is one class, an `engines.Engine`, and an entry in `engines.ENGINES`.
 """

@@ -15,8 +15,9 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
-from stickslip_sym.motion.simulation.engines import follower
-from stickslip_sym.motion.simulation.slip_phase import SlipPhase
+from stickslip_sym.motion.simulation import engines
+from stickslip_sym.motion.simulation.slip import follow
+from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.simulation.tendency import tendency
 from stickslip_sym.motion.simulation.trajectory import Event, EventKind, Outcome, Phase, Stretch, Trajectory
@@ -24,11 +25,11 @@ from stickslip_sym.motion.simulation.trajectory import Event, EventKind, Outcome
 __all__ = ["simulate"]
 
 _ENDS = {
-    "rest": Outcome.AT_REST,
-    "steps": Outcome.STEP_LIMIT,
-    "deadline": Outcome.TIME_LIMIT,
-    "unbounded": Outcome.UNBOUNDED,
-    "undefined": Outcome.UNDEFINED,
+    End.REST: Outcome.AT_REST,
+    End.STEPS: Outcome.STEP_LIMIT,
+    End.DEADLINE: Outcome.TIME_LIMIT,
+    End.UNBOUNDED: Outcome.UNBOUNDED,
+    End.UNDEFINED: Outcome.UNDEFINED,
 }
 _GROWS = "damping and friction feed the motion: try a shorter t_end, or a larger c"
 
@@ -81,7 +82,7 @@ def simulate(
     NotConverged
         When the engine cannot go on, as heyoka's in a fast decay.
     """
-    follow = follower(engine)
+    chosen = engines.find(engine)
     t_end, x0, v0 = real("t_end", t_end), real("x0", x0), real("v0", osc.V if v0 is None else v0)
     if t_end <= 0:
         raise InputError(f"t_end = {t_end:g} must be positive")
@@ -110,14 +111,15 @@ def simulate(
         phase = follow(
             scene, Point(tau, q, abs(w)), side,
             horizon=horizon, rtol=rtol, max_steps=max_steps - steps, deadline=deadline,
+            engine=chosen,
         )  # fmt: skip
         recorder.slip(phase)
-        if phase.end == "rest":
+        if phase.end is End.REST:
             # Where rest is isolated it is known better than integrated; a jump of mu at V holds the mass anywhere.
             held = phase.last.w == 1 and any(branch.low == 1 for branch in scene.branches)
             recorder.rest(horizon, None if held else osc.N * float(law.mu(osc.V)) / osc.k)
         if phase.end in _ENDS:
-            note = str(phase.error or "") if phase.end != "unbounded" else _GROWS
+            note = str(phase.error or "") if phase.end is not End.UNBOUNDED else _GROWS
             return recorder.trajectory(_ENDS[phase.end], note)
         steps += len(phase.pieces)
         tau, q, w = phase.last.tau, phase.last.q, phase.last.w

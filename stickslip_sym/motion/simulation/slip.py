@@ -1,49 +1,16 @@
-"""One slip phase: integrated from its onset, watched for extrema of the slip speed, for kinks and for its end.
-
-A return to the belt's speed may graze it: w touches 0 and turns within one step, and no sign change
-of w is left to see. So the extrema of w are located first, as simple roots of w'; between two of them
-w is monotone and can cross 0 only once, and where it does is then a simple root too.
-
-The ends of a step are enough to see the extrema: from a minimum of w, which lies below w = 1, to a maximum,
-which lies above, the motion takes about half a period, longer than any explicit step.
-
-Where mu has a kink, each of its smooth pieces is integrated as if it held everywhere. Where w leaves the piece
-is located as a return is, which is the same thing at w = 0, and the integration begins anew on the next piece.
-So no step has a kink in it. Where mu jumps up, the rates on both sides may point at each other: the mass then
-slides at the slip speed of the jump, w is constant, and q a straight line, until one of them turns (Filippov).
-"""
+"""One slip phase, followed by an engine from its onset to its end."""
 
 import math
-from bisect import bisect_right
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+import time
 
-from stickslip_sym.core.errors import InputError, NotConverged, StickSlipError
+from stickslip_sym.core.deadline import check_time, time_left
+from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.oscillator import Scene
-from stickslip_sym.motion.simulation.slip_phase import (
-    RUNAWAY,
-    SlipPhase,
-    attracted_to_rest,
-    exhausted,
-    passage,
-    root,
-)
-from stickslip_sym.motion.simulation.steppers import Explicit, Implicit, Piece, Point, Rates
+from stickslip_sym.motion.simulation.engines import ENGINES, Engine
+from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase, Until
+from stickslip_sym.motion.simulation.steppers import Point
 
 __all__ = ["follow"]
-
-_LONGEST_STEP = 0.25  # explicit, of dimensionless time; at twice that what a step is off shows in thresholds
-_MOST_STEPS = 10_000
-_STEPS = 20  # more for every unit of time and piece of mu, on the way to a given horizon
-_STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
-_SOFT = _STIFF / 3  # below which they are taken again; less, so that the method does not change to and fro
-_STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
-_PATIENCE = 15  # steps held short by stability before the method changes
-_LEVEL = 1e-13  # of the terms of w', below which it may be nothing but rounding
-_JUMP = 1e-12  # of mu, relative, below which it is rounding
-_OFF = 1e-6  # of dimensionless time, by which the root of an interpolant is off at most, but for a graze
-_STRAIGHT = 1e-9  # over which a straight line is off by less than rounding
 
 
 def follow(
@@ -53,9 +20,10 @@ def follow(
     *,
     horizon: float,
     rtol: float,
-    until: Literal["return", "turn"] = "return",
+    until: Until = End.RETURN,
     max_steps: int | None = None,
     deadline: float = math.inf,
+    engine: Engine = ENGINES["scipy"],
 ) -> SlipPhase:
     """Integrate a slip phase from `start`.
 
@@ -70,287 +38,42 @@ def follow(
         Time at which to stop in any case.
     rtol : float
         Relative tolerance of a step.
-    until : str
-        "return": go on until w = 0; "turn": stop also at a minimum of w above 0, after which an orbit
-        that left P never returns, since orbits in a plane do not cross.
+    until : End
+        `End.MINIMUM`: stop also at a minimum of w above 0.
     max_steps : int, optional
         A number of steps after which the phase ends as it is, as it then does where mu has no value. Without it
         either is an error.
     deadline : float
         Of `time.monotonic`, after which the phase ends as it is.
+    engine : Engine
+        What takes the steps.
 
     Raises
     ------
     InputError
-        If mu cannot be computed at the start, or is measured up to a lower slip speed than the motion's.
+        If mu cannot be computed at the start, or is measured up to a lower slip speed than the motion's, or the
+        engine is not there or cannot take the law.
     NotConverged
         When the number of steps runs out, or mu cannot be computed on the motion.
+    OutOfTime
+        Without `max_steps`, when the time of a `time_limit` is up; with it the phase ends then as at its deadline.
     """
-    phase = SlipPhase(side, "horizon", start)
-    method = _Method(scene, side, rtol, horizon)
-    rising = method.begin(phase)
-    try:
-        return _advanced(phase, method, rising, horizon, until, max_steps, deadline)
-    except StickSlipError as error:
+    phase = SlipPhase(side, start)
+    method = engine(scene, phase, horizon=horizon, rtol=rtol, until=until)
+    while phase.end is End.HORIZON and phase.last.tau < horizon:
         if max_steps is None:
-            raise
-        phase.end, phase.error = "undefined", error
-        return phase
-
-
-def _advanced(
-    phase: SlipPhase,
-    method: "_Method",
-    rising: bool,
-    horizon: float,
-    until: str,
-    max_steps: int | None,
-    deadline: float,
-) -> SlipPhase:
-    """Integrate a phase from where it is to its end."""
-    start = phase.last
-    while phase.last.tau < horizon and phase.end != "rest":
-        if (end := exhausted(phase, max_steps, deadline)) is not None:
-            phase.end = end
-            return phase
-        if max_steps is None:
-            method.check_work(phase, start, until)
-        before = phase.last
-        piece, last = method.step(), method.solver.now
-        if not max(abs(last.q), abs(last.w)) < RUNAWAY:
-            phase.end = "unbounded"
-            return phase
-        turn = method.turn(piece, rising)
-        left = method.leaves(piece, before, last if turn is None else turn, rising)
-        phase.pieces.append(piece)
-        phase.last = last
-        if left is None and turn is not None:
-            phase.extrema.append(turn)
-            rising = not rising
-            if rising and until == "turn":
-                phase.end, phase.last = "minimum", turn
-                return phase
-            left = method.leaves(piece, turn, phase.last, rising)
-        if left is not None:
-            phase.last = left
-            if left.w == 0:
-                phase.end = "return"
-                return phase
-            entered = method.enter(phase, rising)
-            if phase.end == "rest":
-                return phase
-            if until == "turn" and entered and not rising:
-                phase.end = "minimum"
-                return phase
-            rising = entered
-        elif method.rests(phase.last):
-            phase.end = "rest"
-            return phase
-        else:
-            method.choose(phase.last, phase.last.tau - before.tau)
-    return phase
-
-
-@dataclass
-class _Slide:
-    """A stretch of constant slip speed."""
-
-    start: Point
-    t: float
-    rate: float
-
-    def __call__(self, tau: Any) -> Any:
-        return self.start.q + self.rate * (tau - self.start.tau), self.start.w + 0 * tau
-
-
-class _Method:
-    """How one phase is integrated: piece of mu by piece, explicitly, or implicitly in a fast decay of w."""
-
-    def __init__(self, scene: Scene, side: int, rtol: float, horizon: float) -> None:
-        self.scene, self.side, self.rtol, self.horizon = scene, side, rtol, horizon
-        self.pieces = [replace(scene, mu=branch.mu) for branch in scene.branches]
-        self.stiff = False
-        self.held = 0
-        self.rests = attracted_to_rest(scene, side, rtol)
-        self.solver: Explicit | Implicit
-
-    # -- pieces of mu --------------------------------------------------------------------------------
-
-    def begin(self, phase: SlipPhase) -> bool:
-        """Choose the piece of mu at the start, and return whether w rises."""
-        start, branches = phase.last, self.scene.branches
-        self.require_known(start.w)
-        self.index = bisect_right([branch.low for branch in branches], start.w) - 1
-        slope = self._slope(self.index, start)
-        if not math.isfinite(slope):
-            raise InputError(f"mu cannot be computed at a slip speed of {start.w:g} V, where the motion starts")
-        terms = self.scene.eta * self.scene.static, start.q, 2 * self.scene.zeta * start.w
-        level = abs(slope) <= _LEVEL * max(map(abs, terms)) and start.w < self.side  # at a minimum of w
-        if slope < 0 and not level and self.index and start.w == branches[self.index].low:
-            return self.enter(phase, rising=False)
-        self.solver = self._solver(start, self.horizon)
-        return start.w == 0 or level or slope > 0
-
-    def enter(self, phase: SlipPhase, rising: bool) -> bool:
-        """Go on from a level at which mu has a kink, and return whether w rises there."""
-        step = self.solver.length if phase.pieces else None
-        now, beyond = phase.last, self.index + (1 if rising else -1)
-        onward = (self._slope(beyond, now) >= 0) == rising
-        if onward or not self._jumps(now.w, self.index, beyond):
-            self.index = beyond
-        else:
-            rising = self._slide(phase, min(self.index, beyond))
-        if self.stiff and self.pieces[self.index].decay(now.w) <= _SOFT:
-            self.stiff, step = False, None  # where w grows, a long implicit step would take it for a decay
-        if phase.last.tau < self.horizon:
-            self.solver = self._solver(phase.last, self.horizon, step=step)
-        return rising
-
-    def _slope(self, index: int, now: Point) -> float:
-        return self.pieces[index].acceleration(now.q, now.w, self.side)
-
-    def _jumps(self, w: float, *indices: int) -> bool:
-        one, other = (self.scene.branches[index].mu(w) for index in indices)
-        return abs(one - other) > _JUMP * max(abs(one), abs(other))
-
-    def _slide(self, phase: SlipPhase, lower: int) -> bool:
-        """Slide at the slip speed of a jump, and return whether the mass leaves it upward."""
-        start, side = phase.last, self.side
-        rate = 1 - side * start.w  # of q; both slopes of w change by side times as much
-        if rate == 0:  # a jump at the belt's speed holds the mass, wherever it is
-            phase.end = "rest"
-            return True
-        upward = side * rate > 0
-        self.index = lower + 1 if upward else lower
-        # Where the slope of w on the side of the exit is 0.
-        distance = -side * self._slope(self.index, start) / rate
-        tau = min(self.horizon, start.tau + max(distance, 0.0))
-        phase.pieces.append(_Slide(start, tau, rate))
-        phase.last = Point(tau, start.q + rate * (tau - start.tau), start.w)
-        return upward
-
-    # -- steps ---------------------------------------------------------------------------------------
-
-    @property
-    def rates(self) -> Rates:
-        # Of this piece for good: an interpolant may ask for more of them when the mass is on another one.
-        scene, side = self.pieces[self.index], self.side
-        return lambda q, w: (1 - side * w, scene.acceleration(q, w, side))
-
-    def _solver(self, start: Point, end: float, *, step: float | None = None) -> Explicit | Implicit:
-        if self.stiff:
-            decay = self.pieces[self.index].decay
-            return Implicit(self.rates, start, end, self.rtol, side=self.side, decay=decay, step=step)
-        return Explicit(self.rates, start, end, self.rtol, step=step, longest=_LONGEST_STEP)
-
-    def check_work(self, phase: SlipPhase, start: Point, until: str) -> None:
-        steps, elapsed = len(phase.pieces), phase.last.tau - start.tau
-        if steps >= _MOST_STEPS + (_STEPS * len(self.pieces) * elapsed if until == "return" else 0):
-            raise NotConverged(
-                f"one slip phase took over {steps} steps up to {elapsed:.3g}/omega: mu may be too rough, with "
-                f"steps of {self.solver.length:.1e}/omega; try a larger rtol"
-            )
-
-    def step(self) -> Piece:
-        """Take one step and return its interpolant."""
-        piece = self.solver.step()
-        w = self.solver.now.w
-        self.require_known(w)
-        if piece is None:
-            raise NotConverged(
-                f"the slip phase cannot be integrated at rtol = {self.rtol:g} beyond a slip speed of {w:.6g} V: "
-                "mu may have no finite value there; try a larger rtol or another law"
-            )
-        return piece
-
-    def require_known(self, w: float) -> None:
-        """Refuse a slip speed beyond the last measured one."""
-        if w > self.scene.w_max:
-            raise InputError(
-                f"the motion reaches a slip speed of {w:.6g} V, the law is measured up to "
-                f"{self.scene.w_max:.6g} V; measure further, or hold the last coefficient: extrapolate=True"
-            )
-
-    def turn(self, piece: Piece, rising: bool) -> Point | None:
-        """Locate an extremum of w within one step."""
-        start, now = piece.start, self.solver.now
-        # In a fast decay w' is a small difference, and its sign the sign of an error of w.
-        noise = self.rtol ** (2 / 3) * self.pieces[self.index].decay(max(now.w, 0.0)) if self.stiff else 0.0
-        if (self.solver.slope >= -noise) if rising else (self.solver.slope <= noise):
-            return None
-
-        rates = self.rates
-
-        def slope(tau: float) -> float:
-            return rates(*map(float, piece(tau)))[1]
-
-        # Right at an onset or an extremum the slope at the beginning may have either sign, and so may that at the
-        # end on the interpolant.
-        before, after = ((slope(tau) > 0) == rising for tau in (start.tau, piece.t))
+            check_time()
+        elif len(phase.pieces) >= max_steps:
+            phase.end = End.STEPS
+            break
+        if (max_steps is not None and time_left() < 0) or time.monotonic() > deadline:
+            phase.end = End.DEADLINE
+            break
+        method.check_work(bounded=max_steps is not None)
         try:
-            tau = root(slope, start.tau, piece.t) if before and not after else piece.t if before else start.tau
-        except ValueError as error:  # within the step an interpolant may leave where mu can be computed
-            raise NotConverged(
-                f"the slip phase cannot be followed at rtol = {self.rtol:g} from a slip speed of "
-                f"{start.w:.6g} V on: {error}; try another rtol"
-            ) from None
-        # Where w' = 0, w'' = side - w whatever mu is: any other turn is an error of the integration.
-        if (float(piece(tau)[1]) < self.side) == rising:
-            return None
-        return self._refined(start, tau, lambda q, w: (self.rates(q, w)[1], self.side - w))
-
-    def leaves(self, piece: Piece, first: Point, last: Point, rising: bool) -> Point | None:
-        """Locate where w leaves the range of the piece of mu in a monotone stretch of one step."""
-        branch = self.scene.branches[self.index]
-        level = branch.high if rising else branch.low
-        if (last.w < level) if rising else (last.w > level):
-            return None
-        height = [float(piece(point.tau)[1]) - level for point in (first, last)]
-        if (height[0] < 0) != rising:
-            tau = first.tau
-        elif (height[1] < 0) == rising:
-            tau = last.tau
-        else:
-            tau = passage(piece, level, first.tau, last.tau)
-        end = self._refined(piece.start, tau, lambda q, w: (w - level, self.rates(q, w)[1]))
-        return Point(end.tau, end.q, level)
-
-    def _refined(self, before: Point, tau: float, value: Callable[[float, float], tuple[float, float]]) -> Point:
-        """Improve a root near tau, found on an interpolant, to the accuracy of the integration itself.
-
-        `value` gives what vanishes at the root, and its rate.
-        """
-        now = self._state(before, tau)
-        for _ in range(2):
-            offset, rate = value(now.q, now.w)
-            shift = -offset / rate if rate else math.inf
-            if not abs(shift) < _OFF or now.tau + shift <= before.tau:
-                break  # a grazing root: the interpolant's is as good as any
-            if abs(shift) < _STRAIGHT:
-                dq, dw = self.rates(now.q, now.w)
-                return Point(now.tau + shift, now.q + shift * dq, now.w + shift * dw)
-            now = self._state(before, now.tau + shift)
-        return now
-
-    def _state(self, before: Point, tau: float) -> Point:
-        """Integrate afresh from the beginning of the step."""
-        if tau <= before.tau:
-            return before
-        kept, self.solver = self.solver, self._solver(before, tau, step=tau - before.tau)
-        while self.solver.now.tau < tau:
-            self.step()
-        fresh, self.solver = self.solver, kept
-        return fresh.now
-
-    def choose(self, now: Point, step: float) -> None:
-        """Choose the method of the next step."""
-        decay = self.pieces[self.index].decay(now.w)
-        if self.stiff:
-            self.held = 0
-            stiff = decay > _SOFT
-        else:
-            self.held = self.held + 1 if decay > _STIFF and decay * step > _STABLE else 0
-            stiff = self.held >= _PATIENCE
-        if stiff != self.stiff:
-            self.stiff = stiff
-            self.solver = self._solver(now, self.horizon)
+            method.advance()
+        except StickSlipError as error:
+            if max_steps is None:
+                raise
+            phase.end, phase.error = End.UNDEFINED, error
+    return phase

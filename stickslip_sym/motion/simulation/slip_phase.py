@@ -1,23 +1,46 @@
 """`SlipPhase`: the course of one slip phase, whatever integrated it."""
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from enum import Enum, auto
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import brentq
 
-from stickslip_sym.core.deadline import check_time, time_left
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.simulation.steppers import Piece, Point
 
-__all__ = ["RUNAWAY", "SlipPhase", "attracted_to_rest", "exhausted", "passage", "root"]
+__all__ = ["RUNAWAY", "End", "SlipPhase", "Until", "attracted_to_rest", "passage", "root"]
 
 RUNAWAY = 1e100  # times the units of the state
 _CLOSE = 10  # times the tolerance of a step: nearer to a rest the errors of steps do not let the mass come
+
+
+class End(Enum):
+    """How a slip phase ended."""
+
+    RETURN = auto()
+    """w came down to 0."""
+    MINIMUM = auto()
+    """w turned before. An orbit that left P then never returns, since orbits in a plane do not cross."""
+    REST = auto()
+    """The mass came to rest, within the tolerance."""
+    HORIZON = auto()
+    """The time was over."""
+    STEPS = auto()
+    """The bound on the steps was reached."""
+    DEADLINE = auto()
+    """The bound on the time of computation was reached."""
+    UNBOUNDED = auto()
+    """The motion grew beyond all bounds."""
+    UNDEFINED = auto()
+    """The motion came to where mu has no value."""
+
+
+Until = Literal[End.RETURN, End.MINIMUM]
 
 
 @dataclass
@@ -28,12 +51,9 @@ class SlipPhase:
     ----------
     side : int
         1 where the mass is slower than the belt, -1 where it is faster.
-    end : str
-        "return": w came down to 0; "minimum": w turned before; "rest": the mass came to rest, within the
-        tolerance; "horizon": the time was over; "steps", "deadline": the bounds on the work were reached;
-        "unbounded": the motion grew beyond all bounds; "undefined": it came to where mu has no value.
     last : Point
         The state at the end.
+    end : End
     extrema : list of Point
         The maxima and minima of w, in order.
     pieces : list of Piece
@@ -43,8 +63,8 @@ class SlipPhase:
     """
 
     side: int
-    end: str
     last: Point
+    end: End = End.HORIZON
     extrema: list[Point] = field(default_factory=list)
     pieces: list[Piece] = field(default_factory=list)
     error: StickSlipError | None = None
@@ -53,6 +73,13 @@ class SlipPhase:
     def points(self) -> list[Point]:
         """The states at the ends of the steps, from the beginning of the phase to its end."""
         return [*(piece.start for piece in self.pieces), self.last]
+
+    def turns(self, extremum: Point, rising: bool, until: Until) -> bool:
+        """Note an extremum of w after which it rises or falls, and return whether the phase ends there."""
+        self.extrema.append(extremum)
+        if rising and until is End.MINIMUM:
+            self.end, self.last = End.MINIMUM, extremum
+        return self.end is End.MINIMUM
 
     def at(self, tau: Any) -> Any:
         """Return the rows q and w at times within the phase."""
@@ -75,23 +102,6 @@ class SlipPhase:
                 tau = passage(piece, level, before.tau, after.tau)
                 found.append(Point(tau, *map(float, piece(tau))))
         return found
-
-
-def exhausted(phase: SlipPhase, max_steps: int | None, deadline: float) -> str | None:
-    """Return which bound on the work is reached, as `SlipPhase.end` has it; None if there is some left.
-
-    Raises
-    ------
-    OutOfTime
-        Without `max_steps`, when the time of a `time_limit` is up; with it the phase ends then as at its deadline.
-    """
-    if max_steps is None:
-        check_time()
-    elif len(phase.pieces) >= max_steps:
-        return "steps"
-    elif time_left() < 0:
-        return "deadline"
-    return "deadline" if time.monotonic() > deadline else None
 
 
 def attracted_to_rest(scene: Scene, side: int, rtol: float) -> Callable[[Point], bool]:

@@ -1,7 +1,5 @@
 """`Trajectory`: a motion of the mass, its events, and its course between them."""
 
-import csv
-import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
@@ -214,12 +212,9 @@ class Trajectory:
         """
         times = self.t if t is None else np.atleast_1d(t)
         state = State(self.x, self.v, self.phase) if t is None else self.at(times)
-        stream = io.StringIO()
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(["t (s)", "x (m)", "v (m/s)", "phase"])
-        columns = (np.asarray(part, dtype=np.float64).tolist() for part in (times, state.x, state.v))
-        writer.writerows(zip(*columns, [phase.name.lower() for phase in state.phase], strict=True))
-        files.write_text(Path(path), stream.getvalue())
+        numbers = {"t (s)": np.asarray(times, dtype=np.float64), "x (m)": state.x, "v (m/s)": state.v}
+        phases = np.array([phase.name.lower() for phase in state.phase])
+        files.write_csv(Path(path), numbers | {"phase": phases})
 
     def plot(self, path: str | Path | None = None, *, since: float | None = None) -> Any:
         """Draw the time history and the phase plane, stick and slip told apart.

@@ -9,7 +9,6 @@ then on: it never sticks again, and slips on both sides of the belt's speed.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 from stickslip_sym.core import deadline
@@ -17,8 +16,9 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
-from stickslip_sym.motion.simulation.engines import follower
-from stickslip_sym.motion.simulation.slip_phase import SlipPhase
+from stickslip_sym.motion.simulation import engines
+from stickslip_sym.motion.simulation.slip import follow
+from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.output import markup
 
@@ -99,24 +99,23 @@ def stick_slip_cycle(
     OutOfTime
         When the time limit is reached.
     """
-    follow = follower(engine)
+    chosen = engines.find(engine)
     rtol = read_rtol(rtol)
     with deadline.time_limit(time_limit):
-        return _cycle(law, osc, follow, rtol)
+        return _cycle(law, osc, chosen, rtol)
 
 
-def _cycle(
-    law: FrictionLaw, osc: Oscillator, follow: Callable[..., SlipPhase], rtol: float
-) -> StickSlipCycle | None:
+def _cycle(law: FrictionLaw, osc: Oscillator, engine: engines.Engine, rtol: float) -> StickSlipCycle | None:
     scene = Scene.of(law, osc)
-    slips = [follow(scene, _P, 1, horizon=horizon(scene), rtol=rtol, until="turn")]
-    if slips[0].end != "return":
+    slips = [_from_onset(scene, rtol, engine)]
+    if slips[0].end is not End.RETURN:
         return None
     if not scene.sticks(slips[0].last.q):
         overtaking = slips[0].last
-        slips.append(follow(scene, overtaking, -1, horizon=overtaking.tau + horizon(scene), rtol=rtol))
+        latest = overtaking.tau + horizon(scene)
+        slips.append(follow(scene, overtaking, -1, horizon=latest, rtol=rtol, engine=engine))
     end = slips[-1].last
-    if slips[-1].end != "return" or not scene.sticks(end.q):
+    if slips[-1].end is not End.RETURN or not scene.sticks(end.q):
         return None
     # The mass stands still where its slip speed is the belt's, w = 1.
     rests = [point.q for point in slips[0].crossings(1.0)]
@@ -132,6 +131,10 @@ def _cycle(
         v_min=osc.V * (1 - max(speeds)),
         v_max=osc.V * (1 - min(0.0, *speeds)),
     )
+
+
+def _from_onset(scene: Scene, rtol: float, engine: engines.Engine) -> SlipPhase:
+    return follow(scene, _P, 1, horizon=horizon(scene), rtol=rtol, until=End.MINIMUM, engine=engine)
 
 
 def horizon(scene: Scene) -> float:
@@ -182,9 +185,9 @@ def lowest_slip_speed(scene: Scene, rtol: float, engine: str = "scipy") -> float
     Where it neither turns nor returns, but moves away for ever, it is -infinity, as after the hardest return.
     At a graze w'' = 1, so -w'^2/2 continues the minimum through 0 with its value and its slope.
     """
-    slip = follower(engine)(scene, _P, 1, horizon=horizon(scene), rtol=rtol, until="turn")
-    if slip.end == "return":
+    slip = _from_onset(scene, rtol, engines.find(engine))
+    if slip.end is End.RETURN:
         return -(scene.acceleration(slip.last.q, 0.0, 1) ** 2) / 2
-    if slip.end == "unbounded":
+    if slip.end is End.UNBOUNDED:
         return -math.inf
-    return slip.last.w if slip.end == "minimum" else None
+    return slip.last.w if slip.end is End.MINIMUM else None

@@ -284,7 +284,7 @@ def test_command_writes_all_outputs(tmp_path):
         (["exponential", "exponential", "--c", "x"], "'exponential' is given twice"),
         (["exponential", "--all", "--c", "x"], "--all is every law already"),
         (["exponential", "--c", "x", "--steps"], "belong to --latex"),
-        (["exponential", "--latex", "x", "--symbol", r"alpha=\input{y}"], r"command \\input"),
+        (["exponential", "--latex", "x", "--symbol", "alpha=a+b"], "not as one symbol"),
         (["exponential", "--latex", "x", "--symbol", "alfa=a"], "did you mean 'alpha'"),
         (["exponential", "--latex", "x", "--c", "nowhere/y"], "cannot write 'nowhere/y'"),
     ],

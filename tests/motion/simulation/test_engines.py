@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
 import mpmath
+import numpy as np
 import pytest
 from many_digits import exact_return
 from scenes import paper_oscillator
@@ -15,11 +16,13 @@ from systems import needs_heyoka
 import stickslip_sym as ss
 from stickslip_sym.model.expression.parsing import FUNCTIONS
 from stickslip_sym.model.oscillator import Scene
-from stickslip_sym.motion.simulation import taylor
-from stickslip_sym.motion.simulation.engines import follower
+from stickslip_sym.motion.simulation import engines, heyoka, taylor
+from stickslip_sym.motion.simulation.slip import follow
+from stickslip_sym.motion.simulation.slip_phase import End, passage
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
 
+HEYOKA = engines.find("heyoka")
 EXACT = 2e-14  # relative, of heyoka's events: 100 roundings
 AGREES = 1e-12  # of a period or an event time that SciPy found at rtol = 1e-13
 AT_THE_START = 3e-12  # and of an event less than 1/omega after the start, where SciPy's first steps still count
@@ -46,12 +49,12 @@ RETURNS = {
 def test_returns_are_exact(name):
     law, changes, start, side = RETURNS[name]
     scene = Scene.of(law, paper_oscillator(**changes))
-    slip = follower("heyoka")(scene, start, side, horizon=100.0, rtol=1e-13)
+    slip = follow(scene, start, side, horizon=100.0, rtol=1e-13, engine=HEYOKA)
     with mpmath.workdps(25):
         tau, q = exact_return(scene, start, side)
         assert abs(slip.last.tau - tau) < EXACT * tau
         assert abs(slip.last.q - q) < EXACT * max(1, abs(q), start.w)
-    assert slip.end == "return"
+    assert slip.end is End.RETURN
     assert slip.last.w == 0
 
 
@@ -59,9 +62,9 @@ def test_returns_are_exact(name):
 def test_a_layer_ahead_is_missed_unless_it_is_looked_for(monkeypatch):
     law, changes, start, side = RETURNS["layer ahead of a return"]
     scene = Scene.of(law, paper_oscillator(**changes))
-    right = follower("heyoka")(scene, start, side, horizon=100.0, rtol=1e-13).last.tau
+    right = follow(scene, start, side, horizon=100.0, rtol=1e-13, engine=HEYOKA).last.tau
     monkeypatch.setattr(taylor, "_holds", lambda *_: True)
-    blind = follower("heyoka")(scene, start, side, horizon=100.0, rtol=1e-13).last.tau
+    blind = follow(scene, start, side, horizon=100.0, rtol=1e-13, engine=HEYOKA).last.tau
     assert abs(blind - right) > 0.01 * right
 
 
@@ -142,13 +145,13 @@ def test_a_whole_exponent_is_taken_as_such():
 
 @needs_heyoka
 def test_one_compilation_serves_all_scenes_of_a_law():
-    before = taylor._compiled.of.cache_info().misses
+    before = heyoka._compiled.of.cache_info().misses
     for alpha in (1.0, 2.5):
         law = ss.FrictionLaw("0.2 + 0.3*exp(-alpha*v) - 0*v").bind(alpha=alpha)
         for c in (0.0, 1.0):
             for rtol in (1e-6, 1e-12):
                 ss.simulate(law, paper_oscillator(c), t_end=1.0, v0=1.0, rtol=rtol, engine="heyoka")
-    assert taylor._compiled.of.cache_info().misses <= before + 1
+    assert heyoka._compiled.of.cache_info().misses <= before + 1
 
 
 @needs_heyoka
@@ -165,7 +168,7 @@ def test_threads_do_not_mix_their_motions(law):
 @needs_heyoka
 def test_dense_output_is_continuous_and_extrema_end_steps(law):
     scene = Scene.of(law, paper_oscillator(1.0))
-    slip = follower("heyoka")(scene, P, 1, horizon=100.0, rtol=1e-13)
+    slip = follow(scene, P, 1, horizon=100.0, rtol=1e-13, engine=HEYOKA)
     for left, right in pairwise(slip.pieces):
         assert left.t == right.t_old
         assert left(left.t) == pytest.approx(right(right.t_old), abs=1e-14)
@@ -225,3 +228,61 @@ def test_engines_have_names(law):
             call(law, osc, engine="heyoke")
     with pytest.raises(ss.InputError, match="no engine 'rk4'"):
         ss.simulate(law, osc, t_end=1.0, engine="rk4")
+
+
+class Cubic:
+    """The cubic through the states and rates at both ends of a step."""
+
+    def __init__(self, start, last, rates):
+        self.start, self.t = start, last.tau
+        h = last.tau - start.tau
+        ends = [np.array((point.q, point.w)) for point in (start, last)]
+        slopes = [h * np.array(rates(point.q, point.w)) for point in (start, last)]
+        rise = ends[1] - ends[0]
+        self.rows = ends[0], slopes[0], 3 * rise - 2 * slopes[0] - slopes[1], slopes[0] + slopes[1] - 2 * rise
+        self.h = h
+
+    def __call__(self, tau):
+        s = (np.asarray(tau) - self.start.tau) / self.h
+        return sum(np.multiply.outer(row, s**i) for i, row in enumerate(self.rows))
+
+
+class RungeKutta:
+    """The classical method of order 4, in small steps: an engine from outside."""
+
+    def __init__(self, scene, phase, *, horizon, rtol, until):
+        self.phase, self.horizon, self.until, self.rising = phase, horizon, until, True
+        self.rates = lambda q, w: (1 - phase.side * w, scene.acceleration(q, w, phase.side))
+
+    def check_work(self, *, bounded):
+        pass
+
+    def advance(self):
+        phase, before = self.phase, self.phase.last
+        h, y = min(0.01, self.horizon - before.tau), np.array((before.q, before.w))
+        a = np.array(self.rates(*y))
+        b = np.array(self.rates(*(y + h / 2 * a)))
+        c = np.array(self.rates(*(y + h / 2 * b)))
+        d = np.array(self.rates(*(y + h * c)))
+        last = Point(before.tau + h, *(y + h / 6 * (a + 2 * b + 2 * c + d)).tolist())
+        piece = Cubic(before, last, self.rates)
+        phase.pieces.append(piece)
+        phase.last = last
+        if (d[1] > 0) != self.rising:
+            self.rising = not self.rising
+            if phase.turns(last, self.rising, self.until):
+                return
+        if last.w <= 0 and not self.rising:
+            tau = passage(piece, 0.0, before.tau, last.tau)
+            phase.last, phase.end = Point(tau, float(piece(tau)[0]), 0.0), End.RETURN
+
+
+def test_an_engine_from_outside_is_one_class_and_one_entry(law, monkeypatch):
+    osc = paper_oscillator()
+    monkeypatch.setitem(engines.ENGINES, "rk4", RungeKutta)
+    one, other = (ss.stick_slip_cycle(law, osc, engine=engine) for engine in ("rk4", "scipy"))
+    assert one.period == pytest.approx(other.period, rel=1e-7)
+    motions = [ss.simulate(law, osc, t_end=3.0, engine=engine) for engine in ("rk4", "scipy")]
+    times = [[event.t for event in motion.events] for motion in motions]
+    assert times[0] == pytest.approx(times[1], rel=1e-7)
+    assert [event.kind for event in motions[0].events] == [event.kind for event in motions[1].events]
