@@ -19,7 +19,7 @@ from tests.systems import FOLDER_OPENED, needs_links, needs_long_names, needs_mo
 
 def stickslip(*arguments, cwd=None):
     """Run the command in a process of its own."""
-    command = [sys.executable, "-c", "from stickslip_sym.cli import main; main()", *arguments]
+    command = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()", *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=cwd, check=False)
 
 
@@ -119,7 +119,7 @@ def _is_gone(child):
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs /proc to see a process's children")
 def test_ctrl_c_leaves_nothing_behind(tmp_path):
     """Interrupted while SymPy's integrator runs in its own process."""
-    run = [sys.executable, "-c", "from stickslip_sym.cli import main; main()"]
+    run = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()"]
     command = [*run, "derive", "andersson", "--save", "kept.json", "--latex", "kept.tex"]
     with subprocess.Popen(
         command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
@@ -226,7 +226,7 @@ def test_the_bare_command_prints_its_help():
 
 def shell(line, cwd):
     """Run a line of shell in which $RUN is the command."""
-    run = f"{sys.executable} -c 'from stickslip_sym.cli import main; main()'"
+    run = f"{sys.executable} -c 'from stickslip_sym.cli.program import main; main()'"
     command = ["bash", "-c", "set -o pipefail; " + line.replace("$RUN", run)]
     return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=cwd, check=False)
 

@@ -50,7 +50,7 @@ SESSIONS = [
 def test_console_blocks_print_what_they_say(command, output, tmp_path):
     program, *arguments = shlex.split(command)
     start = {
-        "stickslip": [sys.executable, "-c", "from stickslip_sym.cli import main; main()"],
+        "stickslip": [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()"],
         "python": [sys.executable],
     }[program]
     # Away from the repository, for a command may write files.

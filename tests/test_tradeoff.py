@@ -56,7 +56,7 @@ def test_command():
     command = [
         sys.executable,
         "-c",
-        "from stickslip_sym.cli import main; main()",
+        "from stickslip_sym.cli.program import main; main()",
         "tradeoff",
         "hyperbolic",
         "-V",
