@@ -28,8 +28,9 @@ from stickslip_sym.criteria.criterion import harmonic, least_squares
 from stickslip_sym.formula.code.code_text import c_code, octave_code, python_code
 from stickslip_sym.formula.derivation import closed_form
 from stickslip_sym.formula.evaluation import branches, fitting
+from stickslip_sym.formula.evaluation.bounds import slope_with_bound
 from stickslip_sym.formula.evaluation.conditioning import conditioned
-from stickslip_sym.formula.evaluation.profile import profile_of, slope_with_bound
+from stickslip_sym.formula.evaluation.profile import profile_of
 
 EPSILON = accuracy.EPSILON
 

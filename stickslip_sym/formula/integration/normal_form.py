@@ -49,8 +49,8 @@ def normal_form(expr: Any) -> Any:
 
     Integrals are split by linearity, and done where their integrand is a polynomial. Hyperbolic
     functions become exponentials, polylogarithms of order 1 elementary, Dirichlet's eta a zeta, and radicands
-    are factored. What is left is put over one denominator, and its numerator expanded: a polynomial in symbols, in functions
-    that are algebraically independent, and in integrals of unknown functions.
+    are factored. What is left is put over one denominator, and its numerator expanded: a polynomial in symbols,
+    in functions that are algebraically independent, and in integrals of unknown functions.
     """
     expr = sp.sympify(expr).replace(lambda node: isinstance(node, sp.Integral), _split)
     # Which branch a Min, Max or Piecewise takes does not matter to an identity that holds for all numbers.
