@@ -54,14 +54,13 @@ def verify(law: FrictionLaw, criterion: Criterion, expr: Any) -> Verdict:
             got = exact_value(expr, law.slope_expr, point, GATE_DIGITS)
         except (InputError, NotConverged):
             continue
-        with mpmath.workdps(GATE_DIGITS):
-            allowed = max(abs(expected) * mpmath.mpf(10) ** (3 - GATE_DIGITS), _COUNTS_AS_ZERO)
-            if abs(got - expected) > allowed:
-                words = ", ".join(f"{symbol} = {float(value):g}" for symbol, value in point.items())
-                apart = 8 + max(0, mpmath.mag(expected) - mpmath.mag(got - expected)) // 3
-                sides = [mpmath.nstr(value, apart) for value in (got, expected)]
-                found = f"formula {sides[0]}, quadrature {sides[1]} at {words}"
-                return Verdict(Status.REFUTED, found, point)
+        allowed = max(abs(expected) * mpmath.mpf(10) ** (3 - GATE_DIGITS), _COUNTS_AS_ZERO)
+        if abs(got - expected) > allowed:
+            words = ", ".join(f"{symbol} = {float(value):g}" for symbol, value in point.items())
+            apart = 8 + max(0, mpmath.mag(expected) - mpmath.mag(got - expected)) // 3
+            sides = [mpmath.nstr(value, apart) for value in (got, expected)]
+            found = f"formula {sides[0]}, quadrature {sides[1]} at {words}"
+            return Verdict(Status.REFUTED, found, point)
         compared += 1
         if compared == GATE_POINTS:
             evidence = f"agrees with quadrature to {GATE_DIGITS - 3} digits at {GATE_POINTS} seeded points"
