@@ -275,6 +275,7 @@ def test_a_power_series_is_none_or_right_wherever_the_pole_is(criterion):
         ("a*exp(-alpha*v)", {"a": "0.3", "alpha": "1e-6"}),
         ("a/(1 + v/w)", {"a": "0.3", "w": "0.01"}),
         ("a*log(1 + v/w)", {"a": "0.3", "w": "0.002"}),
+        ("a*w^2/(w^2 + (v - b)^2)", {"a": "0.3", "w": "0.01", "b": "0.3"}),
     ],
 )
 def test_quadrature_has_the_digits_that_are_asked_for(text, values):
