@@ -163,7 +163,9 @@ def _report(law: Any, criterion: Any, form: Any, checks: list[Any], steps: bool)
         lines = [f"no closed form: {law.name or 'the law'}, {criterion.name}"]
     else:
         formula = printing.text(form.expr)
-        if len(formula) > _LONGEST:
+        if form.law.curve is not None:
+            formula = f"average of the {form.law.curve} (--json and --save have it exactly)"
+        elif len(formula) > _LONGEST:
             formula = f"{formula[:_LONGEST]}... ({len(formula)} characters; --latex and --save write it whole)"
         lines = [repr(form), "", f"  c = {formula}", "", form.gate.evidence]
         if steps:

@@ -2,7 +2,7 @@
 
 A watching thread raises an exception in the thread that works, at whatever bytecode it has come to, and again
 after a while should something on the way have swallowed it. When the work ends, in whatever way, what is still
-pending is dropped, so nothing is raised later. What SymPy had begun to deduce is forgotten: an interrupted
+pending is taken, so nothing is raised later. What SymPy had begun to deduce is forgotten: an interrupted
 deduction would stay "unknown" for good.
 """
 
@@ -76,6 +76,7 @@ class _Watch:
         self._thread = threading.get_ident()
         self._raising = threading.Lock()
         self._on = True
+        self._raised = False
         # A lock and no Event: releasing it is one step, which nothing can interrupt half way.
         self._running = threading.Lock()
         self._running.acquire()
@@ -89,25 +90,33 @@ class _Watch:
         while not self._running.acquire(timeout=wait):
             with self._raising:
                 if self._on:
-                    self._raise(ctypes.py_object(self.signal))
+                    self._raised = True
+                    self._raise()
             wait = _AGAIN
 
-    def _raise(self, what: "ctypes.py_object[type[BaseException]] | None") -> None:
-        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._thread), what)
+    def _raise(self) -> None:
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._thread), ctypes.py_object(self.signal))
 
     def stop(self) -> None:
-        """End the watch, and drop an exception that is still to be raised; Ctrl-C waits until that is done."""
+        """End the watch, and take an exception that is still to be raised; Ctrl-C waits until that is done.
+
+        It is taken, not withdrawn: CPython 3.11 would look for what was withdrawn at every bytecode, and under a
+        profiler or a debugger for good.
+        """
         pressed: KeyboardInterrupt | None = None
         while True:
             try:
                 with self._raising:
                     self._on = False
-                    self._raise(None)
                 if self._running.locked():
                     self._running.release()
+                if self._raised:
+                    self._raise()
+                    while True:
+                        pass
                 break
             except self.signal:
-                continue
+                self._raised = False
             except KeyboardInterrupt as interrupt:
                 pressed = interrupt
         if pressed is not None:

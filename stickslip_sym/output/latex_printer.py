@@ -28,7 +28,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     printmethod = None  # SymPy's constants would print themselves, Catalan's as G beside any G
 
     def __init__(self, names: Mapping[str, str], dummies: Mapping[Any, str], *, slashes: bool) -> None:
-        super().__init__({"diff_operator": "rd", "imaginary_unit": "ri"})
+        super().__init__({"diff_operator": "rd"})
         self.dummies = dummies
         self._names_of = names
         self._taken = frozenset(map(look, names.values()))
@@ -65,6 +65,10 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_Exp1(self, expr: Any, exp: Any = None) -> str:
         del expr, exp
         return r"\exp(1)" if "e" in self._taken else r"\mathrm{e}"
+
+    def _print_ImaginaryUnit(self, expr: Any) -> str:
+        del expr
+        return r"\sqrt{-1}" if "i" in self._taken else r"\mathrm{i}"
 
     # -- sums ----------------------------------------------------------------------------------------
 

@@ -3,6 +3,8 @@
 Elapsed times are of the processor: what else the machine does must not decide.
 """
 
+import subprocess
+import sys
 import threading
 import time
 
@@ -15,6 +17,7 @@ from stickslip_sym.core import interruption
 from stickslip_sym.core.deadline import time_limit
 from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.formula.derivation import closed_form
+from stickslip_sym.formula.integration import integrals
 
 
 def spin(seconds=60.0):
@@ -135,10 +138,34 @@ def test_derive_ends_in_time_whatever_it_is_at(monkeypatch, stage):
     assert time.process_time() - start < 2
 
 
-def test_a_short_limit_names_what_was_under_way():
+PROFILED = """
+import cProfile
+from stickslip_sym.core.errors import OutOfTime
+from stickslip_sym.core.interruption import within
+
+profile = cProfile.Profile()
+profile.enable()
+assert within(100, lambda: sum(map(abs, range(100)))) == 4950
+try:
+    within(0.05, lambda: [abs(n) for n in range(10**9)])
+except OutOfTime:
+    print(sum(map(abs, range(100))))
+"""
+
+
+def test_a_limit_ends_under_a_profiler():
+    """Whether it was reached or not, nothing is left that a traced call would wait for."""
+    command = [sys.executable, "-c", PROFILED]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout == "4950\n"
+
+
+def test_a_short_limit_names_what_was_under_way(monkeypatch):
     start = time.process_time()
-    with pytest.raises(ss.NoClosedForm, match=r"limit of 0.2 s was reached while .*no formula was found"):
-        ss.derive(ss.FrictionLaw("mu_k + d*atan((v + v_0)/(w + v_1))"), time_limit=0.2)
+    with monkeypatch.context() as patched:
+        patched.setattr(integrals, "antiderivative", lambda *_: spin())
+        with pytest.raises(ss.NoClosedForm, match=r"limit of 0.2 s was reached while .*no formula was found"):
+            ss.derive(ss.FrictionLaw("mu_k + d*atan((v + v_0)/(w + v_1))"), time_limit=0.2)
     assert time.process_time() - start < 2
     # What was interrupted leaves nothing behind that would change a later result.
     assert ss.derive(ss.laws.polynomial).verdict.status is ss.Status.PROVED

@@ -1,8 +1,5 @@
 """Quadrature of the definition: against integrals known by hand, and its refusals."""
 
-import ast
-from pathlib import Path
-
 import mpmath
 import pytest
 import sympy as sp

@@ -11,8 +11,8 @@ import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria import gauss
+from stickslip_sym.formula.evaluation.bounds import slope_with_bound
 from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
-from stickslip_sym.formula.evaluation.profile import slope_with_bound
 
 EPSILON = 2.0**-52
 EXPONENTS = ("delta",)

@@ -4,6 +4,7 @@ from functools import cache
 
 import latex_reader
 import mpmath
+import pytest
 import sympy as sp
 
 import stickslip_sym as ss
@@ -26,7 +27,12 @@ def with_forms(criterion):
     return [name for name in LAWS if name not in WITHOUT[criterion]]
 
 
-FORMS = [(name, criterion) for criterion in WITHOUT for name in with_forms(criterion)]
+FORMS = [
+    pytest.param(name, criterion, marks=pytest.mark.xdist_group(f"{name}, {criterion}"))
+    for criterion in WITHOUT
+    for name in with_forms(criterion)
+]
+"""Each law and criterion with a closed form; all tests of one run in one process, which derives it once."""
 
 
 def point_of(form, number):

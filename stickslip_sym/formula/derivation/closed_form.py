@@ -22,7 +22,8 @@ from stickslip_sym.formula.derivation.steps import Derivation
 from stickslip_sym.formula.derivation.tidy import tidy
 from stickslip_sym.formula.evaluation.arguments import OnInvalid, check_names, check_reach
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
-from stickslip_sym.formula.evaluation.stable import StableFunction, exact_value
+from stickslip_sym.formula.evaluation.exact import exact_value
+from stickslip_sym.formula.evaluation.stable import StableFunction
 from stickslip_sym.formula.integration.integrals import Part, Progress, Told, integrate_terms
 from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 from stickslip_sym.output import markup, printing

@@ -19,7 +19,7 @@ from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import Enclosure, enclose, enclosure_of
 from stickslip_sym.formula.derivation.proving import Status, Verdict
-from stickslip_sym.formula.evaluation.stable import exact_value
+from stickslip_sym.formula.evaluation.exact import exact_value
 from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["GATE_POINTS", "verify"]

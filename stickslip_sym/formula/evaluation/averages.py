@@ -9,7 +9,8 @@ from stickslip_sym.core import symbols
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.evaluation.arguments import OnInvalid, call, check_names, check_reach
-from stickslip_sym.formula.evaluation.stable import Exact, StableFunction, exact_value
+from stickslip_sym.formula.evaluation.exact import exact_value
+from stickslip_sym.formula.evaluation.stable import Exact, StableFunction
 from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["SlopeAverage", "slope_average"]

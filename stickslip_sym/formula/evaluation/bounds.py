@@ -4,11 +4,15 @@ A bound is an expression generated from the formula, so every law has it. It is 
 where it is infinite, the formula is just not used.
 """
 
+from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
-__all__ = ["rounding_bound"]
+from stickslip_sym.core.lambdify import function_of
+
+__all__ = ["rounding_bound", "slope_with_bound"]
 
 _TINY = sp.Float(2.0**-1022)  # what underflow may lose, in units of machine epsilon
 
@@ -62,3 +66,19 @@ def _partial(expr: Any, i: int) -> Any:
     dummies = [sp.Dummy(positive=True) for _ in expr.args]
     derivative = sp.diff(expr.func(*dummies), dummies[i])
     return derivative.xreplace(dict(zip(dummies, expr.args, strict=True)))
+
+
+def slope_with_bound(slope: Any, arguments: list[Any]) -> Callable[..., tuple[Any, Any]]:
+    """Compile a slope, and the bound of its rounding error in machine epsilons."""
+    compiled = function_of(arguments, [slope, rounding_bound(slope)], "numpy")
+
+    def guarded(*columns: Any) -> tuple[Any, Any]:
+        try:
+            value, bound = compiled(*columns)
+        except TypeError:
+            # Some functions of SciPy know double precision only; the bound then counts in its epsilon.
+            value, bound = compiled(*(np.asarray(column, dtype=np.float64) for column in columns))
+            bound = bound * (np.finfo(np.float64).eps / np.finfo(columns[0].dtype).eps)
+        return value, bound
+
+    return guarded

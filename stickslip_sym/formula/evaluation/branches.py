@@ -11,8 +11,15 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
+import sympy as sp
 
-__all__ = ["CENTERS", "MIDDLE", "STRETCHES", "Branch", "Closed", "Formula", "LogTail", "Series", "Table"]
+from stickslip_sym.core import symbols
+from stickslip_sym.core.lambdify import function_of
+
+__all__ = [
+    "CENTERS", "MIDDLE", "STRETCHES", "Branch", "Closed", "Formula", "LogTail", "Series", "Table", "as_closed",
+    "as_formula",
+]  # fmt: skip
 
 
 class Branch(Protocol):
@@ -199,3 +206,37 @@ class LogTail:
     def scalar(self, r: float) -> float:
         """Return G for one r."""
         return self.constant + (self.slope * math.log(r) if self.slope else 0.0)
+
+
+def as_formula(raw: Any) -> tuple[Branch, Any]:
+    """Take a closed form in V as it stands."""
+    expr = sp.factor_terms(raw)
+    vector, single = (function_of([symbols.V], expr, backend) for backend in ("numpy", "math"))
+    return Formula(0.0, expr, vector, single), expr
+
+
+def as_closed(raw: Any) -> tuple[Branch, Any]:
+    """Write a closed form as polynomials in V times functions, over one power of V; also as an expression."""
+    V = symbols.V
+    groups: dict[Any, dict[int, Any]] = {}
+    for term in sp.Add.make_args(sp.expand(raw)):
+        coefficient, rest = term.as_independent(V, as_Add=False)
+        monomials, others = sp.sift(
+            sp.Mul.make_args(rest), lambda factor: factor.as_base_exp()[0] == V, binary=True
+        )
+        function, power = sp.Mul(*others), sp.Mul(*monomials).as_base_exp()[1] if monomials else sp.Integer(0)
+        if not power.is_Integer:
+            function, power = function * V ** (power - sp.floor(power)), sp.floor(power)
+        group = groups.setdefault(function, {})
+        group[int(power)] = group.get(int(power), 0) + coefficient
+    lowest = min(min(group) for group in groups.values())
+    parts, expr = [], sp.Integer(0)
+    for function, group in groups.items():
+        coefficients = [group.get(k, sp.Integer(0)) for k in range(lowest, max(group) + 1)]
+        if function == 1:
+            vector = single = None
+        else:
+            vector, single = (function_of([V], function, backend) for backend in ("numpy", "math"))
+        parts.append((function, tuple(float(c) for c in coefficients), vector, single))
+        expr += function * sp.horner(sp.Add(*[c * V**k for k, c in enumerate(coefficients)]), V)
+    return Closed(float(lowest), tuple(parts)), expr * V**lowest

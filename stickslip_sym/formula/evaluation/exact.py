@@ -3,15 +3,19 @@
 import math
 from collections.abc import Mapping
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import mpmath
 import sympy as sp
 
+from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.formula.evaluation.bounded import Bounded, Uncertain, bounded
+from stickslip_sym.formula.evaluation.conditioning import without_squares
 
-__all__ = ["to_digits"]
+__all__ = ["exact_value", "to_digits"]
 
 _GUARD = 15
 _MOST_DIGITS = 10_000  # of working precision, before a value counts as out of reach
@@ -96,3 +100,40 @@ def _no_value(point: Mapping[Any, Any]) -> InputError:
     zeros = ", ".join(f"{symbol} = 0" for symbol, value in point.items() if value == 0)
     hint = f": it divides by zero at {zeros}; take a small value, or use quadrature.damping" if zeros else ""
     return InputError(f"the closed form has no finite real value at these parameters{hint}")
+
+
+def exact_value(expr: Any, slope: Any, point: Mapping[Any, Any], digits: int) -> Any:
+    """Evaluate a closed form at exact values to `digits` digits; at V = 0 by its limit -N mu'(0+)."""
+    if point[symbols.V] == 0:
+        at_rest = _slope_at_rest(slope)
+        if at_rest is None:
+            return -to_mpf(point[symbols.N]) * _numeric_slope_at_rest(slope, point)
+        expr = -symbols.N * at_rest
+        if expr.is_infinite:
+            raise InputError(_INFINITE)
+    return to_digits(_uncancelled(expr), point, digits)
+
+
+_INFINITE = "the slope of mu is infinite at v = 0, so the criterion has no value at V = 0"
+
+
+@lru_cache(maxsize=128)
+def _slope_at_rest(slope: Any) -> Any:
+    """Return the limit of a slope at v = 0+; None where SymPy finds none, as for exponents without a value."""
+    try:
+        return sp.limit(slope, symbols.v, 0, "+")
+    except (TypeError, ValueError, NotImplementedError):  # as SymPy says that it finds none
+        return None
+
+
+def _numeric_slope_at_rest(slope: Any, point: Mapping[Any, Any]) -> Any:
+    """Return the limit of a slope at v = 0+ from two speeds that are next to nothing."""
+    near, nearer = (to_digits(slope, {**point, symbols.v: sp.Rational(1, 10**k)}, 20) for k in (100, 200))
+    if abs(nearer) < abs(near) / 2:
+        return 0 * nearer
+    if abs(nearer - near) > abs(near) * 1e-12:
+        raise InputError(_INFINITE)
+    return nearer
+
+
+_uncancelled = lru_cache(maxsize=128)(without_squares)

@@ -10,7 +10,6 @@ Nothing is known of g but its expression. The branches are found when a law is f
 Every branch is compared with Gauss averages before it is used.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -23,16 +22,16 @@ from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.evaluation.bounds import rounding_bound
+from stickslip_sym.formula.evaluation.bounds import rounding_bound, slope_with_bound
 from stickslip_sym.formula.evaluation.branches import (
     CENTERS,
     STRETCHES,
     Branch,
-    Closed,
-    Formula,
     LogTail,
     Series,
     Table,
+    as_closed,
+    as_formula,
 )
 from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
 from stickslip_sym.formula.evaluation.fitting import (
@@ -46,7 +45,7 @@ from stickslip_sym.formula.evaluation.fitting import (
 )
 from stickslip_sym.formula.integration.integrals import integrate_terms
 
-__all__ = ["Profile", "profile_of", "slope_with_bound"]
+__all__ = ["Profile", "profile_of"]
 
 _EPSILON = float(np.finfo(np.float64).eps)
 _LOW, _HIGH = -30, 60  # binary exponents of r between which branches are fitted
@@ -75,22 +74,6 @@ class Profile:
 
     starts: tuple[float, ...]
     branches: tuple[Branch | None, ...]
-
-
-def slope_with_bound(slope: Any, arguments: list[Any]) -> Callable[..., tuple[Any, Any]]:
-    """Compile a slope, and the bound of its rounding error in machine epsilons."""
-    compiled = function_of(arguments, [slope, rounding_bound(slope)], "numpy")
-
-    def guarded(*columns: Any) -> tuple[Any, Any]:
-        try:
-            value, bound = compiled(*columns)
-        except TypeError:
-            # Some functions of SciPy know double precision only; the bound then counts in its epsilon.
-            value, bound = compiled(*(np.asarray(column, dtype=np.float64) for column in columns))
-            bound = bound * (_EPSILON / np.finfo(columns[0].dtype).eps)
-        return value, bound
-
-    return guarded
 
 
 @lru_cache(maxsize=128)
@@ -220,7 +203,7 @@ class _Builder:
         grid = 2.0 ** np.arange(_LOW, _HIGH + 0.01, 0.25)
         value, size, _ = self.averages(grid, extended=False)
         best: tuple[float, Branch] | None = None
-        for branch, expr in (_as_closed(raw), _as_formula(raw)):
+        for branch, expr in (as_closed(raw), as_formula(raw)):
             bound = function_of([symbols.V], rounding_bound(expr), "numpy")
             with np.errstate(all="ignore"):
                 got = _value(branch, grid)
@@ -321,37 +304,3 @@ _ELEMENTARY = (sp.exp, sp.log, sp.atan, sp.erf, sp.asinh)
 def _value(branch: Branch, r: Any) -> Any:
     """Return F by a branch, for r that no power takes out of range."""
     return branch.array(r) * r**branch.power
-
-
-def _as_formula(raw: Any) -> tuple[Branch, Any]:
-    """Take a closed form in V as it stands."""
-    expr = sp.factor_terms(raw)
-    vector, single = (function_of([symbols.V], expr, backend) for backend in ("numpy", "math"))
-    return Formula(0.0, expr, vector, single), expr
-
-
-def _as_closed(raw: Any) -> tuple[Branch, Any]:
-    """Write a closed form as polynomials in V times functions, over one power of V; also as an expression."""
-    V = symbols.V
-    groups: dict[Any, dict[int, Any]] = {}
-    for term in sp.Add.make_args(sp.expand(raw)):
-        coefficient, rest = term.as_independent(V, as_Add=False)
-        monomials, others = sp.sift(
-            sp.Mul.make_args(rest), lambda factor: factor.as_base_exp()[0] == V, binary=True
-        )
-        function, power = sp.Mul(*others), sp.Mul(*monomials).as_base_exp()[1] if monomials else sp.Integer(0)
-        if not power.is_Integer:
-            function, power = function * V ** (power - sp.floor(power)), sp.floor(power)
-        group = groups.setdefault(function, {})
-        group[int(power)] = group.get(int(power), 0) + coefficient
-    lowest = min(min(group) for group in groups.values())
-    parts, expr = [], sp.Integer(0)
-    for function, group in groups.items():
-        coefficients = [group.get(k, sp.Integer(0)) for k in range(lowest, max(group) + 1)]
-        if function == 1:
-            vector = single = None
-        else:
-            vector, single = (function_of([V], function, backend) for backend in ("numpy", "math"))
-        parts.append((function, tuple(float(c) for c in coefficients), vector, single))
-        expr += function * sp.horner(sp.Add(*[c * V**k for k, c in enumerate(coefficients)]), V)
-    return Closed(float(lowest), tuple(parts)), expr * V**lowest

@@ -6,9 +6,8 @@ split, the slope average is taken by Gauss rules with a bound of their rounding 
 bound does not allow goes to arbitrary precision, one value at a time.
 """
 
-from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,19 +16,15 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.evaluation.bounds import rounding_bound
-from stickslip_sym.formula.evaluation.branches import Branch
-from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales, without_squares
-from stickslip_sym.formula.evaluation.exact import to_digits
-from stickslip_sym.formula.evaluation.products import largest_exponent, plain_product, scaled_product
-from stickslip_sym.formula.evaluation.profile import Profile, profile_of, slope_with_bound
-from stickslip_sym.formula.evaluation.splitting import Term, split
+from stickslip_sym.formula.evaluation.bounds import rounding_bound, slope_with_bound
+from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
+from stickslip_sym.formula.evaluation.splitting import split
+from stickslip_sym.formula.evaluation.term import TermFunction
 from stickslip_sym.model.expression.pieces import jumps, places
 
-__all__ = ["Exact", "StableFunction", "exact_value"]
+__all__ = ["Exact", "StableFunction"]
 
 _EPSILON = float(np.finfo(np.float64).eps)
 _CANCELLED = 4.0  # the sizes of the terms over the size of their sum, from where the sum is taken otherwise
@@ -37,173 +32,10 @@ _ALLOWED = 64.0  # bound of the rounding error of a Gauss average, in units; it 
 _JUMP = 6.0  # units of rounding error of the weight at a jump
 _SLOPE_ALLOWED = 16.0  # the same, of the slope at one point
 _REALS = (np.float64, np.longdouble)  # where inputs nearly cancel, most processors have eleven bits to spare
-_SAFE = 900.0  # binary exponents that no product may pass, lest something overflows on the way
 _NOTHING = 2.0**-1073  # errors below are no more than the last bit of the smallest numbers
-_WORTH_A_TABLE = 64  # elements with one shape for which branches are found
 
 Exact = Callable[[Mapping[Any, Any]], Any]
 """From the exact values of all arguments to the criterion, as a number."""
-
-
-def exact_value(expr: Any, slope: Any, point: Mapping[Any, Any], digits: int) -> Any:
-    """Evaluate a closed form at exact values to `digits` digits; at V = 0 by its limit -N mu'(0+)."""
-    if point[symbols.V] == 0:
-        at_rest = _slope_at_rest(slope)
-        if at_rest is None:
-            return -to_mpf(point[symbols.N]) * _numeric_slope_at_rest(slope, point)
-        expr = -symbols.N * at_rest
-        if expr.is_infinite:
-            raise InputError(_INFINITE)
-    return to_digits(_uncancelled(expr), point, digits)
-
-
-_INFINITE = "the slope of mu is infinite at v = 0, so the criterion has no value at V = 0"
-
-
-@lru_cache(maxsize=128)
-def _slope_at_rest(slope: Any) -> Any:
-    """Return the limit of a slope at v = 0+; None where SymPy finds none, as for exponents without a value."""
-    try:
-        return sp.limit(slope, symbols.v, 0, "+")
-    except (TypeError, ValueError, NotImplementedError):  # as SymPy says that it finds none
-        return None
-
-
-def _numeric_slope_at_rest(slope: Any, point: Mapping[Any, Any]) -> Any:
-    """Return the limit of a slope at v = 0+ from its values at 1e-100 m/s and 1e-200 m/s."""
-    near, nearer = (to_digits(slope, {**point, symbols.v: sp.Rational(1, 10**k)}, 20) for k in (100, 200))
-    if abs(nearer) < abs(near) / 2:
-        return 0 * nearer
-    if abs(nearer - near) > abs(near) * 1e-12:
-        raise InputError(_INFINITE)
-    return nearer
-
-
-_uncancelled = lru_cache(maxsize=128)(without_squares)
-
-
-class _TermFunction:
-    """A term of a law, compiled."""
-
-    def __init__(self, term: Term, criterion: Criterion, arguments: Sequence[Any]) -> None:
-        self.term, self.criterion = term, criterion
-        self.number, self.size = float(term.number), float(term.size)
-        self.shapes = [arguments.index(symbol) for symbol in term.shapes]
-        bases = list(dict.fromkeys([symbols.V, symbols.N, *term.amplitude, *term.scale]))
-        self.base_exprs = bases
-        self.bases = [
-            arguments.index(base) if base.is_Symbol else function_of(arguments, base, "numpy") for base in bases
-        ]
-        self.amplitude = [float(term.amplitude.get(base, 0)) + (base == symbols.N) for base in bases]
-        self.ratio = [(base == symbols.V) - float(term.scale.get(base, 0)) for base in bases]
-        self._profiles: dict[Any, Profile | None] = {}
-        self._asked: set[Any] = set()
-
-    def profile(self, shape: tuple[float, ...], count: int) -> Profile | None:
-        """Return the branches for values of the shape parameters; None if there are none, or not worth it."""
-        if shape not in self._profiles:
-            if shape and count < _WORTH_A_TABLE and shape not in self._asked:
-                self._asked.add(shape)
-                return None
-            exact = {symbol: sp.Rational(value) for symbol, value in zip(self.term.shapes, shape, strict=True)}
-            self._profiles[shape] = profile_of(self.term.mu.xreplace(exact), self.criterion)
-        return self._profiles[shape]
-
-    def __call__(self, values: list[Any]) -> Any:
-        """Evaluate at floats and at least one flat array, all of one length; NaN where no branch serves."""
-        count = next(value.size for value in values if not isinstance(value, float))
-        columns = [values[i] for i in self.shapes]
-        if all(isinstance(column, float) for column in columns):
-            return self._by_branches(values, self.profile(tuple(columns), count), count)
-        shapes = np.stack([np.broadcast_to(column, (count,)) for column in columns])
-        kinds, which = np.unique(shapes, axis=1, return_inverse=True)
-        result = np.full(count, np.nan)
-        if kinds.shape[1] * _WORTH_A_TABLE <= count:
-            for kind in range(kinds.shape[1]):
-                here = np.flatnonzero(which.ravel() == kind)
-                taken = [value if isinstance(value, float) else value[here] for value in values]
-                shape = tuple(float(x) for x in kinds[:, kind])
-                result[here] = self._by_branches(taken, self.profile(shape, here.size), here.size)
-        return result
-
-    def _by_branches(self, values: list[Any], profile: Profile | None, count: int) -> Any:
-        if profile is None:
-            return np.full(count, np.nan)
-        bases = [values[base] if isinstance(base, int) else base(*values) for base in self.bases]
-        reach = [largest_exponent(base) for base in bases]
-        most = max((abs(branch.power) for branch in profile.branches if branch is not None), default=0.0)
-        plain = (
-            sum(
-                r * (abs(a) + (1 + most) * abs(b))
-                for r, a, b in zip(reach, self.amplitude, self.ratio, strict=True)
-                if r
-            )
-            < _SAFE
-        )
-        ratio = [(base, e) for base, e in zip(bases, self.ratio, strict=True) if e]
-        if plain:
-            r = plain_product(1 / self.size, ratio)
-        else:
-            with np.errstate(invalid="ignore"):
-                r = scaled_product(1 / self.size, ratio, np.ones(count))
-        if isinstance(r, float):
-            r = np.full(count, r)
-        low, high = float(r.min()), float(r.max())
-        if not high < np.inf:
-            # One over a scale of 0, or V far beyond all scales.
-            finite = np.isfinite(r)
-            result = np.full(count, np.nan)
-            taken = [value if isinstance(value, float) else value[finite] for value in values]
-            if finite.any():
-                result[finite] = self._by_branches(taken, profile, int(finite.sum()))
-            return result
-        first, last = bisect_right(profile.starts, low) - 1, bisect_right(profile.starts, high) - 1
-        if first == last:
-            return self._branch(profile.branches[first], r, bases, plain)
-        result = np.empty(count)
-        ends = [*profile.starts[1:], np.inf]
-        for branch, start, end in zip(
-            profile.branches[first : last + 1], profile.starts[first:], ends[first:], strict=False
-        ):
-            here = np.flatnonzero((r >= start) & (r < end))
-            if here.size:
-                part = [base if isinstance(base, float) else base[here] for base in bases]
-                result[here] = self._branch(branch, r[here], part, plain)
-        return result
-
-    def _branch(self, branch: Branch | None, r: Any, bases: list[Any], plain: bool) -> Any:
-        if branch is None:
-            return np.full(r.shape, np.nan)
-        exponents = [a + branch.power * e for a, e in zip(self.amplitude, self.ratio, strict=True)]
-        factors = [(base, e) for base, e in zip(bases, exponents, strict=True) if e]
-        number = self.number * self.size**-branch.power
-        value = branch.array(r)
-        if not plain:
-            return scaled_product(number, factors, value)
-        value *= plain_product(number, factors)
-        return value
-
-    def single(self, values: list[float]) -> float:
-        """Evaluate at floats; NaN where no branch serves, or a product might overflow on the way."""
-        bases = [values[base] if isinstance(base, int) else float(base(*values)) for base in self.bases]
-        if not all(1e-60 < abs(base) < 1e60 for base in bases):
-            return float("nan")
-        profile = self.profile(tuple(values[i] for i in self.shapes), 1)
-        if profile is None:
-            return float("nan")
-        r = 1 / self.size
-        for base, exponent in zip(bases, self.ratio, strict=True):
-            if exponent:
-                r *= base**exponent
-        branch = profile.branches[bisect_right(profile.starts, r) - 1]
-        if branch is None:
-            return float("nan")
-        value: float = branch.scalar(r) * self.number * self.size**-branch.power
-        for base, a, e in zip(bases, self.amplitude, self.ratio, strict=True):
-            exponent = a + branch.power * e
-            if exponent:
-                value *= base**exponent
-        return value
 
 
 class StableFunction:
@@ -225,12 +57,12 @@ class StableFunction:
         self.arguments = list(arguments)
 
     @cached_property
-    def terms(self) -> list[_TermFunction] | None:
+    def terms(self) -> list[TermFunction] | None:
         """The terms of the law; None where there are none to be had."""
         if self.criterion.weight is None:
             return None
         terms = split(self.mu)
-        return None if terms is None else [_TermFunction(term, self.criterion, self.arguments) for term in terms]
+        return None if terms is None else [TermFunction(term, self.criterion, self.arguments) for term in terms]
 
     def single(self, values: list[float]) -> float:
         """Evaluate at one scene of finite floats."""

@@ -4,7 +4,7 @@ from typing import Any
 
 import sympy as sp
 
-__all__ = ["expand_above", "normal_form", "single_limit"]
+__all__ = ["eta_by_zeta", "expand_above", "normal_form", "single_limit"]
 
 _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
 
@@ -39,19 +39,25 @@ def expand_above(expr: Any) -> Any:
     return sp.Add(*terms)
 
 
+def eta_by_zeta(order: Any) -> Any:
+    """Write Dirichlet's eta of a number by Riemann's zeta, which readers know."""
+    return sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
+
+
 def normal_form(expr: Any) -> Any:
     """Reduce an expression so that zero becomes 0.
 
     Integrals are split by linearity, and done where their integrand is a polynomial. Hyperbolic
-    functions become exponentials, polylogarithms of order 1 elementary, and radicands are factored. What is
-    left is put over one denominator, and its numerator expanded: a polynomial in symbols, in functions
-    that are algebraically independent, and in integrals of unknown functions.
+    functions become exponentials, polylogarithms of order 1 elementary, Dirichlet's eta a zeta, and radicands
+    are factored. What is left is put over one denominator, and its numerator expanded: a polynomial in symbols,
+    in functions that are algebraically independent, and in integrals of unknown functions.
     """
     expr = sp.sympify(expr).replace(lambda node: isinstance(node, sp.Integral), _split)
     # Which argument a Min, Max or Piecewise takes does not matter to an identity that holds for all numbers.
     expr = expr.replace(lambda node: isinstance(node, sp.Min | sp.Max | sp.Piecewise), _opaque)
     expr = expr.replace(_is_tangent_integral, lambda node: sp.atan(node.args[0].args[1] / sp.I))
     expr = expr.replace(sp.polylog, lambda order, z: -sp.log(1 - z) if order == 1 else sp.polylog(order, z))
+    expr = expr.replace(sp.dirichlet_eta, eta_by_zeta)
     expr = expr.replace(_is_root, lambda node: sp.factor(node.base) ** node.exp)
     expr = expr.rewrite((sp.sinh, sp.cosh, sp.tanh, sp.sech), sp.exp)
     expr = _exponentials_as_symbols(expr)

@@ -43,7 +43,7 @@ def test_over_eight_decades(name, criterion):
 
 
 @pytest.mark.parametrize("regime", ["small", "large"])
-@pytest.mark.parametrize(("name", "criterion"), [form for form in FORMS if form[0] not in SLOW_REFERENCE])
+@pytest.mark.parametrize(("name", "criterion"), [form for form in FORMS if form.values[0] not in SLOW_REFERENCE])
 def test_at_the_limits(name, criterion, regime):
     if (name, regime) == ("quintic", "large"):
         pytest.skip("V^4 leaves the range of double precision")
