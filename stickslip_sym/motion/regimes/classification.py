@@ -124,7 +124,7 @@ class _Course:
             farther = (now * 4.0 ** np.arange(1, _ROUNDS)).tolist()
             return self._beyond_all if all(self._grows(q) for q in farther) else Motion.PURE_SLIP
         # It may be a long way in: if no round there grows, it ends where P's orbit does.
-        nearer = now * np.linspace(0.0, 1.0, _ROUNDS + 1)[1:-1].tolist()
+        nearer = (now * np.linspace(0.0, 1.0, _ROUNDS + 1)[1:-1]).tolist()
         return Motion.PURE_SLIP if any(self._grows(q) for q in nearer) else self._from_onset()
 
     def _grows(self, q: float) -> bool:
