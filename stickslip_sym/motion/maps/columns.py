@@ -35,7 +35,7 @@ from stickslip_sym.motion.thresholds.rungs import Scenes, average, numerical_ave
 __all__ = ["MOTIONS", "REASONS", "Attractor", "Cells", "Reason", "decide"]
 
 MOTIONS = tuple(Motion)
-_MOST_WORK = 1e9  # cubes of grids; beyond, following the motions of a cell costs less
+_MOST_WORK = 5e7  # cubes of grids; beyond, following the motions of a cell costs less
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _FINER = 1e-2  # tolerance of simulations over that of thresholds
 _TIGHTEST = 1e-13

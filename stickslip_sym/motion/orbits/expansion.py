@@ -182,8 +182,9 @@ def averages(law: FrictionLaw, V: Any, A: Any = 1.0) -> tuple[Any, Any]:
     slope = -slopes(law)(V * ((1 - A) + 2 * A * np.sin(theta / 2) ** 2))
     sine, cosine = np.sin(theta), np.cos(theta)
     return (
-        slope @ (weight * 0.625 * (1 - cosine**4) * sine),
-        slope @ (weight * (2 / np.pi) * sine**2),
+        # No product of matrices: threads would wait for each other longer than they work.
+        (slope * (weight * 0.625 * (1 - cosine**4) * sine)).sum(axis=1),
+        (slope * (weight * (2 / np.pi) * sine**2)).sum(axis=1),
     )
 
 
