@@ -155,8 +155,8 @@ def _solved(matrix: Any, right: Any) -> Any:
     if size < _BLOCK * 2:
         return np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
     K, blocks = size // 2, -(-size // _BLOCK)
-    rows = np.append(np.arange(1, K) + [[0], [K]], [[0], [K]], axis=1).T.ravel()
-    columns = np.append(np.arange(K - 1) + [[0], [K - 1]], [[size - 2], [size - 1]], axis=1).T.ravel()
+    rows = np.append(np.add([[0], [K]], np.arange(1, K)), [[0], [K]], axis=1).T.ravel()
+    columns = np.append(np.add([[0], [K - 1]], np.arange(K - 1)), [[size - 2], [size - 1]], axis=1).T.ravel()
     whole = np.tile(np.eye(blocks * _BLOCK), (count, 1, 1))  # the last block is filled up with unknowns that are 0
     whole[:, :size, :size] = matrix[:, rows[:, None], columns]
     left = whole.reshape(count, blocks, _BLOCK, blocks, _BLOCK).transpose(0, 1, 3, 2, 4).copy()
