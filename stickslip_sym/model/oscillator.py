@@ -131,7 +131,7 @@ def _of_w(
 
     def value(w: float) -> float:
         try:
-            return float(mu(speed * w))
+            return float(mu(speed * max(w, -1.0)))
         except (ArithmeticError, TypeError, ValueError):  # a TypeError is a complex coefficient
             return math.nan
 

@@ -1,5 +1,8 @@
 """Quadrature of the definition: against integrals known by hand, and its refusals."""
 
+import ast
+from pathlib import Path
+
 import mpmath
 import pytest
 import sympy as sp

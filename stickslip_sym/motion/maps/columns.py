@@ -37,8 +37,9 @@ from stickslip_sym.motion.thresholds.scenes import Scenes
 __all__ = ["MOTIONS", "REASONS", "Attractor", "Cells", "Reason", "decide"]
 
 MOTIONS = tuple(Motion)
-_MOST_WORK = 1e9  # cubes of grids; beyond, following the motions of a cell costs less
+_MOST_WORK = 5e7  # cubes of grids; beyond, following the motions of a cell costs less
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
+_FIRST, _BESIDE = 1e-6, 100  # tolerance of a simulated threshold, and how many errors away no finer one is needed
 _FINER = 1e-2  # tolerance of simulations over that of thresholds
 _TIGHTEST = 1e-13
 _BESIDE_REST = 1e-3  # velocity over the belt's of a motion that begins beside rest
@@ -146,7 +147,7 @@ class _Column:
         """Return the damping of the orbit that grazes the belt's speed; None if it is not known by collocation."""
         if not self.smooth:
             return None
-        found = orbits(self.law, self.osc.V, self.osc.N / self.osc.impedance, most_work=_MOST_WORK / 2)
+        found = orbits(self.law, self.osc.V, self.osc.N / self.osc.impedance, most_work=_MOST_WORK / 5)
         if not found.relative_error[0] < _KNOWN and not found.error[0] * found.scale[0] < _KNOWN:
             return None
         return float(found.d[0] * self.osc.impedance)
@@ -163,14 +164,13 @@ class _Column:
         return np.array([self.equilibrium, *inner, self.graze])
 
     def _exact(self) -> tuple[float, float]:
-        """Return the exact threshold and its error.
-
-        By simulation it is -inf if no c >= 0 is one, NaN if it is not found.
-        """
+        """Return the exact threshold and its error: -inf if no c >= 0 is one, NaN if it is not found."""
         if self.graze is not None and obstacle(self.law, self.osc.V) is None:
             return self.graze, 0.0
         try:
-            value, error = grazing_damping(self.law, self.osc, rtol=max(self.fine, 1e-10))
+            value, error = grazing_damping(self.law, self.osc, rtol=_FIRST)
+            if (np.abs(self.c - value) <= _BESIDE * error * value).any():
+                value, error = grazing_damping(self.law, self.osc, rtol=max(self.fine, 1e-10))
         except NoThreshold:
             return -np.inf, 0.0
         except NotConverged:

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from scipy.fft import dct
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import InputError, NotConverged
@@ -219,7 +220,8 @@ def _interpolated(solve: Callable[[Any], Orbits], work: Work) -> Any:
         # Nodes of the first kind: A = 0, where there is no orbit, is none of them.
         nodes = chebyshev.chebpts1(degree + 1)
         found = solve((1 + nodes) / 2)
-        need = chebyshev.chebfit(nodes, found.d, degree)
+        need = dct(found.d[::-1]) / (degree + 1)
+        need[0] /= 2
         variation = np.ptp(found.d)
         if variation <= _FLAT * found.scale.max():
             return need[:1]

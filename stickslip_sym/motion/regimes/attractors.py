@@ -207,19 +207,20 @@ def _found(law: FrictionLaw, osc: Oscillator, rtol: float) -> Regime:
         undecided.append("slip orbits neither grow nor shrink")
     elif abs(rest.rate) * 2 * osc.m <= _ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
         undecided.append("rest neither attracts nor repels to first order")
+    if orbits is not None and rest.rate * orbits.growth[0] < 0:
+        kind = "a stable" if rest.rate > 0 else "an unstable"
+        undecided.append(f"{kind} limit cycle about rest is too small to find")
     if rest.one_sided:
         undecided.append("rest attracts motions on one side of it, and repels those on the other")
     with part("limit cycles that overtake the belt"):
         overtaking = overtaking_cycle(law, osc, rtol=rtol) if height < 0 and cycle is None else None
     with part("separatrices"):
-        if orbits is not None:
-            for separatrix in _separatrices(scene, osc, law, orbits, cycle is not None, rtol):
-                separatrices.append(separatrix)
-    cycles = () if orbits is None else orbits.cycles
+        for separatrix in _separatrices(scene, osc, law, orbits, cycle is not None, rtol) if orbits else ():
+            separatrices.append(separatrix)
     return Regime(
         rest=rest,
         stick_slip=cycle,
-        cycles=cycles if overtaking is None else (*cycles, overtaking),
+        cycles=(*(orbits.cycles if orbits else ()), *([] if overtaking is None else [overtaking])),
         separatrices=tuple(separatrices),
         unbounded=grows_far_out(law, osc),
         undecided=tuple(undecided),

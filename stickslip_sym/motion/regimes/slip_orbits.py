@@ -31,7 +31,7 @@ _NODES = sorted(
     {float(A) for A in _NEAREST + (1 - _NEAREST) * (1 - np.cos(np.linspace(0.0, math.pi, 33))) / 2}
     | {1 - 10.0**-decade for decade in range(3, 7)}
 )  # amplitudes at which the growth is looked at; graded towards the belt's speed, where laws are steep
-_MOST_WORK = 1e9  # cubes of grids: about as long as following the orbits at these amplitudes takes
+_MOST_WORK = 5e7  # cubes of grids: about as long as following the orbits at these amplitudes takes
 _NEUTRAL = 1e-11  # growth a round below which an integration cannot tell its sign
 _STEP = 1e-5  # of amplitude, for the slope of the return map
 _LONGEST = 1e3  # of dimensionless time, for one slip phase; more where damping makes it creep

@@ -20,6 +20,7 @@ __all__ = ["grazing_damping"]
 
 _SLOPE_SAMPLES = 257
 _TIGHTEST = 1e-13
+_LOOSEST = 1e-6  # of a root: looser ones cost hardly less, and in stiff motions say little of what they are off
 _COARSE = 1e-5  # tolerance of a first root, whose orbits cost little
 
 
@@ -35,7 +36,8 @@ def grazing_damping(
     osc : Oscillator
         Its own c is not used.
     rtol : float
-        Relative tolerance of the root, 1e-13 to 1e-3; the steps of the integration are held to a tenth of it.
+        Relative tolerance of the root, 1e-13 to 1e-3; the steps of the integration are held to a tenth of it,
+        or of 1e-6.
     engine : {"scipy", "heyoka"}
         What integrates the slip, as for `simulate`.
 
@@ -90,7 +92,7 @@ def _root(
         # Where the graze is a canard, w jumps by orders of magnitude.
         return found / (1 + abs(found)) if found > -math.inf else -1.0
 
-    tight = max(rtol / 10, _TIGHTEST)
+    tight = max(min(rtol, _LOOSEST) / 10, _TIGHTEST)
     if lowest(0.0, tight) >= 0:
         raise NoThreshold(
             "the slip that leaves P does not return to the belt's speed even without damping, "

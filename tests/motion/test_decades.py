@@ -1,0 +1,80 @@
+"""Over decades of mass and belt speed, and where rest loses stability, what is found is right or named."""
+
+import math
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import stickslip_sym as ss
+from stickslip_sym.motion.orbits import collocation
+from tests.conftest import paper_oscillator
+
+SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+
+
+@pytest.mark.parametrize("m", [1e-12, 1e-8, 1e-4])
+def test_the_simulated_threshold_of_a_light_mass_is_within_its_error(m):
+    """As m tends to 0 the threshold tends to a limit; the phase is stiff, with rates up to 2e6 a unit of time."""
+    law = ss.laws.exponential.typical()
+    rough = ss.pure_slip_damping(law, **SCENE | {"m": m}, method="simulation", time_limit=60)
+    fine = ss.pure_slip_damping(law, **SCENE | {"m": m}, method="simulation", rtol=1e-7, time_limit=60)
+    assert fine.error < 1e-4
+    assert abs(rough.value / fine.value - 1) <= rough.error + fine.error
+    if m <= 1e-8:
+        assert fine.value == pytest.approx(1.970016, rel=fine.error + 1e-6)
+
+
+@pytest.mark.parametrize("name", ["exponential", "hyperbolic"])
+def test_thresholds_of_slow_belts_tend_to_the_slope_at_rest(name):
+    law = ss.laws.catalogue[name].typical()
+    for V in np.logspace(-12, -7, 4):
+        slope = -9.81 * law.slope(V)
+        for method in ("equilibrium", "second_order", "orbit", "simulation"):
+            found = ss.pure_slip_damping(law, **SCENE | {"V": V}, method=method)
+            assert abs(found.value - slope) <= found.error * abs(slope) + 1e-5 * abs(slope), (V, method)
+
+
+def test_a_cycle_too_small_to_be_found_is_named():
+    """mu' = -a + 3 b (v - V)^2 about rest: a cycle of amplitude A needs N (a - 3/4 b A^2); a kink is in reach."""
+    rng = np.random.default_rng(7)
+    for amplitude in 10 ** rng.uniform(-5, -3.5, 4):
+        for bend in rng.choice([-1, 1]) * np.array([1, -1]) * rng.uniform(0.2, 0.6):
+            law = ss.FrictionLaw(f"0.4 - 0.3*(v - 0.5) + ({bend:.6f})*(v - 0.5)^3 + 0.1*Max(0, v - 0.95)")
+            found = ss.regime(law, paper_oscillator(9.81 * (0.3 - 0.75 * round(bend, 6) * amplitude**2)))
+            assert found.rest.stable == (bend < 0)
+            kind = "a stable" if bend > 0 else "an unstable"
+            assert f"{kind} limit cycle about rest is too small to find" in found.undecided
+
+
+@pytest.mark.parametrize("K", [15, 47, 48, 63, 95, 200])
+def test_blocks_solve_what_all_at_once_solves(K):
+    """Matrices that are large where a Newton step's are: each harmonic with itself, and in the lowest ones."""
+    rng = np.random.default_rng(K)
+    matrix, right = rng.normal(size=(3, 2 * K, 2 * K)), rng.normal(size=(3, 2 * K))
+    harmonic = np.arange(1, K)
+    for shift in (0, K):
+        matrix[:, harmonic + shift, harmonic - 1 + shift - (shift > 0)] += 20 * math.sqrt(K)
+    expected = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
+    assert np.abs(collocation._solved(matrix, right) - expected).max() <= 1e-9 * np.abs(expected).max()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a signal cannot be sent to one process there")
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["map", "tanh", "--x", "V=0.1:1:300", "--y", "N=1:50:300", "-c", "1.5"],
+        ["map", "tanh", "--x", "V=0.1:1:300", "--y", "c=1:50:300", "--workers", "2"],
+    ],
+)
+def test_control_c_ends_a_long_map_at_once(command):
+    run = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()", *command]
+    process = subprocess.Popen(run, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(4)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=20)
+    assert process.returncode == 130, err
+    assert "Traceback" not in err
