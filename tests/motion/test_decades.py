@@ -11,7 +11,7 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym.motion.orbits import collocation
-from tests.conftest import paper_oscillator
+from scenes import paper_oscillator
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 

@@ -44,6 +44,7 @@ _PATIENCE = 15  # steps held short by stability before the method changes
 _LEVEL = 1e-13  # of the terms of w', below which it may be nothing but rounding
 _JUMP = 1e-12  # of mu, relative, below which it is rounding
 _OFF = 1e-6  # of dimensionless time, by which the root of an interpolant is off at most, but for a graze
+_AFRESH = 100  # steps for one that is taken again; where time itself is rounded they may be too short to end
 _STRAIGHT = 1e-9  # over which a straight line is off by less than rounding
 
 
@@ -228,7 +229,7 @@ class Steps:
         # Where w' = 0, w'' = side - w whatever mu is: any other turn is an error of the integration.
         if (float(piece(tau)[1]) < self.side) == rising:
             return None
-        return self._refined(start, tau, lambda q, w: (self._rates(q, w)[1], self.side - w))
+        return self._refined(piece, tau, lambda q, w: (self._rates(q, w)[1], self.side - w))
 
     def _leaves(self, piece: Piece, first: Point, last: Point) -> Point | None:
         """Locate where w leaves the range of the piece of mu in a monotone stretch of one step."""
@@ -243,16 +244,18 @@ class Steps:
             tau = last.tau
         else:
             tau = passage(piece, level, first.tau, last.tau)
-        end = self._refined(piece.start, tau, lambda q, w: (w - level, self._rates(q, w)[1]))
+        end = self._refined(piece, tau, lambda q, w: (w - level, self._rates(q, w)[1]))
         return Point(end.tau, end.q, level)
 
-    def _refined(self, before: Point, tau: float, value: Callable[[float, float], tuple[float, float]]) -> Point:
+    def _refined(self, piece: Piece, tau: float, value: Callable[[float, float], tuple[float, float]]) -> Point:
         """Improve a root near tau, found on an interpolant, to the accuracy of the integration itself.
 
         `value` gives what vanishes at the root, and its rate.
         """
-        now = self._state(before, tau)
+        before, now = piece.start, self._state(piece.start, tau)
         for _ in range(2):
+            if now is None:
+                break
             offset, rate = value(now.q, now.w)
             shift = -offset / rate if rate else math.inf
             if not abs(shift) < _OFF or now.tau + shift <= before.tau:
@@ -261,17 +264,18 @@ class Steps:
                 dq, dw = self._rates(now.q, now.w)
                 return Point(now.tau + shift, now.q + shift * dq, now.w + shift * dw)
             now = self._state(before, now.tau + shift)
-        return now
+        return now or Point(tau, *map(float, piece(tau)))
 
-    def _state(self, before: Point, tau: float) -> Point:
-        """Integrate afresh from the beginning of the step."""
+    def _state(self, before: Point, tau: float) -> Point | None:
+        """Integrate afresh from the beginning of the step; None where that takes many steps for this one."""
         if tau <= before.tau:
             return before
         kept, self.solver = self.solver, self._solver(before, tau, step=tau - before.tau)
-        while self.solver.now.tau < tau:
+        steps = 0
+        while self.solver.now.tau < tau and (steps := steps + 1) <= _AFRESH:
             self._step()
-        fresh, self.solver = self.solver, kept
-        return fresh.now
+        fresh, self.solver = self.solver.now, kept
+        return fresh if fresh.tau >= tau else None
 
     def _choose(self, now: Point, step: float) -> None:
         """Choose the method of the next step."""
