@@ -8,10 +8,10 @@ import time
 
 import numpy as np
 import pytest
+from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.motion.orbits import collocation
-from scenes import paper_oscillator
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 
