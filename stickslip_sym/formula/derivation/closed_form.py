@@ -17,12 +17,13 @@ from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.code.code_text import c_code, octave_code, python_code
 from stickslip_sym.formula.derivation.gate import GATE_POINTS, verify
-from stickslip_sym.formula.derivation.proving import Status, Verdict
+from stickslip_sym.formula.derivation.proving import Status, Verdict, prove_equal
 from stickslip_sym.formula.derivation.steps import Derivation
 from stickslip_sym.formula.derivation.tidy import tidy
 from stickslip_sym.formula.evaluation.arguments import OnInvalid, check_names, check_reach
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
 from stickslip_sym.formula.evaluation.stable import StableFunction, exact_value
+from stickslip_sym.formula.integration.harmonic_proofs import AVERAGES_AGREE
 from stickslip_sym.formula.integration.integrals import Part, Progress, Told, integrate_terms
 from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 from stickslip_sym.output import markup, printing
@@ -298,9 +299,13 @@ def _state(
         shown=symbols.mu(symbols.v),
     )
     for part in parts:
-        if part.by is None:
+        if not criterion.is_polynomial:
             statement = sp.Eq(part.integral, part.value, evaluate=False)
-            derivation.judged("average a term", f"by the rule: {part.rule}", statement, gate)
+            verdict = gate
+            if part.by is not None:
+                verdict = prove_equal(part.integral, part.value, part.by, checked=gate)
+            why = f"; {AVERAGES_AGREE}" if verdict.status is Status.PROVED else ""
+            derivation.judged("average a term", f"by the rule: {part.rule}{why}", statement, verdict)
         else:
             derivation.equal(
                 "integrate a term",
