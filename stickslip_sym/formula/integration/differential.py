@@ -86,6 +86,8 @@ class Algebra:
         elif expr.is_Pow and expr.exp.is_Rational and expr.exp.q in (2, 4):
             value = self.power(self.root_of_constant(self.constant(expr.base), expr.exp.q), int(expr.exp.p))
         else:
+            if expr.has(sp.oo, sp.zoo, sp.nan):
+                raise ValueError("a constant is not finite")
             value = self.new()
             self.meanings[value] = expr
         self.named[expr] = value
@@ -118,8 +120,8 @@ class Algebra:
         for factor in sp.Mul.make_args(root):
             base, exponent = factor.as_base_exp()
             for prime, times in sp.factorint(base).items() if base.is_Integer else [(base, 1)]:
-                power = times * exponent
-                part = self.constant(prime) if power.is_Integer else self._root(prime, power.q)
+                power, of = times * exponent, sp.sympify(prime)
+                part = self.constant(of) if power.is_Integer else self._root(of, power.q)
                 result = self.product(result, self.power(part, int(power.p)))
         return result
 

@@ -114,11 +114,12 @@ class Expansion:
         power = self._constant(self.algebra.ring.one)
         for value in taylor[1:]:
             power = self._product(power, inner)
+            factor = self.algebra.constant(sp.sympify(value))
+            total = self._sum(
+                total, Series(power.order, [self.algebra.product(factor, c) for c in power.coefficients])
+            )
             if not power.coefficients or power.order >= self.terms:
                 break
-            factor = self.algebra.constant(sp.sympify(value))
-            scaled = Series(power.order, [self.algebra.product(factor, c) for c in power.coefficients])
-            total = self._sum(total, scaled)
         return total
 
     def _function(self, kind: Any, arguments: Sequence[Any]) -> Series:
@@ -180,9 +181,9 @@ class Expansion:
 
     def _split(self, inner: Series, function: Any) -> tuple[PolyElement, Series]:
         """Return function(inner(0)) and inner - inner(0)."""
-        if inner.order < 0:
-            raise ValueError(f"{function.__name__} of a pole")
-        value = inner.coefficient(0) if inner.known > 0 else 0
+        if inner.order < 0 or inner.known < 1:
+            raise ValueError(f"{function.__name__} of what is not known at 0")
+        value = inner.coefficient(0)
         if value == 0:
             return self.algebra.constant(function(sp.Integer(0))), inner
         front = self.algebra.constant(function(self.algebra.expression(value)))
@@ -190,6 +191,8 @@ class Expansion:
 
     def _third_kind(self, n: Series, m: Series) -> Series:
         """pi/2 sum over k and j of n^k m^j (1/2)_j (1/2)_(k+j)/(j! (k+j)!)."""
+        if n.order < 1:
+            raise ValueError("elliptic_pi is needed at another place than 0")
         total, power = self._constant(self.algebra.ring.zero), self._constant(self.algebra.ring.one)
         for k in range(self.terms):
             values = [
