@@ -194,8 +194,9 @@ def derive(
     """Derive the closed form of a criterion for a law, prove it, and check it against quadrature.
 
     The law is integrated term by term: by rules of this package first, by SymPy's integrator last, in a
-    process that is killed when its time is up. Antiderivatives are proved by differentiation. Every result,
-    proved or not, is compared with quadrature of the definition at 12 seeded points over six decades.
+    process that is killed when its time is up. Antiderivatives are proved by differentiation, harmonic averages
+    by the differential equation that both sides satisfy. Every result, proved or not, is compared with the
+    definition at 12 seeded points over six decades.
 
     Parameters
     ----------
@@ -212,7 +213,7 @@ def derive(
     Returns
     -------
     ClosedForm
-        PROVED, or CHECKED where a rule gives the value of an integral and only numbers can tell.
+        PROVED, or CHECKED where a hypothesis of the proof is not known to hold; the step says which.
 
     Raises
     ------
@@ -301,7 +302,7 @@ def _state(
     for part in parts:
         if not criterion.is_polynomial:
             statement = sp.Eq(part.integral, part.value, evaluate=False)
-            verdict = gate
+            verdict = Verdict(gate.status, f"{gate.evidence}; of a term in pieces no proof is known here")
             if part.by is not None:
                 verdict = prove_equal(part.integral, part.value, part.by, checked=gate)
             why = f"; {AVERAGES_AGREE}" if verdict.status is Status.PROVED else ""

@@ -227,20 +227,45 @@ _ENTIRE = (sp.Add, sp.Mul, sp.Tuple, sp.exp, sp.sin, sp.cos, sp.atan)
 
 
 def _positive(expr: Any, V: Any) -> bool:
-    """Tell whether an expression is known to be positive: also c sqrt(R) + L, if c^2 R > L^2."""
+    """Tell whether an expression is known to be positive for V > 0.
+
+    So is c sqrt(R) + L, c > 0, where L is positive, and where c^2 R > L^2.
+    """
     if is_positive(expr, V):
         return True
     if expr.is_Mul or expr.is_Pow:
         return all(_positive(factor.as_base_exp()[0], V) for factor in sp.Mul.make_args(expr))
+    if not expr.is_Add:
+        return False
+    if all(_positive(term, V) for term in expr.args):
+        return True
     expr = sp.expand(expr)
     roots = {node for node in expr.atoms(sp.Pow) if node.exp == sp.Rational(1, 2) and node.has(V)}
-    if not expr.is_Add or len(roots) != 1:
+    if len(roots) != 1:
         return False
     (root,) = roots
     c, L = expr.coeff(root), expr.coeff(root, 0)
     if not c.is_positive or L.has(root) or sp.expand(expr - c * root - L) != 0:
         return False
-    return is_positive(L, V) or is_positive(sp.factor(c**2 * root.base - L**2), V)
+    return is_positive(L, V) or _outweighs(c**2 * root.base - L**2, L, V)
+
+
+def _outweighs(above: Any, L: Any, V: Any) -> bool:
+    """Tell whether `above` is positive for V > 0, save at zeros of even order where L is positive."""
+    if not above.is_polynomial(V):
+        return False
+    constant, factors = sp.factor_list(above, V)
+    if not sp.sympify(constant).is_positive:
+        return False
+    for factor, power in factors:
+        if is_positive(factor, V):
+            continue
+        places = sp.roots(factor, V)
+        if power % 2 or sum(places.values()) < sp.degree(factor, V):
+            return False
+        if not all(place.is_nonpositive or L.subs(V, place).is_positive for place in places):
+            return False
+    return True
 
 
 def _require_same_start(algebra: Algebra, term: Any, value: Any, u: Any, V: Any, count: int) -> None:
