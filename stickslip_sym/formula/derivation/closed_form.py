@@ -17,13 +17,14 @@ from stickslip_sym.core.symbols import N, V, c, mu, v
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.derivation.gate import GATE_POINTS, verify
-from stickslip_sym.formula.derivation.proving import Status, Verdict
+from stickslip_sym.formula.derivation.proving import Status, Verdict, prove_equal
 from stickslip_sym.formula.derivation.steps import Derivation
 from stickslip_sym.formula.derivation.tidy import tidy
 from stickslip_sym.formula.evaluation.arguments import OnInvalid, check_names, check_reach
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
 from stickslip_sym.formula.evaluation.exact import exact_value
 from stickslip_sym.formula.evaluation.stable import StableFunction
+from stickslip_sym.formula.integration.harmonic_proofs import AVERAGES_AGREE
 from stickslip_sym.formula.integration.integrals import Part, Progress, Told, integrate_terms
 from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 from stickslip_sym.output import markup, printing
@@ -192,8 +193,9 @@ def derive(
     """Derive the closed form of a criterion for a law, prove it, and check it against quadrature.
 
     The law is integrated term by term: by rules of this package first, by SymPy's integrator last, in a
-    process that is killed when its time is up. Antiderivatives are proved by differentiation. Every result,
-    proved or not, is compared with quadrature of the definition at 12 seeded points over six decades.
+    process that is killed when its time is up. Antiderivatives are proved by differentiation, harmonic averages
+    by the differential equation that both sides satisfy. Every result, proved or not, is compared with the
+    definition at 12 seeded points over six decades.
 
     Parameters
     ----------
@@ -210,7 +212,7 @@ def derive(
     Returns
     -------
     ClosedForm
-        PROVED, or CHECKED where a rule gives the value of an integral and only numbers can tell.
+        PROVED, or CHECKED where a hypothesis of the proof is not known to hold; the step says which.
 
     Raises
     ------
@@ -297,9 +299,13 @@ def _state(
         shown=mu(v),
     )
     for part in parts:
-        if part.by is None:
+        if not criterion.is_polynomial:
             statement = sp.Eq(part.integral, part.value, evaluate=False)
-            derivation.judged("average a term", f"by the rule: {part.rule}", statement, gate)
+            verdict = Verdict(gate.status, f"{gate.evidence}; of a term in pieces no proof is known here")
+            if part.by is not None:
+                verdict = prove_equal(part.integral, part.value, part.by, checked=gate)
+            why = f"; {AVERAGES_AGREE}" if verdict.status is Status.PROVED else ""
+            derivation.judged("average a term", f"by the rule: {part.rule}{why}", statement, verdict)
         else:
             derivation.equal(
                 "integrate a term",

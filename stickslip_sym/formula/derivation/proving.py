@@ -70,7 +70,7 @@ class Verdict:
         return markup.block(str(self))
 
 
-def prove_equal(lhs: Any, rhs: Any, by: By | None = None) -> Verdict:
+def prove_equal(lhs: Any, rhs: Any, by: By | None = None, checked: Verdict | None = None) -> Verdict:
     """Prove or refute lhs = rhs.
 
     Parameters
@@ -79,6 +79,8 @@ def prove_equal(lhs: Any, rhs: Any, by: By | None = None) -> Verdict:
         May hold unknown functions, and integrals over them.
     by : callable, optional
         A theorem that is applied to `lhs` first.
+    checked : Verdict, optional
+        What is known otherwise, and holds if the proof fails; without it the sides are compared at points.
 
     Returns
     -------
@@ -93,6 +95,8 @@ def prove_equal(lhs: Any, rhs: Any, by: By | None = None) -> Verdict:
             return Verdict(Status.PROVED, "the difference reduces to 0")
     except ValueError as error:
         obstacle = str(error)
+    if checked is not None:
+        return Verdict(checked.status, f"{checked.evidence}; {obstacle}", checked.point)
     return _compared(lhs, rhs, obstacle)
 
 

@@ -16,6 +16,7 @@ from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.integration import search
 from stickslip_sym.formula.integration.antiderivatives import antiderivative
+from stickslip_sym.formula.integration.harmonic_proofs import HarmonicSeries
 from stickslip_sym.formula.integration.harmonics import harmonic_average, kinked_polynomial_average
 from stickslip_sym.formula.integration.search import Found, Nothing
 from stickslip_sym.formula.integration.terms import grouped
@@ -56,7 +57,7 @@ class Part:
     rule : str
         The rule that gave it.
     by : By or None
-        The theorem that proves it; None where only numbers can tell.
+        The theorem that may prove it; None where only numbers can tell.
     """
 
     term: Any
@@ -121,14 +122,15 @@ def integrate_terms(mu: Any, criterion: Criterion, seconds: float, progress: Pro
                 f"{found.reason}. {_REMEDY}"
             )
         rule, value, primitives = found
-        by = (
-            PieceByPiece([constant * primitive for primitive in primitives], symbols.v, split[1])
-            if primitives
-            else None
-        )
         term = constant * rest
         whole = constant * value + (_boundary(term, criterion) if criterion.is_polynomial else 0)
-        parts.append(Part(term, law_integral(term, criterion), whole, rule, by))
+        integral = law_integral(term, criterion)
+        by: By | None = None
+        if primitives:
+            by = PieceByPiece([constant * primitive for primitive in primitives], symbols.v, split[1])
+        elif not split[1]:
+            by = HarmonicSeries(rest, symbols.v, symbols.V, constant * symbols.N, value / symbols.N)
+        parts.append(Part(term, integral, whole, rule, by))
     return parts
 
 

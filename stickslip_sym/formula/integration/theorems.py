@@ -9,7 +9,16 @@ import sympy as sp
 from stickslip_sym.core.lerch import Lerch
 from stickslip_sym.formula.integration.normal_form import normal_form, single_limit
 
-__all__ = ["Antiderivative", "By", "ChangeOfVariable", "PieceByPiece", "ends_of_pieces", "value_at"]
+__all__ = [
+    "Antiderivative",
+    "By",
+    "ChangeOfVariable",
+    "PieceByPiece",
+    "ends_of_pieces",
+    "is_positive",
+    "is_smooth",
+    "value_at",
+]
 
 
 class By(Protocol):
@@ -126,8 +135,8 @@ def _difference(primitive: Any, integrand: Any, x: Any, low: Any, high: Any) -> 
         raise ValueError(f"{x} is nonnegative, the limits {low} and {high} are not known to be")
     # Above a place that is positive, or 0 if the primitive has a limit there, x is positive: so log(x) is smooth.
     above = sp.Dummy(x.name, positive=True)
-    smooth_above = low.is_nonnegative and _is_smooth(primitive.xreplace({x: above}), above)
-    if not (_is_smooth(primitive, x) or smooth_above):
+    smooth_above = low.is_nonnegative and is_smooth(primitive.xreplace({x: above}), above)
+    if not (is_smooth(primitive, x) or smooth_above):
         raise ValueError(f"{primitive} is not known to be smooth between {low} and {high}")
     return value_at(primitive, x, high) - value_at(primitive, x, low)
 
@@ -181,7 +190,7 @@ _ENTIRE = (
 )
 
 
-def _is_smooth(expr: Any, x: Any) -> bool:
+def is_smooth(expr: Any, x: Any) -> bool:
     """Tell whether an expression is known to be continuous for all x that the assumptions of x allow.
 
     So an integral over [-1, 1] whose variable is nonnegative would be misjudged: the limits are compared with
@@ -198,24 +207,24 @@ def _is_smooth(expr: Any, x: Any) -> bool:
         elif exponent.is_Integer and exponent > 0:
             fine = True
         else:
-            fine = _is_positive(base, x) or bool(base.is_nonnegative and exponent.is_positive)
+            fine = is_positive(base, x) or bool(base.is_nonnegative and exponent.is_positive)
     elif isinstance(expr, sp.log):
-        fine = _is_positive(expr.args[0], x)
+        fine = is_positive(expr.args[0], x)
     elif isinstance(expr, sp.lowergamma):
         order, argument = expr.args
         fine = bool(order.is_positive and argument.is_nonnegative)
     elif isinstance(expr, sp.expint):
-        fine = _is_positive(expr.args[1], x)
+        fine = is_positive(expr.args[1], x)
     elif isinstance(expr, sp.polylog | Lerch):
         # Analytic off the ray from 1: on the negative axis, and on the imaginary one.
         argument = expr.args[1] if isinstance(expr, sp.polylog) else expr.args[0]
         fine = bool(argument.is_nonpositive or argument.is_imaginary)
     else:
         fine = isinstance(expr, _ENTIRE)
-    return fine and all(_is_smooth(argument, x) for argument in expr.args)
+    return fine and all(is_smooth(argument, x) for argument in expr.args)
 
 
-def _is_positive(expr: Any, x: Any) -> bool:
+def is_positive(expr: Any, x: Any) -> bool:
     """Tell whether an expression is known to be positive: by its signs, or as a quadratic without real roots."""
     if expr.is_positive:
         return True
