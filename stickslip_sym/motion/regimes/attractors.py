@@ -207,11 +207,11 @@ def _found(law: FrictionLaw, osc: Oscillator, rtol: float) -> Regime:
         undecided.append("slip orbits neither grow nor shrink")
     elif abs(rest.rate) * 2 * osc.m <= _ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
         undecided.append("rest neither attracts nor repels to first order")
-    if orbits is not None and rest.rate * orbits.growth[0] < 0:
-        kind = "a stable" if rest.rate > 0 else "an unstable"
-        undecided.append(f"{kind} limit cycle about rest is too small to find")
     if rest.one_sided:
         undecided.append("rest attracts motions on one side of it, and repels those on the other")
+    elif orbits is not None and rest.rate * orbits.growth[0] < 0:
+        kind = "a stable" if rest.rate > 0 else "an unstable"
+        undecided.append(f"{kind} limit cycle about rest is too small to find")
     with part("limit cycles that overtake the belt"):
         overtaking = overtaking_cycle(law, osc, rtol=rtol) if height < 0 and cycle is None else None
     with part("separatrices"):

@@ -124,7 +124,7 @@ def test_arrays_broadcast(exponential):
 def test_twelve_decades_of_each_quantity(exponential, name, size):
     """An answer within the tolerance, or an outcome that says why not."""
     scene = SCENE | {name: size}
-    if size == 1e6 and name in ("N", "V"):  # a relaxation too stiff, and a layer too thin, to be followed
+    if size == 1e6 and name == "V":  # a layer too thin to be followed
         with pytest.raises(ss.NotConverged, match=r"rtol = 0\.001 is not reached for .*; try another rtol"):
             ss.pure_slip_damping(exponential, **scene, rtol=1e-3)
         return
