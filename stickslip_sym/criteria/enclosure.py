@@ -27,6 +27,8 @@ MOST_DIGITS = 10_000
 _BITS = math.log2(10)  # per digit
 _GUARD = 30  # bits beyond the digits that are asked for, against rounding
 _MOST_LOST = 1400  # bits of cancellation that are followed, some 400 digits
+_EXTREME = 100_000  # bits, beyond which an end is rounded outwards instead of written in full
+_MOST_SHOWN = 4000  # where two enclosures are told apart
 _SHOWN = 50  # digits of an end, at most
 
 
@@ -65,7 +67,9 @@ class Enclosure:
         if self.radius == 0:
             return MOST_DIGITS
         ratio = abs(self.mid) / self.radius
-        return max(0, len(str(int(ratio))) - 1) if ratio >= 1 else 0
+        bits = ratio.numerator.bit_length() - ratio.denominator.bit_length()
+        certain = max(0, int((bits - 1) / _BITS))  # as text, an integer of thousands of digits costs too much
+        return certain + (ratio >= Fraction(10) ** (certain + 1))
 
     def overlaps(self, other: "Enclosure") -> bool:
         """Whether one number may lie in both."""
@@ -73,7 +77,7 @@ class Enclosure:
 
     def apart(self, other: "Enclosure") -> tuple[str, str]:
         """Return the middles of two enclosures with as many digits as it takes to see that they differ."""
-        for digits in range(8, MOST_DIGITS):
+        for digits in range(8, _MOST_SHOWN):
             mine, others = _truncated(self.mid, digits), _truncated(other.mid, digits)
             if mine != others:
                 break
@@ -122,12 +126,26 @@ def _truncated(value: Fraction, digits: int) -> str:
 
 
 def enclosure_of(value: arb) -> Enclosure:
-    """Return the ends of a real ball, exactly."""
-    ends = []
-    for end in (value.lower(), value.upper()):
-        mantissa, exponent = end.man_exp()
-        ends.append(Fraction(int(mantissa)) * Fraction(2) ** int(exponent))
-    return Enclosure(*ends)
+    """Return the ends of a real ball, exactly; those nearer to 0 than 2^-100000 as 0 and that.
+
+    Raises
+    ------
+    NotConverged
+        For an end beyond 2^100000.
+    """
+    return Enclosure(_exact_end(value.lower(), -1), _exact_end(value.upper(), 1))
+
+
+def _exact_end(end: arb, side: int) -> Fraction:
+    mantissa, exponent = (int(part) for part in end.man_exp())
+    if mantissa == 0:
+        return Fraction(0)
+    size = exponent + mantissa.bit_length()
+    if size > _EXTREME:
+        raise NotConverged(f"the value is beyond 2^{_EXTREME}, too large to be written")
+    if size < -_EXTREME:
+        return Fraction(side, 2**_EXTREME) if mantissa * side > 0 else Fraction(0)
+    return Fraction(mantissa) * Fraction(2) ** exponent
 
 
 def enclose(

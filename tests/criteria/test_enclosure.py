@@ -110,3 +110,10 @@ def test_unusable_numbers_are_refused(arguments, complaint):
 def test_an_infinite_coefficient_is_refused():
     with pytest.raises(ss.NotConverged, match="not enclosed"):
         ss.enclose(ss.FrictionLaw("mu_0 - b*log(v/v_0)").bind(mu_0="0.5", b="0.01", v_0="0.1"), V=1, N=1)
+
+
+def test_what_is_too_small_to_be_written_is_enclosed_with_zero():
+    law = ss.FrictionLaw("a*exp(-(v/w)^5)").bind(a="0.3", w="1e-3")
+    enclosure = ss.enclose(law, "equilibrium", V=1000, N=1)
+    assert enclosure.low == 0 < enclosure.high < Fraction(1, 10**10_000)
+    assert (0 in enclosure, enclosure.digits) == (True, 0)
