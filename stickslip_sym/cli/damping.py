@@ -52,7 +52,8 @@ def damping(
     bound = friction.typical(**assignments(parameter or []))
     options = {"V": speed, "N": force, "m": mass, "k": stiffness}
     given = {name: text for name, text in options.items() if text is not None}
-    scene = read_numbers(given)
+    read_numbers(given)  # refuses what is no number
+    scene = given
     limit = read_numbers({"time_limit": time_limit}).get("time_limit")
     if everything:
         usable = [name for name, rung in rungs().items() if "m" in scene or not rung.oscillator]
@@ -68,23 +69,25 @@ def damping(
         )
     elif everything:
         rows = [
-            [method, f"none: {in_options(str(threshold))}", "", ""]
+            [method, f"none: {in_options(str(threshold))}", "", "", ""]
             if isinstance(threshold, StickSlipError)
             else [
                 method,
                 f"{threshold.value:.12g}",
                 "unknown" if threshold.error is None else f"{threshold.error:.1e}",
+                threshold.status,
                 duration(seconds),
             ]
             for method, (threshold, seconds) in found.items()
         ]
-        typer.echo(table(["method", "c in kg/s", "relative error", "time"], rows))
+        typer.echo(table(["method", "c in kg/s", "relative error", "status", "time"], rows))
     else:
-        typer.echo(str(found[method][0]))
+        threshold = found[method][0]
+        typer.echo(str(threshold if threshold.theorem is None else f"{threshold}\n\n{threshold.theorem}"))
 
 
 def _threshold(
-    law: Any, scene: dict[str, float], method: str, rtol: float, limit: float | None
+    law: Any, scene: dict[str, Any], method: str, rtol: float, limit: float | None
 ) -> tuple[Any, float]:
     """Return a threshold, or the error that says why there is none, and the seconds it took."""
     import time
@@ -106,5 +109,6 @@ def _as_json(method: str, threshold: Any, seconds: float) -> dict[str, Any]:
         "method": threshold.method,
         "c": json_output.quantity(threshold.value, "kg/s"),
         "relative_error": json_output.number(threshold.error),
+        "status": threshold.status,
         "seconds": seconds,
     }

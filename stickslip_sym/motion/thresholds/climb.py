@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.motion.orbits.orbit import obstacle
-from stickslip_sym.motion.thresholds.rungs import Rung, average, numerical_averages, rungs
+from stickslip_sym.motion.thresholds.rungs import Rung, average, ladder, numerical_averages, rungs
 from stickslip_sym.motion.thresholds.scenes import Scenes
 
 __all__ = ["accuracy", "by_name", "climb"]
@@ -20,15 +20,15 @@ def accuracy(error: float | None) -> str:
     return "unknown" if error is None or not np.isfinite(error) else f"{error:.0e}"
 
 
-def by_name(scenes: Scenes, rung: Rung, rtol: float) -> tuple[Any, Any]:
-    """Return the value of one rung, and its error."""
+def by_name(scenes: Scenes, rung: Rung, rtol: float) -> tuple[Any, Any, tuple[Any, ...]]:
+    """Return the value of one rung, its error, and what was proved."""
     rung.require_smooth(scenes.law, scenes.V)
     found = rung.compute(scenes, rtol)
     _require(scenes, found.error <= max(rtol, rung.reachable), found.reason, found.error)
     if rung.knows_its_error:
-        return found.value, found.error
+        return found.value, found.error, found.theorems
     reference, doubt = _best(scenes, _REFERENCE)
-    return found.value, _distance(found.value, reference) + doubt + found.error
+    return found.value, _distance(found.value, reference) + doubt + found.error, ()
 
 
 def _best(scenes: Scenes, rtol: float) -> tuple[Any, Any]:
@@ -55,7 +55,7 @@ def _best(scenes: Scenes, rtol: float) -> tuple[Any, Any]:
 
 def _exact(smooth: bool) -> list[Rung]:
     """Return the rungs that know their error, for a law that is smooth, or any."""
-    return [rung for rung in rungs().values() if rung.knows_its_error and (smooth or not rung.smooth)]
+    return [rung for rung in ladder(smooth) if rung.knows_its_error]
 
 
 def climb(scenes: Scenes, rtol: float) -> tuple[Any, Any, Any]:
@@ -77,8 +77,8 @@ def climb(scenes: Scenes, rtol: float) -> tuple[Any, Any, Any]:
         else {name: average(scenes, criterion) for name, criterion in averages.items()}
     )
     best = None
-    for rung in rungs().values():
-        if rung.knows_its_error or rung.criterion is not None or (rung.smooth and not smooth):
+    for rung in ladder(smooth):
+        if rung.knows_its_error or rung.criterion is not None:
             continue
         found = rung.compute(scenes, rtol)
         if found.doubt is not None:

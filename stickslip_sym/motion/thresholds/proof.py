@@ -11,13 +11,17 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
+from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.box_transit import BoxScene, Transit, transit
+from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
+from stickslip_sym.motion.thresholds.scenes import Scenes
 from stickslip_sym.motion.thresholds.taylor_boxes import Undecided
 from stickslip_sym.motion.thresholds.theorem import Theorem
 
-__all__ = ["prove_threshold"]
+__all__ = ["prove_threshold", "theorems"]
 
+_GUESS = 1e-10  # tolerance of the simulation that says where to look
 _BITS = 64  # of a decision, beyond those of its distance from the threshold
 _MORE_BITS = (1, 2, 4)  # times as many, until a decision falls
 _CURVED = 10  # the secant is off by the square of the bracket, times this
@@ -97,6 +101,27 @@ def _rounded(c: Any, width: Any) -> Any:
     """Return the nearest decimal number with no more digits than a width calls for."""
     places = max(0, math.ceil(-math.log10(float(width) / _FINE))) if float(width) else 50
     return sp.Rational(round(c * 10**places), 10**places)
+
+
+def theorems(scenes: Scenes, rtol: float) -> list[Theorem]:
+    """Prove the threshold of every scene; simulation guesses where it lies.
+
+    Raises
+    ------
+    InputError
+        If the law does not meet a hypothesis of the lemma.
+    NoThreshold
+        If the slip returns for no damping c >= 0.
+    NotConverged
+        If a decision does not fall; it says where the boxes grew.
+    """
+    found = []
+    for row in range(len(scenes)):
+        scene = BoxScene(scenes.law, **scenes.exact_row(row))
+        osc = Oscillator(**{name: float(value) for name, value in scenes.exact_row(row).items()})
+        guess, error = grazing_damping(scenes.law, osc, rtol=_GUESS)
+        found.append(prove_threshold(scene, guess, error, rtol))
+    return found
 
 
 def prove_threshold(scene: BoxScene, guess: float, error: float, rtol: float) -> Theorem:

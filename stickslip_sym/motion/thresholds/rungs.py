@@ -23,7 +23,18 @@ from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from stickslip_sym.motion.thresholds.scenes import Scenes
 
-__all__ = ["Basis", "Found", "Rung", "add", "average", "find", "numerical_averages", "rungs", "second_order"]
+__all__ = [
+    "Basis",
+    "Found",
+    "Rung",
+    "add",
+    "average",
+    "find",
+    "ladder",
+    "numerical_averages",
+    "rungs",
+    "second_order",
+]
 
 ROUNDING = 1e-14
 _LOOSEST = 1e-7  # of a simulation: what it costs hardly depends on it, and stiff motions get lost in rounding
@@ -54,12 +65,15 @@ class Found:
     doubt : numpy.ndarray, optional
         An estimate of the whole error of a rung whose error rests on a difference, so that lower rungs can be
         compared with it.
+    theorems : tuple
+        What was proved of each scene, if anything was.
     """
 
     value: Any
     error: Any
     reason: str = ""
     doubt: Any = None
+    theorems: tuple[Any, ...] = ()
 
 
 def _one_attempt(rtol: float) -> tuple[float, ...]:
@@ -85,8 +99,11 @@ class Rung:
         Whether it needs a smooth law.
     singly : bool
         Whether scenes are computed one by one, each at some cost: "auto" asks it last.
-    best, loosest : float
-        The relative error it reaches, to compare others with it, and the largest that it can be asked for.
+    automatic : bool
+        Whether "auto" may ask it.
+    best, tightest, loosest : float
+        The relative error it reaches, to compare others with it, and the smallest and the largest that it can be
+        asked for.
     reachable : float
         An error that is never refused.
     attempts : callable
@@ -100,7 +117,9 @@ class Rung:
     oscillator: bool = True
     smooth: bool = False
     singly: bool = False
+    automatic: bool = True
     best: float = 1e-12
+    tightest: float = 1e-13
     loosest: float = 1.0
     reachable: float = 0.0
     attempts: Callable[[float], tuple[float, ...]] = _one_attempt
@@ -151,6 +170,11 @@ def add(rung: Rung) -> None:
 def rungs() -> dict[str, Rung]:
     """Return the ladder: the averages by the criteria of the catalogue, and what comes closer."""
     return {name: _average_rung(criterion) for name, criterion in criteria.catalogue.items()} | _table
+
+
+def ladder(smooth: bool) -> list[Rung]:
+    """Return the rungs that "auto" may climb, for a law that is smooth, or for any."""
+    return [rung for rung in rungs().values() if rung.automatic and (smooth or not rung.smooth)]
 
 
 def find(method: "str | Criterion | Rung") -> Rung | None:
@@ -265,6 +289,17 @@ def _simulated(scenes: Scenes, rtol: float) -> Found:
     return Found(found[0], found[1])
 
 
+def _proved(scenes: Scenes, rtol: float) -> Found:
+    """Return the middle of the dampings between which the threshold was proved to lie."""
+    from stickslip_sym.motion.thresholds.proof import theorems
+
+    found = tuple(theorems(scenes, rtol))
+    enclosures = [theorem.enclosure for theorem in found]
+    value = np.array([float(enclosure) for enclosure in enclosures])
+    error = np.array([float(one.radius / abs(one.mid)) for one in enclosures])
+    return Found(value, error, theorems=found)
+
+
 def _tighter(rtol: float) -> tuple[float, ...]:
     return tuple(min(max(rtol * part, 1e-13), _LOOSEST) for part in _TIGHTER)
 
@@ -284,3 +319,4 @@ add(
         attempts=_tighter,
     )
 )
+add(Rung("proof", _proved, Basis.BOUND, singly=True, automatic=False, best=0.0, tightest=1e-40, loosest=1e-3))

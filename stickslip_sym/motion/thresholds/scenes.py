@@ -1,6 +1,7 @@
 """`Scenes`: where thresholds are asked for, by arrays."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import read_array
+from stickslip_sym.core.numbers import exact, read_array
 from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["Scenes"]
@@ -16,7 +17,10 @@ __all__ = ["Scenes"]
 
 @dataclass(frozen=True)
 class Scenes:
-    """Scenes of one law, flat arrays of one length; m and k are None where they were not given."""
+    """Scenes of one law, flat arrays of one length; m and k are None where they were not given.
+
+    What was given as text is kept, exactly, in `exact`.
+    """
 
     law: FrictionLaw
     V: Any
@@ -24,6 +28,7 @@ class Scenes:
     m: Any
     k: Any
     shape: tuple[int, ...]
+    exact: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, law: FrictionLaw, **values: ArrayLike | None) -> "Scenes":
@@ -35,7 +40,9 @@ class Scenes:
             For numbers that are not finite or have the wrong sign, shapes that do not broadcast, or only one
             of m and k.
         """
-        given = {name: _column(name, value) for name, value in values.items() if value is not None}
+        exactly = {name: exact(value, name) for name, value in values.items() if isinstance(value, str)}
+        numbers = values | {name: float(value) for name, value in exactly.items()}
+        given = {name: _column(name, value) for name, value in numbers.items() if value is not None}
         if ("m" in given) != ("k" in given):
             raise InputError("give both the mass m and the stiffness k, or neither")
         try:
@@ -44,7 +51,7 @@ class Scenes:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in given.items())
             raise InputError(f"the shapes do not broadcast: {shapes}") from None
         flat = {name: column.ravel() for name, column in columns.items()}
-        return cls(law, flat["V"], flat["N"], flat.get("m"), flat.get("k"), columns["V"].shape)
+        return cls(law, flat["V"], flat["N"], flat.get("m"), flat.get("k"), columns["V"].shape, exactly)
 
     def __len__(self) -> int:
         return len(self.V)
@@ -52,7 +59,12 @@ class Scenes:
     def rows(self, chosen: Any) -> "Scenes":
         """Return some of the scenes."""
         m, k = (None if column is None else column[chosen] for column in (self.m, self.k))
-        return Scenes(self.law, self.V[chosen], self.N[chosen], m, k, self.V[chosen].shape)
+        return Scenes(self.law, self.V[chosen], self.N[chosen], m, k, self.V[chosen].shape, self.exact)
+
+    def exact_row(self, row: int) -> dict[str, Any]:
+        """Return V, N, m and k of one scene exactly: text as the decimal it says, a float as the binary it is."""
+        columns = {"V": self.V, "N": self.N, "m": self.m, "k": self.k}
+        return {name: self.exact.get(name, exact(column[row], name)) for name, column in columns.items()}
 
     @property
     def impedance(self) -> Any:

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.criteria.criterion import Criterion, equilibrium, harmonic
+from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.doubts import warn_where_negative
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.orbits.orbit import obstacle
@@ -16,6 +17,7 @@ from stickslip_sym.motion.thresholds import rungs
 from stickslip_sym.motion.thresholds.climb import accuracy, by_name, climb
 from stickslip_sym.motion.thresholds.rungs import Rung
 from stickslip_sym.motion.thresholds.scenes import Scenes
+from stickslip_sym.motion.thresholds.theorem import Theorem
 from stickslip_sym.output import markup
 
 __all__ = ["Threshold", "pure_slip_damping"]
@@ -31,14 +33,34 @@ class Threshold:
         In kg/s. A negative value says that only a mass that is fed energy sticks and slips.
     method : str or numpy.ndarray of str
     error : float, numpy.ndarray or None
-        Estimated error against the exact threshold, relative; None where nothing is known of it.
+        Error against the exact threshold, relative: an estimate, with "proof" a bound; None if nothing is known.
+    theorems : tuple of Theorem
+        With "proof": what was proved of each scene, and how.
     """
 
     value: Any
     method: Any
     error: Any
+    theorems: tuple[Theorem, ...] = ()
+
+    @property
+    def theorem(self) -> Theorem | None:
+        """What was proved of one scene, or None."""
+        return self.theorems[0] if len(self.theorems) == 1 else None
+
+    @property
+    def enclosure(self) -> Enclosure | None:
+        """Two dampings between which the threshold of one scene was proved to lie, or None."""
+        return None if self.theorem is None else self.theorem.enclosure
+
+    @property
+    def status(self) -> str:
+        """PROVED, or ESTIMATED where the error is an estimate, or not known."""
+        return "PROVED" if self.theorems else "ESTIMATED"
 
     def __str__(self) -> str:
+        if self.theorem is not None:
+            return f"{self.enclosure} kg/s ({self.method}, relative error at most {accuracy(self.error)}, PROVED)"
         if not np.ndim(self.value):
             return f"{self.value:.10g} kg/s ({self.method}, relative error {accuracy(self.error)})"
         if not np.size(self.value):
@@ -89,7 +111,8 @@ def pure_slip_damping(
     law : FrictionLaw
         With all parameters bound.
     V, N : float or array_like
-        Belt speed in m/s and normal force in N. All four quantities broadcast.
+        Belt speed in m/s and normal force in N. All four quantities broadcast. One number may be text, which
+        "proof" takes exactly: "9.81" is 9.81, and 9.81 the nearest binary number.
     m, k : float or array_like, optional
         Mass in kg and stiffness in N/m. Without them the error of an average of slopes is not known, unless
         mu is a straight line, which all methods treat exactly.
@@ -97,9 +120,9 @@ def pure_slip_damping(
         "auto" gives the cheapest rung whose error is known to be at most `rtol`, and climbs no further than is
         needed to know it. Without m and k it gives "harmonic", the limit of weak friction. Otherwise a rung: by
         name "equilibrium", "least_squares", "harmonic", "second_order", "orbit" or "simulation", or the average
-        by a criterion of one's own.
+        by a criterion of one's own. "proof" encloses the threshold, with every error bounded.
     rtol : float
-        Relative error that is good enough, 1e-13 to 1; for "simulation" by name at most 1e-3.
+        Relative error that is good enough, 1e-13 to 1; for "simulation" at most 1e-3; for "proof" 1e-40 to 1e-3.
     time_limit : float, optional
         Seconds of computation after which it is given up.
 
@@ -126,7 +149,8 @@ def pure_slip_damping(
         If mu is negative at a slip speed up to 2 V.
     """
     rung = rungs.find(method)
-    rtol = read_rtol(rtol, most=1.0 if rung is None else rung.loosest)
+    best, worst = (1e-13, 1.0) if rung is None else (rung.tightest, rung.loosest)
+    rtol = read_rtol(rtol, least=best, most=worst)
     scenes = Scenes.of(law, V=V, N=N, m=m, k=k)
     if rung is not None:
         rung.require_oscillator(scenes.m)
@@ -134,23 +158,23 @@ def pure_slip_damping(
     if len(scenes):
         warn_where_negative(law, float(scenes.V.max()))
     with deadline.time_limit(time_limit):
-        value, names, error = _found(scenes, rung, rtol)
+        value, names, error, theorems = _found(scenes, rung, rtol)
     names = np.array(names.tolist(), dtype=str)
     if scenes.shape != ():
-        columns = (column if column is None else column.reshape(scenes.shape) for column in (value, names, error))
-        return Threshold(*columns)
+        error = None if error is None else error.reshape(scenes.shape)
+        return Threshold(value.reshape(scenes.shape), names.reshape(scenes.shape), error, theorems)
     known = error is not None and np.isfinite(error[0])
-    return Threshold(float(value[0]), str(names[0]), float(error[0]) if known else None)
+    return Threshold(float(value[0]), str(names[0]), float(error[0]) if known else None, theorems)
 
 
-def _found(scenes: Scenes, rung: Rung | None, rtol: float) -> tuple[Any, Any, Any]:
+def _found(scenes: Scenes, rung: Rung | None, rtol: float) -> tuple[Any, Any, Any, tuple[Theorem, ...]]:
     deadline.check_time()
     if scenes.m is None and (rung is None or not rung.oscillator):
-        return _without_oscillator(scenes, rung, rtol)
+        return (*_without_oscillator(scenes, rung, rtol), ())
     if rung is None:
-        return climb(scenes, rtol)
-    value, error = by_name(scenes, rung, rtol)
-    return value, np.full(len(scenes), rung.name), error
+        return (*climb(scenes, rtol), ())
+    value, error, theorems = by_name(scenes, rung, rtol)
+    return value, np.full(len(scenes), rung.name), error, theorems
 
 
 def _without_oscillator(scenes: Scenes, rung: Rung | None, rtol: float) -> tuple[Any, Any, Any]:

@@ -20,7 +20,7 @@ from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.orbits.expansion import averages, slopes
 from stickslip_sym.motion.orbits.orbit import obstacle
-from stickslip_sym.motion.thresholds.rungs import Rung, average, find, rungs, second_order
+from stickslip_sym.motion.thresholds.rungs import Rung, average, find, ladder, rungs, second_order
 from stickslip_sym.motion.thresholds.scenes import Scenes
 from stickslip_sym.output import markup
 
@@ -273,15 +273,15 @@ class _Search:
     def climb(self, rtol: float) -> tuple[TransitionSpeed, ...]:
         """Return the roots of the cheapest rung that are all known to be close enough to the exact ones."""
         smooth = obstacle(self.law, np.inf) is None
-        ladder = [rung for rung in rungs().values() if smooth or not rung.smooth]
-        lower = [rung for rung in ladder if not rung.knows_its_error]
+        climbed = ladder(smooth)
+        lower = [rung for rung in climbed if not rung.knows_its_error]
         if smooth:
             expected = self.roots(lower[-1])
             for rung in lower:
                 V = self.roots(rung)
                 if V.size == expected.size and ((error := self._distance(V, rtol)) <= rtol).all():
                     return _speeds(V, rung, error)
-        for rung in ladder:
+        for rung in climbed:
             if rung.knows_its_error:
                 V = self.roots(rung)
                 if ((error := self._doubt(rung, V)) <= rtol).all():

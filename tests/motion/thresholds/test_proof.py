@@ -9,7 +9,7 @@ from flint import arb
 
 import stickslip_sym as ss
 from stickslip_sym.core.balls import working_precision
-from stickslip_sym.motion.thresholds import taylor_boxes
+from stickslip_sym.motion.thresholds import rungs, taylor_boxes
 from stickslip_sym.motion.thresholds.box_transit import BoxScene, transit
 from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
 from stickslip_sym.motion.thresholds.proof import prove_threshold
@@ -146,3 +146,33 @@ def test_the_theorem_says_what_was_shown():
     assert f"{theorem.above.steps} Taylor steps with {theorem.above.bits} bits" in text
     assert theorem.latex().count("\\item") == len(theorem.proof)
     assert theorem.low < theorem.high
+
+
+def test_a_proof_by_name():
+    law = LAWS["exponential"]
+    scene_of = {"V": "0.5", "N": "9.81", "m": 1, "k": 100}
+    found = ss.pure_slip_damping(law, **scene_of, method="proof", rtol=1e-25)
+    assert (found.status, found.method) == ("PROVED", "proof")
+    assert found.error <= 1e-25
+    assert found.enclosure.digits >= 25
+    assert float(found.enclosure) == found.value
+    assert str(found).startswith("2.573078878979361590655649[...] kg/s (proof")
+    binary = ss.pure_slip_damping(law, **scene_of | {"N": 9.81}, method="proof", rtol=1e-25)
+    assert not binary.enclosure.overlaps(found.enclosure)  # 9.81 is not the binary number nearest to it
+    several = ss.pure_slip_damping(law, **scene_of | {"V": [0.4, 0.5]}, method="proof", rtol=1e-6)
+    assert several.value.shape == (2,)
+    assert len(several.theorems) == 2
+    assert several.theorem is None
+    estimated = ss.pure_slip_damping(law, **scene_of, method="orbit")
+    assert (estimated.status, estimated.enclosure) == ("ESTIMATED", None)
+    assert abs(estimated.value - found.value) <= estimated.error * found.value + 1e-15
+
+
+def test_auto_never_climbs_to_a_proof():
+    assert "proof" in rungs.rungs()
+    assert "proof" not in [rung.name for smooth in (True, False) for rung in rungs.ladder(smooth)]
+
+
+def test_what_no_damping_can_lose_has_no_theorem():
+    with pytest.raises(ss.NoThreshold):
+        ss.pure_slip_damping(ss.laws.coulomb.typical(), V=0.5, N=9.81, m=1, k=100, method="proof")
