@@ -21,6 +21,7 @@ __all__ = ["grazing_damping"]
 _SLOPE_SAMPLES = 257
 _TIGHTEST = 1e-13
 _LOOSEST = 1e-6  # of a root: looser ones cost hardly less, and in stiff motions say little of what they are off
+_OFF = 10  # tolerances by which the lowest slip speed of an integration may be off
 _COARSE = 1e-5  # tolerance of a first root, whose orbits cost little
 
 
@@ -127,9 +128,12 @@ def _root(
                 raise NotConverged(f"the threshold is lost in rounding near {around:g} kg/s; try another rtol")
         values.append(root(around * max(1 - width, 0.0), around * (1 + width), tolerance))
     # How far the root moved from an integration ten times looser is more than it is off; twice that, since
-    # the errors of both may by chance agree.
+    # the errors of both may by chance agree. Where friction is weak the lowest slip speed hardly depends on c, and
+    # what an integration of its tolerance may be off by moves the root far: the slope there tells how far.
     _, before, value = values
-    return value, max(2 * abs(value - before) / value, rtol)
+    rise = lowest(value * (1 + 10 * width), tight) - lowest(value * max(1 - 10 * width, 0.0), tight)
+    moved = _OFF * tight * 20 * width / rise if rise > 0 else math.inf
+    return value, max(2 * abs(value - before) / value, moved, rtol)
 
 
 def _steep(law: FrictionLaw, osc: Oscillator, static: float) -> float:
