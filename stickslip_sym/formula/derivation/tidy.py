@@ -5,6 +5,8 @@ from typing import Any
 import sympy as sp
 from sympy.core.random import rng
 
+from stickslip_sym.formula.integration.normal_form import eta_by_zeta
+
 __all__ = ["tidy"]
 
 _LARGEST = 1500  # operations of an expression that is still factored
@@ -19,7 +21,7 @@ def tidy(expr: Any, model: Any, small: Any) -> Any:
     sign that it has in `model` (the formula of the law), or that is positive for a small value of the symbol
     `small`.
     """
-    expr = expr.replace(sp.dirichlet_eta, _by_zeta)
+    expr = expr.replace(sp.dirichlet_eta, eta_by_zeta)
     # To algebra every function is a symbol: SymPy would otherwise take exp(-x/3) and exp(-1000 x) for powers of
     # one generator, of a degree that nothing survives.
     functions = _outermost(expr)
@@ -33,11 +35,6 @@ def tidy(expr: Any, model: Any, small: Any) -> Any:
         sp.Add(*[_factored(term, order, model, small) for term in sp.Add.make_args(opaque)]),
     )
     return min(shapes, key=lambda shape: int(shape.count_ops())).xreplace(back)
-
-
-def _by_zeta(order: Any) -> Any:
-    """Write Dirichlet's eta of a number by Riemann's zeta, which readers know."""
-    return sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
 
 
 def _outermost(expr: Any) -> dict[Any, Any]:

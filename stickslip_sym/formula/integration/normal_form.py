@@ -4,7 +4,7 @@ from typing import Any
 
 import sympy as sp
 
-__all__ = ["expand_above", "normal_form", "single_limit"]
+__all__ = ["eta_by_zeta", "expand_above", "normal_form", "single_limit"]
 
 _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
 
@@ -52,11 +52,17 @@ def normal_form(expr: Any) -> Any:
     expr = expr.replace(lambda node: isinstance(node, sp.Min | sp.Max | sp.Piecewise), _opaque)
     expr = expr.replace(_is_tangent_integral, lambda node: sp.atan(node.args[0].args[1] / sp.I))
     expr = expr.replace(sp.polylog, lambda order, z: -sp.log(1 - z) if order == 1 else sp.polylog(order, z))
+    expr = expr.replace(sp.dirichlet_eta, eta_by_zeta)
     expr = expr.replace(_is_root, lambda node: sp.factor(node.base) ** node.exp)
     expr = expr.rewrite((sp.sinh, sp.cosh, sp.tanh, sp.sech), sp.exp)
     expr = _exponentials_as_symbols(expr)
     numerator, _ = sp.fraction(sp.together(expr))
     return sp.expand(sp.powsimp(sp.expand(numerator)))
+
+
+def eta_by_zeta(order: Any) -> Any:
+    """Write Dirichlet's eta of a number by Riemann's zeta, which readers know."""
+    return sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
 
 
 def _exponentials_as_symbols(expr: Any) -> Any:
