@@ -65,6 +65,11 @@ def normal_form(expr: Any) -> Any:
     return sp.expand(sp.powsimp(sp.expand(numerator)))
 
 
+def eta_by_zeta(order: Any) -> Any:
+    """Write Dirichlet's eta of a number by Riemann's zeta, which readers know."""
+    return sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
+
+
 def _exponentials_as_symbols(expr: Any) -> Any:
     """Give each exponential a symbol of its own, where none stands in a denominator.
 
