@@ -39,11 +39,6 @@ def expand_above(expr: Any) -> Any:
     return sp.Add(*terms)
 
 
-def eta_by_zeta(order: Any) -> Any:
-    """Write Dirichlet's eta of a number by Riemann's zeta, which readers know."""
-    return sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
-
-
 def normal_form(expr: Any) -> Any:
     """Reduce an expression so that zero becomes 0.
 
