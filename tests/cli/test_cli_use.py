@@ -45,7 +45,7 @@ def test_the_example_in_the_help_works(name, monkeypatch, capsys, tmp_path):
     words = shlex.split(help_text.split("Example: ")[1].split("\n\n")[0])
     assert words[:2] == ["stickslip", name]
     if name in ("map", "tradeoff"):  # seconds of work; that the line is read is enough
-        monkeypatch.setattr(f"stickslip_sym.cli_{name}.read_law", _reached)
+        monkeypatch.setattr(f"stickslip_sym.cli.{name}.read_law", _reached)
         with pytest.raises(LookupError, match="reached"):
             run(monkeypatch, capsys, *words[1:])
     else:
@@ -193,7 +193,7 @@ def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    for function in ("cli_json.echo", "values.exact", "friction.FrictionLaw.typical"):
+    for function in ("cli.json_output.echo", "core.numbers.exact", "model.law.FrictionLaw.typical"):
         monkeypatch.setattr(f"stickslip_sym.{function}", interrupt)
     code, out, err = run(monkeypatch, capsys, name, *COMMANDS[name])
     assert (code, out, err.strip()) == (130, "", "")

@@ -17,7 +17,7 @@ from stickslip_sym.motion.regimes.slip_orbits import by_simulation, overtaking_c
 from stickslip_sym.motion.simulation import engines
 from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.steppers import Point
-from stickslip_sym.motion.thresholds.rungs import Scenes, on_orbit, second_order
+from stickslip_sym.motion.thresholds.rungs import Scenes, rungs, second_order
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 
@@ -190,9 +190,9 @@ def test_what_the_next_order_may_add_bounds_what_the_second_order_is_off():
         scenes = Scenes.of(law, V=1.0, N=np.geomspace(0.01, 1, 5), m=1.0, k=1.0)
         value, resolution, next_order = second_order(scenes)
         rows = np.flatnonzero(next_order + resolution < 0.5)
-        exact, error, _ = on_orbit(scenes.rows(rows), 1e-12)
-        off = np.abs(value[rows] / exact - 1)
-        assert (off <= next_order[rows] + resolution[rows] + error + 1e-14).all()
+        exact = rungs()["orbit"].compute(scenes.rows(rows), 1e-12)
+        off = np.abs(value[rows] / exact.value - 1)
+        assert (off <= next_order[rows] + resolution[rows] + exact.error + 1e-14).all()
         # And is no empty phrase: the order is right, so it falls with it.
         total += rows.size
         assert next_order[0] < 1e-6 * next_order[-1]

@@ -13,7 +13,7 @@ from stickslip_sym.comparison.newmark import Scan, pure_slip_by_scan
 from stickslip_sym.comparison.threshold_tradeoff import threshold_tradeoff
 from stickslip_sym.core import deadline
 from stickslip_sym.motion.maps import checkpoint
-from stickslip_sym.motion.maps.columns import Reason
+from stickslip_sym.motion.maps.cells import Reason
 from stickslip_sym.motion.regimes import slip_orbits
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}

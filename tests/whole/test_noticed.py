@@ -226,8 +226,8 @@ def test_quadrature_splits_at_kinks_however_it_integrates():
 def test_what_is_returned_cannot_be_changed():
     names = [module.name for module in pkgutil.walk_packages(ss.__path__, "stickslip_sym.")]
     modules = [importlib.import_module(name) for name in names]
-    public = {value for module in modules for value in vars(module).values() if is_dataclass(value)}
-    results = [one for one in public if isinstance(one, type) and not one.__name__.startswith("_")]
+    classes = {value for module in modules for value in vars(module).values() if isinstance(value, type)}
+    results = [one for one in classes if is_dataclass(one) and not one.__name__.startswith("_")]
     assert len(results) > 40
     mutable = {result.__name__ for result in results if not result.__dataclass_params__.frozen}
     # Steps are added to a derivation, pieces to a phase that is followed, and cells to those of a map.

@@ -34,13 +34,13 @@ import sys
 from functools import partial
 import pytest
 from paper_checks import figure_thresholds, report
-from stickslip_sym import tradeoff_thresholds
+from stickslip_sym.comparison import threshold_tradeoff
 # The report's measurements at fewer places, which changes none of its parts.
 figure_thresholds._SCANNED = ()
-tradeoff_thresholds.SPEEDS = tradeoff_thresholds.SPEEDS[[10]]
+threshold_tradeoff.SPEEDS = threshold_tradeoff.SPEEDS[[10]]
 report.LAWS = report.LAWS[:1]
-tradeoff_thresholds._SCAN_STEP = 0.01
-tradeoff_thresholds.Scan = partial(tradeoff_thresholds.Scan, step=1e-3, band=1e-3)
+threshold_tradeoff._SCAN_STEP = 0.01
+threshold_tradeoff.Scan = partial(threshold_tradeoff.Scan, step=1e-3, band=1e-3)
 sys.exit(pytest.main(sys.argv[1:]))
 """
 

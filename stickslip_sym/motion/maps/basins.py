@@ -14,8 +14,8 @@ from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, read_values, require_few
+from stickslip_sym.motion.maps.cells import MOTIONS
 from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Progress, collect
-from stickslip_sym.motion.maps.columns import MOTIONS
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify

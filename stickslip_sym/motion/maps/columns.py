@@ -13,8 +13,7 @@ stick-slip, there is none with less. That leaves few cells, and these are simula
 
 from bisect import bisect_left
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from enum import Enum, IntFlag
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -25,6 +24,7 @@ from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, Out
 from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
+from stickslip_sym.motion.maps.cells import MOTIONS, REASONS, Attractor, Cells, Reason
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.regimes.attractors import Regime, regime
@@ -34,71 +34,14 @@ from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from stickslip_sym.motion.thresholds.rungs import average, numerical_averages
 from stickslip_sym.motion.thresholds.scenes import Scenes
 
-__all__ = ["MOTIONS", "REASONS", "Attractor", "Cells", "Reason", "decide"]
+__all__ = ["decide"]
 
-MOTIONS = tuple(Motion)
 _MOST_WORK = 5e7  # cubes of grids; beyond, following the motions of a cell costs less
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _FIRST, _BESIDE = 1e-6, 100  # tolerance of a simulated threshold, and how many errors away no finer one is needed
 _FINER = 1e-2  # tolerance of simulations over that of thresholds
 _TIGHTEST = 1e-13
 _BESIDE_REST = 1e-3  # velocity over the belt's of a motion that begins beside rest
-
-
-class Attractor(IntFlag):
-    """A motion that others come to; a cell holds any number of them."""
-
-    STICK_SLIP = 1
-    REST = 2
-    PURE_SLIP = 4
-
-
-class Reason(Enum):
-    """How a cell was decided."""
-
-    ABOVE = "above every threshold and fold"
-    BELOW = "below every threshold and fold"
-    BETWEEN = "between thresholds or folds: by the damping that slip orbits need"
-    ALONG = "beyond a simulated cell of the same line from which on there is no slip cycle"
-    SIMULATED = "simulated"
-    TOLERANCE = "within tolerance of a threshold or a fold"
-    FAILED = "failed"
-    TIME = "time limit"
-
-
-REASONS = tuple(Reason)
-
-
-@dataclass
-class Cells:
-    """What is known of the cells of one scene, one for each damping.
-
-    Attributes
-    ----------
-    motion, reason : list of int
-        Places in `MOTIONS` and `REASONS`.
-    attractors : list of int
-        Values of `Attractor`.
-    equilibrium, least_squares, exact : float or None
-        Thresholds in kg/s, as `MotionMap` has them; None where one was not found.
-    notes : dict of int to str
-        Of cells that failed or stayed undecided: why.
-    """
-
-    motion: list[int]
-    attractors: list[int]
-    reason: list[int]
-    equilibrium: float | None = None
-    least_squares: float | None = None
-    exact: float | None = None
-    notes: dict[int, str] = field(default_factory=dict)
-
-    @classmethod
-    def failed(cls, count: int, error: StickSlipError) -> "Cells":
-        """Return cells of which no more is known than why."""
-        kind = Reason.TIME if isinstance(error, OutOfTime) else Reason.FAILED
-        motion, reason = MOTIONS.index(Motion.UNDECIDED), REASONS.index(kind)
-        return cls([motion] * count, [0] * count, [reason] * count, notes=dict.fromkeys(range(count), str(error)))
 
 
 def decide(law: FrictionLaw, osc: Oscillator, c: Any, *, rtol: float) -> Cells:

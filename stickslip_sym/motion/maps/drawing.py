@@ -7,7 +7,7 @@ import numpy as np
 
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.maps.columns import Reason
+from stickslip_sym.motion.maps.cells import Reason
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output.drawing import require_matplotlib
 

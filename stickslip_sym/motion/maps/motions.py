@@ -15,8 +15,9 @@ from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, fixed_values, read_axes
+from stickslip_sym.motion.maps.cells import MOTIONS, REASONS, Attractor, Cells, Reason
 from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Progress, collect
-from stickslip_sym.motion.maps.columns import MOTIONS, REASONS, Attractor, Cells, Reason, decide
+from stickslip_sym.motion.maps.columns import decide
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output import drawing, files, markup

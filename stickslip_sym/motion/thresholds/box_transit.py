@@ -1,110 +1,30 @@
 """Whether the slip that leaves P comes back to the belt's speed, decided with every error bounded.
 
-The state is (q, w), free of units, with P at the origin and w the slip speed over the belt's:
-
-    q' = 1 - w,    w' = eta (static - mu(V w)) + q - 2 zeta w.
-
-*It returns* where a box with w < 0 is reached, or one from which w falls to 0 at a bounded rate. *It does not*
-where w > 0 all the way to its first minimum, at w < 1: on the line at that height between the orbit's first
-crossing and its end w' is not negative, so that nothing leaves what the orbit and this line enclose.
-As long as q > 0, w > 0 holds by itself: at w = 0, w' = eta (static - mu(0+)) + q is positive.
+The state is (q, w) as in `Scene`: P is the origin, and w the slip speed over the belt's. *It returns* where a
+box with w < 0 is reached, or one from which w falls to 0 at a bounded rate. *It does not* where w > 0 all the
+way to its first minimum, at w < 1: on the line at that height between the orbit's first crossing and its end w'
+is not negative, so that nothing leaves what the orbit and this line enclose. As long as q > 0, w > 0 holds by
+itself: at w = 0, w' = eta (static - mu(0+)) + q is positive.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
-import sympy as sp
 from flint import acb, arb
 
-from stickslip_sym.core import symbols
-from stickslip_sym.core.balls import ball, ball_function, series_function, working_precision
+from stickslip_sym.core.balls import working_precision
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.expression.pieces import branch_from
-from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.thresholds.taylor_boxes import Field, Flow, Undecided, flow
+from stickslip_sym.motion.thresholds.box_scene import BoxScene, Segment
+from stickslip_sym.motion.thresholds.taylor_boxes import Flow, Undecided, flow
 
-__all__ = ["BoxScene", "Transit", "transit"]
+__all__ = ["Transit", "transit"]
 
 _MOST_STEPS = 20_000
 _CUTS = 60  # halvings of a time at which something changes sign
 _SHORTER = 0.7  # of a step that ends too close to a kink
 _LOW = 0.5  # of w, below which a fall to 0 is looked for
 _START_SHARE = 3  # the first step from a point where mu is not analytic is 2^-(bits/3)
-_W = sp.Symbol("w")
-
-
-@dataclass(frozen=True)
-class BoxScene:
-    """A law and an oscillator without damping, in exact numbers.
-
-    Attributes
-    ----------
-    law : FrictionLaw
-        Bound.
-    V, N, m, k : sympy.Rational
-        In SI units.
-    """
-
-    law: FrictionLaw
-    V: Any
-    N: Any
-    m: Any
-    k: Any
-
-    @property
-    def point(self) -> dict[Any, Any]:
-        """Return the values of the law's parameters."""
-        return {self.law.parameters[name].symbol: value for name, value in self.law.values.items()}
-
-    @property
-    def values(self) -> dict[str, Any]:
-        """Return all that was given, by name."""
-        return {"V": self.V, "N": self.N, "m": self.m, "k": self.k, **self.law.values}
-
-    @property
-    def at_rest(self) -> Any:
-        """The coefficient mu(0+), by the first segment at v = 0."""
-        return branch_from(self.law.expr, self.point, sp.Integer(0)).xreplace({symbols.v: sp.Integer(0)})
-
-    @property
-    def static(self) -> Any:
-        """The coefficient that limits sticking."""
-        return self.at_rest if self.law.static is None else self.law.static
-
-    def segments(self, c: Any) -> list["Segment"]:
-        """Return the smooth segments of the field, ascending, at the working precision."""
-        point, law, static = self.point, self.law, self.static
-        starts = [sp.Integer(0), *law.kinks()]
-        ends = [*starts[1:], law.v_max]
-        impedance = sp.sqrt(self.k * self.m)
-        found = []
-        for start, end in zip(starts, ends, strict=True):
-            mu = branch_from(law.expr, point, start).xreplace({symbols.v: self.V * _W})
-            push = self.N / (self.V * impedance) * (static - mu) - c / impedance * _W
-            field = Field(
-                ball_function(push, _W, point),
-                series_function(push, _W, point),
-                series_function(sp.diff(push, _W), _W, point),
-            )
-            found.append(
-                Segment(ball(start / self.V).real, None if end is None else ball(end / self.V).real, field)
-            )
-        return found
-
-    @property
-    def starts_gently(self) -> bool:
-        """Whether w' = 0 at P exactly: no static coefficient above mu(0+)."""
-        return self.law.static is None
-
-
-@dataclass(frozen=True)
-class Segment:
-    """The field between two slip speeds over V; the last one has no end unless the law has."""
-
-    low: arb
-    high: arb | None
-    field: Field
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from stickslip_sym.core.balls import ball, ball_function, ball_value, working_pr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.expression.pieces import branch_from, jumps
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.thresholds.box_transit import BoxScene
+from stickslip_sym.motion.thresholds.box_scene import BoxScene
 
 __all__ = ["checked_hypotheses", "lipschitz_evidence"]
 

@@ -12,7 +12,8 @@ import sympy as sp
 
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.thresholds.box_transit import BoxScene, Transit, transit
+from stickslip_sym.motion.thresholds.box_scene import BoxScene
+from stickslip_sym.motion.thresholds.box_transit import Transit, transit
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
 from stickslip_sym.motion.thresholds.scenes import Scenes

@@ -38,5 +38,5 @@ def test_basins_keep_what_is_done(tmp_path):
     again = ss.basin_map(law, osc, **starts, checkpoint=tmp_path / "kept", workers=lambda f, tasks: [])
     assert np.array_equal(first.motion, again.motion)
     assert first.count() == {Motion.PURE_SLIP: 6}
-    with pytest.raises(ss.InputError, match="x0 holds inf"):
+    with pytest.raises(ss.InputError, match="x0 holds a value that is not finite: inf"):
         ss.basin_map(law, osc, x0=[float("inf")], v0=[0.0])

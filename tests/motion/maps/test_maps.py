@@ -10,7 +10,7 @@ from scenes import TWO, paper_oscillator
 import stickslip_sym as ss
 from stickslip_sym import Motion
 from stickslip_sym.cli import map
-from stickslip_sym.motion.maps.columns import Reason
+from stickslip_sym.motion.maps.cells import Reason
 
 SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}
 KNOWN = 1e-8  # of the largest threshold: so well maps know them, and so close to one a cell stays undecided

@@ -15,7 +15,7 @@ from scenes import paper_oscillator
 import stickslip_sym as ss
 from stickslip_sym import Motion
 from stickslip_sym.motion.maps.axes import Axis
-from stickslip_sym.motion.maps.columns import Reason
+from stickslip_sym.motion.maps.cells import Reason
 
 LAW = ss.laws.exponential.typical()
 ATTRACTORS = ("stick_slip", "rest", "pure_slip")

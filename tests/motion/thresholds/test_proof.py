@@ -10,7 +10,8 @@ from flint import arb
 import stickslip_sym as ss
 from stickslip_sym.core.balls import working_precision
 from stickslip_sym.motion.thresholds import rungs, taylor_boxes
-from stickslip_sym.motion.thresholds.box_transit import BoxScene, transit
+from stickslip_sym.motion.thresholds.box_scene import BoxScene
+from stickslip_sym.motion.thresholds.box_transit import transit
 from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
 from stickslip_sym.motion.thresholds.proof import prove_threshold
 from stickslip_sym.motion.thresholds.taylor_boxes import Undecided, flow
