@@ -132,22 +132,22 @@ def test_a_rung(monkeypatch):
         found = orbit.compute(scenes, 1e-12)
         return Found(found.value, np.full(len(scenes), 1e-11))
 
-    rungs.add(Rung("proof", compute, Basis.BOUND, smooth=True))
+    rungs.add(Rung("bracket", compute, Basis.BOUND, smooth=True))
     law = ss.laws.exponential.typical()
-    proved = ss.pure_slip_damping(law, **SCENE, method="proof")
-    assert (proved.method, proved.error) == ("proof", 1e-11)
+    proved = ss.pure_slip_damping(law, **SCENE, method="bracket")
+    assert (proved.method, proved.error) == ("bracket", 1e-11)
     assert proved.value == pytest.approx(2.57307887897936159, rel=1e-11)
-    (speed,) = ss.transition_speed(law, c=proved.value, N=9.81, m=1, k=100, method="proof")
+    (speed,) = ss.transition_speed(law, c=proved.value, N=9.81, m=1, k=100, method="bracket")
     assert speed.value == pytest.approx(0.5, rel=1e-9)
-    assert "proof" in command("damping", "exponential", "-m1", "-k100", "--method", "proof")
-    with pytest.raises(ss.InputError, match='method="proof" needs the mass m'):
-        ss.pure_slip_damping(law, V=0.5, N=9.81, method="proof")
-    with pytest.raises(ss.InputError, match="a rung 'proof' already"):
-        rungs.add(Rung("proof", compute, Basis.BOUND))
+    assert "bracket" in command("damping", "exponential", "-m1", "-k100", "--method", "bracket")
+    with pytest.raises(ss.InputError, match='method="bracket" needs the mass m'):
+        ss.pure_slip_damping(law, V=0.5, N=9.81, method="bracket")
+    with pytest.raises(ss.InputError, match="a rung 'bracket' already"):
+        rungs.add(Rung("bracket", compute, Basis.BOUND))
     # Where no other rung that knows its error is left, the ladder ends on it.
     for name in ("orbit", "simulation"):
         del rungs._table[name]
-    assert ss.pure_slip_damping(law, **SCENE, rtol=1e-9).method == "proof"
+    assert ss.pure_slip_damping(law, **SCENE, rtol=1e-9).method == "bracket"
 
 
 class Cplusplus:

@@ -307,16 +307,6 @@ def _tighter(rtol: float) -> tuple[float, ...]:
 add(Rung("second_order", _second_order, Basis.DIFFERENCE, smooth=True, best=1.0))
 # The orbit's error is rounding where thresholds are near 0.
 add(Rung("orbit", _on_orbit, Basis.ESTIMATE, smooth=True, reachable=1e-9))
-add(
-    Rung(
-        "simulation",
-        _simulated,
-        Basis.ESTIMATE,
-        singly=True,
-        best=1e-10,
-        loosest=1e-3,
-        reachable=np.inf,
-        attempts=_tighter,
-    )
-)
-add(Rung("proof", _proved, Basis.BOUND, singly=True, automatic=False, best=0.0, tightest=1e-40, loosest=1e-3))
+add(Rung("simulation", _simulated, Basis.ESTIMATE, singly=True, best=1e-10, loosest=1e-3, reachable=np.inf,
+         attempts=_tighter))  # fmt: skip
+add(Rung("proof", _proved, Basis.BOUND, singly=True, automatic=False, tightest=1e-40, loosest=1e-3))
