@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from derivations import chapter
 from paper_checks.conftest import Find
 from paper_checks.scene import law, oscillator, threshold
-from stickslip_sym import Status, peak_velocity, pure_slip_damping
+from stickslip_sym import Enclosure, Status, peak_velocity, pure_slip_damping
 from stickslip_sym.comparison.newmark import Scan, pure_slip_by_scan
 
 SCAN_STEP = 0.001  # kg/s
@@ -46,15 +46,15 @@ def test_N3_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
 
 
 @cache
-def pure_slip(name: str) -> tuple[float, float, float]:
-    """Return the damping that the scan gives, that of the graze, and that of a peak at the band's edge."""
+def pure_slip(name: str) -> tuple[float, Enclosure, float]:
+    """Return the damping of the scan, two between which the graze's was proved, and that of a peak in the band."""
     scene = oscillator()
     scanned = pure_slip_by_scan(law(name), scene, SCAN)
-    exact = pure_slip_damping(
-        law(name), V=scene.V, N=scene.N, m=scene.m, k=scene.k, method="simulation", rtol=1e-11
-    )
-    banded = peaks_at(name, scene.V - SCAN.band)
-    return scanned, float(exact.value), banded
+    quantities = {"V": scene.V, "N": scene.N, "m": scene.m, "k": scene.k}
+    given: dict[str, Any] = {quantity: repr(value) for quantity, value in quantities.items()}
+    proved = pure_slip_damping(law(name), **given, method="proof", rtol=1e-15)
+    assert proved.enclosure is not None
+    return scanned, proved.enclosure, peaks_at(name, scene.V - SCAN.band)
 
 
 def peaks_at(name: str, velocity: float) -> float:
@@ -68,15 +68,18 @@ def check_pure_slip(find: Find, name: str, stated: float) -> None:
     The procedure takes |v_r| <= 1e-4 m/s for stick, so it finds the damping at which the velocity peaks
     that much below the belt speed; and it reports the next multiple of 0.001 kg/s.
     """
-    scanned, exact, banded = pure_slip(name)
+    scanned, enclosure, banded = pure_slip(name)
+    exact = float(enclosure)
+    side = "above" if stated > enclosure.high else "below" if stated < enclosure.low else "at"
     apart = max(abs(exact - threshold(name)), abs(peaks_at(name, oscillator().V) - exact))
     agree = apart < AGREE
     find(
         ours=f"scan {scanned:.3f}, exact {exact:.6f}",
-        evidence=f"the scan gives {scanned:.3f} kg/s; the orbit that grazes the belt's speed has "
-        f"c = {exact:.9f}, the one that peaks {SCAN.band:g} m/s below it c = {banded:.6f}, "
-        f"{banded - exact:.6f} kg/s higher; the scan reports the next multiple of {SCAN_STEP:g} kg/s; simulation "
-        f"and collocation of that orbit give thresholds {apart:.0e} kg/s apart",
+        evidence=f"{stated:g} kg/s is {side} the threshold, {enclosure} kg/s, PROVED by two transits in ball "
+        f"arithmetic; the scan gives {scanned:.3f} kg/s; the orbit that peaks {SCAN.band:g} m/s below the belt's "
+        f"speed has c = {banded:.6f}, {banded - exact:.6f} kg/s higher; the scan reports the next multiple of "
+        f"{SCAN_STEP:g} kg/s; simulated peaks and collocation of the grazing orbit give thresholds "
+        f"{apart:.0e} kg/s apart",
         difference=f"{stated - exact:+.6f} kg/s from the exact threshold",
         reproduced=agree and scanned == stated and 0 <= stated - exact <= SCAN_STEP,
         qualified=agree and scanned == stated and 0 <= stated - banded <= SCAN_STEP,
