@@ -225,8 +225,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             return name + bracketed(", ".join(self._print(argument) for argument in arguments))
 
     def _print_Derivative(self, expr: Any) -> str:
-        primed = self._primed(expr, expr.expr.args[0]) if expr.expr.args else ""
-        if primed:
+        if primed := self._primed(expr):
             return primed
         sign = r"\partial" if requires_partial(expr.expr) else r"\mathrm{d}"
         order = sum(count for _, count in expr.variable_count)

@@ -27,7 +27,7 @@ class Readable:
         return terms
 
     def _print_Derivative(self, expr: Any) -> str:
-        return self._primed(expr, expr.expr.args[0]) or str(super()._print_Derivative(expr))  # type: ignore[misc]  # a printer's
+        return self._primed(expr) or str(super()._print_Derivative(expr))  # type: ignore[misc]  # a printer's
 
     def _print_Subs(self, expr: Any) -> str:
         if isinstance(expr.expr, sp.Derivative) and len(expr.point) == 1:
@@ -36,13 +36,14 @@ class Readable:
                 return primed
         return str(super()._print_Subs(expr))  # type: ignore[misc]  # a printer's
 
-    def _primed(self, derivative: Any, argument: Any) -> str:
+    def _primed(self, derivative: Any, place: Any = None) -> str:
+        """Return x'(t), or at a place x'(t_P); nothing where what is derived is no function of one argument."""
         function = derivative.expr
         if not isinstance(function, sp.core.function.AppliedUndef) or len(function.args) != 1:
             return ""
         mark = "'" * sum(count for _, count in derivative.variable_count)
         name = self._print(sp.Symbol(function.func.__name__))  # type: ignore[attr-defined]  # a printer's
-        return self._applied(f"{name}{mark}", argument)
+        return self._applied(f"{name}{mark}", function.args[0] if place is None else place)
 
     def _applied(self, name: str, argument: Any) -> str:
         return f"{name}({self._print(argument)})"  # type: ignore[attr-defined]  # a printer's

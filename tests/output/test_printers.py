@@ -147,15 +147,37 @@ def test_what_was_printed_as_something_else(expr, latex):
     assert printing.latex(expr) == latex
 
 
+def test_the_derivative_of_a_symbol_has_no_primes():
+    assert printing.text(2 * sp.Derivative(V, V)) == "2*Derivative(V, V)"
+    assert printing.latex(2 * sp.Derivative(V, V)) == r"2 \cdot \frac{\mathrm{d}}{\mathrm{d} V} V"
+
+
 def test_text_tells_symbols_apart():
     assert printing.text(sp.Symbol("u") - 2 * sp.Dummy("u")) == "u - 2*u_"
     assert printing.text(sp.Symbol("E") * sp.E) == "exp(1)*E"
 
 
 @pytest.mark.parametrize(
+    ("latex", "value"),
+    [
+        (r"{}_{1}F_{0}(-a; ; b)", 4), (r"{}_{0}F_{0}(; ; 0)", 1), (r"{}_{0}F_{1}(; a; 0)", 1),
+        (r"\begin{cases} a & \text{for}\: a < b \\b & \text{for}\: (-a)^{a/b} < a \\3 & \text{otherwise} "
+         r"\end{cases}", 2),
+        (r"\begin{cases} a & \text{for}\: b < a \\b^{\begin{cases} V & \text{for}\: b < a \\2 & \text{otherwise} "
+         r"\end{cases}} & \text{otherwise} \end{cases}", 9),
+    ],
+)  # fmt: skip
+def test_the_reader_reads_empty_groups_and_cases_in_cases(latex, value):
+    known = {"a": mpmath.mpf(2), "b": mpmath.mpf(3), "V": mpmath.mpf(5)}
+    assert mpmath.almosteq(latex_reader.read(latex, known), value)
+
+
+@pytest.mark.parametrize(
     "latex",
     [
-        "a/b V", "a/b/V", r"2 3^{V}", r"2 \frac{1}{3}", r"\ln(V)^{2}", r"V^{a}^{b}", r"\tanh^{-1}(V)", "a + - b",
+        r"{}_{1}F_{0}(; a; b)", r"\ln(a; b)",
+        r"\begin{cases} a & \text{for}\: (-a)^{1/b} < a \\V & \text{otherwise} \end{cases}", "a/b V", "a/b/V",
+        r"2 3^{V}", r"2 \frac{1}{3}", r"\ln(V)^{2}", r"V^{a}^{b}", r"\tanh^{-1}(V)", "a + - b",
         r"\begin{cases} a & \text{for}\: V < b \\b & \text{otherwise} \end{cases} + 1", r"a \times + b",
         r"\int_{0}^{a} V \,\mathrm{d}V/2", r"\int_{0}^{a} V \,\mathrm{d}V b", r"\sqrt{V}^{2}", r"{a + b} V",
     ],

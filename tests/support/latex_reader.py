@@ -39,7 +39,6 @@ LAYOUT = re.compile(
     r"\\begin\{(?!cases)\w+\*?\}|\\end\{(?!cases)\w+\*?\}|\\label\{[^}]*\}|\\left|\\right|\\[bB]igg?[lr]|\\\\"
     r"|\\q?quad|\\,|\\:|&|\{\}(?!_)"
 )
-CASES = re.compile(r"\\begin\{cases\}.*?\\end\{cases\}", re.S)
 HYPER = re.compile(r"\{\}_\{\d\}F_\{\d\}")
 NUMBER = re.compile(r"\d+")
 DERIVATIVE = re.compile(r"\\frac\{(?:\\mathrm\{d\}|\\partial)\}\{(?:\\mathrm\{d\}|\\partial) ")
@@ -47,8 +46,17 @@ DERIVATIVE = re.compile(r"\\frac\{(?:\\mathrm\{d\}|\\partial)\}\{(?:\\mathrm\{d\
 
 def plain(text):
     """Return a formula without its layout; lines of cases and bars keep theirs under names of their own."""
-    text = CASES.sub(lambda found: found[0].replace("\\\\", r"\row ").replace("&", r"\amp "), text)
-    return LAYOUT.sub("", text.replace(r"\left|", r"\lvert ").replace(r"\right|", r"\rvert "))
+    text = in_cases(text.replace(r"\left|", r"\lvert ").replace(r"\right|", r"\rvert "))
+    return LAYOUT.sub("", text)
+
+
+def in_cases(text):
+    """Return a text with names of their own for the layout of cases, which may stand in others."""
+    depth, parts = 0, []
+    for part in re.split(r"(\\(?:begin|end)\{cases\})", text):
+        depth += {r"\begin{cases}": 1, r"\end{cases}": -1}.get(part, 0)
+        parts.append(part.replace("\\\\", r"\row ").replace("&", r"\amp ") if depth else part)
+    return "".join(parts)
 
 
 class Reader:
@@ -179,11 +187,19 @@ class Reader:
         return inside
 
     def bracketed(self):
-        opened = self.need(*OPEN)
-        found = [] if self.peek(";") else [self.sum()]
-        while self.take(",", ";"):
-            found.append(self.sum())
-        assert self.need(*CLOSE) == CLOSE[OPEN.index(opened)]
+        found, *others = self.groups()
+        assert not others, "semicolons"
+        return found
+
+    def groups(self):
+        """In brackets, parted by semicolons; all but the last may be empty."""
+        opened, found, mark = self.need(*OPEN), [], ";"
+        while mark not in CLOSE:
+            found += [[]] if mark == ";" else []
+            if mark == "," or not self.peek(";"):
+                found[-1].append(self.sum())
+            mark = self.need(",", ";", *CLOSE)
+        assert mark == CLOSE[OPEN.index(opened)]
         return found
 
     def arguments(self):
@@ -206,13 +222,17 @@ class Reader:
                 holds = self.condition()
                 while self.take(r"\wedge"):
                     holds = self.condition() and holds
+            assert not (chosen is None and holds is None), "is it the first line that holds?"
             chosen = value if chosen is None and holds else chosen
             self.need(r"\end{cases}" if done else r"\row")
         return chosen
 
     def condition(self):
-        left = self.sum()
-        return left < self.sum() if self.need("<", ">") == "<" else left > self.sum()
+        """Whether it holds; None where a side is not real, as may be below the line that is chosen."""
+        left, sign, right = self.sum(), self.need("<", ">"), self.sum()
+        if isinstance(left, mpmath.mpc) or isinstance(right, mpmath.mpc):
+            return None
+        return left < right if sign == "<" else left > right
 
     # -- the smallest parts ----------------------------------------------------------------------------
 
@@ -221,10 +241,9 @@ class Reader:
         self.peek()
         if match := HYPER.match(self.text, self.at):
             self.at = match.end()
-            a, b = map(int, re.findall(r"\d", match[0]))
-            arguments = self.bracketed()
-            assert len(arguments) == a + b + 1
-            return mpmath.hyper(arguments[:a], arguments[a : a + b], arguments[-1]), False
+            above, below, last = self.groups()
+            assert [str(len(above)), str(len(below))] == re.findall(r"\d", match[0])
+            return mpmath.hyper(above, below, *last), False
         if match := NUMBER.match(self.text, self.at):
             self.at = match.end()
             return mpmath.mpf(match[0]), True
@@ -272,8 +291,7 @@ def read(text, symbols):
 def rows(equation):
     r"""Return the lines of an equation as they are set; each must be sound by itself, or TeX stops."""
     inside = re.sub(r"\\(?:begin|end)\{(?:equation\*?|split)\}|\\label\{[^}]*\}", "", equation)
-    inside = CASES.sub(lambda found: found[0].replace("\\\\", r"\cr "), inside)
-    found = inside.split("\\\\\n")
+    found = in_cases(inside).split("\\\\\n")
     for number, row in enumerate(found):
         plain = re.sub(r"\\[{}]", "", row)
         assert plain.count("{") == plain.count("}"), row
