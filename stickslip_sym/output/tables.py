@@ -14,7 +14,7 @@ _BREAKS = (
     (r"(?<=,) ", " ", True),
     (r" (?=[+-] )", " ", True),
     (rf"(?<=\)){_FACTOR}", "", True),
-    (" ", " ", False),
+    (r"(?<![+-]) ", " ", False),
     (rf"(?<=[^*/ ]){_FACTOR}", "", False),
 )
 _WORDS = "|".join(place for place, *_ in _BREAKS)
