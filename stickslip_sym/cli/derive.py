@@ -158,16 +158,16 @@ def _check(check: Any) -> dict[str, Any]:
 def _report(law: Any, criterion: Any, form: Any, checks: list[Any], steps: bool) -> str:
     from stickslip_sym.comparison import crosscheck
     from stickslip_sym.output import printing
+    from stickslip_sym.output.lines import formula
 
     if isinstance(form, NoClosedForm):
         lines = [f"no closed form: {law.name or 'the law'}, {criterion.name}"]
     else:
-        formula = printing.text(form.expr)
-        if form.law.curve is not None:
-            formula = f"average of the {form.law.curve} (--json and --save have it exactly)"
-        elif len(formula) > _LONGEST:
-            formula = f"{formula[:_LONGEST]}... ({len(formula)} characters; --latex and --save write it whole)"
-        lines = [repr(form), "", f"  c = {formula}", "", form.gate.evidence]
+        shown = formula("c", form.expr) if form.law.curve is None else _CURVE.format(form.law.curve)
+        if len(shown) > _LONGEST:
+            size = len(printing.text(form.expr))
+            shown = f"{shown[:_LONGEST]}... ({size} characters; --latex and --save write it whole)"
+        lines = [repr(form), "", shown, "", form.gate.evidence]
         if steps:
             lines += ["", form.derivation.text()]
     if checks:
@@ -176,6 +176,7 @@ def _report(law: Any, criterion: Any, form: Any, checks: list[Any], steps: bool)
 
 
 _LONGEST = 4000  # characters of a formula on the screen
+_CURVE = "  c = average of the {} (--json and --save have it exactly)"
 
 
 def _latex(form: Any, steps: bool) -> str:

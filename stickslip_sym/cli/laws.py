@@ -71,7 +71,7 @@ def _described_form(form: Any) -> dict[str, Any]:
 
 def _about(law: Any, forms: dict[str, Any]) -> str:
     """Return a law's formula, parameters, source and criteria as text."""
-    from stickslip_sym.output import printing
+    from stickslip_sym.output.lines import formula
     from stickslip_sym.output.tables import table
 
     rows = [[p.name, p.typical or "", p.unit or "", p.meaning] for p in law.parameters.values()]
@@ -87,5 +87,5 @@ def _about(law: Any, forms: dict[str, Any]) -> str:
         if isinstance(form, NoClosedForm):
             lines += ["", f"{criterion}: no closed form. {form}"]
         else:
-            lines += ["", f"{criterion}, {form.verdict.status.value}", f"  c = {printing.text(form.expr)}"]
+            lines += ["", f"{criterion}, {form.verdict.status.value}", formula("c", form.expr)]
     return "\n".join(lines)

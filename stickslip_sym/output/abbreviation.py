@@ -9,7 +9,7 @@ from stickslip_sym.output.layout import LINE, displayed, width
 from stickslip_sym.output.notation import look, notation_of
 from stickslip_sym.output.printing import latex
 
-__all__ = ["abbreviated", "equation"]
+__all__ = ["abbreviated", "equation", "letter"]
 
 _REPEATED = 2  # times that a root stands in a long formula, from which on it gets a name
 _LETTERS = "qphrwgz"
@@ -55,17 +55,17 @@ def abbreviated(expr: Any, names: Mapping[str, str]) -> tuple[Any, list[tuple[An
             symbol = sp.Dummy("denominator", positive=True)
             expr = expr.xreplace({power: symbol**power.exp})
             definitions.append((symbol, power.base))
-    letter = _letter(expr, names)
+    initial = letter(expr, names)
     new = {
-        symbol: sp.Symbol(letter if len(definitions) == 1 else f"{letter}_{number}", positive=True)
+        symbol: sp.Symbol(initial if len(definitions) == 1 else f"{initial}_{number}", positive=True)
         for number, (symbol, _) in enumerate(definitions, 1)
     }
     known = dict(names) | notation_of(symbol.name for symbol in new.values())
     return expr.xreplace(new), [(new[symbol], value.xreplace(new)) for symbol, value in definitions], known
 
 
-def _letter(expr: Any, names: Mapping[str, str]) -> str:
+def letter(expr: Any, names: Mapping[str, str]) -> str:
     """Return a letter that begins no name here, neither as it is given nor as it is printed."""
     written = [*names, *names.values(), *(symbol.name for symbol in expr.atoms(sp.Symbol))]
-    free = (letter for letter in _LETTERS if not any(look(name).startswith(letter) for name in written))
+    free = (one for one in _LETTERS if not any(look(name).startswith(one) for name in written))
     return next(free, "Q")

@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
-__all__ = ["Readable", "factors", "spellings", "text"]
+__all__ = ["Readable", "factors", "spellings", "terms", "text"]
 
 
 class Readable:
@@ -105,3 +105,14 @@ def text(expr: Any) -> str:
     if getattr(expr, "is_Relational", False):
         return f"{text(expr.lhs)} {expr.rel_op.replace('==', '=')} {text(expr.rhs)}"
     return str(_Text(spellings(expr)).doprint(expr))
+
+
+def terms(expr: Any) -> list[str]:
+    """Return the terms of a sum as `text` has them, from the second on with the sign and a blank before them."""
+    printer = _Text(spellings(expr))
+    found: list[str] = []
+    for term in printer._as_ordered_terms(expr):
+        shown = f"({printer.doprint(term)})" if term.is_Add and expr.is_Add else str(printer.doprint(term))
+        sign = ("- " if shown.startswith("-") else "+ ") if found else ""
+        found.append(f"{sign}{shown.removeprefix('-')}" if found else shown)
+    return found

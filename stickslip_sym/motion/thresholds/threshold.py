@@ -159,6 +159,7 @@ def pure_slip_damping(
         warn_where_negative(law, float(scenes.V.max()))
     with deadline.time_limit(time_limit):
         value, names, error, theorems = _found(scenes, rung, rtol)
+    value = value + 0.0  # -0.0 becomes 0.0
     names = np.array(names.tolist(), dtype=str)
     if scenes.shape != ():
         error = None if error is None else error.reshape(scenes.shape)

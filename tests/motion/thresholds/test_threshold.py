@@ -297,3 +297,16 @@ def test_the_transition_speed_of_measured_points():
 def test_masked_scenes_are_refused():
     with pytest.raises(ss.InputError, match="V has masked entries"):
         ss.pure_slip_damping(ss.laws.exponential.typical(), V=np.ma.array([0.5, 0.6], mask=[0, 1]), N=9.81)
+
+
+@pytest.mark.parametrize("formula", ["mu_k", "mu_k + a*v", "mu_k - a*v", "mu_k + a*(cos(v) + v)", "mu_k*cos(a*v)"])
+def test_no_threshold_is_minus_zero(formula):
+    rng = np.random.default_rng(5)
+    law = ss.FrictionLaw(formula)
+    law = law.bind(**{name: {"a": 0.0, "mu_k": rng.uniform(0.1, 1)}[name] for name in law.parameters})
+    scene = {"V": rng.uniform(0.1, 1, 3), "N": rng.uniform(1, 10)}
+    for method in ("auto", "equilibrium", "least_squares", "harmonic", "second_order", "orbit"):
+        oscillator = {"m": 1.0, "k": rng.uniform(50, 200)} if method in ("second_order", "orbit") else {}
+        assert not np.signbit(ss.pure_slip_damping(law, **scene, **oscillator, method=method).value).any()
+        found = ss.pure_slip_damping(law, **scene | {"V": 0.5}, **oscillator, method=method)
+        assert str(found).startswith("0 kg/s")
