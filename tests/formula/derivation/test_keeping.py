@@ -144,3 +144,15 @@ def test_a_tree_is_exact_for_every_part_of_a_law_in_pieces():
     assert from_tree(to_tree(law.expr), names) == law.expr
     with pytest.raises(ss.InputError, match="no written form"):
         to_tree(sp.Function("f")(ss.symbols.V))
+
+
+def test_a_collection_says_that_it_is_one(tmp_path):
+    path = tmp_path / "forms.json"
+    ss.save_all([ss.derive(ss.laws.catalogue["linear"], "equilibrium")], path)
+    content = json.loads(path.read_text())
+    (form,) = ss.load_all(path)
+    assert form.criterion is criteria.equilibrium
+    for change in ({"format": "other"}, {"forms": {}}, {"format": None, "forms": None}):
+        path.write_text(json.dumps(content | change))
+        with pytest.raises(ss.InputError, match="holds no stickslip_sym closed forms"):
+            ss.load_all(path)
