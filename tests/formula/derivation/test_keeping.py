@@ -156,3 +156,10 @@ def test_a_collection_says_that_it_is_one(tmp_path):
         path.write_text(json.dumps(content | change))
         with pytest.raises(ss.InputError, match="holds no stickslip_sym closed forms"):
             ss.load_all(path)
+
+
+def test_a_notebook_names_the_law_of_a_form_or_shows_it():
+    law = ss.laws.catalogue["linear"]
+    assert ss.derive(law, "equilibrium")._repr_html_().count(law.text) == 0
+    assert law.name in ss.derive(law, "equilibrium")._repr_html_()
+    assert "p - q*v, equilibrium" in ss.derive(ss.FrictionLaw("p - q*v"), "equilibrium")._repr_html_()

@@ -4,10 +4,12 @@ from itertools import product
 
 import numpy as np
 import pytest
+import sympy as sp
 
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria.criterion import harmonic, least_squares
 from stickslip_sym.formula.evaluation import fitting
+from stickslip_sym.formula.evaluation.conditioning import speed_scales
 from stickslip_sym.formula.evaluation.profile import profile_of
 
 
@@ -28,3 +30,10 @@ def test_the_average_of_a_polynomial_is_the_sum_of_its_moments(criterion):
             branch = profile.branches[int(np.searchsorted(profile.starts, one, side="right")) - 1]
             expected = -sum(c * one**k for k, c in enumerate(coefficients))
             assert branch.scalar(one) * one**branch.power == pytest.approx(expected, rel=1e-14, abs=1e-14)
+
+
+def test_scales_of_functions_are_where_their_arguments_are_one():
+    a = sp.Symbol("a", positive=True)
+    for function in (sp.tanh, sp.exp, sp.sech, lambda x: 2**x):
+        assert speed_scales(function(a * v), v) == [1 / a]
+        assert speed_scales(function(-a * v**2), v) == [1 / sp.sqrt(a)]
