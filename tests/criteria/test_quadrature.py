@@ -8,6 +8,7 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
+from stickslip_sym.criteria import quadrature
 
 
 @pytest.mark.parametrize("digits", [15, 30, 100])
@@ -130,3 +131,17 @@ def test_cross_checks_know_no_closed_form(module):
                 todo += [name for name in names if path_of(name).exists()]
     assert len(reached) > 3
     assert not any(name.startswith("formula.") for name in reached)
+
+
+def test_a_measured_law_is_integrated_up_to_its_last_speed():
+    law = ss.FrictionLaw.from_samples([0, 1, 2, 3], ["0.5", "0.4", "0.35", "0.33"])
+    for criterion, reach in (("equilibrium", "3"), ("least_squares", "1.5"), ("harmonic", "1.5")):
+        ss.quadrature.damping(law, criterion, V=reach, N=1, digits=5)
+        with pytest.raises(ss.InputError, match="measured"):
+            ss.quadrature.damping(law, criterion, V=f"{reach}0001" if "." in reach else "3.0001", N=1, digits=5)
+
+
+def test_a_slope_is_returned_only_when_a_second_look_agrees(monkeypatch):
+    looks = iter([mpmath.mpf(one) for one in ("1", "1.001", "2", "2.0000001", "3", "3.000000000001")])
+    monkeypatch.setattr(quadrature, "_following_cancellation", lambda *_: next(looks))
+    assert quadrature._confirmed_slope(None, 1, 1, 10) == mpmath.mpf("3.000000000001")

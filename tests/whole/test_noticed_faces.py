@@ -13,6 +13,7 @@ from scenes import paper_oscillator
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.cli.reading import LARGEST, check_size
+from stickslip_sym.comparison.crosscheck import crosscheck
 from stickslip_sym.core import deadline, lambdify, lerch
 from stickslip_sym.core.numbers import exact
 from stickslip_sym.core.symbols import v
@@ -131,6 +132,8 @@ def test_units_of_parameters_are_typeset():
 def test_defaults_are_those_of_the_documentation():
     defaults = {
         (ss.quadrature.damping, "digits"): 50,
+        (ss.ClosedForm.evaluate, "digits"): 50,
+        (crosscheck, "digits"): 50,
         (ss.pure_slip_damping, "rtol"): 1e-3,
         (ss.pure_slip_damping, "method"): "auto",
     }

@@ -158,3 +158,9 @@ def test_no_number_in_a_formula_passes_its_limit():
             continue
         assert all(bits(number) <= 4096 for number in expr.atoms(sp.Rational)), text
     assert 10 < refused < 70
+
+
+def test_one_over_terms_of_opposite_signs_has_no_bound_of_growth():
+    for power in (-2, -1, 1, 2):
+        assert limits._growth((V + p) ** power) == power
+        assert limits._growth((V - p) ** power) == (power if power > 0 else None)

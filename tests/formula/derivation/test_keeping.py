@@ -144,3 +144,22 @@ def test_a_tree_is_exact_for_every_part_of_a_law_in_pieces():
     assert from_tree(to_tree(law.expr), names) == law.expr
     with pytest.raises(ss.InputError, match="no written form"):
         to_tree(sp.Function("f")(ss.symbols.V))
+
+
+def test_a_collection_says_that_it_is_one(tmp_path):
+    path = tmp_path / "forms.json"
+    ss.save_all([ss.derive(ss.laws.catalogue["linear"], "equilibrium")], path)
+    content = json.loads(path.read_text())
+    (form,) = ss.load_all(path)
+    assert form.criterion is criteria.equilibrium
+    for change in ({"format": "other"}, {"forms": {}}, {"format": None, "forms": None}):
+        path.write_text(json.dumps(content | change))
+        with pytest.raises(ss.InputError, match="holds no stickslip_sym closed forms"):
+            ss.load_all(path)
+
+
+def test_a_notebook_names_the_law_of_a_form_or_shows_it():
+    law = ss.laws.catalogue["linear"]
+    assert ss.derive(law, "equilibrium")._repr_html_().count(law.text) == 0
+    assert law.name in ss.derive(law, "equilibrium")._repr_html_()
+    assert "p - q*v, equilibrium" in ss.derive(ss.FrictionLaw("p - q*v"), "equilibrium")._repr_html_()

@@ -8,9 +8,12 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
+from stickslip_sym import symbols
+from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.core.symbols import N, V, u
+from stickslip_sym.formula.derivation import gate
 from stickslip_sym.formula.derivation.proving import prove_equal
 from stickslip_sym.formula.evaluation.exact import to_digits
 
@@ -98,3 +101,21 @@ def test_every_digit_is_right_at_extremes(digits):
         got = to_digits(expr, point, digits)
         with mpmath.workdps(digits + 5):
             assert abs(got - expected) <= abs(expected) * mpmath.mpf(10) ** (1 - digits)
+
+
+@pytest.mark.parametrize("error", [InputError, NotConverged])
+@pytest.mark.parametrize(("fails", "status"), [(2, ss.Status.CHECKED), (1, ss.Status.UNDECIDED)])
+def test_points_where_a_side_has_no_value_say_nothing_to_the_gate(monkeypatch, error, fails, status):
+    """Others are drawn in their place; with too few the formula is neither checked nor refuted."""
+    law = ss.FrictionLaw("a - b*v")
+    definition, calls = gate._definition, []
+
+    def sometimes(*given):
+        calls.append(given)
+        if len(calls) % fails == 0:
+            raise error("not here")
+        return definition(*given)
+
+    monkeypatch.setattr(gate, "_definition", sometimes)
+    expr = symbols.N * law.parameters["b"].symbol
+    assert gate.verify(law, ss.criteria.least_squares, expr).status is status

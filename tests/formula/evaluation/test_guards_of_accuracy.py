@@ -296,3 +296,12 @@ def test_the_gate_refutes_what_is_wrong_in_any_digit_that_it_says_it_compared():
     for off in (1, 8, 16, stated - 3, stated - 2, stated - 1, stated):
         wrong = form.expr * (1 + sp.Rational(3, 10**off))
         assert closed_form.verify(law, least_squares, wrong).status is ss.Status.REFUTED
+
+
+def test_no_coefficient_of_an_entire_function_is_cut_off():
+    """Those of exp(-v) fall like 2^k/k!, to 1e-64 of the first."""
+    coefficients, radius = fitting.taylor(-sp.exp(-v), harmonic, 0.0)
+    assert radius == 24
+    for k, coefficient in enumerate(coefficients):
+        right = to_mpf(fitting.moment(harmonic, k) * (-1) ** k / sp.factorial(k))
+        assert abs(coefficient - right) <= mpmath.mpf("1e-12") * abs(right)

@@ -11,6 +11,8 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.formula.evaluation.conditioning import without_squares
 from stickslip_sym.formula.integration.antiderivatives import antiderivative
 from stickslip_sym.formula.integration.harmonics import harmonic_average, kinked_polynomial_average
+from stickslip_sym.formula.integration.normal_form import normal_form
+from stickslip_sym.formula.integration.terms import grouped
 
 u, V, x = sp.Symbol("u", positive=True), sp.Symbol("V", positive=True), sp.Symbol("x", real=True)
 HALF = sp.Rational(1, 2)
@@ -102,3 +104,21 @@ def test_one_minus_tanh_squared_is_sech_squared():
     assert without_squares(1 - sp.tanh(x) ** 2) == sp.sech(x) ** 2
     for other in (1 + sp.tanh(x) ** 2, 1 - sp.tanh(x) ** 3, 1 - sp.cos(x) ** 2, 2 - sp.tanh(x) ** 2):
         assert without_squares(other) == other
+
+
+def test_a_sum_is_what_its_groups_add_up_to():
+    """Also with factors of 1, and without those of 0."""
+    for f in (
+        u + sp.exp(-u) + 3 * u**2,
+        u + x * u**2 + 1 / (u + 1),
+        x * u + (1 - x) * u + sp.exp(u),
+        u - u * x + x * u,
+    ):
+        groups = grouped(f, u)
+        assert sp.expand(f - sum(rest * constant for rest, constant in groups.items())) == 0
+        assert 0 not in groups.values()
+
+
+def test_radicands_are_factored_and_powers_are_not():
+    a, b = sp.symbols("a b", positive=True)
+    assert normal_form(sp.sqrt(a**2 + 2 * a * b + b**2) - a - b) == 0

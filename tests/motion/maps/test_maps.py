@@ -10,6 +10,7 @@ from scenes import TWO, paper_oscillator
 import stickslip_sym as ss
 from stickslip_sym import Motion
 from stickslip_sym.cli import map
+from stickslip_sym.motion.maps import axes, columns
 from stickslip_sym.motion.maps.cells import Reason
 
 SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}
@@ -213,3 +214,24 @@ def test_the_command_prints_a_picture_and_writes_files(run, tmp_path):
 def test_axes_that_cannot_be_read_are_refused(text, message):
     with pytest.raises(ss.InputError, match=re.escape(message)):
         map._axis("--x", text)
+
+
+@pytest.mark.parametrize("turns", [None, np.empty(0)])
+def test_no_comparison_calls_motions_damped_below_the_threshold(turns):
+    """Where a slip from P is not known to stick at once, nothing below the threshold is decided."""
+    rng = np.random.default_rng(6)
+    for _ in range(20):
+        column = object.__new__(columns._Column)
+        column.c, column.exact, column.equilibrium = rng.uniform(-1, 3, 12), *rng.uniform(0, 2, 2)
+        column.static, column.turns, column.osc = 0.5, turns, paper_oscillator()
+        column._sticks_at_once, column._comes_to_rest = (lambda c: False), (lambda c: True)
+        clear = rng.random(12) < 0.8
+        above = clear & (column.c > column.exact) & (column.c >= 0)
+        above &= (column.c > column.equilibrium) | (turns is not None)
+        assert (column._comparable(clear) == above).all()
+
+
+@pytest.mark.parametrize("given", [(1, [0.1, 0.2]), (["V"], [0.1]), ("V", [0.1], [0.2]), ("V",), "Vc", 3, ()])
+def test_what_is_no_name_with_values_is_no_axis(given):
+    with pytest.raises(ss.InputError, match="x is a name and its values"):
+        axes._axis(JUMP, "x", given)

@@ -259,3 +259,10 @@ def test_the_scene_of_a_trough_turns_there(law):
     for amplitude in (0.1, 0.7):
         point = slip_orbits.trough(scene, amplitude)
         assert scene.acceleration(point.q, point.w, 1) == pytest.approx(0.0, abs=1e-15)
+
+
+def test_orbits_that_neither_grow_nor_shrink_are_separated_by_nothing():
+    found = ss.regime(ss.FrictionLaw("0.3", static="0.35"), paper_oscillator(c=0.0))
+    assert found.stick_slip is not None
+    assert "slip orbits neither grow nor shrink" in found.undecided
+    assert found.separatrices == ()

@@ -1,5 +1,6 @@
 """The threshold by simulation: what it separates, its error, and laws that are steep."""
 
+import math
 import time
 from dataclasses import astuple
 
@@ -8,6 +9,7 @@ import pytest
 from scenes import paper_oscillator
 
 import stickslip_sym as ss
+from stickslip_sym.motion.thresholds import grazing
 
 NO_MORE_SECONDS = 10  # on a loaded machine; alone each case takes less than 3
 
@@ -150,3 +152,16 @@ def test_results_are_plain_floats(law):
     assert type(ss.peak_velocity(law, osc)) is float
     motion = ss.simulate(law, osc, t_end=2.0, x0=np.float64(0.1))
     assert {type(value) for event in motion.events for value in (event.t, event.x, event.v)} == {float}
+
+
+def test_a_threshold_that_tighter_steps_do_not_find_again_is_lost(monkeypatch):
+    calls = []
+
+    def lowest(scene, tolerance, engine):
+        calls.append(tolerance)
+        assert math.isfinite(scene.zeta)  # dampings are tried up to a bound
+        return -1.0 if len(set(calls)) > 2 else scene.zeta - 0.01
+
+    monkeypatch.setattr(grazing, "lowest_slip_speed", lowest)
+    with pytest.raises(ss.NotConverged, match="the threshold is lost in rounding near"):
+        grazing.grazing_damping(ss.laws.exponential.typical(), paper_oscillator(), rtol=1e-8)
