@@ -268,8 +268,9 @@ def check_in_browser(page, tmp_path):
     file = tmp_path / "several.html"
     file.write_text("\n".join([SEVERAL, *frames]), encoding="utf-8")
     command = [
-        BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0",
-        f"--user-data-dir={tmp_path / 'profile'}", "--window-size=1300,900", "--dump-dom", file.as_uri(),
+        BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-sync",
+        "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-quic",
+        "--enable-logging=stderr", "--v=0", f"--user-data-dir={tmp_path / 'profile'}", "--window-size=1300,900", "--dump-dom", file.as_uri(),
     ]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr

@@ -146,7 +146,7 @@ def prove_threshold(scene: BoxScene, guess: float, error: float, rtol: float) ->
     hypotheses = checked_hypotheses(scene)
     search = _Search(scene)
     center = sp.Rational(guess)
-    half = sp.Rational(rtol) * center * sp.Rational(9, 20)
+    half = sp.Rational(rtol) * center * sp.Rational(2, 5)
     width = max(half, center * sp.Rational(min(max(2 * error, 1e-15), _WIDEST)))
     search.enclose(center, width)
     search.narrow(half, sp.Rational(rtol))
