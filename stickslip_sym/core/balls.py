@@ -99,7 +99,7 @@ def _chosen(expr: Any, point: Mapping[Any, Any]) -> Any:
 
 def _decided(node: Any, point: Mapping[Any, Any]) -> Any:
     if isinstance(node, sp.Piecewise):
-        return next(_chosen(part, point) for part, holds in node.args if holds.xreplace(dict(point)) == True)  # noqa: E712
+        return next(_chosen(part, point) for part, holds in node.args if holds.xreplace(dict(point)))
     values = {argument: argument.xreplace(dict(point)) for argument in node.args}
     best = node.func(*values.values())
     return next(argument for argument, value in values.items() if value == best)
