@@ -54,7 +54,7 @@ def checked_hypotheses(scene: BoxScene) -> tuple[tuple[str, str], ...]:
                          'method="simulation" serves all laws')  # fmt: skip
     found = [("mu is locally Lipschitz for v > 0", how)]
     if scene.law.static is None:
-        return (*found, ("the static coefficient is mu(0+)", "none is given"))
+        return (*found, ("the static coefficient is mu(0+)", "the law has no other"))
     with working_precision(_BITS):
         above = scene.static - scene.at_rest
         if not ball_value(above, scene.point).real > 0 and above.xreplace(scene.point) != 0:
