@@ -72,6 +72,11 @@ def test_the_report(tmp_path):
     check_complete(page)
     if BROWSER is None:
         pytest.skip("all but the browser's part: no chromium on this machine (Debian: apt-get install chromium)")
+    started = browse("about:blank", tmp_path)
+    if started.returncode < 0:  # where memory for addresses is limited, chromium stops with SIGTRAP at any page
+        pytest.skip(
+            f"all but the browser's part: chromium cannot show an empty page here (signal {-started.returncode})"
+        )
     check_in_browser(page, tmp_path)
 
 
@@ -261,19 +266,23 @@ addEventListener("message", event => {
 WIDTHS = (1200, 360)
 
 
+def browse(address, tmp_path):
+    command = [
+        BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-sync",
+        "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-quic",
+        "--enable-logging=stderr", "--v=0", f"--user-data-dir={tmp_path / 'profile'}", "--window-size=1300,900",
+        "--dump-dom", address,
+    ]  # fmt: skip
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+
+
 def check_in_browser(page, tmp_path):
     """Look at the page in frames of several widths, with one start of the browser."""
     (tmp_path / "probed.html").write_text(page.replace("</body>", PROBE), encoding="utf-8")
     frames = [f'<iframe src="probed.html" width="{width}" height="900"></iframe>' for width in WIDTHS]
     file = tmp_path / "several.html"
     file.write_text("\n".join([SEVERAL, *frames]), encoding="utf-8")
-    command = [
-        BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-sync",
-        "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-quic",
-        "--enable-logging=stderr", "--v=0", f"--user-data-dir={tmp_path / 'profile'}", "--window-size=1300,900",
-        "--dump-dom", file.as_uri(),
-    ]  # fmt: skip
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    done = browse(file.as_uri(), tmp_path)
     assert done.returncode == 0, done.stderr
     assert ":CONSOLE" not in done.stderr, done.stderr
     probes = [json.loads(text) for text in re.findall(r"<pre>(.*?)</pre>", done.stdout)]
