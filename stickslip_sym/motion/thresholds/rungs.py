@@ -210,6 +210,7 @@ class _Shape:
     """A law up to the values of its parameters; equal for equal formulas."""
 
     expr: Any
+    static: Any
     law: FrictionLaw = field(compare=False)
 
 
@@ -221,7 +222,7 @@ def _slope_average(shape: _Shape, criterion: Criterion) -> SlopeAverage:
 def average(scenes: Scenes, criterion: Criterion) -> Any:
     """Return a criterion's damping; no closed form is derived for it."""
     values: dict[str, Any] = {name: float(value) for name, value in scenes.law.values.items()}
-    compiled = _slope_average(_Shape(scenes.law.expr, scenes.law), criterion)
+    compiled = _slope_average(_Shape(scenes.law.expr, scenes.law.static, scenes.law), criterion)
     return np.atleast_1d(compiled(V=scenes.V, N=scenes.N, **values))
 
 
