@@ -38,6 +38,9 @@ from .motion.maps.basins import BasinMap as BasinMap
 from .motion.maps.basins import basin_map as basin_map
 from .motion.maps.motions import MotionMap as MotionMap
 from .motion.maps.motions import motion_map as motion_map
+from .motion.maps.shares import Share as Share
+from .motion.maps.sweep import BasinSweep as BasinSweep
+from .motion.maps.sweep import basin_sweep as basin_sweep
 from .motion.orbits.cycles import LimitCycle as LimitCycle
 from .motion.orbits.cycles import limit_cycles as limit_cycles
 from .motion.regimes.attractors import Regime as Regime

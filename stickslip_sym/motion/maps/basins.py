@@ -18,7 +18,7 @@ from stickslip_sym.motion.maps.axes import Axis, read_values, require_few
 from stickslip_sym.motion.maps.cells import MOTIONS
 from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Progress, collect
 from stickslip_sym.motion.maps.shares import Share, counted_shares, shares_of
-from stickslip_sym.motion.maps.sides import sides_of
+from stickslip_sym.motion.maps.sides import FINEST, sides_of
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify
@@ -166,14 +166,17 @@ def basin_map(
     require_few(places.size, speeds.size)
     request = {"law": text_of_law(law), "oscillator": asdict(osc), "rtol": rtol}
     with deadline.time_limit(time_limit):
-        found = regime(law, osc, rtol=rtol)
-        sides = sides_of(law, osc, found, rtol=rtol)
+        found = regime(law, osc, rtol=FINEST)
+        sides = sides_of(law, osc, found)
         settled = np.full((speeds.size, places.size), -1) if sides is None else sides.motions(places, speeds)
         chosen = (settled < 0) | _sample(settled)
         rows = np.flatnonzero(chosen.any(axis=1))
         tasks = [request | {"v0": float(speeds[row]), "x0": places[chosen[row]].tolist()} for row in rows]
         lines = collect(classify_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
-        share = None if sides is None else shares_of(law, osc, found, places, speeds, rtol=rtol)
+        share = None
+        if sides is not None and min(places.size, speeds.size) > 1:
+            box = (float(places[0]), float(places[-1])), (float(speeds[0]), float(speeds[-1]))
+            share = shares_of(law, osc, found, sides, *box)
     index, notes, disagreements = settled.copy(), dict[tuple[int, int], str](), 0
     for row, line in zip(rows.tolist(), lines, strict=True):
         columns = np.flatnonzero(chosen[row])

@@ -5,18 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip_sym.core.types import FloatArray, IntArray
+from stickslip_sym.core.types import IntArray
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.cells import MOTIONS
-from stickslip_sym.motion.maps.sides import sides_of
+from stickslip_sym.motion.maps.sides import Sides, sides_of
 from stickslip_sym.motion.regimes.attractors import Regime
 from stickslip_sym.motion.regimes.classification import Motion
 
 __all__ = ["Share", "counted_shares", "shares_of"]
 
-_COARSER = 100  # times the tolerance, at which the areas are measured again for their error
-_FINEST = 1e-12  # tolerance of the separatrices whose areas are measured
+_COARSE = 1e-10  # tolerance at which the areas are measured again, for their error
 
 
 @dataclass(frozen=True)
@@ -45,20 +44,20 @@ class Share:
 
 
 def shares_of(
-    law: FrictionLaw, osc: Oscillator, found: Regime, x0: FloatArray, v0: FloatArray, *, rtol: float
-) -> dict[Motion, Share] | None:
-    """Return the shares of the box from the first x0 and v0 to the last; None where areas are not known."""
-    box = (float(x0[0]), float(x0[-1])), (float(v0[0]), float(v0[-1]))
-    fine = min(rtol, _FINEST)
-    measured = [
-        sides.shares(*box)
-        for tolerance in (fine, _COARSER * fine)
-        if (sides := sides_of(law, osc, found, rtol=tolerance)) is not None and min(x0.size, v0.size) > 1
-    ]
-    if len(measured) < 2:
-        return None
-    best, other = measured
-    return {motion: Share(value, _error(value, other.get(motion, 0.0))) for motion, value in best.items()}
+    law: FrictionLaw,
+    osc: Oscillator,
+    found: Regime,
+    sides: Sides,
+    x0: tuple[float, float],
+    v0: tuple[float, float],
+) -> dict[Motion, Share]:
+    """Return the shares of a box of starts, by areas."""
+    best = sides.shares(x0, v0)
+    again = sides_of(law, osc, found, rtol=_COARSE) if sides.boundaries else sides
+    other = {} if again is None else again.shares(x0, v0)
+    return {
+        motion: Share(value, abs(value - other.get(motion, 0.0)) + math.ulp(1.0)) for motion, value in best.items()
+    }
 
 
 def counted_shares(index: IntArray) -> dict[Motion, Share]:
@@ -69,7 +68,3 @@ def counted_shares(index: IntArray) -> dict[Motion, Share]:
         for motion, part in zip(MOTIONS, parts.tolist(), strict=True)
         if part
     }
-
-
-def _error(value: float, other: float) -> float:
-    return abs(value - other) + math.ulp(1.0)

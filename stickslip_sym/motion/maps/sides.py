@@ -22,7 +22,10 @@ from stickslip_sym.motion.regimes.attractors import Regime, graze
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.motion.regimes.slip_orbits import next_peak, slip_orbits
 
-__all__ = ["Sides", "sides_of"]
+__all__ = ["FINEST", "Sides", "sides_of"]
+
+FINEST = 1e-12
+"""The relative tolerance of separatrices: they are few, and decide about many starts."""
 
 _NEAR = 100  # times the tolerance, around a boundary
 _JUMP = 1e-12  # of mu, relative, below which it is rounding
@@ -82,7 +85,7 @@ class Sides:
         return (x - self.onset) / self.osc.length
 
 
-def sides_of(law: FrictionLaw, osc: Oscillator, found: Regime, *, rtol: float) -> Sides | None:
+def sides_of(law: FrictionLaw, osc: Oscillator, found: Regime, *, rtol: float = FINEST) -> Sides | None:
     """Return the boundaries of the basins; None where geometry does not settle them.
 
     It does for every oscillator whose motions end at rest, in a pure-slip cycle below the belt's speed or in
@@ -99,7 +102,7 @@ def sides_of(law: FrictionLaw, osc: Oscillator, found: Regime, *, rtol: float) -
     height = graze(scene, rtol)
     if height == 0 or (height < 0 and found.stick_slip is None):
         return None
-    orbits = slip_orbits(law, osc, rtol=rtol)
+    orbits = slip_orbits(law, osc, rtol=FINEST)
     unstable = [cycle.amplitude for cycle in orbits.cycles if not cycle.stable]
     peaks = [(low + high) / 2 for low, high in pairwise([0.0, *unstable, osc.V])]
     curves = [Boundary(next_peak(scene, amplitude / osc.V, rtol)[1]) for amplitude in unstable]
