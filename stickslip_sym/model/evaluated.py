@@ -164,6 +164,13 @@ class Evaluated:
         """
         return self._coefficient.branches(self._known(), self.kinks() if self.curve is None else ())
 
+    def rises(self) -> list[Callable[[float], float]]:
+        """Return mu(v) - mu(0+) on each of the `branches`, as bare functions of a float.
+
+        Where v is small they keep the digits that are lost when two coefficients are subtracted.
+        """
+        return self._coefficient.rises(self._known(), self.kinks() if self.curve is None else ())
+
     def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
         speed = np.asarray(v, dtype=np.float64)
         wrong = ~((speed >= 0) & np.isfinite(speed))
