@@ -260,6 +260,20 @@ def test_code_computes_what_it_is_written_of(run, dialect, batch, tmp_path):
         assert agrees(got, expected), f"{expr!r}\n{text}\n{got} is not {expected}"
 
 
+@pytest.mark.parametrize(("run", "dialect"), LANGUAGES.values(), ids=LANGUAGES)
+def test_whole_numbers_are_divided_as_others_are(run, dialect, tmp_path, monkeypatch):
+    sign, cases = sp.sign(a - b), sp.Piecewise((1, a < b), (2, True))
+    given = [
+        (sp.Abs(sign) + a, 3), ((3 + 2 * sign) / (7 + 3 * sign), 1 / 4), (1 / (2 + cases), 1 / 3),
+        (cases / (4 + sign), 1 / 3), ((4 + sp.Abs(sign)) ** -1, 1 / 5), ((1 + cases) / 4, 1 / 2),
+        (cases / sp.Piecewise((3, b < a), (5, True)), 1 / 5),
+    ]  # fmt: skip
+    drawn = [(expr, {a: 2.0, b: 3.0}, value) for expr, value in given]
+    monkeypatch.setitem(globals(), "draws", lambda batch, plain: drawn)
+    for (expr, text, _, _, expected), got in zip(written(dialect, 0), run(0, tmp_path), strict=True):
+        assert got == pytest.approx(expected, rel=1e-15), f"{expr!r}\n{text}"
+
+
 def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
     monkeypatch.setattr(python._Python, "parenthesize", lambda self, item, *_, **__: self._print(item))
     found = zip(written(python.dialect, 0), by_python(0, tmp_path), strict=True)
