@@ -86,27 +86,21 @@ class Coefficient:
         """Return where mu or its slope may jump, exact."""
         return {place.xreplace(values) for place in places(self.expr)}
 
-    def branches(
+    def rises(
         self, values: Mapping[Any, Any], kinks: Sequence[Any]
     ) -> list[tuple[float, Callable[[float], float]]]:
-        """Return where each smooth piece begins, ascending from 0, and its bare function of a float."""
-        if self.curve is not None:
-            return self.curve.branches
-        if not kinks:
-            return [(0.0, self.function(values, "math"))]
-        return [(float(start), self._branch(values, start)) for start in (sp.Integer(0), *kinks)]
+        """Return where each smooth piece begins, ascending from 0, and mu(v) - mu(0+) on it, of a float.
 
-    def _branch(self, values: Mapping[Any, Any], start: Any) -> Callable[[float], float]:
-        function = self._at(branch_from(self.expr, values, start), values, "math")
-        return lambda v: float(function(v))
-
-    def rises(self, values: Mapping[Any, Any], kinks: Sequence[Any]) -> list[Callable[[float], float]]:
-        """Return mu(v) - mu(0+) on each smooth piece, with the digits that a difference of the two would lose."""
+        The difference has the digits that are lost when two coefficients are subtracted.
+        """
         if self.curve is not None:
             return self.curve.rises
         starts = [sp.Integer(0), *kinks]
         pieces = [branch_from(self.expr, values, start) for start in starts] if kinks else [self.expr]
-        return [self._rise(values, pieces[0], piece, start) for piece, start in zip(pieces, starts, strict=True)]
+        return [
+            (float(start), self._rise(values, pieces[0], piece, start))
+            for piece, start in zip(pieces, starts, strict=True)
+        ]
 
     def _rise(self, values: Mapping[Any, Any], lowest: Any, piece: Any, start: Any) -> Callable[[float], float]:
         plain, onset = self._at(piece, values, "math"), limit_at_rest(lowest.xreplace(values))

@@ -208,10 +208,11 @@ class Scene:
         static, onset = _static(law), _onset(law)
         speed = osc.V
         w_max = math.inf if law.v_max is None else float(law.v_max) / speed
-        levels = [start / speed for start, _ in law.branches()] + [math.inf]
+        pieces = law.rises()
+        levels = [start / speed for start, _ in pieces] + [math.inf]
         branches = tuple(
             Branch(low, high, _of_w(rise, speed, low, high))
-            for low, high, rise in zip(levels, levels[1:], law.rises(), strict=False)
+            for low, high, (_, rise) in zip(levels, levels[1:], pieces, strict=False)
         )
         return cls(osc.eta, osc.zeta, static, onset, _joined(branches), law, speed, w_max, branches)
 

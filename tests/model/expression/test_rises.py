@@ -61,7 +61,7 @@ def test_what_has_no_value_at_the_start_has_no_rise():
 @pytest.mark.parametrize("name", ss.laws.catalogue)
 def test_laws(name):
     law = ss.laws.catalogue[name].typical()
-    (gained,), function = law.rises(), law.function("mpmath")
+    ((_, gained),), function = law.rises(), law.function("mpmath")
     with mpmath.workdps(60):
         for speed in SPEEDS:
             true = function(mpmath.mpf(speed)) - function(mpmath.mpf(0))
@@ -77,9 +77,9 @@ def test_pieces_and_measured_points():
         mu_s=0.5
     )
     for law in (measured, jumps):
-        ends = [place for place, _ in law.branches()] + [1.0]
+        ends = [place for place, _ in law.rises()] + [1.0]
         function = law.function("mpmath")
-        for low, high, gained in zip(ends, ends[1:], law.rises(), strict=False):
+        for low, high, (_, gained) in zip(ends, ends[1:], law.rises(), strict=False):
             for speed in np.linspace(low, high, 7)[1:-1]:
                 with mpmath.workdps(60):
                     true = function(mpmath.mpf(speed)) - function(mpmath.mpf(0))
@@ -88,6 +88,6 @@ def test_pieces_and_measured_points():
 
 def test_a_law_without_such_a_form_is_subtracted():
     law = ss.FrictionLaw("mu_s + v*log(v)").bind(mu_s=0.5)
-    assert law.rises()[0](0.3) == pytest.approx(0.3 * np.log(0.3), rel=1e-14)
+    assert law.rises()[0][1](0.3) == pytest.approx(0.3 * np.log(0.3), rel=1e-14)
     law = ss.FrictionLaw("mu_s - (v + b)^(1/2)").bind(mu_s=0.5, b=0)  # b is no 0 in the formula
-    assert law.rises()[0](0.25) == pytest.approx(-0.5, rel=1e-14)
+    assert law.rises()[0][1](0.25) == pytest.approx(-0.5, rel=1e-14)
