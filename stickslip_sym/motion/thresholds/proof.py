@@ -23,7 +23,7 @@ from stickslip_sym.motion.thresholds.theorem import Theorem
 __all__ = ["prove_threshold", "theorems"]
 
 _GUESS = 1e-10  # tolerance of the simulation that says where to look
-_BITS = 64  # of a decision, beyond those of its distance from the threshold
+_BITS = 40  # of a decision, beyond those of its distance from the threshold; stiff motions take more
 _MORE_BITS = (1, 2, 4)  # times as many, until a decision falls
 _CURVED = 10  # the secant is off by the square of the bracket, times this
 _WIDEST = 1e-2  # of the first bracket, relative
@@ -101,7 +101,8 @@ def _rational(value: Any) -> Any:
 def _rounded(c: Any, width: Any) -> Any:
     """Return the nearest decimal number with no more digits than a width calls for."""
     places = max(0, math.ceil(-math.log10(float(width) / _FINE))) if float(width) else 50
-    return sp.Rational(round(c * 10**places), 10**places)
+    # By integers: SymPy's rounding evaluates, and takes as long as some steps of a slip.
+    return sp.Rational(round(Fraction(int(c.p), int(c.q)) * 10**places), 10**places)
 
 
 def theorems(scenes: Scenes, rtol: float) -> list[Theorem]:
