@@ -60,7 +60,8 @@ def header(report: "Report") -> Html:
             "H.-I. Won and J. Chung, ",
             element("i", "Nonlinear Dynamics"),
             f", 2016. The {len(CLAIMS)} claims taken from the paper, each with the verdict of a computation. "
-            "Numbers of equations and figures are the paper’s.",
+            "Numbers of equations and figures are the paper’s. Evidence is a proof (PROVED), agreement with an "
+            "independent computation (CHECKED), or a number whose error is estimated (ESTIMATED).",
             class_="source",
         ),
         element("div", *items, class_="counts"),
@@ -104,7 +105,7 @@ def exceptions(report: "Report") -> Html:
                 ": ",
                 _badge(finding.outcome),
             ),
-            element("p", prose(_sentence(finding.evidence)), class_="note"),
+            *_evidence(finding),
         )
         for finding in found
     ]
@@ -138,12 +139,14 @@ def claim_rows(claim: Claim, finding: Finding | None) -> Html:
     verdict = _badge(finding.outcome if finding else None)
     if finding and not finding.as_recorded:
         verdict = raw(verdict + element("span", f" (on record: {SHORT[claim.outcome]})", class_="note"))
-    evidence = _sentence(finding.evidence) if finding else "No finding in this run."
+    if finding:
+        verdict = raw(verdict + element("span", f" by {finding.kinds}", class_="note"))
+    evidence = _evidence(finding) if finding else ["No finding in this run."]
     where = element("td", prose(claim.where))
     return element(
         "tbody",
         element("tr", first, *columns, element("td", verdict, data_label="verdict")),
-        element("tr", where, element("td", prose(evidence), colspan="5"), class_="evidence"),
+        element("tr", where, element("td", *evidence, colspan="5"), class_="evidence"),
         class_="claim",
         id=f"claim-{claim.id}",
     )
@@ -225,9 +228,18 @@ def footer(report: "Report") -> Html:
     return element("footer", element("p", f"Computed {report.time} by {words}."), id="versions")
 
 
-def _sentence(evidence: str) -> str:
-    """Return evidence with a capital, unless it begins with a symbol, and a stop."""
-    return re.sub(r"^[a-z]{2,} ", lambda word: word[0].capitalize(), evidence) + "."
+def _evidence(finding: Finding) -> list[Html]:
+    """Return a finding's plain sentence, and its evidence by kind, a paragraph each."""
+    told = [
+        element("p", element("b", kind), ": ", prose(_sentence(text)), class_="note")
+        for kind, text in finding.by_kind.items()
+    ]
+    return [element("p", prose(_sentence(finding.holds)), class_="holds"), *told]
+
+
+def _sentence(text: str) -> str:
+    """Return text with a capital, unless it begins with a symbol, and a stop."""
+    return re.sub(r"^[a-z]{2,} ", lambda word: word[0].capitalize(), text) + "."
 
 
 def _verdicts(report: "Report", ids: tuple[str, ...]) -> Iterator[Html]:

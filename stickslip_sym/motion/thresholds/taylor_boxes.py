@@ -98,7 +98,8 @@ def _reach(field: Field, q: arb, w: arb) -> tuple[arb, float, float]:
         most_q, most_w = (1 - disc).abs_upper(), (push + acb(q)).abs_upper()
         # The radius of q that is used up when that of w is.
         speed = float(most_w)
-        radius_q = (math.sqrt(speed**2 + 4 * radius_w * float(most_q)) - speed) / 2
+        room = radius_w * float(most_q)
+        radius_q = 2 * room / (math.hypot(speed, 2 * math.sqrt(room)) + speed)
         rho = (arb(radius_q) / most_q).min(arb(radius_w) / (most_w + arb(radius_q)))
         if arb(rho.lower()) < best[0]:
             break  # smaller ones are left sooner still
