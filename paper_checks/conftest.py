@@ -42,9 +42,9 @@ def pytest_configure(config: pytest.Config) -> None:
 def find(request: pytest.FixtureRequest) -> Find:
     """Take the evidence of a check and hold it against the verdict on record.
 
-    Called as ``find(ours=..., holds=..., proved=..., checked=..., estimated=..., reproduced=bool, qualified=bool,
-    difference=...)``: what holds in one plain sentence, the evidence by its kind, at least one; two conditions that
-    the check computed; the difference from the paper's value is a text, and optional.
+    Called as ``find(ours=..., holds=..., proved=..., checked=..., estimated=..., reproduced=bool,
+    qualified=bool, difference=...)``: what holds in one plain sentence; the evidence by its kind, at least one;
+    two conditions that the check computed; the difference from the paper's value is a text, and optional.
     """
     claim = claim_of(request.node)
 

@@ -1,6 +1,6 @@
-"""Thresholds of the paper's scene as theorems: two dampings with the threshold between them, or that there is none."""
+"""Thresholds of the paper's scene as theorems: two dampings that enclose the threshold, or that there is none."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -8,23 +8,27 @@ from typing import Any
 import sympy as sp
 
 from paper_checks.scene import SPEEDS, law, oscillator, threshold, thresholds
-from stickslip_sym import Enclosure, symbols
+from stickslip_sym import symbols
 from stickslip_sym.core.balls import ball_value, working_precision
-from stickslip_sym.criteria.enclosure import enclosure_of
+from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
 from stickslip_sym.motion.thresholds.box_scene import BoxScene
 from stickslip_sym.motion.thresholds.box_transit import transit
 from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
 from stickslip_sym.motion.thresholds.proof import prove_threshold
+from stickslip_sym.motion.thresholds.theorem import Theorem
 
 __all__ = [
     "SPEED_TEXTS",
+    "agrees",
     "apart",
     "enclosed",
     "enclosed_over_speeds",
     "formula_over_speeds",
+    "lowest_velocity",
     "nearer",
     "returns_undamped",
     "sizes",
+    "theorem",
 ]
 
 SPEED_TEXTS = [f"{speed:g}" for speed in SPEEDS]
@@ -44,26 +48,44 @@ def box_scene(name: str, V: str, k: str = "100") -> BoxScene:
 
 
 @cache
-def enclosed(name: str, *, V: str = "0.5", k: str = "100", rtol: float = 1e-6) -> Enclosure | None:
-    """Return what the threshold in kg/s was proved to lie in, or None if it was proved that no c >= 0 is one."""
-    return _proved(name, V, k, threshold(name, V=float(V), k=float(k)), rtol)
+def theorem(name: str, *, V: str = "0.5", k: str = "100", rtol: float = 1e-6) -> Theorem:
+    """Prove the threshold of one scene that has one; collocation says where it lies."""
+    return prove_threshold(box_scene(name, V, k), threshold(name, V=float(V), k=float(k)), _GUESS_ERROR, rtol)
+
+
+def enclosed(name: str, *, V: str = "0.5", k: str = "100", rtol: float = 1e-6) -> Enclosure:
+    """Return what the threshold in kg/s was proved to lie in."""
+    return theorem(name, V=V, k=k, rtol=rtol).enclosure
+
+
+def lowest_velocity(name: str) -> Enclosure:
+    """Return what the lowest velocity in m/s of the grazing orbit was proved to lie in.
+
+    More damping moves the slip from P inwards, so that of the threshold lies between those of a theorem.
+    """
+    proved, V = theorem(name), oscillator().V
+    reach = (1 - proved.below.highest.upper(), 1 - proved.above.highest.lower())
+    return Enclosure(*(Fraction(V) * Fraction(float(end)) for end in reach))
 
 
 @cache
 def enclosed_over_speeds(name: str) -> list[Enclosure | None]:
-    """Return the same at each of `SPEEDS`, up to the first where collocation disagrees."""
+    """Return the same at each of `SPEEDS`, up to the first where collocation disagrees.
+
+    It is None where the slip from P was proved to return for no c >= 0.
+    """
     found: list[Enclosure | None] = []
     for V, guess in zip(SPEED_TEXTS, thresholds(name), strict=True):
-        found.append(_proved(name, V, "100", float(guess), _FINE * float(V) ** 2))
+        found.append(_proved(name, V, float(guess)))
         if not _holds(found[-1], guess):
             break
     return found
 
 
-def _proved(name: str, V: str, k: str, guess: float, rtol: float) -> Enclosure | None:
+def _proved(name: str, V: str, guess: float) -> Enclosure | None:
     if guess > 0:
-        return prove_threshold(box_scene(name, V, k), guess, _GUESS_ERROR, rtol).enclosure
-    if returns_undamped(name, V, k):
+        return prove_threshold(box_scene(name, V), guess, _GUESS_ERROR, _FINE * float(V) ** 2).enclosure
+    if returns_undamped(name, V):
         raise AssertionError(f"collocation gives {guess:g} kg/s at V = {V} m/s, but undamped the slip returns")
     return None
 
@@ -89,7 +111,7 @@ def agrees(enclosures: Iterable[Enclosure | None], guesses: Iterable[float]) -> 
 def formula_over_speeds(expr: Any, name: str) -> list[Enclosure]:
     """Return enclosures of a formula with the paper's parameters at `SPEEDS`."""
     bound = law(name)
-    point: Mapping[Any, Any] = {bound.parameters[given].symbol: value for given, value in bound.values.items()}
+    point: dict[Any, Any] = {bound.parameters[given].symbol: value for given, value in bound.values.items()}
     point |= {symbols.N: box_scene(name, "1").N}
     with working_precision(_FORMULA_BITS):
         return [enclosure_of(ball_value(expr, {**point, symbols.V: sp.Rational(V)}).real) for V in SPEED_TEXTS]

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import paper_checks
 from paper_checks.claims import Outcome
+from paper_checks.findings import Finding
 
 FILES = sorted(Path(paper_checks.__file__).parent.glob("test_*.py"))
 
@@ -28,10 +29,12 @@ def verdict(claim, printed):
     """Run a check in this process and return the verdict that it comes to."""
     outcomes = []
 
-    def find(*, ours, evidence, difference="", reproduced, qualified=False):
-        assert ours
-        assert evidence
-        outcomes.append(Outcome.of(reproduced, qualified))
+    def find(*, ours, holds, reproduced, qualified=False, **more):
+        finding = Finding(claim, ours, Outcome.of(reproduced, qualified), holds, **more)
+        assert finding.ours
+        assert finding.holds
+        assert finding.by_kind
+        outcomes.append(finding.outcome)
 
     CHECKS[claim](find, printed)
     (outcome,) = outcomes
