@@ -113,6 +113,7 @@ def as_json(report: Report) -> dict[str, Any]:
                         "seconds": way.seconds,
                         "relative_error": way.error,
                         "largest_relative_error": way.largest if way.largest == way.largest else None,
+                        "status": way.status or None,
                     }
                     for way in ways
                 ]

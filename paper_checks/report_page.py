@@ -204,9 +204,9 @@ def ladder(report: "Report") -> Html:
     note = (
         "Every way to the pure-slip damping at the paper’s parameters, measured in this run: the time for one "
         "threshold, and the relative error against the orbit that grazes the belt’s speed, at V = 0.5 m/s and the "
-        "largest for V from 0.05 to 1 m/s."
+        "largest for V from 0.05 to 1 m/s. That of the orbit is its own estimate, and that of a proof a bound."
     )
-    columns = ("way", "time", "error at 0.5 m/s", "largest error")
+    columns = ("way", "time", "error at 0.5 m/s", "largest error", "status")
     head = element("thead", element("tr", *(element("th", name, scope="col") for name in columns)))
     tables = []
     for law, ways in report.ladder.items():
@@ -215,7 +215,8 @@ def ladder(report: "Report") -> Html:
             largest = "not measured" if way.largest != way.largest else f"{way.largest:.1e}"
             cells = (duration(way.seconds).replace("us", "μs"), f"{way.error:.1e}", largest)
             numbers = [element("td", cell, class_="number") for cell in cells]
-            rows.append(element("tr", element("td", way.name.replace("_", " ")), *numbers))
+            name, status = element("td", way.name.replace("_", " ")), element("td", way.status or "none")
+            rows.append(element("tr", name, *numbers, status))
         table = element("table", head, element("tbody", *rows))
         tables += [element("h3", f"{law} law".capitalize()), element("div", table, class_="scroll")]
     title = element("h2", "Ladder of criteria")

@@ -4,14 +4,21 @@ A mutation is a line: the claim, the datum, and what is printed instead of it. N
 a check is given the data of its own claim only.
 """
 
+from types import SimpleNamespace
+
 import pytest
 import sympy as sp
 from verdicts import CHECKS, FILES, verdict
 
 from derivations import paper
+from paper_checks import proved, test_figures
 from paper_checks.claims import CLAIMS
 from paper_checks.printed import PRINTED, acceleration, displacement, kinetic, relative
 from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, u
+from stickslip_sym.criteria.enclosure import Enclosure
+
+OVER_SPEEDS = ("F6", "F7")
+"""Claims that take a proof at each of a hundred belt speeds, which is done elsewhere."""
 
 EQ = paper.equations()
 mu_s, mu_m, alpha = (paper.exponential[name] for name in ("mu_s", "mu_m", "alpha"))
@@ -214,8 +221,17 @@ def mutated(claim):
     return [(key, altered) for mutant, key, altered in MUTATIONS if mutant == claim]
 
 
+def by_collocation(scene, guess, error, rtol):
+    """Return what stands for a theorem: the paper's data are altered here, and not how thresholds are found."""
+    del scene, error
+    return SimpleNamespace(enclosure=Enclosure.of(guess * (1 - rtol / 2), guess * (1 + rtol / 2)))
+
+
 @pytest.mark.parametrize("claim", CLAIMS)
-def test_a_mutation_changes_the_verdict(claim):
+def test_a_mutation_changes_the_verdict(claim, monkeypatch):
+    if claim in OVER_SPEEDS:
+        monkeypatch.setattr(proved, "prove_threshold", by_collocation)
+        monkeypatch.setattr(test_figures, "enclosed_over_speeds", proved.enclosed_over_speeds.__wrapped__)
     assert verdict(claim, PRINTED[claim]) is CLAIMS[claim].outcome
     survivors = [
         f"{key}: {altered}"

@@ -47,7 +47,9 @@ class _Search:
             except Undecided as error:
                 if len(self.bits) == 1:
                     bits = self.bits[0] + close
-                    raise NotConverged(f"undecided at c = {float(c):.15g} kg/s with {bits} bits: {error}") from None
+                    raise NotConverged(
+                        f"undecided at c = {float(c):.15g} kg/s with {bits} bits: {error}"
+                    ) from None
                 del self.bits[0]  # nor would fewer do at the next damping
             else:
                 return self.found[c]
@@ -68,7 +70,8 @@ class _Search:
             step = width
             while self.decide(_rounded(center + side * step, step), float(step / center)).returns != (side < 0):
                 step *= 4
-                if step > center:
+                center = self.estimate() or center  # a guess that is off by more than it says is mended
+                if not 0 < step < center:
                     raise NotConverged(f"the guess {float(center):g} kg/s is not near the threshold")
 
     def narrow(self, half: Any, rtol: Any) -> None:
