@@ -1,15 +1,15 @@
 """The orbit that grazes the belt's speed, proved to exist by a Newton-Kantorovich theorem in Fourier coefficients.
 
-In units of the belt's speed and of sqrt(m/k), with v = 1 - w the velocity of the mass, W the frequency of the orbit
-and d = c/sqrt(k m), the slip solves  W v_t + q + N(v) = 0,  q_t = v/W,  N(v) = eta (mu(0) - mu(V w)) - d w.
+In units of the belt's speed and of sqrt(m/k), with v = 1 - w the velocity of the mass, W the orbit's frequency and
+d = c/sqrt(k m), the slip solves  W v_t + q + N(v) = 0,  q_t = v/W,  N(v) = eta (mu(0) - mu(V w)) - d w.
 Unknown are X = (W, d, v_k for k != 0).  The zeros of
 
     F_1 = sum v_k - 1,      F_2 = sum v_k/(i W k) - N_0,      F_k = (i W k + 1/(i W k)) v_k + N_k
 
-are the slips that leave P and come back to P.  With |v| = sum |v_k| nu^|k|, a numerical solution X and an approximate
-inverse A of DF(X), let  Y >= |A F(X)|,  Z1 >= |1 - A DF(X)|  and  Z2 r >= |A (DF(X + h) - DF(X))| for every h with
-|h| <= r <= R.  If Y + (Z1 + Z2 r) r < r, there is one zero within r of X, and one only (the radii polynomial of
-Day, Lessard and Mischaikow, 2007).  No code is shared with the package.
+are the slips that leave P and come back to P. With |v| = sum |v_k| nu^|k|, a numerical solution X and an
+inverse A, nearly, of DF(X), let Y >= |A F(X)|, Z1 >= |1 - A DF(X)| and Z2 r >= |A (DF(X + h) - DF(X))| for
+every h with |h| <= r <= R. If Y + (Z1 + Z2 r) r < r, one zero is within r of X, and one only (the radii
+polynomial of Day, Lessard and Mischaikow, 2007). No code is shared with the package.
 """
 
 from dataclasses import dataclass

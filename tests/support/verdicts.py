@@ -27,15 +27,20 @@ CHECKS = checks()
 
 def verdict(claim, printed):
     """Run a check in this process and return the verdict that it comes to."""
-    outcomes = []
+    return found(claim, printed).outcome
+
+
+def found(claim, printed):
+    """Run a check in this process and return what it finds."""
+    findings = []
 
     def find(*, ours, holds, reproduced, qualified=False, **more):
         finding = Finding(claim, ours, Outcome.of(reproduced, qualified), holds, **more)
         assert finding.ours
         assert finding.holds
         assert finding.by_kind
-        outcomes.append(finding.outcome)
+        findings.append(finding)
 
     CHECKS[claim](find, printed)
-    (outcome,) = outcomes
-    return outcome
+    (finding,) = findings
+    return finding

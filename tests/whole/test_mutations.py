@@ -4,11 +4,13 @@ A mutation is a line: the claim, the datum, and what is printed instead of it. N
 a check is given the data of its own claim only.
 """
 
+import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 import sympy as sp
-from verdicts import CHECKS, FILES, verdict
+from verdicts import CHECKS, FILES, found, verdict
 
 from derivations import paper
 from paper_checks import proved, test_figures
@@ -221,6 +223,12 @@ def mutated(claim):
     return [(key, altered) for mutant, key, altered in MUTATIONS if mutant == claim]
 
 
+README = (Path(proved.__file__).parent / "README.md").read_text(encoding="utf-8")
+ROWS = re.findall(r"^\| ([A-Z]\d[^|]*) \|.*\| ([a-z, ]+) \|$", README, re.M)
+TOLD = {claim: kinds for claims, kinds in ROWS for claim in claims.split(", ")}
+"""The kinds of evidence that the table of claims tells, by claim."""
+
+
 def by_collocation(scene, guess, error, rtol):
     """Return what stands for a theorem: the paper's data are altered here, and not how thresholds are found."""
     del scene, error
@@ -232,7 +240,9 @@ def test_a_mutation_changes_the_verdict(claim, monkeypatch):
     if claim in OVER_SPEEDS:
         monkeypatch.setattr(proved, "prove_threshold", by_collocation)
         monkeypatch.setattr(test_figures, "enclosed_over_speeds", proved.enclosed_over_speeds.__wrapped__)
-    assert verdict(claim, PRINTED[claim]) is CLAIMS[claim].outcome
+    finding = found(claim, PRINTED[claim])
+    assert finding.outcome is CLAIMS[claim].outcome
+    assert finding.kinds == TOLD[claim]
     survivors = [
         f"{key}: {altered}"
         for key, altered in mutated(claim)

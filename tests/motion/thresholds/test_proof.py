@@ -4,13 +4,15 @@ import random
 from functools import cache
 
 import mpmath
+import numpy as np
 import pytest
 import sympy as sp
 from flint import arb
+from scipy.integrate import solve_ivp
 
 import stickslip_sym as ss
 from stickslip_sym.core.balls import working_precision
-from stickslip_sym.motion.thresholds import box_transit, rungs, taylor_boxes
+from stickslip_sym.motion.thresholds import box_transit, proof, rungs, taylor_boxes
 from stickslip_sym.motion.thresholds.box_scene import BoxScene
 from stickslip_sym.motion.thresholds.box_transit import transit
 from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
@@ -133,13 +135,13 @@ def test_the_remainder_bound_is_no_larger_than_it_must_be():
 
 
 def test_without_the_remainder_bound_mpmath_tells(monkeypatch):
-    """The negative control of the comparison with mpmath: ten terms a step, with their bound and without."""
+    """The negative control of the comparison with mpmath: twenty terms a step, with their bound and without."""
     name, c, digits, friction = BY_MPMATH[1]
     truth = mpmath.nstr(by_mpmath(friction, c, digits), digits)
 
     def with_part(part):
         def step(field, q, w, terms, **how):
-            found = flow(field, q, w, 10, **how)
+            found = flow(field, q, w, 20, **how)
             return taylor_boxes.Flow(found.q, found.w, found.time, found.rest_q * part, found.rest_w * part)
 
         return step
@@ -163,6 +165,45 @@ def test_a_step_without_its_remainder_bound_is_noticed():
             bare = taylor_boxes.Flow(rough.q, rough.w, rough.time, arb(0), arb(0))
             left_out += not bare.at(rough.time)[1].overlaps(fine.at(rough.time)[1])
     assert left_out == 20
+
+
+@pytest.mark.parametrize(("V", "k"), [("100", "100"), ("0.001", "100"), ("0.5", "1")])
+def test_far_from_the_paper_s_scene(V, k):
+    """A field that no double holds around P, one that friction hardly bends, and boxes that need more bits."""
+    guess = simulated(LAWS["exponential"], V=float(V), k=float(k))
+    theorem = prove_threshold(scene(LAWS["exponential"], V=V, k=k), guess.value, guess.error, 1e-4)
+    assert guess.value in theorem.enclosure
+    assert theorem.enclosure.digits >= 4
+
+
+@pytest.mark.parametrize("factor", [0.95, 1.1])
+def test_a_guess_that_is_off_costs_some_decisions_more(factor, monkeypatch):
+    decided = []
+
+    def counted(*arguments):
+        decided.append(arguments)
+        return transit(*arguments)
+
+    monkeypatch.setattr(proof, "transit", counted)
+    good = ss.pure_slip_damping(LAWS["polynomial"], V=0.5, N=9.81, m=1, k=100, method="orbit").value
+    theorem = prove_threshold(scene(LAWS["polynomial"]), factor * good, 1e-10, 1e-6)
+    assert good in theorem.enclosure
+    assert len(decided) < 30
+
+
+@pytest.mark.parametrize("name", ["exponential", "root", "kink"])
+def test_how_far_a_slip_goes_lies_between_its_bounds(name):
+    law, c = LAWS[name], 3.6
+
+    def rates(_, state):
+        q, w = state
+        return [1 - w, 1.962 * float(law.mu(0.0) - law.mu(0.5 * max(w, 0.0))) + q - c / 10 * w]
+
+    motion = solve_ivp(rates, (0, 6), (0.0, 0.0), rtol=1e-10, atol=1e-12, dense_output=True)
+    seen = motion.sol(np.linspace(0, 6, 4001))[1].max()
+    highest = transit(scene(law), R(c), 64).highest
+    assert highest.lower() - 1e-6 < seen < highest.upper() + 1e-6
+    assert highest.rad() < 1e-3
 
 
 def test_without_enough_bits_nothing_is_claimed():
