@@ -37,7 +37,7 @@ SPEED_TEXTS = [f"{speed:g}" for speed in SPEEDS]
 _BITS = 64  # of a slip without damping, which is far from grazing
 _FORMULA_BITS = 200  # (17) cancels most of them at small V
 _GUESS_ERROR = 1e-10  # of collocation, relative
-_FINE = 1e-3  # relative width of an enclosure at V = 1 m/s; criteria differ by V^2, and it does too
+_FINE = 2e-4  # relative width of an enclosure at V = 1 m/s; criteria differ by about V^2, and it does too
 
 
 def box_scene(name: str, V: str, k: str = "100") -> BoxScene:
