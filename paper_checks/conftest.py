@@ -42,20 +42,20 @@ def pytest_configure(config: pytest.Config) -> None:
 def find(request: pytest.FixtureRequest) -> Find:
     """Take the evidence of a check and hold it against the verdict on record.
 
-    Called as ``find(ours=..., evidence=..., reproduced=bool, qualified=bool, difference=...)``: the two are
-    conditions that the check computed; the difference from the paper's value is a text, and optional.
+    Called as ``find(ours=..., holds=..., proved=..., checked=..., estimated=..., reproduced=bool,
+    qualified=bool, difference=...)``: what holds in one plain sentence; the evidence by its kind, at least one;
+    two conditions that the check computed; the difference from the paper's value is a text, and optional.
     """
     claim = claim_of(request.node)
 
-    def record(
-        *, ours: str, evidence: str, reproduced: bool, qualified: bool = False, difference: str = ""
-    ) -> None:
+    def record(*, ours: str, holds: str, reproduced: bool, qualified: bool = False, **more: str) -> None:
         outcome = Outcome.of(reproduced, qualified)
-        finding = Finding(claim.id, ours, outcome, evidence, difference)
+        finding = Finding(claim.id, ours, outcome, holds, **more)
+        assert finding.by_kind, f"{claim.id} has no evidence: tell what was proved, checked or estimated"
         # With the report of a test, it also reaches the process that prints the table when tests run in several.
         request.node.user_properties.append((FINDING, finding.pack()))
         expected = claim.outcome.value
-        assert finding.as_recorded, f"{claim.id} is {outcome.value}, on record: {expected}\n{evidence}"
+        assert finding.as_recorded, f"{claim.id} is {outcome.value}, on record: {expected}\n{finding.evidence}"
 
     return record
 

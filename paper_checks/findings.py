@@ -7,10 +7,14 @@ from typing import Any
 
 from paper_checks.claims import CLAIMS, Claim, Outcome
 
-__all__ = ["FINDING", "Finding", "collect", "summary"]
+__all__ = ["FINDING", "KINDS", "Finding", "collect", "summary"]
 
 FINDING = "finding"
 """Name of the property of a test under which its finding travels to the process that collects them."""
+
+KINDS = {"PROVED": "proof", "CHECKED": "check", "ESTIMATED": "estimate"}
+"""What evidence may be: an exact zero or an enclosure by a theorem; agreement with an independent computation; a
+number whose error is estimated."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +29,10 @@ class Finding:
         Our value.
     outcome : Outcome
         The verdict that the evidence gives.
-    evidence : str
-        In a sentence.
+    holds : str
+        In one plain sentence, without its stop: what holds and what does not.
+    proved, checked, estimated : str
+        What was found, by kind of evidence; empty where nothing was.
     difference : str
         Between the paper's value and ours; empty where the claim is no number.
     """
@@ -34,13 +40,32 @@ class Finding:
     id: str
     ours: str
     outcome: Outcome
-    evidence: str
+    holds: str
+    proved: str = ""
+    checked: str = ""
+    estimated: str = ""
     difference: str = ""
 
     @property
     def claim(self) -> Claim:
         """The claim it is about."""
         return CLAIMS[self.id]
+
+    @property
+    def by_kind(self) -> dict[str, str]:
+        """The evidence, by its kind as results have it: PROVED, CHECKED, ESTIMATED."""
+        texts = zip(KINDS, (self.proved, self.checked, self.estimated), strict=True)
+        return {kind: text for kind, text in texts if text}
+
+    @property
+    def kinds(self) -> str:
+        """The kinds of evidence, as nouns."""
+        return ", ".join(KINDS[kind] for kind in self.by_kind)
+
+    @property
+    def evidence(self) -> str:
+        """The plain sentence, and the evidence after it, each with its kind."""
+        return ". ".join([self.holds, *(f"{kind}: {text}" for kind, text in self.by_kind.items())])
 
     @property
     def as_recorded(self) -> bool:

@@ -23,7 +23,7 @@ __all__ = ["SCENE", "Report", "write"]
 
 SCENE = {name: getattr(oscillator(), name) for name in "VNmk"}
 _PACKAGES = ("stickslip_sym", "sympy", "mpmath", "numpy", "scipy", "matplotlib")
-_FORMAT = 1
+_FORMAT = 2
 
 
 @dataclass(frozen=True)
@@ -113,6 +113,7 @@ def as_json(report: Report) -> dict[str, Any]:
                         "seconds": way.seconds,
                         "relative_error": way.error,
                         "largest_relative_error": way.largest if way.largest == way.largest else None,
+                        "status": way.status or None,
                     }
                     for way in ways
                 ]
@@ -132,5 +133,6 @@ def _claim(claim: Claim, finding: Finding | None) -> dict[str, Any]:
         "difference": (finding.difference or None) if finding else None,
         "verdict": finding.outcome.value if finding else None,
         "on_record": claim.outcome.value,
-        "evidence": finding.evidence if finding else None,
+        "holds": finding.holds if finding else None,
+        "evidence": finding.by_kind if finding else None,
     }

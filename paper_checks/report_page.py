@@ -60,7 +60,8 @@ def header(report: "Report") -> Html:
             "H.-I. Won and J. Chung, ",
             element("i", "Nonlinear Dynamics"),
             f", 2016. The {len(CLAIMS)} claims taken from the paper, each with the verdict of a computation. "
-            "Numbers of equations and figures are the paper’s.",
+            "Numbers of equations and figures are the paper’s. Evidence is a proof (PROVED), agreement with an "
+            "independent computation (CHECKED), or a number whose error is estimated (ESTIMATED).",
             class_="source",
         ),
         element("div", *items, class_="counts"),
@@ -104,7 +105,7 @@ def exceptions(report: "Report") -> Html:
                 ": ",
                 _badge(finding.outcome),
             ),
-            element("p", prose(_sentence(finding.evidence)), class_="note"),
+            *_evidence(finding),
         )
         for finding in found
     ]
@@ -138,12 +139,14 @@ def claim_rows(claim: Claim, finding: Finding | None) -> Html:
     verdict = _badge(finding.outcome if finding else None)
     if finding and not finding.as_recorded:
         verdict = raw(verdict + element("span", f" (on record: {SHORT[claim.outcome]})", class_="note"))
-    evidence = _sentence(finding.evidence) if finding else "No finding in this run."
+    if finding:
+        verdict = raw(verdict + element("span", f" by {finding.kinds}", class_="note"))
+    evidence = _evidence(finding) if finding else ["No finding in this run."]
     where = element("td", prose(claim.where))
     return element(
         "tbody",
         element("tr", first, *columns, element("td", verdict, data_label="verdict")),
-        element("tr", where, element("td", prose(evidence), colspan="5"), class_="evidence"),
+        element("tr", where, element("td", *evidence, colspan="5"), class_="evidence"),
         class_="claim",
         id=f"claim-{claim.id}",
     )
@@ -201,9 +204,9 @@ def ladder(report: "Report") -> Html:
     note = (
         "Every way to the pure-slip damping at the paper’s parameters, measured in this run: the time for one "
         "threshold, and the relative error against the orbit that grazes the belt’s speed, at V = 0.5 m/s and the "
-        "largest for V from 0.05 to 1 m/s."
+        "largest for V from 0.05 to 1 m/s. That of the orbit is its own estimate, and that of a proof a bound."
     )
-    columns = ("way", "time", "error at 0.5 m/s", "largest error")
+    columns = ("way", "time", "error at 0.5 m/s", "largest error", "status")
     head = element("thead", element("tr", *(element("th", name, scope="col") for name in columns)))
     tables = []
     for law, ways in report.ladder.items():
@@ -212,7 +215,8 @@ def ladder(report: "Report") -> Html:
             largest = "not measured" if way.largest != way.largest else f"{way.largest:.1e}"
             cells = (duration(way.seconds).replace("us", "μs"), f"{way.error:.1e}", largest)
             numbers = [element("td", cell, class_="number") for cell in cells]
-            rows.append(element("tr", element("td", way.name.replace("_", " ")), *numbers))
+            name, status = element("td", way.name.replace("_", " ")), element("td", way.status or "none")
+            rows.append(element("tr", name, *numbers, status))
         table = element("table", head, element("tbody", *rows))
         tables += [element("h3", f"{law} law".capitalize()), element("div", table, class_="scroll")]
     title = element("h2", "Ladder of criteria")
@@ -225,9 +229,18 @@ def footer(report: "Report") -> Html:
     return element("footer", element("p", f"Computed {report.time} by {words}."), id="versions")
 
 
-def _sentence(evidence: str) -> str:
-    """Return evidence with a capital, unless it begins with a symbol, and a stop."""
-    return re.sub(r"^[a-z]{2,} ", lambda word: word[0].capitalize(), evidence) + "."
+def _evidence(finding: Finding) -> list[Html]:
+    """Return a finding's plain sentence, and its evidence by kind, a paragraph each."""
+    told = [
+        element("p", element("b", kind), ": ", prose(_sentence(text)), class_="note")
+        for kind, text in finding.by_kind.items()
+    ]
+    return [element("p", prose(_sentence(finding.holds)), class_="holds"), *told]
+
+
+def _sentence(text: str) -> str:
+    """Return text with a capital, unless it begins with a symbol, and a stop."""
+    return re.sub(r"^[a-z]{2,} ", lambda word: word[0].capitalize(), text) + "."
 
 
 def _verdicts(report: "Report", ids: tuple[str, ...]) -> Iterator[Html]:

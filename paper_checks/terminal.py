@@ -23,7 +23,7 @@ MARKUP = {
 }
 _GAP = 2
 _NARROWEST = 12  # columns of text; below that a table cannot be read, and cells go under each other
-_HEADER = ("id", "verdict", "claim", "paper", "ours")
+_HEADER = ("id", "verdict", "evidence", "claim", "paper", "ours")
 
 
 def print_verdicts(reporter: pytest.TerminalReporter, findings: Sequence[Finding]) -> None:
@@ -59,17 +59,18 @@ def table_lines(findings: Sequence[Finding], width: int) -> Iterator[tuple[Outco
 
     The other lines of a claim come with its first, after line feeds.
     """
-    rows = [(f.id, SHORT[f.outcome], f.claim.says, f.claim.paper, f.ours) for f in findings]
+    rows = [(f.id, SHORT[f.outcome], f.kinds, f.claim.says, f.claim.paper, f.ours) for f in findings]
     fixed = [max(len(row[column]) for row in [_HEADER, *rows]) for column in (0, 1)]
+    fixed.append(max(len(word) for row in [_HEADER, *rows] for word in row[2].split()))  # a kind a line
     room = width - 1 - sum(fixed) - _GAP * (len(_HEADER) - 1)
     if room < 3 * _NARROWEST:
-        for finding, (id, verdict, says, paper, ours) in zip(findings, rows, strict=True):
-            cells = (says, f"paper: {paper}", f"ours: {ours}")
+        for finding, (id, verdict, kinds, says, paper, ours) in zip(findings, rows, strict=True):
+            cells = (says, f"paper: {paper}", f"ours: {ours}", f"by {kinds}")
             wrapped = [textwrap.wrap(cell, max(width - 5, 8)) for cell in cells]
             below = [f"    {line}" for lines in wrapped for line in lines]
             yield finding.outcome, "\n".join([f"{id}  {verdict}", *below])
         return
-    natural = [max(len(row[column]) for row in [_HEADER, *rows]) for column in (2, 3, 4)]
+    natural = [max(len(row[column]) for row in [_HEADER, *rows]) for column in (3, 4, 5)]
     widths = [*fixed, *_shares(natural, room)]
     yield None, _cells(_HEADER, widths)
     for finding, row in zip(findings, rows, strict=True):

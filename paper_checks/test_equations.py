@@ -54,7 +54,8 @@ def test_E1_stick(find: Find, printed: dict[str, Any]) -> None:
         worst_onset = max([worst_onset, *(abs(force(damping, e.x, e.v) - 1) for e in onsets)])
     find(
         ours=f"|f| <= {worst_force:.10f} mu_s N",
-        evidence=f"over {sticks} samples of stick |x' - V| = {worst_speed:g} m/s, "
+        holds="in stick the mass has the belt's velocity, and slip begins where static friction cannot hold it",
+        checked=f"over {sticks} samples of stick |x' - V| = {worst_speed:g} m/s, "
         f"|f| at most {worst_force:.12f} mu_s N, and at every onset of slip f = mu_s N to {worst_onset:.1e}",
         difference=f"{worst_onset:.0e} of the force",
         reproduced=sticks > 0
@@ -83,7 +84,8 @@ def test_E2_slip(find: Find, printed: dict[str, Any]) -> None:
             worst, pieces = max(worst, float(error)), pieces + 1
     find(
         ours=f"same motion to {worst:.0e}",
-        evidence=f"{pieces} slip phases, v_r of both signs, end where LSODA takes the same onset, to {worst:.1e}",
+        holds="simulated slip solves (2) for both signs of the relative velocity",
+        checked=f"{pieces} slip phases, v_r of both signs, end where LSODA takes the same onset, to {worst:.1e}",
         difference=f"{worst:.0e} of the motion",
         reproduced=worst < SAME and sides == {-1.0, 1.0},
     )
@@ -125,7 +127,8 @@ def test_E3_exponential_law(find: Find, printed: dict[str, Any]) -> None:
     between = monotone(mu, u, printed["between"])
     find(
         ours=f"{start} to {end}",
-        evidence=f"mu(0) = {start}, mu(oo) = {end}; with mu_s > mu_m it {printed['between']}: {between}",
+        holds="the law starts, falls and ends as stated",
+        proved=f"mu(0) = {start}, mu(oo) = {end}; with mu_s > mu_m it {printed['between']}: {between}",
         difference="0",
         reproduced=normal_form(start - printed["start"]) == 0
         and normal_form(end - printed["end"]) == 0
@@ -143,7 +146,8 @@ def test_E4_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
     after = monotone(mu, v_m * (1 + p), printed["after"])
     find(
         ours=f"{lowest} at {v_m}",
-        evidence=f"mu(0) = {start}, mu({v_m}) = {lowest}; {printed['before']} at {v_m}/(1 + p): {before}; "
+        holds="the law has its minimum where stated, and falls before and rises after it",
+        proved=f"mu(0) = {start}, mu({v_m}) = {lowest}; {printed['before']} at {v_m}/(1 + p): {before}; "
         f"{printed['after']} at {v_m} (1 + p), p > 0: {after}",
         difference="0",
         reproduced=normal_form(start - printed["start"]) == 0
@@ -158,16 +162,18 @@ def original(name: str) -> Derivation:
     return chapter(name)({})
 
 
-def by_chapter(find: Find, name: str, printed: dict[str, Any], *, also: bool = True) -> None:
+def by_chapter(find: Find, name: str, printed: dict[str, Any], holds: str, *, also: bool = True) -> None:
     """Find that the steps that lead to printed equations, and their whole chapter, are PROVED."""
     equations = paper.equations()
     altered = {label: side for label, side in printed.items() if label in equations and side != equations[label]}
     derivation = chapter(name)(altered) if altered else original(name)
     labels = [step.label for step in derivation.steps if step.label in printed]
     verdicts = [derivation[label].verdict for label in labels]
+    kind = "proved" if derivation.status is Status.PROVED else "checked"
     find(
         ours=f"{', '.join(labels)} {derivation.status.value}",
-        evidence=f"{len(derivation.steps)} steps of {name}; " + "; ".join(map(str, verdicts)),
+        holds=holds,
+        **{kind: f"{len(derivation.steps)} steps of {name}; " + "; ".join(map(str, verdicts))},
         difference="0" if derivation.status is Status.PROVED else derivation.status.value,
         reproduced=also and bool(labels) and derivation.status is Status.PROVED,
     )
@@ -176,40 +182,50 @@ def by_chapter(find: Find, name: str, printed: dict[str, Any], *, also: bool = T
 @pytest.mark.claim("E5")
 def test_E5_work_and_energy(find: Find, printed: dict[str, Any]) -> None:
     """(5) follows from Newton's law, and the spring's work vanishes: (6)."""
+    words = (
+        "the work of friction and damping from P to Q is the change of kinetic energy, at one place of the mass"
+    )
     balance = original("energy_balance")["(6)"].statement.rhs
-    by_chapter(find, "energy_balance", printed, also=balance == printed["(6)"])
+    by_chapter(find, "energy_balance", printed, words, also=balance == printed["(6)"])
 
 
 @pytest.mark.claim("E7")
 def test_E7_damped_slip_loses_energy(find: Find, printed: dict[str, Any]) -> None:
     """With V_Q below V_P the integral of (6) is negative."""
     loss = original("energy_balance")["(7)"]
+    words = "damped slip loses kinetic energy from P to Q, so the integral of (6) is negative"
     sign = "negative" if loss.verdict.status is Status.PROVED else "not negative"
-    by_chapter(find, "energy_balance", printed, also=sign == printed["(7)"])
+    by_chapter(find, "energy_balance", printed, words, also=sign == printed["(7)"])
 
 
 @pytest.mark.claim("E9")
 def test_E9_linearised_force(find: Find, printed: dict[str, Any]) -> None:
     """(8) put into (2) gives (9)."""
-    by_chapter(find, "linearised_force", printed)
+    by_chapter(
+        find, "linearised_force", printed, "a coefficient linear in v_r makes the friction force that of (9)"
+    )
 
 
 @pytest.mark.claim("E10")
 def test_E10_balance(find: Find, printed: dict[str, Any]) -> None:
     """(9) put into (6) gives (10)."""
-    by_chapter(find, "linearised_force", printed)
+    by_chapter(find, "linearised_force", printed, "the balance of work rearranges to (10)")
 
 
 @pytest.mark.claim("E11")
 def test_E11_pure_slip_condition(find: Find, printed: dict[str, Any]) -> None:
     """(10) holds for a closed motion if and only if (11) does."""
-    by_chapter(find, "linearised_force", printed)
+    by_chapter(
+        find, "linearised_force", printed, "with the linear coefficient pure slip needs c = a N, and only that"
+    )
 
 
 @pytest.mark.claim("E13")
 def test_E13_change_of_variable(find: Find, printed: dict[str, Any]) -> None:
     """(12) becomes (13)."""
-    by_chapter(find, "least_squares", printed)
+    by_chapter(
+        find, "least_squares", printed, "the change of variable takes (12) to (13), limits and weight included"
+    )
 
 
 @pytest.mark.claim("E15")
@@ -217,22 +233,25 @@ def test_E15_least_squares(find: Find, printed: dict[str, Any]) -> None:
     """A vanishing gradient gives (15), and the Hessian of S is positive definite there."""
     steps = [step for step in original("least_squares").steps if "Hessian" in step.operation]
     definite = len(steps) == 2 and all(step.verdict.status is Status.PROVED for step in steps)
-    by_chapter(find, "least_squares", printed, also=printed["extremum"] == ("minimum" if definite else "unknown"))
+    words = "a and b are as printed, and they are the minimum"
+    by_chapter(
+        find, "least_squares", printed, words, also=printed["extremum"] == ("minimum" if definite else "unknown")
+    )
 
 
 @pytest.mark.claim("E16")
 def test_E16_criterion(find: Find, printed: dict[str, Any]) -> None:
     """(15) put into (11) gives (16)."""
-    by_chapter(find, "least_squares", printed)
+    by_chapter(find, "least_squares", printed, "the criterion (16) follows for any mu")
 
 
 @pytest.mark.claim("E17")
 def test_E17_exponential_law(find: Find, printed: dict[str, Any]) -> None:
     """(3) put into (16) gives (17)."""
-    by_chapter(find, "exponential_law", printed)
+    by_chapter(find, "exponential_law", printed, "the exponential law makes (16) the closed form (17)")
 
 
 @pytest.mark.claim("E18")
 def test_E18_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
     """(4) put into (16) gives (18)."""
-    by_chapter(find, "polynomial_law", printed)
+    by_chapter(find, "polynomial_law", printed, "the polynomial law makes (16) the closed form (18)")

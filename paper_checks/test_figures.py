@@ -1,11 +1,22 @@
 """Checks F3 to F10: the paper's figures."""
 
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 
 from paper_checks.conftest import Find
+from paper_checks.proved import (
+    SPEED_TEXTS,
+    agrees,
+    apart,
+    enclosed,
+    enclosed_over_speeds,
+    formula_over_speeds,
+    nearer,
+    sizes,
+)
 from paper_checks.scene import (
     AT_05,
     LAWS,
@@ -15,7 +26,6 @@ from paper_checks.scene import (
     oscillator,
     over_speeds,
     response,
-    threshold,
     thresholds,
 )
 from paper_checks.wording import by_law, listed, percent
@@ -28,11 +38,6 @@ READABLE = 0.06  # kg/s, a hundredth of the height of Figs. 6 and 7
 THOMSEN = "Thomsen & Fidlin"
 STIFFNESSES = (*np.geomspace(100, 1000, 41).tolist(), 1e4, 1e5, 1e6)  # N/m
 FALLS = {"falls": True, "fall": True, "rises": False, "rise": False}
-
-
-def deviation(found: Any, name: str) -> Any:
-    """Return how far damping coefficients at `SPEEDS` are from the exact thresholds, relative."""
-    return found / thresholds(name) - 1
 
 
 @pytest.mark.claim("F3")
@@ -71,7 +76,9 @@ def check_motions(find: Find, name: str, printed: dict[str, Any]) -> None:
             kind if kind == end else f"{kind} for a while, then {end}"
             for kind, end in zip(kinds, ends, strict=True)
         ),
-        evidence=f"for c = {', '.join(printed['dampings'][:4])} kg/s stick lasts {listed(sticks)} s and the "
+        holds="the motions look as drawn"
+        + (", and stay so" if ends == tuple(kinds) else "; at the fourth damping pure slip does not last"),
+        estimated=f"for c = {', '.join(printed['dampings'][:4])} kg/s stick lasts {listed(sticks)} s and the "
         f"period is {listed(periods)} s; at {printed['dampings'][3]} the peaks of the velocity are "
         f"{listed(slip.peaks[:6])} m/s, and the motion tends to {end}; at {printed['dampings'][4]} they are "
         f"{listed(runs[4].peaks[:6])} m/s",
@@ -90,7 +97,8 @@ def test_F5_phase_plots(find: Find, printed: dict[str, Any]) -> None:
     swings = np.array([run.swing for run in runs.values()])
     find(
         ours="V_Q/V = " + ", ".join(f"{1 - value:.4f}" for value in lack.values()),
-        evidence="; ".join(
+        holds="after a cycle the mass is back at P with the belt's speed in stick-slip and pure slip only",
+        estimated="; ".join(
             f"c = {c}: V_Q = {run.after_a_cycle:.5f} m/s, x and x' swing by {listed(run.swing)} m and m/s"
             for c, run in runs.items()
         ),
@@ -103,23 +111,38 @@ def test_F5_phase_plots(find: Find, printed: dict[str, Any]) -> None:
 @pytest.mark.claim("F6")
 def test_F6_exponential_law(find: Find, printed: dict[str, Any]) -> None:
     """(17) and the criterion of the equilibrium against the exact threshold, V from 0.01 to 1 m/s."""
+    proved = [threshold for threshold in enclosed_over_speeds("exponential") if threshold is not None]
+    everywhere = len(proved) == SPEEDS.size and agrees(proved, thresholds("exponential"))
     off = {
-        name: deviation(over_speeds(printed[name], "exponential"), "exponential")
+        name: [
+            apart(*pair) for pair in zip(formula_over_speeds(printed[name], "exponential"), proved, strict=False)
+        ]
         for name in ("(17)", "equilibrium")
     }
-    worst = {name: int(np.argmax(abs(values))) for name, values in off.items()}
-    sizes = {name: float(abs(values).max()) for name, values in off.items()}
-    here = percent(*(values[AT_05] for values in off.values()))
+    lower = {name: [float(sizes(one)[0]) for one in values] for name, values in off.items()}
+    worst = {name: int(np.argmax(values)) for name, values in lower.items()}
+    least = {name: max(values) for name, values in lower.items()}
+    most = {name: max(float(sizes(one)[1]) for one in off[name]) for name in off}
+    closer = min(most, key=lambda name: most[name])
+    told = max(least.values()) > min(most.values())
+    here = percent(*(float(values[min(AT_05, len(values) - 1)]) for values in off.values()))
     find(
-        ours=f"(17) within {sizes['(17)']:.1%}, equilibrium {sizes['equilibrium']:.0%}",
-        evidence="largest deviation from the exact threshold: "
-        + "; ".join(f"{name} {100 * off[name][i]:+.2f} % at V = {SPEEDS[i]:g} m/s" for name, i in worst.items())
-        + f"; at V = 0.5 m/s they are {here}",
-        difference=f"{100 * off['(17)'][worst['(17)']]:+.2f} % at most",
-        reproduced=min(sizes, key=lambda name: sizes[name]) == printed["closer"]
+        ours=f"(17) within {most['(17)']:.1%}, equilibrium {most['equilibrium']:.0%}",
+        holds="(17) agrees well with the threshold at every belt speed; the criterion of the equilibrium does not",
+        proved=f"at each of {len(proved)} belt speeds (17) is off the threshold by less than {most['(17)']:.2%}; "
+        + "; ".join(
+            f"{name} is off by {100 * float(off[name][i]):+.2f} % at V = {SPEEDS[i]:g} m/s"
+            for name, i in worst.items()
+        )
+        + f", the most; at V = 0.5 m/s they are {here}",
+        checked="collocation of the grazing orbit lies in each of the enclosures",
+        difference=f"{100 * float(off['(17)'][worst['(17)']]):+.2f} % at most",
+        reproduced=everywhere
+        and told
+        and closer == printed["closer"]
         and is_criterion(printed["equilibrium"], "exponential", "equilibrium")
-        and sizes["(17)"] < WELL
-        and sizes["equilibrium"] > LARGE,
+        and most["(17)"] < WELL
+        and least["equilibrium"] > LARGE,
     )
 
 
@@ -128,11 +151,23 @@ def test_F7_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
     """Where (18) is closer to the exact threshold than Thomsen & Fidlin, at this stiffness and at others."""
     values = {name: over_speeds(printed[name], "polynomial") for name in ("(18)", "equilibrium", THOMSEN)}
     off = {name: abs(value - thresholds("polynomial")) for name, value in values.items()}
-    sizes = {name: float(value.max()) for name, value in off.items()}
+    largest = {name: float(value.max()) for name, value in off.items()}
     theirs = is_criterion(printed["equilibrium"], "polynomial", "equilibrium") and is_criterion(
         printed[THOMSEN], "polynomial", "harmonic"
     )
-    beats_equilibrium = bool((off["(18)"] < off["equilibrium"]).all())
+    proved = enclosed_over_speeds("polynomial")
+    balls = {name: formula_over_speeds(printed[name], "polynomial") for name in values}
+    # Where no c >= 0 is a threshold, collocation gives a negative one.
+    positive = [i for i, threshold in enumerate(proved) if threshold is not None]
+    everywhere = len(proved) == SPEEDS.size and agrees(proved, thresholds("polynomial"))
+    beats = {
+        name: [nearer(balls["(18)"][i], balls[name][i], one) for i, one in enumerate(proved) if one is not None]
+        for name in (THOMSEN, "equilibrium")
+    }
+    told = everywhere and None not in beats[THOMSEN] + beats["equilibrium"]
+    wins = [SPEED_TEXTS[i] for i, beaten in zip(positive, beats[THOMSEN], strict=True) if beaten]
+    beats_equilibrium = all(beats["equilibrium"]) and bool((off["(18)"] < off["equilibrium"]).all())
+    told = told and beats[THOMSEN] == (off["(18)"] < off[THOMSEN])[positive].tolist()
 
     def closer(k: float) -> Any:
         exact = thresholds("polynomial", k=k)
@@ -140,23 +175,31 @@ def test_F7_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
 
     here = closer(100.0)
     first = f"V >= {SPEEDS[np.argmax(here)]:g} m/s"
+    negative = all(ball.high < 0 for name in ("(18)", THOMSEN) for ball in balls[name][len(positive) :])
     some = [k for k in STIFFNESSES if closer(k).any()]
     stiff = f"up to k = {some[-1]:.0f} N/m; stiffer, at none" if some else "at no k from 100 N/m on"
     find(
         ours=f"closer than Thomsen & Fidlin for {first} only",
-        evidence=f"largest deviations {', '.join(f'{name} {size:.4f}' for name, size in sizes.items())} kg/s; "
-        f"(18) is closer than Thomsen & Fidlin at {here.sum()} of {here.size} speeds, {first}, and than "
-        f"Galvanetto & Bishop {'everywhere' if beats_equilibrium else 'not everywhere'}; as k grows, it is "
-        f"closer than Thomsen & Fidlin at some V <= 1 m/s {stiff} (tried to 1e6 N/m): theirs is the limit of "
+        holds=f"(18) is {'' if beats_equilibrium else 'not '}closer than Galvanetto & Bishop at every belt speed, "
+        f"and than Thomsen & Fidlin {'everywhere' if here.all() else 'for fast belts only'}",
+        proved=f"of the {len(positive)} belt speeds with a threshold (18) is closer than Galvanetto & Bishop at "
+        f"{sum(map(bool, beats['equilibrium']))}, and than Thomsen & Fidlin at {len(wins)}"
+        + (f", from V = {wins[0]} to {wins[-1]} m/s" if wins else "")
+        + f"; at the other {len(proved) - len(positive)} no c >= 0 lets the slip from P return"
+        + (", as both formulas have it, which are negative there" if negative else ""),
+        estimated=f"largest deviations {', '.join(f'{name} {size:.4f}' for name, size in largest.items())} kg/s; "
+        f"with negative thresholds (18) is closer than Thomsen & Fidlin at {here.sum()} of {here.size} speeds, "
+        f"{first}; as k grows, it is closer at some V <= 1 m/s {stiff} (tried to 1e6 N/m): theirs is the limit of "
         "weak friction",
         difference=f"{100 * (values['(18)'] / thresholds('polynomial') - 1)[AT_05]:+.2f} % at V = 0.5 m/s, "
         f"Thomsen & Fidlin {100 * (values[THOMSEN] / thresholds('polynomial') - 1)[AT_05]:+.2f} %",
-        reproduced=theirs and bool(here.all()) and beats_equilibrium,
-        qualified=theirs
-        and min(sizes, key=lambda name: sizes[name]) == printed["closest"]
+        reproduced=told and theirs and bool(here.all()) and beats_equilibrium,
+        qualified=told
+        and theirs
+        and min(largest, key=lambda name: largest[name]) == printed["closest"]
         and beats_equilibrium
         and bool(here.any())
-        and sizes["(18)"] < READABLE,
+        and largest["(18)"] < READABLE,
     )
 
 
@@ -177,17 +220,22 @@ def check_points(find: Find, name: str, printed: dict[str, Any]) -> None:
     c = float(printed["c"])
     points = {point: stated for point, stated in printed.items() if point != "c"}
     runs = {point: response(name, c, float(V)) for point, (V, _) in points.items()}
-    exact = {point: threshold(name, float(V)) for point, (V, _) in points.items()}
+    exact = {point: enclosed(name, V=V) for point, (V, _) in points.items()}
+    sticks = {point: Fraction(c) < bounds.low for point, bounds in exact.items()}
+    told = all(sticks[point] or Fraction(c) > bounds.high for point, bounds in exact.items())
     find(
         ours=", ".join(run.kind for run in runs.values()),
-        evidence="; ".join(
-            f"{point} (V = {V} m/s): {runs[point].kind}, the threshold there is {exact[point]:.4f} kg/s"
+        holds="the motions at both points are as stated, one below its threshold and one above",
+        proved="; ".join(
+            f"at V = {V} m/s the threshold is {exact[point]} kg/s, and c = {c:g} kg/s is "
+            + ("below" if sticks[point] else "above")
             for point, (V, _) in points.items()
-        )
-        + f"; c = {c:g} kg/s",
+        ),
+        estimated="; ".join(f"{point}: {runs[point].kind}" for point in points) + ", by simulation",
         difference="none",
         reproduced=all(run.kind == points[point][1] for point, run in runs.items())
-        and all((c < exact[point]) == (motion == "stick-slip") for point, (_, motion) in points.items()),
+        and told
+        and all(sticks[point] == (motion == "stick-slip") for point, (_, motion) in points.items()),
     )
 
 
@@ -202,7 +250,8 @@ def test_F10_friction_parameters(find: Find, printed: dict[str, Any]) -> None:
     grows = [bool((np.diff(region[:, region.max(axis=0) > 0], axis=0) > 0).all()) for region in regions.values()]
     find(
         ours=by_law(" > ".join(f"{area:.3f}" for area in areas[name]) + " kg m/s^2" for name in LAWS),
-        evidence=f"area under the exact threshold for V up to 1 m/s and mu_m = {', '.join(printed['mu_m'])}: "
+        holds=f"the region of stick-slip {'shrinks' if all(shrinks) else 'does not shrink'} as mu_m grows",
+        estimated=f"area under the exact threshold for V up to 1 m/s and mu_m = {', '.join(printed['mu_m'])}: "
         + "; ".join(f"{name} {' '.join(f'{area:.4f}' for area in areas[name])} kg m/s^2" for name in LAWS)
         + f"; it {'falls' if all(shrinks) else 'does not fall'} at every single V",
         difference="none",

@@ -27,7 +27,8 @@ def test_N1_damping_ratios(find: Find, printed: dict[str, Any]) -> None:
     ratios = [oscillator(float(c)).zeta for c in printed["dampings"]]
     find(
         ours=" ".join(f"{ratio:.6g}" for ratio in ratios),
-        evidence=f"c/(2 sqrt(k m)) for c = {', '.join(printed['dampings'])} kg/s, to the digits printed",
+        holds="the damping ratios are those printed",
+        proved=f"c/(2 sqrt(k m)) for c = {', '.join(printed['dampings'])} kg/s, to the digits printed",
         difference="0 in the digits printed",
         reproduced=[Decimal(ratio).quantize(p) for ratio, p in zip(ratios, stated, strict=True)] == stated,
     )
@@ -75,11 +76,13 @@ def check_pure_slip(find: Find, name: str, stated: float) -> None:
     agree = apart < AGREE and exact in enclosure
     find(
         ours=f"scan {scanned:.3f}, exact {exact:.6f}",
-        evidence=f"{stated:g} kg/s is {side} the threshold, {enclosure} kg/s, PROVED by two transits in ball "
-        f"arithmetic; the scan gives {scanned:.3f} kg/s; the orbit that peaks {SCAN.band:g} m/s below the belt's "
-        f"speed has c = {banded:.6f}, {banded - exact:.6f} kg/s higher; the scan reports the next multiple of "
-        f"{SCAN_STEP:g} kg/s; simulated peaks and collocation of the grazing orbit give thresholds "
-        f"{apart:.0e} kg/s apart",
+        holds=f"{stated:g} kg/s is what the paper's procedure gives, and it is {side} the threshold"
+        + (", to its last digit" if 0 <= stated - exact <= SCAN_STEP else " by more than its last digit"),
+        proved=f"{stated:g} kg/s is {side} the threshold, which is {enclosure} kg/s",
+        checked=f"the scan gives {scanned:.3f} kg/s; simulated peaks and collocation of the grazing orbit give "
+        f"thresholds {apart:.0e} kg/s apart",
+        estimated=f"the orbit that peaks {SCAN.band:g} m/s below the belt's speed has c = {banded:.6f}, "
+        f"{banded - exact:.6f} kg/s higher; the scan reports the next multiple of {SCAN_STEP:g} kg/s",
         difference=f"{stated - exact:+.6f} kg/s from the exact threshold",
         reproduced=agree and scanned == stated and 0 <= stated - exact <= SCAN_STEP,
         qualified=agree and scanned == stated and 0 <= stated - banded <= SCAN_STEP,
@@ -95,7 +98,8 @@ def test_N4_transition_speed(find: Find, printed: dict[str, Any]) -> None:
     step = derivation["transition speed"]
     find(
         ours=f"{float(ratio):.6f}",
-        evidence=f"{step.operation}: {step.verdict}; sqrt({printed['ratio']}) = {float(ratio):.8f}",
+        holds="(18) vanishes at this speed and at no other, and its rounded value is right to one digit",
+        proved=f"{step.operation}: {step.verdict}; sqrt({printed['ratio']}) = {float(ratio):.8f}",
         difference=f"{float(ratio) - float(rounded):+.4f} from the rounded value",
         reproduced=derivation.status is Status.PROVED and Decimal(float(ratio)).quantize(rounded) == rounded,
     )

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from derivations import chapter, paper
 from paper_checks.conftest import Find
+from paper_checks.proved import agrees, apart, enclosed, returns_undamped
 from paper_checks.scene import (
     AT_05,
     LAWS,
@@ -27,6 +28,7 @@ from paper_checks.scene import (
 from paper_checks.wording import by_law, formula, percent
 from stickslip_sym import Phase, Regime, Status, Trajectory, laws, regime, simulate, slope_average
 from stickslip_sym.core.symbols import V, k, m, v
+from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.formula.derivation.proving import prove_positive
 
 NONE = 1e-6  # a relative change that may be the error of what is computed
@@ -34,6 +36,7 @@ SLIGHT = 0.01  # relative error of a criterion that no figure of the paper shows
 ERRS = 0.05  # and one that matters
 NEARLY = 0.03  # between the harmonic criterion and the exact threshold of a fast belt
 FAST = np.array([100.0, 1000.0])  # m/s
+CLOSE = 1e-5  # v_m, half of an interval in which a transition speed is proved to lie
 MU_S, MU_M = (paper.polynomial[name] for name in ("mu_s", "mu_m"))
 D = sp.Symbol("D", positive=True)
 """The difference of the coefficients, mu_s - mu_m."""
@@ -46,7 +49,8 @@ def test_S1_mass_and_stiffness(find: Find, printed: dict[str, Any]) -> None:
     free = not any(expr.has(m, k) for expr in printed.values())
     find(
         ours="none" if free else "m or k appears",
-        evidence="; ".join(f"the symbols of {label} are {names}" for label, names in symbols.items()),
+        holds=f"mass and stiffness are {'not ' if free else ''}in (16), (17) and (18)",
+        proved="; ".join(f"the symbols of {label} are {names}" for label, names in symbols.items()),
         difference="none",
         reproduced=free,
     )
@@ -65,8 +69,9 @@ def test_S4_falls_with_belt_speed(find: Find, printed: dict[str, Any]) -> None:
     falls = all(bool((np.diff(thresholds(name)) < 0).all()) for name in LAWS)
     find(
         ours="falls" if falls else "does not fall",
-        evidence="; ".join(f"{what}: {status.value}" for what, status in proofs.items())
-        + f"; the exact thresholds {'' if falls else 'do not '}fall over {SPEEDS.size} belt speeds up to 1 m/s",
+        holds=f"the pure-slip damping {'falls' if falls else 'does not fall'} with the belt speed, for both laws",
+        proved="; ".join(what for what, status in proofs.items() if status is Status.PROVED),
+        estimated=f"the exact thresholds {'' if falls else 'do not '}fall over {SPEEDS.size} belt speeds",
         difference="none",
         reproduced=all(status is Status.PROVED for status in proofs.values())
         and ("falls" if falls else "rises") == printed["with V"],
@@ -82,13 +87,17 @@ def test_S5_exponential_law_without_damping(find: Find, printed: dict[str, Any])
         for criterion in ("least_squares", "harmonic")
     }
     at_speed["exact"] = np.array([threshold(name, V=V) for V in FAST])
+    proved = [enclosed(name, V=f"{V:g}", rtol=1e-6) for V in FAST]
+    above = enclosed(name, V="1").low > 0 and all(one.low > 0 for one in proved)
     powers = {rung: float(np.log10(found[1] / found[0])) for rung, found in at_speed.items()}
     limit = sp.limit(printed["(17)"].rewrite(sp.exp), V, sp.oo)
     unbounded = limit == 0 and bool((over_speeds(printed["(17)"], name) > 0).all())
     as_stated = unbounded and printed["transition speed"] == sp.oo
     # (17) is the least-squares criterion, and the harmonic one is the limit of the exact threshold.
     agree = (
-        abs(at_speed["least_squares"][0] / over_speeds(printed["(17)"], name, FAST[:1])[0] - 1) < NONE
+        above
+        and agrees(proved, at_speed["exact"])
+        and abs(at_speed["least_squares"][0] / over_speeds(printed["(17)"], name, FAST[:1])[0] - 1) < NONE
         and abs(powers["exact"] - powers["harmonic"]) < SLIGHT
         and abs(at_speed["harmonic"] / at_speed["exact"] - 1).max() < NEARLY
     )
@@ -102,10 +111,13 @@ def test_S5_exponential_law_without_damping(find: Find, printed: dict[str, Any])
     agree = agree and sticks_at_last(slower) and slips
     find(
         ours=f"infinite; but undamped no stick beyond V = {last:.1f} m/s",
-        evidence=f"(17) tends to {limit} as V grows, so no belt speed is fast enough for c = 0; from 100 to "
-        "1000 m/s "
+        holds="no belt speed makes the threshold vanish; but it falls more slowly than (17), and fast enough the "
+        "undamped mass never sticks",
+        proved=f"(17) tends to {limit} as V grows; the threshold is {proved[0]} kg/s at V = {FAST[0]:g} m/s and "
+        f"{proved[1]} kg/s at {FAST[1]:g} m/s",
+        estimated=f"from {FAST[0]:g} to {FAST[1]:g} m/s "
         + ", ".join(f"{rung.replace('_', ' ')} goes as V^{power:.3f}" for rung, power in powers.items())
-        + f", so (17) puts the transition speed ever further too low; but undamped and beyond V = {last:.2f} "
+        + f", so (17) puts the transition speed ever further too low; undamped and beyond V = {last:.2f} "
         "m/s the mass returns with more force than static friction holds, and slips on both sides of the "
         f"belt's speed; simulated, it {'sticks' if sticks_at_last(slower) else 'does not stick'} at V = "
         f"{0.9 * last:.2f} m/s and {'never sticks' if slips else 'sticks'} at {1.1 * last:.2f} m/s, where x' "
@@ -147,27 +159,46 @@ def test_S6_polynomial_law_above_its_speed(find: Find, printed: dict[str, Any]) 
     by_18 = float(next(root for root in roots if root.is_positive))
     exact = {k: exact_transition_speed(k) for k in (10.0, 100.0, 1e6)}
     beyond = np.linspace(float(stated), 2.0, 12).tolist()
-    free = all(threshold(name, V=V) < 0 and not sticks_and_slips(name, 0.0, V=V) for V in beyond)
+    returns = {V: returns_undamped(name, f"{V:.6g}") for V in beyond}
+    free = not any(returns.values()) and not any(sticks_and_slips(name, 0.0, V=V) for V in beyond)
+    # An interval in which the speed lies: undamped the slip returns at one end of it, and not at the other.
+    ends = {k: speed_between(k) for k in exact}
+    lie = all(low < exact[k] < high for k, (low, high) in ends.items())
     free = free and not any(motions_at(V, c).stick_slip for V in (float(stated), 0.95, 1.5) for c in (0.0, 1.0))
     softer = motions_at((float(stated) + exact[10.0]) / 2, 0.0, k=10.0)
     slow = motions_at(0.5 * (1 + float(stated)), 0.0)
     from_k = float(brentq(lambda k: threshold(name, V=0.9, k=k), 50.0, 200.0, rtol=1e-6))
-    as_stated = (
+    as_stated = lie and (
         ("no stick-slip" if free else "stick-slip") == printed["faster"]
         and Decimal(by_18).quantize(stated) == Decimal(exact[100.0]).quantize(stated) == stated
     )  # fmt: skip
     find(
         ours=f"{exact[100.0]:.5f} v_m",
-        evidence=f"(18) vanishes at {by_18:.5f} v_m, the exact threshold at "
+        holds=f"at k = 100 N/m no belt above {stated} v_m makes stick-slip, but with a softer spring some do",
+        proved=f"at k = 100 N/m, at {sum(not one for one in returns.values())} of {len(beyond)} belt "
+        f"speeds from {stated} to 2 v_m, no c >= 0 lets the slip from P return; the threshold vanishes "
+        + ", ".join(f"between {low:.5f} and {high:.5f} v_m (k = {k:,.0f} N/m)" for k, (low, high) in ends.items()),
+        estimated=f"(18) vanishes at {by_18:.5f} v_m, the exact threshold at "
         + ", ".join(f"{speed:.5f} v_m (k = {k:,.0f} N/m)" for k, speed in exact.items())
-        + f"; at k = 100 N/m, from {stated} to 2 v_m, there is {'no' if free else 'still'} stick-slip, with c = 0 "
-        f"or with c = 1 kg/s; 0.9 v_m is enough for k >= {from_k:.0f} N/m, not for softer springs: at k = 10 N/m "
+        + f"; {stated} v_m is enough for k >= {from_k:.0f} N/m, not for softer springs: at k = 10 N/m "
         f"and {(float(stated) + exact[10.0]) / 2:.3f} v_m, undamped, there is {softer}; and short of v_m the "
         f"undamped mass need not rest: at {0.5 * (1 + float(stated)):g} v_m there is {slow}",
         difference=f"{exact[100.0] - float(stated):+.5f} v_m",
         reproduced=as_stated and softer.stick_slip is None and max(exact.values()) <= float(stated),
         qualified=as_stated,
     )
+
+
+@cache
+def speed_between(k: float) -> tuple[float, float]:
+    """Return belt speeds around the transition speed, proved: undamped the slip returns at the first only."""
+    near = round(exact_transition_speed(k), 5)
+    low, high = near - CLOSE, near + CLOSE
+    proved = (
+        returns_undamped("polynomial", f"{low:.5f}", f"{k:g}"),
+        returns_undamped("polynomial", f"{high:.5f}", f"{k:g}"),
+    )
+    return (low, high) if proved == (True, False) else (np.inf, -np.inf)
 
 
 @cache
@@ -194,9 +225,10 @@ def test_S9_difference_of_coefficients(find: Find, printed: dict[str, Any]) -> N
     ratios = [values[2] / values[0] for values in exact]
     find(
         ours="rises" if rises and exactly else "does not rise",
-        evidence=f"(17) and (18) are {'' if linear else 'not '}proportional to mu_s - mu_m; the exact thresholds "
-        f"{'rise' if exactly else 'do not rise'} at every V up to {slow[-1]:g} m/s as the difference goes from "
-        "0.1 over 0.2 to 0.3, in all by "
+        holds=f"the pure-slip damping {'rises' if rises and exactly else 'does not rise'} with mu_s - mu_m",
+        proved=f"(17) and (18) are {'' if linear else 'not '}proportional to mu_s - mu_m",
+        estimated=f"the exact thresholds {'rise' if exactly else 'do not rise'} at every V up to {slow[-1]:g} m/s "
+        "as the difference goes from 0.1 over 0.2 to 0.3, in all by "
         + by_law(f"{ratio.min():.4f} to {ratio.max():.4f} times" for ratio in ratios),
         difference="none",
         reproduced=("rises" if rises and exactly else "falls") == printed["with mu_s - mu_m"],
@@ -217,7 +249,8 @@ def test_S10_equilibrium_criteria(find: Find, printed: dict[str, Any]) -> None:
     )
     find(
         ours=f"{here} at V = 0.5 m/s",
-        evidence=f"-N mu'(V) is off by {slowest} at V = 0.01 m/s, by {here} at 0.5 m/s and by {fastest} at "
+        holds=f"the criterion of the equilibrium errs, {'' if grows else 'not always '}more at larger amplitudes",
+        estimated=f"-N mu'(V) is off by {slowest} at V = 0.01 m/s, by {here} at 0.5 m/s and by {fastest} at "
         f"{slow[-1]:g} m/s; the error {'grows' if grows else 'does not grow'} with every step of V",
         difference=here,
         reproduced=all(is_criterion(formulas[name], name, "equilibrium") for name in LAWS)
@@ -231,7 +264,7 @@ def test_S11_no_closed_form(find: Find, printed: dict[str, Any]) -> None:
     """Put x' = V cos(theta) and the nonlinear coefficient into (6), and look for a closed form of c."""
     osc = oscillator()
     velocity = osc.V * np.cos(np.linspace(0, 2 * np.pi, 400, endpoint=False))
-    answers, words = [], []
+    answers, words, errors = [], [], []
     for name in LAWS:
         form = closed_form(name, "harmonic")
         if form is None:
@@ -242,13 +275,18 @@ def test_S11_no_closed_form(find: Find, printed: dict[str, Any]) -> None:
         balance = float(abs(work.mean() / (c * velocity**2).mean()))
         answers.append("closed form" if balance < NONE else "no closed form")
         words.append(
-            f"{name} law: c = {formula(form.expr)}, {form.verdict.status.value}; it balances (6) to "
-            f"{balance:.0e}, and is {percent(c / threshold(name) - 1)} from the exact threshold at V = 0.5 m/s"
+            f"{name} law: c = {formula(form.expr)}, {form.verdict.status.value}, "
+            f"{percent(float(apart(Enclosure.of(c, c), enclosed(name))))} from the threshold at V = 0.5 m/s"
         )
+        errors.append(f"{name} law: it balances (6) to {balance:.0e}")
     agree = [answer == printed["nonlinear coefficient"] for answer in answers]
     find(
         ours=" and ".join(sorted(set(answers))),
-        evidence="; ".join(words),
+        holds="a nonlinear coefficient has closed forms, and they are closer to the threshold than the paper's"
+        if "closed form" in answers
+        else "a nonlinear coefficient has no closed form",
+        proved="; ".join(words),
+        estimated="; ".join(errors),
         difference=f"{answers.count('closed form')} closed forms",
         reproduced=all(agree),
         qualified=any(agree),

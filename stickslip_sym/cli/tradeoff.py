@@ -94,4 +94,5 @@ def _way(way: Any) -> dict[str, Any]:
         "seconds": json_output.number(way.seconds),
         "relative_error": json_output.number(way.error),
         "largest_relative_error": json_output.number(way.largest),
+        **({"status": way.status} if way.status else {}),
     }

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip_sym.comparison.newmark import Scan, pure_slip_by_scan
 from stickslip_sym.comparison.tradeoff import Way
 from stickslip_sym.core import deadline
-from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
+from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.rungs import Rung, rungs
@@ -78,7 +78,7 @@ def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way]:
     for method, rung in rungs().items():
         try:
             found, seconds = _timed(partial(_rung, law, scene, rung))
-        except OutOfTime:
+        except (OutOfTime, NotConverged, InputError):
             ways.append(Way(method, math.nan, math.nan))
             continue
         try:
@@ -89,16 +89,16 @@ def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way]:
                 ),
                 default=math.nan,
             )
-        except OutOfTime:
+        except (OutOfTime, NotConverged, NoThreshold):
             largest = math.nan
-        ways.append(Way(method, seconds, _error(found, exact), largest))
+        ways.append(Way(method, seconds, _error(found, exact), largest, found.status))
     scan = Scan(np.arange(0.0, 2 * exact, _SCAN_STEP))
     start = time.perf_counter()
     try:
         scanned = pure_slip_by_scan(law, Oscillator(**scene), scan)
     except OutOfTime:
         return [*ways, Way(_NEWMARK, math.nan, math.nan)]
-    ways.append(Way(_NEWMARK, time.perf_counter() - start, abs(scanned / exact - 1)))
+    ways.append(Way(_NEWMARK, time.perf_counter() - start, abs(scanned / exact - 1), status="ESTIMATED"))
     return ways
 
 
@@ -109,8 +109,9 @@ def _rung(law: FrictionLaw, scene: Mapping[str, float], rung: Rung) -> Threshold
 
 
 def _error(found: Threshold, reference: float) -> float:
-    """Return the error against the orbit; the orbit's own is its estimate."""
-    return float(found.error) if found.method == "orbit" else abs(found.value / reference - 1)
+    """Return the error against the orbit; the orbit's own is its estimate, and that of a proof its bound."""
+    own = found.method == "orbit" or found.status == "PROVED"
+    return float(found.error) if own else abs(found.value / reference - 1)
 
 
 def _timed(compute: Callable[[], Threshold]) -> tuple[Threshold, float]:
@@ -135,7 +136,8 @@ def threshold_report(ways: list[Way]) -> str:
             duration(way.seconds) if way.seconds == way.seconds else "no number",
             shown(way.error),
             shown(way.largest),
+            way.status or "none",
         ]
         for way in ways
     ]
-    return table(["way", "time a threshold", "relative error", "largest up to V = 1 m/s"], rows)
+    return table(["way", "time a threshold", "relative error", "largest up to V = 1 m/s", "status"], rows)

@@ -44,12 +44,15 @@ class Way:
         Relative, in the scene at hand; NaN where the way gives no number.
     largest : float
         Of thresholds: the largest relative error over belt speeds; NaN where it was not measured.
+    status : str
+        Of thresholds: PROVED, or ESTIMATED; empty where there is no number.
     """
 
     name: str
     seconds: float
     error: float
     largest: float = float("nan")
+    status: str = ""
 
 
 def tradeoff(form: ClosedForm, scene: Mapping[str, Number], *, time_limit: float | None = None) -> list[Way]:

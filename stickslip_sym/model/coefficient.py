@@ -14,9 +14,13 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.lambdify import Backend, function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.model.expression.pieces import at_rest, branch_from, places
+from stickslip_sym.model.expression.rises import rise
 from stickslip_sym.model.samples import SampledCurve
 
 __all__ = ["Coefficient", "limit_at_rest"]
+
+_START = sp.Dummy("start", positive=True)  # the slip speed where a piece begins
+_DIGITS = 50  # of mu where a piece begins, whose difference from mu(0+) may be small
 
 
 @lru_cache(maxsize=256)
@@ -59,12 +63,12 @@ class Coefficient:
             return self.curve.function(backend, derivative=derivative)
         return self._at(sp.diff(self.expr, symbols.v) if derivative else self.expr, values, backend)
 
-    def _at(self, expr: Any, values: Mapping[Any, Any], backend: Backend) -> Callable[[Any], Any]:
-        key = expr, backend
+    def _at(self, expr: Any, values: Mapping[Any, Any], backend: Backend, *more: Any) -> Callable[[Any], Any]:
+        key, known = (expr, backend), (*self.parameters, *more)
         if key not in self._functions:
             # Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
-            self._functions[key] = function_of([symbols.v, *self.parameters], expr, backend)
-        compiled, ordered = self._functions[key], [values[symbol] for symbol in self.parameters]
+            self._functions[key] = function_of([symbols.v, *known], expr, backend)
+        compiled, ordered = self._functions[key], [values[symbol] for symbol in known]
         if backend == "mpmath":
             rounded: dict[int, list[Any]] = {}  # by working precision
 
@@ -82,19 +86,48 @@ class Coefficient:
         """Return where mu or its slope may jump, exact."""
         return {place.xreplace(values) for place in places(self.expr)}
 
-    def branches(
+    def rises(
         self, values: Mapping[Any, Any], kinks: Sequence[Any]
     ) -> list[tuple[float, Callable[[float], float]]]:
-        """Return where each smooth piece begins, ascending from 0, and its bare function of a float."""
-        if self.curve is not None:
-            return self.curve.branches
-        if not kinks:
-            return [(0.0, self.function(values, "math"))]
-        return [(float(start), self._branch(values, start)) for start in (sp.Integer(0), *kinks)]
+        """Return where each smooth piece begins, ascending from 0, and mu(v) - mu(0+) on it, of a float.
 
-    def _branch(self, values: Mapping[Any, Any], start: Any) -> Callable[[float], float]:
-        function = self._at(branch_from(self.expr, values, start), values, "math")
-        return lambda v: float(function(v))
+        The difference has the digits that are lost when two coefficients are subtracted.
+        """
+        if self.curve is not None:
+            return self.curve.rises
+        starts = [sp.Integer(0), *kinks]
+        pieces = [branch_from(self.expr, values, start) for start in starts] if kinks else [self.expr]
+        return [
+            (float(start), self._rise(values, pieces[0], piece, start))
+            for piece, start in zip(pieces, starts, strict=True)
+        ]
+
+    def _rise(self, values: Mapping[Any, Any], lowest: Any, piece: Any, start: Any) -> Callable[[float], float]:
+        plain, onset = self._at(piece, values, "math"), limit_at_rest(lowest.xreplace(values))
+        # A piece that begins at 0 has the 0 itself in its formula, so that what is 0 there is left out.
+        gained = rise(piece, symbols.v, _START if start else start)
+        before = self._between(values, lowest, piece, start) if start else 0.0
+        if gained is None or not math.isfinite(before):
+            return lambda v: float(plain(v)) - onset
+        compiled = self._at(gained, {**values, _START: start}, "math", _START)
+
+        def risen(v: float) -> float:
+            try:
+                found = float(compiled(v)) + before
+            except (ArithmeticError, TypeError, ValueError):  # a TypeError is a complex coefficient
+                found = math.nan
+            return found if math.isfinite(found) else float(plain(v)) - onset
+
+        return risen
+
+    def _between(self, values: Mapping[Any, Any], lowest: Any, piece: Any, start: Any) -> float:
+        """Return what mu gains from 0+ to where a piece begins; NaN where that cannot be computed."""
+        with mpmath.workdps(_DIGITS):
+            try:
+                low = self._at(lowest, values, "mpmath")(mpmath.mpf(0))
+                return float(self._at(piece, values, "mpmath")(to_mpf(start)) - low)
+            except (ArithmeticError, TypeError, ValueError):
+                return math.nan
 
     def at_speeds(
         self, speed: NDArray[np.float64], values: Mapping[Any, Any], *, derivative: bool

@@ -157,12 +157,13 @@ class Evaluated:
                 raise InputError(f"{self._label()} has a kink at v = {str(place)[:40]}, which is not real")
         return sorted(place for place in found if place > 0)
 
-    def branches(self) -> list[tuple[float, Callable[[float], float]]]:
-        """Return where each smooth piece of mu begins, ascending from 0, and its bare function of a float.
+    def rises(self) -> list[tuple[float, Callable[[float], float]]]:
+        """Return where each smooth piece of mu begins, ascending from 0, and mu(v) - mu(0+) on it, of a float.
 
-        A piece goes on smoothly beyond its ends, where it is another one that holds.
+        A piece goes on smoothly beyond its ends, where it is another one that holds. Where v is small its rise has
+        the digits that are lost when two coefficients are subtracted.
         """
-        return self._coefficient.branches(self._known(), self.kinks() if self.curve is None else ())
+        return self._coefficient.rises(self._known(), self.kinks() if self.curve is None else ())
 
     def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
         speed = np.asarray(v, dtype=np.float64)

@@ -1,7 +1,8 @@
 """`Oscillator`: the mass on the belt, and the dimensionless form in which it is integrated."""
 
 import math
-from collections.abc import Callable
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 
 from stickslip_sym.core import symbols
@@ -117,21 +118,19 @@ def _static(law: FrictionLaw) -> float:
 
 @dataclass(frozen=True)
 class Branch:
-    """A smooth piece of mu(V w), which holds from `low` to `high`."""
+    """A smooth piece of mu, which holds from w = `low` to `high`, and its rise mu(V w) - mu(0+)."""
 
     low: float
     high: float
-    mu: Callable[[float], float]
+    rise: Callable[[float], float]
 
 
-def _of_w(
-    mu: Callable[[float], float], speed: float, onset: float, low: float = 0.0, high: float = math.inf
-) -> Callable[[float], float]:
-    """Return mu(V w) as a function of w that a step may try anywhere; a piece holds from `low` to `high`."""
+def _of_w(rise: Callable[[float], float], speed: float, low: float, high: float) -> Callable[[float], float]:
+    """Return a rise as a function of w that a step may try anywhere; its piece holds from `low` to `high`."""
 
     def value(w: float) -> float:
         try:
-            return float(mu(speed * max(w, -1.0)))
+            return float(rise(speed * max(w, -1.0)))
         except (ArithmeticError, TypeError, ValueError):  # a TypeError is a complex coefficient
             return math.nan
 
@@ -140,9 +139,17 @@ def _of_w(
         if math.isfinite(found) or low < w < high:
             return found
         # A piece such as sqrt(v) has no value beyond its end: it goes on with its last one.
-        return value(min(max(w, low), high)) if w > 0 else onset
+        return value(min(max(w, low), high)) if w > 0 else 0.0
 
     return continued
+
+
+def _joined(branches: Sequence[Branch]) -> Callable[[float], float]:
+    """Return the rise of whichever piece holds."""
+    if len(branches) == 1:
+        return branches[0].rise
+    levels = [branch.low for branch in branches[1:]]
+    return lambda w: branches[bisect_right(levels, w)].rise(w)
 
 
 @dataclass(frozen=True)
@@ -155,16 +162,19 @@ class Scene:
 
         q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.
 
-    So w = 0 is the belt's speed exactly, and P is the origin: nothing cancels where returns are decided.
+    So w = 0 is the belt's speed exactly, and P is the origin: nothing cancels where returns are decided. Nor where
+    the belt is slow, and eta large: of mu there is what it has risen since mu(0+), computed as such.
 
     Attributes
     ----------
     eta, zeta : float
     static : float
         The coefficient that limits sticking.
-    mu : callable
-        mu(V w) for w > 0, and NaN where it cannot be computed, so that an integrator takes a shorter step.
-        For w <= 0 it goes on smoothly, with mu(0+) where it cannot: the one step that crosses 0 reaches there in
+    onset : float
+        mu(0+).
+    rise : callable
+        mu(V w) - mu(0+) for w > 0, and NaN where it cannot be computed, so that an integrator takes a shorter
+        step. For w <= 0 it goes on smoothly, with 0 where it cannot: the one step that crosses 0 reaches there in
         its trials, and where it crosses is refined from the side of w > 0.
     law : FrictionLaw
         The law of mu, bound.
@@ -179,7 +189,8 @@ class Scene:
     eta: float
     zeta: float
     static: float
-    mu: Callable[[float], float]
+    onset: float
+    rise: Callable[[float], float]
     law: FrictionLaw
     speed: float
     w_max: float = math.inf
@@ -195,25 +206,29 @@ class Scene:
             If a parameter has no value, mu(0+) is not finite, or the static coefficient is below mu(0+).
         """
         static, onset = _static(law), _onset(law)
-        speed, pieces = osc.V, law.branches()
+        speed = osc.V
         w_max = math.inf if law.v_max is None else float(law.v_max) / speed
-        mu = _of_w(law.function("math"), speed, onset)
+        pieces = law.rises()
         levels = [start / speed for start, _ in pieces] + [math.inf]
         branches = tuple(
-            Branch(low, high, _of_w(piece, speed, onset, low, high))
-            for low, high, (_, piece) in zip(levels, levels[1:], pieces, strict=False)
+            Branch(low, high, _of_w(rise, speed, low, high))
+            for low, high, (_, rise) in zip(levels, levels[1:], pieces, strict=False)
         )
-        return cls(osc.eta, osc.zeta, static, mu, law, speed, w_max, branches)
+        return cls(osc.eta, osc.zeta, static, onset, _joined(branches), law, speed, w_max, branches)
+
+    def friction(self, w: float, side: int) -> float:
+        """Return what static and sliding friction together add to w', eta (side mu_static - mu(V w))."""
+        return self.eta * (side * self.static - self.onset - self.rise(w))
 
     def acceleration(self, q: float, w: float, side: int) -> float:
         """Return w', the rate at which the slip speed grows."""
-        return self.eta * (side * self.static - self.mu(w)) + side * q - 2 * self.zeta * w
+        return self.friction(w, side) + side * q - 2 * self.zeta * w
 
     def decay(self, w: float) -> float:
         """Return -dw'/dw, the rate at which a deviation of the slip speed w >= 0 decays."""
         half = _SMALL * max(w, 1.0)
         low, high = max(w - half, 0.0), w + half
-        return self.eta * (self.mu(high) - self.mu(low)) / (high - low) + 2 * self.zeta
+        return self.eta * (self.rise(high) - self.rise(low)) / (high - low) + 2 * self.zeta
 
     @property
     def rest(self) -> tuple[float, float]:
@@ -222,7 +237,7 @@ class Scene:
 
     def turn(self, w: float) -> float:
         """Return the displacement q at which w' = 0 for a mass slower than the belt."""
-        return 2 * self.zeta * w - self.eta * (self.static - self.mu(w))
+        return 2 * self.zeta * w - self.friction(w, 1)
 
     def sticks(self, q: float) -> bool:
         """Whether static friction holds the mass at displacement q: |c V + k x| <= mu_static N."""

@@ -133,9 +133,13 @@ class SampledCurve:
         return at_working_precision
 
     @cached_property
-    def branches(self) -> list[tuple[float, Callable[[float], float]]]:
-        """Where each piece begins, and its function of a float."""
-        return [(place, _cubic(place, *row)) for place, row in zip(*self._tables(float, False), strict=True)]
+    def rises(self) -> list[tuple[float, Callable[[float], float]]]:
+        """Where each piece begins, and what the curve gains from v = 0 on, as a function of a float."""
+        first = self.cubics[0][0]
+        lowered = ([float(level - first), *map(float, row)] for level, *row in self.cubics)
+        return [
+            (float(place), _cubic(float(place), *row)) for place, row in zip(self.places, lowered, strict=True)
+        ]
 
     def _over_arrays(self, derivative: bool) -> Callable[[Any], Any]:
         places, rows = self._tables(float, derivative)

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from commands import shell, stickslip
+from commands import inside, shell, stickslip
 from systems import FOLDER_OPENED, needs_posix_shell
 
 from stickslip_sym import Status, load
@@ -27,7 +27,7 @@ def test_laws_lists_the_catalogue():
     ("name", "value"), [("exponential", "2.5459496029051"), ("polynomial", "3.0481071428571")]
 )
 def test_derive_ends_with_a_table_of_three_methods(name, value):
-    done = stickslip("derive", name)
+    done = inside("derive", name)
     assert done.returncode == 0, done.stderr
     assert f"ClosedForm: {name}, least_squares, PROVED" in done.stdout
     *_, closed, quadrature, threshold = (re.split(r"\s{2,}", line) for line in done.stdout.splitlines())
@@ -43,9 +43,7 @@ def test_derive_ends_with_a_table_of_three_methods(name, value):
 
 
 def test_derive_takes_values_a_criterion_and_steps():
-    done = stickslip(
-        "derive", "exponential", "-p", "alpha=1", "-V", "1/4", "--criterion", "equilibrium", "--steps"
-    )
+    done = inside("derive", "exponential", "-p", "alpha=1", "-V", "1/4", "--criterion", "equilibrium", "--steps")
     assert done.returncode == 0, done.stderr
     assert "1. take the slope at the belt speed" in done.stdout
     assert "PROVED: the difference reduces to 0" in done.stdout
@@ -53,14 +51,14 @@ def test_derive_takes_values_a_criterion_and_steps():
 
 
 def test_derive_takes_a_formula():
-    done = stickslip("derive", "a - b*v")
+    done = inside("derive", "a - b*v")
     assert done.returncode == 0
     assert "c = N*b" in done.stdout
     assert done.stderr == "\nno value for a, b: give -p a=... for a table of values\n"
 
 
 def test_laws_tells_all_about_one():
-    done = stickslip("laws", "hyperbolic")
+    done = inside("laws", "hyperbolic")
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("hyperbolic: mu(v) = mu_m + (mu_s - mu_m)/(v/v_s + 1)\n")
     assert re.search(r"^v_s +0\.5 +m/s +Stribeck speed", done.stdout, re.M)
@@ -70,7 +68,7 @@ def test_laws_tells_all_about_one():
 
 
 def test_derive_takes_all_criteria():
-    done = stickslip("derive", "polynomial", "--criterion", "all")
+    done = inside("derive", "polynomial", "--criterion", "all")
     assert done.returncode == 0, done.stderr
     names = re.findall(r"ClosedForm: polynomial, (\w+), ", done.stdout)
     assert names == ["equilibrium", "least_squares", "harmonic"]
@@ -78,7 +76,7 @@ def test_derive_takes_all_criteria():
 
 
 def test_without_a_closed_form_quadrature_serves():
-    done = stickslip("derive", "andersson", "--time-limit", "4")
+    done = inside("derive", "andersson", "--time-limit", "4")
     assert done.returncode == 1
     assert "no closed form: andersson, least_squares" in done.stdout
     assert re.search(r"quadrature, 50 digits +2\.15420088", done.stdout)
@@ -88,16 +86,16 @@ def test_without_a_closed_form_quadrature_serves():
 
 def test_derive_reads_measured_points_and_keeps_the_form(tmp_path):
     (tmp_path / "pin.csv").write_text("v,mu\n0,0.5\n0.1,0.4\n0.3,0.3\n1.2,0.25\n")
-    done = stickslip("derive", "--from-csv", "pin.csv", "--save", "pin.json", cwd=tmp_path)
+    done = inside("derive", "--from-csv", "pin.csv", "--save", "pin.json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "ClosedForm: pin, least_squares, PROVED" in done.stdout
     form = load(tmp_path / "pin.json", verify=True)
     assert form.verdict.status is Status.PROVED
     assert f"{form(V=0.5, N=9.81):.9f}"[:8] in done.stdout
-    beyond = stickslip("derive", "--from-csv", "pin.csv", "-V", "0.7", cwd=tmp_path)
+    beyond = inside("derive", "--from-csv", "pin.csv", "-V", "0.7", cwd=tmp_path)
     assert (beyond.returncode, beyond.stdout) == (2, "")
     assert "measured up to v = 1.2 m/s, and its value at 1.4 m/s is needed" in beyond.stderr
-    held = stickslip("derive", "--from-csv", "pin.csv", "-V", "0.7", "--extrapolate", cwd=tmp_path)
+    held = inside("derive", "--from-csv", "pin.csv", "-V", "0.7", "--extrapolate", cwd=tmp_path)
     assert held.returncode == 0, held.stderr
 
 
@@ -133,7 +131,7 @@ def test_ctrl_c_leaves_nothing_behind(tmp_path):
 
 
 def test_latex_file(tmp_path):
-    done = stickslip("derive", "polynomial", "--latex", "form.tex", "--steps", cwd=tmp_path)
+    done = inside("derive", "polynomial", "--latex", "form.tex", "--steps", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     text = (tmp_path / "form.tex").read_text()
     assert "\\label{eq:polynomial-least_squares}\n  c = \\frac{N (\\mu_{\\mathrm{s}} - \\mu_{\\mathrm{m}})" in text
@@ -204,16 +202,16 @@ def test_latex_of_a_derivation_escapes_its_words():
 
 
 def test_no_closed_form_has_its_own_exit_code():
-    done = stickslip("derive", "tanh(exp(a*v))")
+    done = inside("derive", "tanh(exp(a*v))")
     assert done.returncode == 1
     assert done.stderr.startswith("error: ")
     assert len(done.stderr.splitlines()) <= 2
 
 
 def test_the_bare_command_prints_its_help():
-    done = stickslip()
+    done = inside()
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == stickslip("--help").stdout
+    assert done.stdout == inside("--help").stdout
     assert "How much damping does a mass" in done.stdout
 
 
@@ -254,6 +252,6 @@ def test_latex_to_standard_output_loses_nothing(sink, tmp_path):
 
 def test_help_of_every_command_has_an_example():
     for command in ("laws", "derive", "damping", "tradeoff"):
-        done = stickslip(command, "--help")
+        done = inside(command, "--help")
         assert done.returncode == 0
         assert "Example: stickslip " in done.stdout

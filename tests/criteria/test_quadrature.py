@@ -145,3 +145,29 @@ def test_a_slope_is_returned_only_when_a_second_look_agrees(monkeypatch):
     looks = iter([mpmath.mpf(one) for one in ("1", "1.001", "2", "2.0000001", "3", "3.000000000001")])
     monkeypatch.setattr(quadrature, "_following_cancellation", lambda *_: next(looks))
     assert quadrature._confirmed_slope(None, 1, 1, 10) == mpmath.mpf("3.000000000001")
+
+
+class Counted(ss.FrictionLaw):
+    """A law that counts how often its coefficient is taken."""
+
+    calls = 0
+
+    def function(self, backend, *, derivative=False):
+        mu = super().function(backend, derivative=derivative)
+
+        def counted(v):
+            Counted.calls += 1
+            return mu(v)
+
+        return counted
+
+
+@pytest.mark.parametrize(("height", "width", "place"), [(3.1e-7, 5.5e-3, 1.39), (9e-8, 4e-3, 1.18)])
+def test_low_and_narrow_bumps_have_all_digits_asked_for(height, width, place):
+    """Nearly all of mu cancels, and the rule must still see the bump: tolerance and work follow what is lost."""
+    law = Counted("mu_0 + h/(1 + ((v - p)/w)^2)").bind(mu_0=0.5, h=height, p=place, w=width)
+    exact = quadrature.damping(law, V=1, N=1, digits=25)
+    Counted.calls = 0
+    found = quadrature.damping(law, V=1, N=1, digits=6)
+    assert abs(found / exact - 1) <= 1e-7  # the rounding to 6 digits, which mpmath takes as 7, is half of that
+    assert Counted.calls < 20_000  # ten times as many where no digits are in hand

@@ -88,7 +88,7 @@ SHOWN = {
     "mu(v) = mu_m + (mu_s - mu_m)*exp(-alpha*v), PROVED",
     "verdict": "Verdict: PROVED: 4 steps; agrees with enclosures to 30 digits at 12 seeded points",
     "refuted": "Verdict: REFUTED: left ",
-    "threshold": "Threshold: 2.573068617 kg/s (second_order, relative error 4e-06)",
+    "threshold": "Threshold: 2.573068617 kg/s (second_order, relative error 4e-06, ESTIMATED)",
     "thresholds": "Threshold: 30 thresholds from 1.155 to 6.61101 kg/s (harmonic, least_squares, ",
     "unknown": "Threshold: 2 thresholds from 2.13",
     "speed": "TransitionSpeed: 0.63",

@@ -46,7 +46,14 @@ def draws(batch, plain=False):
     return found
 
 
-batches = pytest.mark.parametrize("batch", range(max(COUNT // BATCH, 1)))
+def group(batch):
+    """The tests of one batch run in one process, which draws its formulas once."""
+    return pytest.mark.xdist_group(f"printed formulas {batch}")
+
+
+batches = pytest.mark.parametrize(
+    "batch", [pytest.param(i, marks=group(i)) for i in range(max(COUNT // BATCH, 1))]
+)
 
 
 def agrees(got, expected):
@@ -101,6 +108,7 @@ def too_long(shown):
     return f"<i>a formula of {len(shown)} characters of LaTeX</i>"
 
 
+@group(0)
 @pytest.mark.parametrize("module", [latex_printer, text_printer])
 def test_a_printer_that_drops_brackets_is_caught(module, monkeypatch):
     """The negative control: without the brackets of sums and quotients many formulas have another value."""
@@ -260,6 +268,21 @@ def test_code_computes_what_it_is_written_of(run, dialect, batch, tmp_path):
         assert agrees(got, expected), f"{expr!r}\n{text}\n{got} is not {expected}"
 
 
+@pytest.mark.parametrize(("run", "dialect"), LANGUAGES.values(), ids=LANGUAGES)
+def test_whole_numbers_are_divided_as_others_are(run, dialect, tmp_path, monkeypatch):
+    sign, cases = sp.sign(a - b), sp.Piecewise((1, a < b), (2, True))
+    given = [
+        (sp.Abs(sign) + a, 3), ((3 + 2 * sign) / (7 + 3 * sign), 1 / 4), (1 / (2 + cases), 1 / 3),
+        (cases / (4 + sign), 1 / 3), ((4 + sp.Abs(sign)) ** -1, 1 / 5), ((1 + cases) / 4, 1 / 2),
+        (cases / sp.Piecewise((3, b < a), (5, True)), 1 / 5),
+    ]  # fmt: skip
+    drawn = [(expr, {a: 2.0, b: 3.0}, value) for expr, value in given]
+    monkeypatch.setitem(globals(), "draws", lambda batch, plain: drawn)
+    for (expr, text, _, _, expected), got in zip(written(dialect, 0), run(0, tmp_path), strict=True):
+        assert got == pytest.approx(expected, rel=1e-15), f"{expr!r}\n{text}"
+
+
+@group(0)
 def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
     monkeypatch.setattr(python._Python, "parenthesize", lambda self, item, *_, **__: self._print(item))
     found = zip(written(python.dialect, 0), by_python(0, tmp_path), strict=True)

@@ -1,5 +1,7 @@
 """The command line, run in this process, in one of its own, and by a shell."""
 
+import contextlib
+import io
 import json
 import subprocess
 import sys
@@ -16,6 +18,16 @@ def run(monkeypatch, capsys, *arguments):
         program.main()
     printed = capsys.readouterr()
     return end.value.code or 0, printed.out, printed.err
+
+
+def inside(*arguments, cwd="."):
+    """Run the command in this process, which has imported all it needs; the result is that of a process."""
+    out, err = io.StringIO(), io.StringIO()
+    with pytest.MonkeyPatch.context() as patched, contextlib.chdir(cwd):
+        patched.setattr("sys.argv", ["stickslip", *arguments])
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), pytest.raises(SystemExit) as end:
+            program.main()
+    return subprocess.CompletedProcess(arguments, end.value.code or 0, out.getvalue(), err.getvalue())
 
 
 def stickslip(*arguments, cwd=None):

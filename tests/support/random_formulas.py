@@ -51,6 +51,12 @@ class Unfit(Exception):
     """A draw whose value is not real, or hangs on its last digits."""
 
 
+_NO_DRAW = (
+    Unfit, ZeroDivisionError, ValueError, OverflowError, mpmath.mp.NoConvergence, TypeError,
+    AttributeError,  # SymPy's own, where it simplifies a hypergeometric function while it is built
+)  # fmt: skip
+
+
 def value(expr, point, noise=lambda x: x):
     """Return the value of an expression; `noise` is applied to every part."""
 
@@ -126,7 +132,7 @@ class Draws:
                     moved = value(expr, point, lambda x: x * (1 + mpmath.mpf(self.rng.uniform(-1, 1)) * 1e-9))
                     if not abs(found - moved) < 1e-6 * abs(found):
                         raise Unfit
-            except (Unfit, ZeroDivisionError, ValueError, OverflowError, mpmath.mp.NoConvergence, TypeError):
+            except _NO_DRAW:
                 continue
             return expr, point, found
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import paper_checks
 from paper_checks.claims import Outcome
+from paper_checks.findings import Finding
 
 FILES = sorted(Path(paper_checks.__file__).parent.glob("test_*.py"))
 
@@ -26,13 +27,20 @@ CHECKS = checks()
 
 def verdict(claim, printed):
     """Run a check in this process and return the verdict that it comes to."""
-    outcomes = []
+    return found(claim, printed).outcome
 
-    def find(*, ours, evidence, difference="", reproduced, qualified=False):
-        assert ours
-        assert evidence
-        outcomes.append(Outcome.of(reproduced, qualified))
+
+def found(claim, printed):
+    """Run a check in this process and return what it finds."""
+    findings = []
+
+    def find(*, ours, holds, reproduced, qualified=False, **more):
+        finding = Finding(claim, ours, Outcome.of(reproduced, qualified), holds, **more)
+        assert finding.ours
+        assert finding.holds
+        assert finding.by_kind
+        findings.append(finding)
 
     CHECKS[claim](find, printed)
-    (outcome,) = outcomes
-    return outcome
+    (finding,) = findings
+    return finding

@@ -1,11 +1,13 @@
 """The checks of the paper notice a package that is wrong, not only a paper that is."""
 
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 from verdicts import verdict
 
 from paper_checks import (
+    proved,
     scene,
     test_equations,
     test_figures,
@@ -17,6 +19,7 @@ from paper_checks.claims import CLAIMS
 from paper_checks.printed import PRINTED
 
 MODULES = (
+    proved,
     scene,
     test_equations,
     test_figures,
@@ -60,6 +63,10 @@ def slightly(value):
     return 1.01 * value
 
 
+def higher(value):
+    return value * Fraction(101, 100)
+
+
 MUTANTS = [
     ("orbits", changed(d=slightly), ("F6", "F7", "S2", "S3", "S7", "S10")),
     ("orbits", changed(exponent=lambda exponent: -exponent), ("S8",)),
@@ -73,6 +80,8 @@ MUTANTS = [
     ("needed_damping", changed(series=slightly), ("S7",)),
     ("slope_average", lambda f: lambda *args: lambda **at: slightly(f(*args)(**at)), ("S5",)),
     ("pure_slip_damping", changed(value=slightly), ("N2",)),
+    ("prove_threshold", changed(low=higher, high=higher), ("F6", "F7", "S2", "S5", "S7", "S8")),
+    ("transit", changed(returns=lambda returns: not returns), ("S6",)),
     ("peak_velocity", lambda f: lambda *args: f(*args) + 1e-4, ("N2",)),
     ("pure_slip_by_scan", lambda _: lambda *_: SCANNED + 0.001, ("N2",)),
 ]

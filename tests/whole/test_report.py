@@ -110,10 +110,13 @@ def check_complete(page):
         words = "".join(by_id[f"claim-{id}"].itertext())
         assert ("✓ reproduced" in words) == (id in CHECKED)
         assert ("not checked" in words) == (id not in CHECKED)
+        assert ("by proof" in words) == ("PROVED: " in words) == (id in CHECKED)
+    assert "proof" in (ladder := "".join(by_id["ladder"].itertext()))
+    assert "PROVED" in ladder
 
 
 def check_json(content):
-    assert content["format"] == 1
+    assert content["format"] == 2
     assert set(content) == {"format", "time", "versions", "summary", "claims", "equations", "figures", "ladder"}
     assert content["summary"] == {
         "reproduced": len(CHECKED),
@@ -125,11 +128,13 @@ def check_json(content):
     assert list(claims) == list(CLAIMS)
     for id, claim in claims.items():
         assert set(claim) == {
-            "id", "where", "says", "paper", "ours", "difference", "verdict", "on_record", "evidence",
+            "id", "where", "says", "paper", "ours", "difference", "verdict", "on_record", "holds", "evidence",
         }  # fmt: skip
         assert (claim["verdict"] is not None) == (id in CHECKED)
         assert claim["on_record"] == CLAIMS[id].outcome.value
+        assert (claim["evidence"] is None) == (claim["holds"] is None) == (id not in CHECKED)
     assert claims["N1"]["ours"].startswith("0 0.05 0.1 0.1287")
+    assert all(set(claims[id]["evidence"]) == {"PROVED"} for id in CHECKED)
     assert [equation["number"] for equation in content["equations"]] == [f"({n})" for n in range(1, 19)]
     assert [figure["number"] for figure in content["figures"]] == list(range(2, 11))
     assert {"python", "sympy", "numpy", "scipy", "mpmath", "matplotlib", "stickslip_sym"} <= set(
@@ -139,6 +144,8 @@ def check_json(content):
         error = {way["method"]: way["relative_error"] for way in ways}
         assert error["equilibrium"] > error["least_squares"] > error["harmonic"] > error["second_order"] > 0
         assert all(way["seconds"] > 0 for way in ways)
+        assert {way["status"] for way in ways if way["method"] == "proof"} == {"PROVED"}
+        assert {way["status"] for way in ways if way["method"] != "proof"} == {"ESTIMATED"}
 
 
 def check_terminal(printed):
@@ -146,11 +153,14 @@ def check_terminal(printed):
     lines = re.sub(r"\x1b\[[\d;]*m", "", printed).splitlines()
     assert max(len(line) for line in lines if not line.startswith("report: ")) <= 80  # a path stays whole
     assert "2 reproduced, 0 qualified, 0 not reproduced" in lines
+    assert sum(line.split()[1:3] == ["reproduced", "proof"] for line in lines) == len(CHECKED)
 
 
 @pytest.mark.parametrize("width", [20, 40, 59, 60, 80, 120, 300])
 def test_no_line_is_wider_than_the_terminal(width):
-    findings = [Finding(id, "some value of ours, with words", claim.outcome, "") for id, claim in CLAIMS.items()]
+    findings = [
+        Finding(id, "some value of ours", claim.outcome, "", "a", "b", "c") for id, claim in CLAIMS.items()
+    ]
     lines = [line for _, text in table_lines(findings, width) for line in text.splitlines()]
     assert max(map(len, lines)) < width
     squeezed = "".join("".join(lines).split())
@@ -158,7 +168,7 @@ def test_no_line_is_wider_than_the_terminal(width):
 
 
 def test_findings_survive_the_way_between_processes():
-    found = Finding("N3", "3.036", Outcome.QUALIFIED, "evidence", "+0.002")
+    found = Finding("N3", "3.036", Outcome.QUALIFIED, "it holds", "by proof", "", "about", "+0.002")
     report = type(
         "Report", (), {"user_properties": [("other", 1), ("finding", json.loads(json.dumps(found.pack())))]}
     )
@@ -197,9 +207,17 @@ def test_figures_without_matplotlib(monkeypatch):
 def test_a_verdict_that_is_not_the_one_on_record_is_marked():
     claim = CLAIMS["E3"]
     assert claim.outcome is Outcome.REPRODUCED
-    rows = [claim_rows(claim, Finding("E3", "ours", outcome, "evidence")) for outcome in Outcome]
+    rows = [claim_rows(claim, Finding("E3", "ours", outcome, "it holds", checked="so")) for outcome in Outcome]
     assert ["on record: reproduced" in row for row in rows] == [False, True, True]
+    assert all("it holds" in row.lower() and "by check" in row and "CHECKED" in row for row in rows)
     assert "not checked" in claim_rows(claim, None)
+
+
+def test_a_finding_begins_with_what_holds_and_says_what_it_rests_on():
+    found = Finding("N3", "3.036", Outcome.QUALIFIED, "it holds", proved="so", estimated="about 3")
+    assert found.evidence == "it holds. PROVED: so. ESTIMATED: about 3"
+    assert found.kinds == "proof, estimate"
+    assert found.by_kind == {"PROVED": "so", "ESTIMATED": "about 3"}
 
 
 def test_text_is_escaped():

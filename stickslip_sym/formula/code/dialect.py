@@ -60,6 +60,19 @@ class C(Reciprocal, C99CodePrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_NumberSymbol(self, expr: Any) -> str:
         return repr(float(expr))
 
+    # What would be of type int to C becomes a double: of a quotient of two ints only the whole part is left.
+
+    def _print_Piecewise(self, expr: Any) -> str:
+        cases = [(sp.Float(part) if part.is_Integer else part, holds) for part, holds in expr.args]
+        return str(super()._print_Piecewise(sp.Piecewise(*cases, evaluate=False)))
+
+    def _print_sign(self, expr: Any) -> str:
+        below, above = (f"(({self._print(expr.args[0])}) {relation} 0.0)" for relation in "<>")
+        return f"(1.0*{above} - {below})"
+
+    def _print_Abs(self, expr: Any) -> str:
+        return f"fabs({self._print(expr.args[0])})"
+
     def _print_Symbol(self, expr: Any) -> str:
         return str(expr.name)  # `Dialect.name` has seen to the words of the language, which C's are not in Octave
 

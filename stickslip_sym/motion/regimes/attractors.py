@@ -252,7 +252,7 @@ def _rest(law: FrictionLaw, osc: Oscillator, scene: Scene) -> Rest:
     if kink is None:
         rate, _ = _swing(osc, law.slope(osc.V))
         return Rest(x, rate, rate < 0)
-    before, after = (scene.branches[i].mu(1.0) for i in (kink - 1, kink))
+    before, after = (scene.onset + scene.branches[i].rise(1.0) for i in (kink - 1, kink))
     sides = [_swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
     ends_here = any(rate < 0 and math.isinf(time) for rate, time in sides)
     if abs(after - before) > _SAME * max(abs(before), abs(after)) and osc.N > 0:

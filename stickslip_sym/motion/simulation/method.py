@@ -67,7 +67,7 @@ class Steps:
         self.scene, self.phase, self.side = scene, phase, phase.side
         self.horizon, self.rtol, self.until = horizon, rtol, until
         self.start = phase.last.tau
-        self.pieces = [replace(scene, mu=branch.mu) for branch in scene.branches]
+        self.pieces = [replace(scene, rise=branch.rise) for branch in scene.branches]
         self.stiff = False
         self.held = 0
         self.rests = attracted_to_rest(scene, self.side, rtol)
@@ -123,7 +123,9 @@ class Steps:
         slope = self._slope(self.index, start)
         if not math.isfinite(slope):
             raise InputError(f"mu cannot be computed at a slip speed of {start.w:g} V, where the motion starts")
-        terms = self.scene.eta * self.scene.static, start.q, 2 * self.scene.zeta * start.w
+        scene = self.scene
+        held, risen = self.side * scene.static - scene.onset, scene.rise(start.w)
+        terms = scene.eta * held, scene.eta * risen, start.q, 2 * scene.zeta * start.w
         level = abs(slope) <= _LEVEL * max(map(abs, terms)) and start.w < self.side  # at a minimum of w
         if slope < 0 and not level and self.index and start.w == branches[self.index].low:
             return self._enter(rising=False)
@@ -150,7 +152,8 @@ class Steps:
         return self.pieces[index].acceleration(now.q, now.w, self.side)
 
     def _jumps(self, w: float, *indices: int) -> bool:
-        one, other = (self.scene.branches[index].mu(w) for index in indices)
+        onset = self.scene.onset
+        one, other = (onset + self.scene.branches[index].rise(w) for index in indices)
         return abs(one - other) > _JUMP * max(abs(one), abs(other))
 
     def _slide(self, lower: int) -> bool:

@@ -23,6 +23,7 @@ __all__ = ["Transit", "transit"]
 _MOST_STEPS = 20_000
 _CUTS = 60  # halvings of a time at which something changes sign
 _SHORTER = 0.7  # of a step that ends too close to a kink
+_FINE = 8  # halvings of a step on which w is highest
 _LOW = 0.5  # of w, below which a fall to 0 is looked for
 _START_SHARE = 3  # the first step from a point where mu is not analytic is 2^-(bits/3)
 
@@ -39,7 +40,7 @@ class Transit:
     turned : bool
         Whether `lowest` is that minimum, also where the slip returns and mu goes on smoothly for w < 0.
     highest : arb
-        A bound of w on the way.
+        A ball that holds the largest w on the way.
     steps, bits : int
         Taylor steps, and the working precision.
     width : float
@@ -77,7 +78,8 @@ class _Walk:
         self.number = 0  # of the segment
         self.q, self.w = arb(0), arb(0)
         self.steps = 0
-        self.highest = arb(0)
+        self.highest = arb(0)  # a bound of w so far
+        self.reached = arb(0)  # a value that w certainly has had
 
     @property
     def segment(self) -> Segment:
@@ -102,7 +104,8 @@ class _Walk:
         raise Undecided(f"after {_MOST_STEPS} steps the slip from P has not turned: it creeps to rest")
 
     def _result(self, returns: bool, lowest: arb, *, turned: bool = False) -> Transit:
-        return Transit(returns, lowest, turned, self.highest, self.steps, self.bits, float(self.w.rad()))
+        highest = _between(self.reached, self.highest)
+        return Transit(returns, lowest, turned, highest, self.steps, self.bits, float(self.w.rad()))
 
     def _leave_roughly(self) -> None:
         """Take a first step so short that bounds of mu suffice, where it is not analytic at v = 0.
@@ -149,6 +152,7 @@ class _Walk:
                 else:
                     self._require_inside(step, time)
                     self.q, self.w = q, w
+                    self.reached = self.reached.max(arb(w.lower()))
                 return None
             time = arb((time * _SHORTER).mid())
         raise self._too_wide()
@@ -165,24 +169,26 @@ class _Walk:
             return 1 if w > high else None
         return 0 if self.number or w > 0 or self.q >= 0 else None
 
-    def _require_inside(self, step: Flow, end: arb) -> None:
+    def _require_inside(self, step: Flow, until: arb) -> None:
         """Show that w stays in the segment, and above 0, up to a time, halving what is too wide to tell."""
         low, high, field = self.segment.low, self.segment.high, self.segment.field
-        waiting = [(arb(0), end, 0)]
+        waiting = [(arb(0), until, 0)]
         while waiting:
             start, stop, depth = waiting.pop()
             span = _between(start, stop)
             q, w = step.at(span)
             rate = field.rate(q, w)
             # Where w is nearly level, its value at the end and its rate tell more than its polynomial.
-            level = step.at(stop)[1] + rate * (span - stop)
+            end = step.at(stop)[1]
+            level = end + rate * (span - stop)
             if self.number:
                 above = w > low or rate > 0 or level > low
             else:
                 above = w > 0 or level > 0 or (w < 1 and (step.at(start)[0] >= 0))
             below = high is None or w < high or rate < 0 or level < high
-            if above and below:
-                self.highest = self.highest.max(arb(w.upper()))
+            top = arb((end if rate > 0 else step.at(start)[1] if rate < 0 else w).upper())
+            if above and below and (depth >= _FINE or not (rate.overlaps(arb(0)) and top > self.highest)):
+                self.highest = self.highest.max(top)
             elif depth == self.bits:
                 raise self._too_wide()
             else:

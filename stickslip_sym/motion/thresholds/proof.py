@@ -23,8 +23,8 @@ from stickslip_sym.motion.thresholds.theorem import Theorem
 __all__ = ["prove_threshold", "theorems"]
 
 _GUESS = 1e-10  # tolerance of the simulation that says where to look
-_BITS = 64  # of a decision, beyond those of its distance from the threshold
-_MORE_BITS = (1, 2, 4)  # times as many, until a decision falls
+_BITS = (40, 100, 250, 600)  # of a decision, beyond those of its distance from the threshold, until one falls
+_UNDAMPED_BITS = 64  # of the slip without damping, which is far from grazing
 _CURVED = 10  # the secant is off by the square of the bracket, times this
 _WIDEST = 1e-2  # of the first bracket, relative
 _FINE = 1000  # parts of a bracket to which its ends are rounded
@@ -36,19 +36,23 @@ class _Search:
     def __init__(self, scene: BoxScene) -> None:
         self.scene = scene
         self.found: dict[Any, Transit] = {}
+        self.bits = list(_BITS)
 
     def decide(self, c: Any, distance: float) -> Transit:
         """Return the transit at a damping, at a precision that suits its relative distance from the threshold."""
-        least = _BITS + int(1.25 * max(0.0, -math.log2(distance)))
-        for more in _MORE_BITS:
+        close = int(1.25 * max(0.0, -math.log2(distance)))
+        while True:
             try:
-                result = transit(self.scene, c, least * more)
+                self.found[c] = transit(self.scene, c, self.bits[0] + close)
             except Undecided as error:
-                words = str(error)
-                continue
-            self.found[c] = result
-            return result
-        raise NotConverged(f"undecided at c = {float(c):.15g} kg/s with {least * more} bits: {words}")
+                if len(self.bits) == 1:
+                    bits = self.bits[0] + close
+                    raise NotConverged(
+                        f"undecided at c = {float(c):.15g} kg/s with {bits} bits: {error}"
+                    ) from None
+                del self.bits[0]  # nor would fewer do at the next damping
+            else:
+                return self.found[c]
 
     @property
     def low(self) -> Any:
@@ -66,7 +70,8 @@ class _Search:
             step = width
             while self.decide(_rounded(center + side * step, step), float(step / center)).returns != (side < 0):
                 step *= 4
-                if step > center:
+                center = self.estimate() or center  # a guess that is off by more than it says is mended
+                if not 0 < step < center:
                     raise NotConverged(f"the guess {float(center):g} kg/s is not near the threshold")
 
     def narrow(self, half: Any, rtol: Any) -> None:
@@ -101,7 +106,8 @@ def _rational(value: Any) -> Any:
 def _rounded(c: Any, width: Any) -> Any:
     """Return the nearest decimal number with no more digits than a width calls for."""
     places = max(0, math.ceil(-math.log10(float(width) / _FINE))) if float(width) else 50
-    return sp.Rational(round(c * 10**places), 10**places)
+    # By integers: SymPy's rounding evaluates, and takes as long as some steps of a slip.
+    return sp.Rational(round(Fraction(int(c.p), int(c.q)) * 10**places), 10**places)
 
 
 def theorems(scenes: Scenes, rtol: float) -> list[Theorem]:
@@ -152,7 +158,7 @@ def prove_threshold(scene: BoxScene, guess: float, error: float, rtol: float) ->
     search.narrow(half, sp.Rational(rtol))
     low, high = search.low, search.high
     try:
-        undamped = transit(scene, sp.Integer(0), _BITS)
+        undamped = transit(scene, sp.Integer(0), _UNDAMPED_BITS)
     except (Undecided, InputError):
         undamped = None
     if undamped is not None and not undamped.returns:

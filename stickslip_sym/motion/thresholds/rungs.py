@@ -249,9 +249,9 @@ def second_order(scenes: Scenes) -> tuple[Any, Any, Any]:
     distortion, the amplitudes of the overtones times their orders: friction changes along an orbit as fast as its
     highest overtones do. It is one of the largest slope, not of the average, in which slopes may cancel.
     """
-    weak = expand(scenes.law, scenes.V)
     e = scenes.N / scenes.impedance
     with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
+        weak = expand(scenes.law, scenes.V)
         value = scenes.N * (weak.harmonic + e**2 * weak.second)
         # `tail` is relative to the largest slope.
         resolution = np.where(weak.tail == 0, 0.0, weak.tail * weak.largest / np.abs(weak.harmonic))
@@ -262,6 +262,7 @@ def second_order(scenes: Scenes) -> tuple[Any, Any, Any]:
         distortion = e * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
         size = scenes.N * np.maximum(weak.largest, np.abs(everything))
         next_order = np.where(distortion == 0, 0.0, distortion**4 * size / np.abs(value))
+    resolution = np.where(np.isfinite(value), resolution, np.inf)
     return value, resolution, np.where(np.isnan(next_order), np.inf, next_order)
 
 

@@ -89,7 +89,8 @@ def _reach(field: Field, q: arb, w: arb) -> tuple[arb, float, float]:
     """Return a time for which every solution from a box stays near, and how near: the best of some polydiscs."""
     best = (arb(0), 0.0, 0.0)
     size = abs(float(w.mid()))
-    for radius_w in {share * scale for share in _RADII for scale in (max(1.0, size), size) if scale}:
+    radii = {share * scale for share in _RADII for scale in (max(1.0, size), size) if scale}
+    for radius_w in sorted(radii, reverse=True):
         disc = _around(w, radius_w)
         push = field.push(disc, True)
         if not push.is_finite():
@@ -97,10 +98,12 @@ def _reach(field: Field, q: arb, w: arb) -> tuple[arb, float, float]:
         most_q, most_w = (1 - disc).abs_upper(), (push + acb(q)).abs_upper()
         # The radius of q that is used up when that of w is.
         speed = float(most_w)
-        radius_q = (math.sqrt(speed**2 + 4 * radius_w * float(most_q)) - speed) / 2
+        room = radius_w * float(most_q)
+        radius_q = 2 * room / (math.hypot(speed, 2 * math.sqrt(room)) + speed)
         rho = (arb(radius_q) / most_q).min(arb(radius_w) / (most_w + arb(radius_q)))
-        if arb(rho.lower()) > best[0]:
-            best = (arb(rho.lower()), radius_q, radius_w)
+        if arb(rho.lower()) < best[0]:
+            break  # smaller ones are left sooner still
+        best = (arb(rho.lower()), radius_q, radius_w)
     if not best[0] > 0:
         raise Undecided(f"the field is not analytic around w = {w.str(6)}")
     return best

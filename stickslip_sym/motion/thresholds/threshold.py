@@ -62,13 +62,14 @@ class Threshold:
         if self.theorem is not None:
             return f"{self.enclosure} kg/s ({self.method}, relative error at most {accuracy(self.error)}, PROVED)"
         if not np.ndim(self.value):
-            return f"{self.value:.10g} kg/s ({self.method}, relative error {accuracy(self.error)})"
+            return f"{self.value:.10g} kg/s ({self.method}, relative error {accuracy(self.error)}, {self.status})"
         if not np.size(self.value):
             return "0 thresholds"
         low, high, methods = np.min(self.value), np.max(self.value), ", ".join(np.unique(self.method))
         worst = accuracy(None if self.error is None else np.max(self.error))
         return (
-            f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s ({methods}, relative error {worst})"
+            f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s ({methods}, relative error {worst}, "
+            f"{self.status})"
         )
 
     def __repr__(self) -> str:
@@ -78,17 +79,18 @@ class Threshold:
         value, method = np.atleast_1d(self.value), np.atleast_1d(self.method)
         error = np.broadcast_to(np.inf if self.error is None else self.error, value.shape)
         rows = [
-            ["..."] * 4
+            ["..."] * 5
             if place is None
             else [
                 ", ".join(map(str, place)),
                 f"{value[place]:.10g}",
                 str(method[place]),
                 accuracy(error[place]),
+                self.status,
             ]
             for place in markup.shortened(list(np.ndindex(value.shape)))
         ]
-        header = ["scene", "c in kg/s", "method", "relative error"]
+        header = ["scene", "c in kg/s", "method", "relative error", "status"]
         start = 0 if np.ndim(self.value) else 1
         return markup.table(header[start:], [row[start:] for row in rows], caption="pure-slip damping")
 

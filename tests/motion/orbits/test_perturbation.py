@@ -1,5 +1,7 @@
 """The threshold to second order: its order of accuracy, its closed form, and the averages it starts from."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -67,3 +69,17 @@ def test_an_expansion_says_where_the_law_is_not_resolved():
     assert not expand(ss.laws.stribeck.typical(), [0.5]).resolved
     with pytest.raises(ss.NotConverged, match="do not resolve the slope"):
         threshold(ss.FrictionLaw("0.5 - 0.1*sqrt(v)"), "second_order")
+
+
+@pytest.mark.parametrize("method", ["second_order", "orbit"])
+@pytest.mark.parametrize(
+    ("formula", "values"), [("mu_s - a*v/b", {"a": 1, "b": 0}), ("mu_s - a*v^2", {"a": "1e200"})]
+)
+def test_slopes_that_are_no_numbers_or_overflow_have_no_threshold(method, formula, values):
+    """A quotient of constants that divides by 0, and squares of slopes beyond the largest double."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ss.InputWarning)
+        with pytest.raises(ss.NotConverged):
+            ss.pure_slip_damping(
+                ss.FrictionLaw(formula).bind(mu_s=0.5, **values), V=0.5, N=1.0, m=1.0, k=100.0, method=method
+            )

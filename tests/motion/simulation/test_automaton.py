@@ -93,7 +93,7 @@ def test_the_energy_balance_closes_over_100_cycles(law, c):
 
 @pytest.mark.parametrize("c", [0.0, 1.0, 1e3])
 def test_masses_of_all_sizes(law, c):
-    begin = time.perf_counter()
+    begin = time.process_time()
     for exponent in range(-9, 10, 3):
         osc = paper_oscillator(c, m=10.0**exponent)
         cycle = ss.stick_slip_cycle(law, osc)
@@ -103,7 +103,7 @@ def test_masses_of_all_sizes(law, c):
         assert motions.violations(law, osc, motion, IMPLICIT) == []
         if cycle and exponent == -9:  # without inertia the mass turns back where friction gives way
             assert cycle.x_max == pytest.approx(osc.onset(law), rel=1e-6)
-    assert time.perf_counter() - begin < NO_MORE_SECONDS
+    assert time.process_time() - begin < NO_MORE_SECONDS
 
 
 # -- bounds on the work ----------------------------------------------------------------------------

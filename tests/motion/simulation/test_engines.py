@@ -198,10 +198,10 @@ def motion(formula, engine="heyoka", static=None, c=0.0, **values):
     ],
 )
 def test_what_the_taylor_engine_refuses(error, message, arguments, capfd):
-    begin = time.perf_counter()
+    begin = time.process_time()
     with pytest.raises(error, match=message):
         motion(**arguments)
-    assert time.perf_counter() - begin < NO_MORE_SECONDS
+    assert time.process_time() - begin < NO_MORE_SECONDS
     assert capfd.readouterr() == ("", "")  # heyoka's own log keeps silent
 
 

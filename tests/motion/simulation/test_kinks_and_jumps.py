@@ -152,11 +152,11 @@ def test_a_smoothed_law_never_sticks_but_creeps_with_the_belt():
 
 def test_a_very_steep_law_is_a_static_jump():
     """alpha V = 1e4: friction falls within 1e-4 of the belt's speed."""
-    begin = time.perf_counter()
+    begin = time.process_time()
     steep, sudden = ss.laws.exponential.typical(alpha=2e4), ss.FrictionLaw("0.2", static="0.5")
     osc = paper_oscillator(0.3)
     found, limit = ss.stick_slip_cycle(steep, osc), ss.stick_slip_cycle(sudden, osc)
     assert found.period == pytest.approx(limit.period, rel=1e-3)
     assert found.x_max == pytest.approx(limit.x_max, rel=1e-3)
     assert ss.simulate(steep, osc, t_end=5.0, v0=0.0).outcome is Outcome.FINISHED
-    assert time.perf_counter() - begin < NO_MORE_SECONDS
+    assert time.process_time() - begin < NO_MORE_SECONDS

@@ -1,15 +1,18 @@
 """Thresholds as theorems: boxes that hold the motion, decisions that agree with simulation, checked hypotheses."""
 
 import random
+from functools import cache
 
 import mpmath
+import numpy as np
 import pytest
 import sympy as sp
 from flint import arb
+from scipy.integrate import solve_ivp
 
 import stickslip_sym as ss
 from stickslip_sym.core.balls import working_precision
-from stickslip_sym.motion.thresholds import rungs, taylor_boxes
+from stickslip_sym.motion.thresholds import box_transit, proof, rungs, taylor_boxes
 from stickslip_sym.motion.thresholds.box_scene import BoxScene
 from stickslip_sym.motion.thresholds.box_transit import transit
 from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
@@ -65,23 +68,39 @@ def test_the_paper_s_scene_to_forty_digits(name, digits):
         assert mpmath.mpf(digits) * (1 + mpmath.mpf("1e-12")) not in theorem.enclosure
 
 
-def test_the_lowest_slip_speed_is_that_of_a_taylor_integration_at_30_digits():
-    """By mpmath's solver, which shares no code with the boxes."""
-    law, c = LAWS["exponential"], R("2.6")
-    lowest = transit(scene(law), c, 110).lowest
-    with mpmath.workdps(25):
-        eta = mpmath.mpf("9.81") / (mpmath.mpf("0.5") * 10)
-        damping = mpmath.mpf("2.6") / 10
+MP = mpmath.mpf
+BY_MPMATH = [
+    # law, c in kg/s, digits, mu(0) - mu over w with V = 1/2
+    ("exponential", "2.6", 25, lambda w: MP("0.3") * (1 - mpmath.exp(MP("-1.5") * w))),
+    ("polynomial", "3.1", 30, lambda w: MP("0.3") * (MP("0.75") * w - w**3 / 16)),
+    ("lorentzian", "3.1", 30, lambda w: MP("0.3") * (1 - 1 / (1 + w**2))),
+]
+
+
+@cache
+def by_mpmath(friction, c, digits):
+    """Return the lowest slip speed by mpmath's solver, which shares no code with the boxes."""
+    with mpmath.workdps(digits + 2):
+        eta, damping = MP("9.81") / 5, MP(c) / 10
 
         def field(t, state):
             q, w = state
-            friction = mpmath.mpf("0.3") * (1 - mpmath.exp(mpmath.mpf("-1.5") * w))
-            return [1 - w, eta * friction + q - damping * w]
+            return [1 - w, eta * friction(w) + q - damping * w]
 
-        motion = mpmath.odefun(field, 0, [mpmath.mpf(0), mpmath.mpf(0)])
-        turn = mpmath.findroot(lambda t: field(t, motion(t))[1], (6.2, 6.4), solver="anderson", tol=1e-40)
-        truth = motion(turn)[1]
-        assert abs(mpmath.mpf(lowest.mid().str(30, radius=False)) - truth) < 1e-18
+        motion = mpmath.odefun(field, 0, [MP(0), MP(0)])
+        tolerance = MP(10) ** (-digits)
+        turn = mpmath.findroot(lambda t: field(t, motion(t))[1], (6.2, 6.4), solver="anderson", tol=tolerance)
+        return motion(turn)[1]
+
+
+@pytest.mark.parametrize(("name", "c", "digits", "friction"), BY_MPMATH)
+def test_the_lowest_slip_speed_is_that_of_mpmath_s_solver(name, c, digits, friction):
+    lowest = transit(scene(LAWS[name]), R(c), 4 * digits + 20).lowest
+    truth = by_mpmath(friction, c, digits)
+    with mpmath.workdps(digits + 10):
+        middle = MP(lowest.mid().str(digits + 8, radius=False))
+        assert lowest.rad() < 10.0 ** (2 - digits)
+        assert abs(middle - truth) < MP(10) ** (3 - digits)
 
 
 def random_box(rng, law):
@@ -102,6 +121,39 @@ def test_a_step_holds_the_motion_whatever_its_number_of_terms(name):
             assert max(part.rad() for part in fine.at(time)) < 1e-25
 
 
+def test_the_remainder_bound_is_no_larger_than_it_must_be():
+    """In a field that is nearly constant what no terms leave over is all of the way: half the bound fails."""
+    rng = random.Random(5)
+    for _ in range(20):
+        with working_precision(160):
+            (segment, *_) = scene(LAWS["exponential"]).segments(R(rng.randint(1, 400), 100))
+            q, w = arb(rng.uniform(1e3, 1e5)), arb(rng.uniform(0.05, 2.5))
+            none, one, fine = (flow(segment.field, q, w, terms) for terms in (1, 2, 60))
+            way = abs(fine.at(none.time)[1] - w)
+            assert none.rest_w.abs_upper() > way > none.rest_w.abs_upper() / 2
+            assert abs(none.rest_w.abs_upper() / one.rest_w.abs_upper() - 4) < 1e-6
+
+
+def test_without_the_remainder_bound_mpmath_tells(monkeypatch):
+    """The negative control of the comparison with mpmath: twenty terms a step, with their bound and without."""
+    name, c, digits, friction = BY_MPMATH[1]
+    truth = mpmath.nstr(by_mpmath(friction, c, digits), digits)
+
+    def with_part(part):
+        def step(field, q, w, terms, **how):
+            found = flow(field, q, w, 20, **how)
+            return taylor_boxes.Flow(found.q, found.w, found.time, found.rest_q * part, found.rest_w * part)
+
+        return step
+
+    found = {}
+    for part in (0, 1):
+        monkeypatch.setattr(box_transit, "flow", with_part(part))
+        with working_precision(160):
+            found[part] = transit(scene(LAWS[name]), R(c), 120).lowest.overlaps(arb(truth))
+    assert found == {0: False, 1: True}
+
+
 def test_a_step_without_its_remainder_bound_is_noticed():
     """The negative control: what three terms leave over is seen."""
     rng = random.Random(2)
@@ -113,6 +165,45 @@ def test_a_step_without_its_remainder_bound_is_noticed():
             bare = taylor_boxes.Flow(rough.q, rough.w, rough.time, arb(0), arb(0))
             left_out += not bare.at(rough.time)[1].overlaps(fine.at(rough.time)[1])
     assert left_out == 20
+
+
+@pytest.mark.parametrize(("V", "k"), [("100", "100"), ("0.001", "100"), ("0.5", "1")])
+def test_far_from_the_paper_s_scene(V, k):
+    """A field that no double holds around P, one that friction hardly bends, and boxes that need more bits."""
+    guess = simulated(LAWS["exponential"], V=float(V), k=float(k))
+    theorem = prove_threshold(scene(LAWS["exponential"], V=V, k=k), guess.value, guess.error, 1e-4)
+    assert guess.value in theorem.enclosure
+    assert theorem.enclosure.digits >= 4
+
+
+@pytest.mark.parametrize("factor", [0.95, 1.1])
+def test_a_guess_that_is_off_costs_some_decisions_more(factor, monkeypatch):
+    decided = []
+
+    def counted(*arguments):
+        decided.append(arguments)
+        return transit(*arguments)
+
+    monkeypatch.setattr(proof, "transit", counted)
+    good = ss.pure_slip_damping(LAWS["polynomial"], V=0.5, N=9.81, m=1, k=100, method="orbit").value
+    theorem = prove_threshold(scene(LAWS["polynomial"]), factor * good, 1e-10, 1e-6)
+    assert good in theorem.enclosure
+    assert len(decided) < 30
+
+
+@pytest.mark.parametrize("name", ["exponential", "root", "kink"])
+def test_how_far_a_slip_goes_lies_between_its_bounds(name):
+    law, c = LAWS[name], 3.6
+
+    def rates(_, state):
+        q, w = state
+        return [1 - w, 1.962 * float(law.mu(0.0) - law.mu(0.5 * max(w, 0.0))) + q - c / 10 * w]
+
+    motion = solve_ivp(rates, (0, 6), (0.0, 0.0), rtol=1e-10, atol=1e-12, dense_output=True)
+    seen = motion.sol(np.linspace(0, 6, 4001))[1].max()
+    highest = transit(scene(law), R(c), 64).highest
+    assert highest.lower() - 1e-6 < seen < highest.upper() + 1e-6
+    assert highest.rad() < 1e-3
 
 
 def test_without_enough_bits_nothing_is_claimed():

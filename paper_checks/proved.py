@@ -1,0 +1,137 @@
+"""Thresholds of the paper's scene as theorems: two dampings that enclose the threshold, or that there is none."""
+
+from collections.abc import Iterable
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import sympy as sp
+
+from paper_checks.scene import SPEEDS, law, oscillator, threshold, thresholds
+from stickslip_sym import symbols
+from stickslip_sym.core.balls import ball_value, working_precision
+from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
+from stickslip_sym.motion.thresholds.box_scene import BoxScene
+from stickslip_sym.motion.thresholds.box_transit import transit
+from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
+from stickslip_sym.motion.thresholds.proof import prove_threshold
+from stickslip_sym.motion.thresholds.theorem import Theorem
+
+__all__ = [
+    "SPEED_TEXTS",
+    "agrees",
+    "apart",
+    "enclosed",
+    "enclosed_over_speeds",
+    "formula_over_speeds",
+    "lowest_velocity",
+    "nearer",
+    "returns_undamped",
+    "sizes",
+    "theorem",
+]
+
+SPEED_TEXTS = [f"{speed:g}" for speed in SPEEDS]
+"""The belt speeds of Figs. 6, 7 and 10 as decimals, which a proof takes exactly."""
+
+_BITS = 64  # of a slip without damping, which is far from grazing
+_FORMULA_BITS = 200  # (17) cancels most of them at small V
+_GUESS_ERROR = 1e-10  # of collocation, relative
+_FINE = 2e-4  # relative width of an enclosure at V = 1 m/s; criteria differ by about V^2, and it does too
+
+
+def box_scene(name: str, V: str, k: str = "100") -> BoxScene:
+    """Return a law and the oscillator of the paper's section 3 in decimals, exactly."""
+    osc = oscillator()
+    N, m = (sp.Rational(repr(value)) for value in (osc.N, osc.m))
+    return BoxScene(law(name), sp.Rational(V), N, m, sp.Rational(k))
+
+
+@cache
+def theorem(name: str, *, V: str = "0.5", k: str = "100", rtol: float = 1e-6) -> Theorem:
+    """Prove the threshold of one scene that has one; collocation says where it lies."""
+    return prove_threshold(box_scene(name, V, k), threshold(name, V=float(V), k=float(k)), _GUESS_ERROR, rtol)
+
+
+def enclosed(name: str, *, V: str = "0.5", k: str = "100", rtol: float = 1e-6) -> Enclosure:
+    """Return what the threshold in kg/s was proved to lie in."""
+    return theorem(name, V=V, k=k, rtol=rtol).enclosure
+
+
+def lowest_velocity(name: str) -> Enclosure:
+    """Return what the lowest velocity in m/s of the grazing orbit was proved to lie in.
+
+    More damping moves the slip from P inwards, so that of the threshold lies between those of a theorem.
+    """
+    proved, V = theorem(name), oscillator().V
+    reach = (1 - proved.below.highest.upper(), 1 - proved.above.highest.lower())
+    return Enclosure(*(Fraction(V) * Fraction(float(end)) for end in reach))
+
+
+@cache
+def enclosed_over_speeds(name: str) -> list[Enclosure | None]:
+    """Return the same at each of `SPEEDS`, up to the first where collocation disagrees.
+
+    It is None where the slip from P was proved to return for no c >= 0.
+    """
+    found: list[Enclosure | None] = []
+    for V, guess in zip(SPEED_TEXTS, thresholds(name), strict=True):
+        found.append(_proved(name, V, float(guess)))
+        if not _holds(found[-1], guess):
+            break
+    return found
+
+
+def _proved(name: str, V: str, guess: float) -> Enclosure | None:
+    if guess > 0:
+        return prove_threshold(box_scene(name, V), guess, _GUESS_ERROR, _FINE * float(V) ** 2).enclosure
+    if returns_undamped(name, V):
+        raise AssertionError(f"collocation gives {guess:g} kg/s at V = {V} m/s, but undamped the slip returns")
+    return None
+
+
+@cache
+def returns_undamped(name: str, V: str, k: str = "100") -> bool:
+    """Return whether the slip from P returns at c = 0; if not, it does for no c >= 0."""
+    scene = box_scene(name, V, k)
+    checked_hypotheses(scene)
+    return transit(scene, sp.Integer(0), _BITS).returns
+
+
+def _holds(enclosure: Enclosure | None, guess: float) -> bool:
+    return guess <= 0 if enclosure is None else guess in enclosure
+
+
+def agrees(enclosures: Iterable[Enclosure | None], guesses: Iterable[float]) -> bool:
+    """Return whether collocation lies in all of as many enclosures."""
+    return all(_holds(*pair) for pair in zip(enclosures, guesses, strict=True))
+
+
+@cache
+def formula_over_speeds(expr: Any, name: str) -> list[Enclosure]:
+    """Return enclosures of a formula with the paper's parameters at `SPEEDS`."""
+    bound = law(name)
+    point: dict[Any, Any] = {bound.parameters[given].symbol: value for given, value in bound.values.items()}
+    point |= {symbols.N: box_scene(name, "1").N}
+    with working_precision(_FORMULA_BITS):
+        return [enclosure_of(ball_value(expr, {**point, symbols.V: sp.Rational(V)}).real) for V in SPEED_TEXTS]
+
+
+def nearer(one: Enclosure, other: Enclosure, threshold: Enclosure) -> bool | None:
+    """Return whether one value is nearer to a threshold than another, or None where the enclosures do not tell."""
+    low, high = (one.low + other.low) / 2, (one.high + other.high) / 2
+    if not one.overlaps(other) and (threshold.high < low or threshold.low > high):
+        return (threshold.high < low) == (one.high < other.low)
+    return None
+
+
+def apart(value: Enclosure, threshold: Enclosure) -> Enclosure:
+    """Return by how much a value is off a threshold, relative."""
+    ends = [end / bound - 1 for end in (value.low, value.high) for bound in (threshold.low, threshold.high)]
+    return Enclosure(min(ends), max(ends))
+
+
+def sizes(deviation: Enclosure) -> tuple[Fraction, Fraction]:
+    """Return between what the absolute value of a number lies."""
+    low, high = sorted((abs(deviation.low), abs(deviation.high)))
+    return (Fraction(0) if deviation.low <= 0 <= deviation.high else low), high

@@ -1,0 +1,107 @@
+"""What an expression gains from one slip speed to another, with all its digits.
+
+Where the belt hardly moves, mu(v) and mu(0+) agree to most of their digits, and their difference is what drives
+the mass. Identities such as exp(a) - exp(b) = exp(b) expm1(a - b) say it as products, which lose none of them.
+"""
+
+from typing import Any
+
+import sympy as sp
+from sympy.codegen.cfunctions import expm1, log1p
+
+__all__ = ["rise"]
+
+_LONGEST = 16  # terms of a^n - b^n as a sum; above, as the exponential of a logarithm
+
+
+def rise(expr: Any, variable: Any, start: Any) -> Any | None:
+    """Return expr(variable) - expr(start), in a form that does not cancel where the two are close.
+
+    Parameters
+    ----------
+    expr : sympy.Expr
+        Without a Piecewise in the variable.
+    variable : sympy.Symbol
+    start : sympy.Expr
+        Without the variable.
+
+    Returns
+    -------
+    sympy.Expr or None
+        None where a part of the expression has no finite value at `start`. A function that has no rule here is
+        subtracted as it stands, unless it is 0 at `start`.
+    """
+    try:
+        return _Rise(variable, start).of(expr)
+    except _NoValue:
+        return None
+
+
+class _NoValue(Exception):
+    """A part has no finite value at the start."""
+
+
+class _Rise:
+    def __init__(self, variable: Any, start: Any) -> None:
+        self.variable, self.start = variable, start
+
+    def low(self, expr: Any) -> Any:
+        value = expr.subs(self.variable, self.start)
+        if value.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+            raise _NoValue
+        return value
+
+    def of(self, expr: Any) -> Any:
+        if not expr.has(self.variable):
+            return sp.Integer(0)
+        if expr == self.variable:
+            return expr - self.start
+        if expr.is_Add:
+            return sp.Add(*map(self.of, expr.args))
+        if expr.is_Mul:
+            first, rest = expr.as_two_terms()
+            return self.of(first) * rest + self.low(first) * self.of(rest)
+        if expr.is_Pow:
+            return self.of_power(expr.base, expr.exp)
+        low = self.low(expr)
+        if len(expr.args) != 1:
+            return expr - low
+        (part,) = expr.args
+        return self.of_function(expr, part, self.low(part), self.of(part))
+
+    def of_power(self, base: Any, exponent: Any) -> Any:
+        if exponent.has(self.variable):
+            power = exponent * sp.log(base)
+            return sp.exp(self.low(power)) * expm1(self.of(power))
+        low, gain = self.low(base), self.of(base)
+        if low == 0:
+            return base**exponent - self.low(base**exponent)
+        if exponent.is_Integer and abs(exponent) <= _LONGEST:
+            number = abs(int(exponent))
+            terms = sp.Add(*(base**i * low ** (number - 1 - i) for i in range(number)))
+            return gain * terms if exponent > 0 else -gain * terms / (base**number * low**number)
+        return low**exponent * expm1(exponent * log1p(gain / low))
+
+    @staticmethod
+    def of_function(expr: Any, part: Any, low: Any, gain: Any) -> Any:
+        if isinstance(expr, sp.exp):
+            return sp.exp(low) * expm1(gain)
+        if isinstance(expr, sp.log):
+            return log1p(gain / low)
+        if isinstance(expr, sp.tanh):
+            return sp.tanh(gain) * (1 - sp.tanh(part) * sp.tanh(low))
+        if isinstance(expr, sp.atan):
+            return sp.atan2(gain, 1 + part * low)
+        if isinstance(expr, sp.asinh):
+            root, low_root = sp.sqrt(1 + part**2), sp.sqrt(1 + low**2)
+            return sp.asinh(gain * (part + low) / (part * low_root + low * root))
+        if isinstance(expr, sp.sinh):
+            return 2 * sp.cosh((part + low) / 2) * sp.sinh(gain / 2)
+        if isinstance(expr, sp.cosh | sp.sech):
+            of_cosh = 2 * sp.sinh((part + low) / 2) * sp.sinh(gain / 2)
+            return of_cosh if isinstance(expr, sp.cosh) else -of_cosh * sp.sech(part) * sp.sech(low)
+        if isinstance(expr, sp.sin):
+            return 2 * sp.cos((part + low) / 2) * sp.sin(gain / 2)
+        if isinstance(expr, sp.cos):
+            return -2 * sp.sin((part + low) / 2) * sp.sin(gain / 2)
+        return expr - type(expr)(low)
