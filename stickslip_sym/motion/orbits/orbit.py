@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip_sym.core.types import IntArray
 from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 from stickslip_sym.motion.orbits.collocation import (
     GRIDS,
@@ -33,13 +34,12 @@ from stickslip_sym.motion.orbits.collocation import (
     values,
 )
 from stickslip_sym.motion.orbits.expansion import averages, expand, slopes
+from stickslip_sym.motion.orbits.shooting import Shots, shoot
 
 __all__ = ["Orbits", "obstacle", "orbits"]
 
-_MOST_WORK = 3e9  # cubes of grids, summed over the Newton steps on the way from weak friction to all of it
+_SHOT = 3e6  # cubes of grids: as long as shooting takes for one orbit
 _SAME = 1e-12  # relative; a static coefficient that exceeds mu(0+) by less does not
-_WEAKEST = 1e-3  # part of the friction with which the way to all of it begins
-_LOOSE = 1e-3  # relative error of d on that way
 _NEAREST = 1e-12  # slip speed over belt speed that an iterate may come down to; it may overshoot the belt
 
 
@@ -72,6 +72,19 @@ class Orbits:
     exponent: Any
     lowest: Any
     work: float = 0.0
+
+    def take(self, rows: IntArray, shot: Shots) -> None:
+        """Take some of the orbits from shooting."""
+        known = np.isfinite(shot.d)
+        for column, values in (
+            (self.d, shot.d),
+            (self.frequency, 2 * np.pi / shot.period),
+            (self.error, shot.error / shot.scale),
+            (self.scale, shot.scale),
+            (self.exponent, shot.exponent),
+            (self.lowest, 1 - shot.highest),
+        ):
+            column[rows[known]] = values[known]
 
     @property
     def relative_error(self) -> Any:
@@ -107,45 +120,6 @@ def _start(law: FrictionLaw, problem: _Problem, size: int) -> State:
     d = problem.e * weak.harmonic + problem.e**3 * weak.second
     state = State(z, d, -2 * problem.e**2 * weak.slowing)
     close(state, problem.A)
-    return state
-
-
-def _continued(law: FrictionLaw, problem: _Problem, rtol: float, work: Work) -> tuple[State, Any]:
-    """Follow one orbit from weak friction to all of it."""
-    part, growth = 1.0, 1.5
-    tail = np.array([np.inf])
-    while not np.isfinite(tail[0]) and part > _WEAKEST and not work.spent:
-        part /= 2
-        weak = _scaled(problem, part)
-        state, tail = refined(weak, _start(law, weak, GRIDS[0]), _LOOSE, work)
-    before = last = (part, state)
-    while np.isfinite(tail[0]) and growth > 1 + 1e-4 and not work.spent:
-        if last[0] == 1.0:
-            return state, tail
-        part = min(1.0, last[0] * growth)
-        guess = _extrapolated(before, last, part)
-        new, new_tail = refined(_scaled(problem, part), guess, _LOOSE if part < 1 else rtol, work)
-        if np.isfinite(new_tail[0]):
-            before, last, state, tail = last, (part, new), new, new_tail
-            growth = min(2.0, 1 + 1.5 * (growth - 1))
-        else:
-            growth = 1 + (growth - 1) / 3
-    return state, np.array([np.inf])
-
-
-def _scaled(problem: _Problem, part: float) -> _Problem:
-    return _Problem(problem.slope, problem.V, problem.e * part, problem.A)
-
-
-def _extrapolated(before: tuple[float, State], last: tuple[float, State], part: float) -> State:
-    """Continue two orbits along the secant through them, in the logarithm of the friction."""
-    state = last[1].on(grid(last[1]))
-    if before[0] < last[0]:
-        ahead = np.log(part / last[0]) / np.log(last[0] / before[0])
-        old = before[1].on(grid(state))
-        state.z += ahead * (state.z - old.z)
-        state.d += ahead * (state.d - old.d)
-        state.sigma += ahead * (state.sigma - old.sigma)
     return state
 
 
@@ -206,15 +180,6 @@ def orbits(
     with np.errstate(all="ignore"):  # iterates that run away are given up
         work = Work(most_work)
         state, tail = refined(problem, _start(law, problem, GRIDS[0]), rtol, work)
-        for row in np.flatnonzero(~np.isfinite(tail)):
-            if work.spent:
-                break
-            own = Work(min(_MOST_WORK, work.left))
-            single, tail[[row]] = _continued(law, problem.rows([row]), rtol, own)
-            work.done += own.done
-            size = max(grid(state), grid(single))
-            state = state.on(size)
-            state.put([row], single.on(size))
         z = values(state.z, grid(state))
         g = problem.g(z)
         scale = np.abs(g).max(axis=1)
@@ -224,7 +189,7 @@ def orbits(
         unseen = np.abs(seen - all_there_is) / np.where(scale == 0, 1.0, scale)
         error = tail + unseen + ROUNDING * grid(state) / GRIDS[0]
     error[scale == 0] = 0.0
-    return Orbits(
+    found = Orbits(
         d=np.where(np.isfinite(error), state.d, np.nan),
         frequency=frequency(state.sigma),
         error=error,
@@ -233,3 +198,11 @@ def orbits(
         lowest=z.min(axis=1),
         work=work.done,
     )
+    strong = np.flatnonzero(~np.isfinite(tail))
+    if work.left >= _SHOT * strong.size > 0:
+        with np.errstate(all="ignore"):
+            shot = shoot(
+                problem.slope, problem.V[strong], problem.e[strong], problem.A[strong], all_there_is[strong]
+            )
+        found.take(strong, shot)
+    return found
