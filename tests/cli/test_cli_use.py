@@ -14,6 +14,7 @@ from systems import WINDOWS, needs_posix_shell
 
 import stickslip_sym as ss
 from stickslip_sym.cli import completion, json_output, program, reading, tradeoff
+from stickslip_sym.cli.law import LawOptions
 from stickslip_sym.comparison.tradeoff import Way
 from stickslip_sym.motion.thresholds import rungs
 
@@ -45,7 +46,7 @@ def test_the_example_in_the_help_works(name, monkeypatch, capsys, tmp_path):
     words = shlex.split(help_text.split("Example: ")[1].split("\n\n")[0])
     assert words[:2] == ["stickslip", name]
     if name in ("map", "tradeoff"):  # seconds of work; that the line is read is enough
-        monkeypatch.setattr(f"stickslip_sym.cli.{name}.read_law", _reached)
+        monkeypatch.setattr(LawOptions, "bound", _reached)
         with pytest.raises(LookupError, match="reached"):
             run(monkeypatch, capsys, *words[1:])
     else:
@@ -159,7 +160,7 @@ def test_tradeoff_as_json(monkeypatch, capsys):
     assert ways["stable function, one value"]["relative_error"] < 1e-14
     assert said["criterion"] == "least_squares"
     none = Way("plain lambdify, array", math.nan, math.nan)
-    assert set(tradeoff._way(none).values()) == {none.name, None}
+    assert set(tradeoff.as_json_of(none).values()) == {none.name, None}
 
 
 def test_simulate_as_json(monkeypatch, capsys):

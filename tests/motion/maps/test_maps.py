@@ -213,7 +213,7 @@ def test_the_command_prints_a_picture_and_writes_files(run, tmp_path):
 )
 def test_axes_that_cannot_be_read_are_refused(text, message):
     with pytest.raises(ss.InputError, match=re.escape(message)):
-        map._axis("--x", text)
+        map.read_axis("--x", text)
 
 
 @pytest.mark.parametrize("turns", [None, np.empty(0)])
