@@ -4,11 +4,11 @@ import textwrap
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import mpmath
 
 from stickslip_sym.comparison.deviation import LARGE, reasons, spread
+from stickslip_sym.core.aliases import Mpf
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria import quadrature
@@ -71,7 +71,7 @@ def crosscheck(
     """
     V, N = scene["V"], scene["N"]
     numbers = {name: float(exact(value, name)) for name, value in scene.items()}
-    ways: dict[str, Callable[[], tuple[Any, int]]] = {
+    ways: dict[str, Callable[[], tuple[Mpf, int]]] = {
         f"quadrature, {digits} digits": lambda: (
             quadrature.damping(law, criterion, V=V, N=N, digits=digits),
             digits,
@@ -84,7 +84,7 @@ def crosscheck(
     if form is not None:
         ways = {"closed form": lambda: (form.evaluate(digits, V=V, N=N), digits)} | ways
     checks: list[Check] = []
-    values: list[Any] = []
+    values: list[Mpf] = []
     error_of_data = None
     if law.curve is not None:
         error_of_data = spread(law, criterion, numbers["V"], numbers["N"])
@@ -114,7 +114,7 @@ def crosscheck(
     return checks
 
 
-def _deserved(value: Any, error: float) -> int:
+def _deserved(value: Mpf, error: float) -> int:
     """Return the digits of a value that its standard error leaves, and one more."""
     if not value or not error:
         return 17

@@ -8,10 +8,10 @@ element of an array each.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NoThreshold
 from stickslip_sym.model.law import FrictionLaw
@@ -36,7 +36,7 @@ class Scan:
         Ascending, in kg/s.
     """
 
-    dampings: Any
+    dampings: FloatArray
     step: float = 1e-4
     band: float = 1e-4
 
@@ -60,7 +60,7 @@ def pure_slip_by_scan(law: FrictionLaw, scene: Oscillator, scan: Scan) -> float:
     return float(scan.dampings[first_free])
 
 
-def _returns(mu: Callable[[Any], Any], mu_s: float, scene: Oscillator, scan: Scan) -> Any:
+def _returns(mu: Callable[[FloatArray], FloatArray], mu_s: float, scene: Oscillator, scan: Scan) -> BoolArray:
     m, k, V, N = scene.m, scene.k, scene.V, scene.N
     c, h = scan.dampings, scan.step
     x, v, a = np.zeros_like(c), np.full_like(c, V), np.zeros_like(c)

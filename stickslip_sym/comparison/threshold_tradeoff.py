@@ -4,7 +4,6 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -129,7 +128,7 @@ def threshold_report(ways: list[Way]) -> str:
     def shown(error: float) -> str:
         return "not measured" if np.isnan(error) else f"{error:.1e}"
 
-    rows: list[Any] = [
+    rows: list[list[str]] = [
         [
             way.name,
             duration(way.seconds) if way.seconds == way.seconds else "no number",

@@ -13,9 +13,15 @@ import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stickslip_sym.core.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from stickslip_sym.core.aliases import ObjectArray
 
 __all__ = ["is_kept", "require_name", "texts", "write_csv", "write_npz", "write_text", "write_texts"]
 
@@ -127,14 +133,14 @@ def _staged(path: Path, content: bytes) -> tuple[Path, Path]:
     return temporary, target
 
 
-def texts(array: Any) -> Any:
+def texts(array: "ObjectArray") -> "NDArray[np.str_]":
     """Return an array of members of an enumeration as text."""
     import numpy as np
 
     return np.array([entry.value for entry in np.ravel(array)]).reshape(np.shape(array))
 
 
-def write_csv(path: Path, columns: Mapping[str, Any]) -> None:
+def write_csv(path: Path, columns: "Mapping[str, ArrayLike]") -> None:
     """Write arrays of one size as columns of a CSV file, floats to their last digit, as `write_text` does."""
     import numpy as np
 
@@ -145,7 +151,7 @@ def write_csv(path: Path, columns: Mapping[str, Any]) -> None:
     write_text(path, buffer.getvalue())
 
 
-def write_npz(path: Path, arrays: Mapping[str, Any]) -> None:
+def write_npz(path: Path, arrays: "Mapping[str, ArrayLike]") -> None:
     """Write arrays as ``numpy.savez_compressed`` does, but without the time of writing, as `write_text` does."""
     import numpy as np
 

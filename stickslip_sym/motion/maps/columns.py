@@ -15,10 +15,11 @@ from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.criteria.criterion import least_squares
@@ -44,7 +45,7 @@ _TIGHTEST = 1e-13
 _BESIDE_REST = 1e-3  # velocity over the belt's of a motion that begins beside rest
 
 
-def decide(law: FrictionLaw, osc: Oscillator, c: Any, *, rtol: float) -> Cells:
+def decide(law: FrictionLaw, osc: Oscillator, c: ArrayLike, *, rtol: float) -> Cells:
     """Return the motion from x = 0, x' = V, and every attractor, for each damping.
 
     Parameters
@@ -69,7 +70,7 @@ def decide(law: FrictionLaw, osc: Oscillator, c: Any, *, rtol: float) -> Cells:
 class _Column:
     """All dampings in one scene."""
 
-    def __init__(self, law: FrictionLaw, osc: Oscillator, c: Any, rtol: float) -> None:
+    def __init__(self, law: FrictionLaw, osc: Oscillator, c: FloatArray, rtol: float) -> None:
         self.law, self.osc, self.c, self.rtol = law, osc, c, rtol
         self.fine = max(rtol * _FINER, _TIGHTEST)
         self.static = Scene.of(law, osc).static
@@ -95,7 +96,7 @@ class _Column:
             return None
         return float(found.d[0] * self.osc.impedance)
 
-    def _turns(self) -> Any | None:
+    def _turns(self) -> FloatArray | None:
         """Return the damping that orbits need at rest, at each fold and at the graze; None if unknown."""
         if self.graze is None:
             return None
@@ -170,7 +171,7 @@ class _Column:
     def _folded(self) -> tuple[float, ...]:
         return () if self.turns is None else tuple(self.turns.tolist())
 
-    def _cycles(self) -> tuple[Any, Any]:
+    def _cycles(self) -> tuple[BoolArray, BoolArray]:
         """Tell where there are slip cycles, and where stable ones."""
         c = self.c
         slips, stable = np.zeros(c.shape, dtype=bool), np.zeros(c.shape, dtype=bool)
@@ -180,7 +181,7 @@ class _Column:
             stable |= falls
         return slips, stable
 
-    def _comparable(self, clear: Any) -> Any:
+    def _comparable(self, clear: BoolArray) -> BoolArray:
         """Tell which cells, of those clear of thresholds, comparisons decide."""
         c = self.c
         if self.static == 0 or self.equilibrium is None or np.isnan(self.exact):
@@ -258,7 +259,7 @@ def _only(found: Regime) -> Motion | None:
     return Motion.DAMPED_SLIP if found.rest.stable else Motion.PURE_SLIP
 
 
-def _first(values: Any, holds: Callable[[float], bool]) -> int:
+def _first(values: FloatArray, holds: Callable[[float], bool]) -> int:
     """Return the place of the first of ascending values for which something holds, as it does for all after it."""
     if values.size and holds(float(values[0])):
         return 0

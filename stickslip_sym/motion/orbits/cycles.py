@@ -11,13 +11,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike
 from scipy.fft import dct
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
@@ -84,22 +85,22 @@ class NeededDamping:
         Chebyshev coefficients of d on 0 <= A <= 1; one coefficient if d does not vary.
     """
 
-    series: Any
+    series: FloatArray
 
-    def at(self, amplitude: Any) -> Any:
+    def at(self, amplitude: ArrayLike) -> FloatArray:
         """Return d at amplitudes over the belt speed; d(0) is the Hopf bifurcation, d(1) the graze."""
         return chebyshev.chebval(2 * np.asarray(amplitude) - 1, self.series)
 
-    def slope(self, amplitude: Any) -> Any:
+    def slope(self, amplitude: ArrayLike) -> FloatArray:
         """Return d'(A): an orbit is stable where it is negative."""
         return chebyshev.chebval(2 * np.asarray(amplitude) - 1, chebyshev.chebder(self.series)) * 2
 
-    def amplitudes(self, damping: float) -> Any:
+    def amplitudes(self, damping: float) -> FloatArray:
         """Return the amplitudes, over the belt speed, ascending, of all orbits with a damping over sqrt(k m)."""
         return _roots(chebyshev.chebsub(self.series, [damping]))
 
     @property
-    def folds(self) -> Any:
+    def folds(self) -> FloatArray:
         """The amplitudes at which d turns: a stable and an unstable orbit meet there."""
         return _roots(chebyshev.chebder(self.series))
 
@@ -191,12 +192,12 @@ def _needed(law: FrictionLaw, V: float, e: float, most_work: float) -> NeededDam
         return error.with_traceback(None)
 
 
-def _solver(law: FrictionLaw, V: float, e: float, work: Work) -> Callable[[Any], Orbits]:
+def _solver(law: FrictionLaw, V: float, e: float, work: Work) -> Callable[[FloatArray], Orbits]:
     """Return the function that finds the orbits of given amplitudes, within a bound on the work."""
     if reason := obstacle(law, V, jump=False):
         raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
 
-    def solve(A: Any) -> Orbits:
+    def solve(A: FloatArray) -> Orbits:
         found = orbits(law, V, e, A, most_work=work.left)
         work.done += found.work
         if not np.isfinite(found.error).all():
@@ -212,7 +213,7 @@ def _solver(law: FrictionLaw, V: float, e: float, work: Work) -> Callable[[Any],
     return solve
 
 
-def _interpolated(solve: Callable[[Any], Orbits], work: Work) -> Any:
+def _interpolated(solve: Callable[[FloatArray], Orbits], work: Work) -> FloatArray:
     """Return Chebyshev coefficients of d(A) on [0, 1]."""
     for degree in _DEGREES:
         if 2 * work.done > work.left:  # twice as many orbits take twice as much again, or more
@@ -220,7 +221,7 @@ def _interpolated(solve: Callable[[Any], Orbits], work: Work) -> Any:
         # Nodes of the first kind: A = 0, where there is no orbit, is none of them.
         nodes = chebyshev.chebpts1(degree + 1)
         found = solve((1 + nodes) / 2)
-        need = dct(found.d[::-1]) / (degree + 1)
+        need: FloatArray = dct(found.d[::-1]) / (degree + 1)
         need[0] /= 2
         variation = np.ptp(found.d)
         if variation <= _FLAT * found.scale.max():
@@ -233,7 +234,7 @@ def _interpolated(solve: Callable[[Any], Orbits], work: Work) -> Any:
     )
 
 
-def _roots(coefficients: Any) -> Any:
+def _roots(coefficients: FloatArray) -> FloatArray:
     """Return the roots in (0, 1] of a Chebyshev series on it, ascending."""
     if len(coefficients) < 2:
         return np.empty(0)

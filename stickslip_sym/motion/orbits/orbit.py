@@ -14,12 +14,12 @@ the belt's speed, and d is the pure-slip threshold.
 Every term with friction enters as a small one, so weak friction loses no digits; nothing here knows a closed form.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from stickslip_sym.core.aliases import FloatArray, Rows
 from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 from stickslip_sym.motion.orbits.collocation import (
     GRIDS,
@@ -32,7 +32,7 @@ from stickslip_sym.motion.orbits.collocation import (
     refined,
     values,
 )
-from stickslip_sym.motion.orbits.expansion import averages, expand, slopes
+from stickslip_sym.motion.orbits.expansion import Slope, averages, expand, slopes
 
 __all__ = ["Orbits", "obstacle", "orbits"]
 
@@ -65,16 +65,16 @@ class Orbits:
         Cubes of grids, summed over Newton steps and rows.
     """
 
-    d: Any
-    frequency: Any
-    error: Any
-    scale: Any
-    exponent: Any
-    lowest: Any
+    d: FloatArray
+    frequency: FloatArray
+    error: FloatArray
+    scale: FloatArray
+    exponent: FloatArray
+    lowest: FloatArray
     work: float = 0.0
 
     @property
-    def relative_error(self) -> Any:
+    def relative_error(self) -> FloatArray:
         """Estimated error of d, relative; infinite where d was not found, or is 0 but need not be."""
         with np.errstate(divide="ignore", invalid="ignore"):
             relative = np.where(self.error == 0, 0.0, self.error * self.scale / np.abs(self.d))
@@ -85,15 +85,15 @@ class Orbits:
 class _Problem:
     """Scenes of one law: the slope of mu, belt speeds, frictions over impedance N/sqrt(k m), and heights."""
 
-    slope: Callable[[Any], Any]
-    V: Any
-    e: Any
-    A: Any
+    slope: Slope
+    V: FloatArray
+    e: FloatArray
+    A: FloatArray
 
-    def rows(self, chosen: Any) -> "_Problem":
+    def rows(self, chosen: Rows) -> "_Problem":
         return _Problem(self.slope, self.V[chosen], self.e[chosen], self.A[chosen])
 
-    def g(self, z: Any) -> Any:
+    def g(self, z: FloatArray) -> FloatArray:
         slip = np.maximum(1 - z, _NEAREST)
         return -self.e[:, None] * self.slope(self.V[:, None] * slip)
 
@@ -110,7 +110,7 @@ def _start(law: FrictionLaw, problem: _Problem, size: int) -> State:
     return state
 
 
-def _continued(law: FrictionLaw, problem: _Problem, rtol: float, work: Work) -> tuple[State, Any]:
+def _continued(law: FrictionLaw, problem: _Problem, rtol: float, work: Work) -> tuple[State, FloatArray]:
     """Follow one orbit from weak friction to all of it."""
     part, growth = 1.0, 1.5
     tail = np.array([np.inf])
@@ -149,7 +149,7 @@ def _extrapolated(before: tuple[float, State], last: tuple[float, State], part: 
     return state
 
 
-def obstacle(law: FrictionLaw, V: Any, lowest: float = -1.0, *, jump: bool = True) -> str | None:
+def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool = True) -> str | None:
     """Say why slip orbits of a law are not smooth at belt speeds V, or return None.
 
     Parameters
@@ -170,14 +170,20 @@ def obstacle(law: FrictionLaw, V: Any, lowest: float = -1.0, *, jump: bool = Tru
     return f"it has a kink at v = {kinks[0]:g}, which the orbit passes" if kinks else None
 
 
-def _harmonics(law: FrictionLaw, problem: _Problem, size: int) -> tuple[Any, Any]:
+def _harmonics(law: FrictionLaw, problem: _Problem, size: int) -> tuple[FloatArray, FloatArray]:
     """Return the harmonic damping over impedance, from the slopes on a grid and from slopes at every scale."""
     on_grid = expand(law, problem.V, problem.A, grid=size // 2).harmonic
     return problem.e * on_grid, problem.e * averages(law, problem.V, problem.A)[0]
 
 
 def orbits(
-    law: FrictionLaw, V: Any, e: Any, A: Any = 1.0, *, rtol: float = 1e-13, most_work: float = np.inf
+    law: FrictionLaw,
+    V: ArrayLike,
+    e: ArrayLike,
+    A: ArrayLike = 1.0,
+    *,
+    rtol: float = 1e-13,
+    most_work: float = np.inf,
 ) -> Orbits:
     """Return the pure-slip orbits of given height.
 
@@ -206,7 +212,7 @@ def orbits(
     with np.errstate(all="ignore"):  # iterates that run away are given up
         work = Work(most_work)
         state, tail = refined(problem, _start(law, problem, GRIDS[0]), rtol, work)
-        for row in np.flatnonzero(~np.isfinite(tail)):
+        for row in np.flatnonzero(~np.isfinite(tail)).tolist():
             if work.spent:
                 break
             own = Work(min(_MOST_WORK, work.left))

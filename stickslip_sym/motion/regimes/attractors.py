@@ -10,11 +10,12 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
@@ -26,6 +27,9 @@ from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.simulation.transit import StickSlipCycle, lowest_slip_speed, stick_slip_cycle
 from stickslip_sym.output import drawing, markup
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["Regime", "Rest", "Separatrix", "graze", "grows_far_out", "regime"]
 
@@ -82,8 +86,8 @@ class Separatrix:
         the piece of the line v = V between its ends.
     """
 
-    x: Any
-    v: Any
+    x: FloatArray
+    v: FloatArray
     kind: SeparatrixKind
 
     def __repr__(self) -> str:
@@ -150,7 +154,7 @@ class Regime(drawing.Drawn):
         table = markup.table(["motion", "neighbours"], rows, caption="motions")
         return markup.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *notes)
 
-    def _figure(self) -> Any:
+    def _figure(self) -> "Figure":
         from stickslip_sym.motion.regimes.drawing import draw_regime
 
         return draw_regime(self)

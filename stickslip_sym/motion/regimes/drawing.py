@@ -1,29 +1,37 @@
 """The phase plane of a regime: rest, every periodic motion, and the curves that part their basins."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.automaton import simulate
+from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.output.drawing import require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from stickslip_sym.motion.regimes.attractors import Regime
 
 __all__ = ["draw_regime"]
 
+Style = dict[str, Any]
 _SECONDS = 2.0  # of computation, for a curve that is a period of a motion
 _RTOL = 1e-8
 _DENSE = 8  # points drawn for each step of the integration
-_STICK_SLIP: dict[str, Any] = {"color": "black", "linewidth": 2.2}
-_STABLE: dict[str, Any] = {"color": "#009E73", "linewidth": 2.2}
-_UNSTABLE: dict[str, Any] = {"color": "#D55E00", "linewidth": 1.2, "linestyle": "--"}
-_SEPARATRIX: dict[str, Any] = {"color": "0.45", "linewidth": 1.2, "linestyle": "-."}
-_BELT: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": ":"}
+_STICK_SLIP: Style = {"color": "black", "linewidth": 2.2}
+_STABLE: Style = {"color": "#009E73", "linewidth": 2.2}
+_UNSTABLE: Style = {"color": "#D55E00", "linewidth": 1.2, "linestyle": "--"}
+_SEPARATRIX: Style = {"color": "0.45", "linewidth": 1.2, "linestyle": "-."}
+_BELT: Style = {"color": "black", "linewidth": 0.8, "linestyle": ":"}
 
 
-def draw_regime(found: Any) -> Any:
+def draw_regime(found: "Regime") -> "Figure":
     """Return the figure of a regime.
 
     Raises
@@ -57,10 +65,10 @@ def draw_regime(found: Any) -> Any:
     return figure
 
 
-def _periodic(found: Any, law: FrictionLaw, osc: Oscillator) -> Iterator[tuple[Any, str, dict[str, Any]]]:
+def _periodic(found: "Regime", law: FrictionLaw, osc: Oscillator) -> Iterator[tuple[Trajectory, str, Style]]:
     """Yield a period of each periodic motion, its name and its look."""
 
-    def period(x0: float, v0: float, seconds: float) -> Any:
+    def period(x0: float, v0: float, seconds: float) -> Trajectory:
         return simulate(law, osc, t_end=seconds, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
 
     if found.stick_slip is not None:
@@ -75,7 +83,7 @@ def _periodic(found: Any, law: FrictionLaw, osc: Oscillator) -> Iterator[tuple[A
         yield period(start, cycle.amplitude, cycle.period), name, style
 
 
-def _times(motion: Any) -> Any:
+def _times(motion: Trajectory) -> FloatArray:
     """Return times dense enough for a smooth curve."""
     ends = np.unique(motion.t)
     return np.interp(np.arange(_DENSE * (ends.size - 1) + 1) / _DENSE, np.arange(ends.size), ends)

@@ -17,8 +17,8 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
+from stickslip_sym.core.aliases import Numbers
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.simulation.slip_phase import (
@@ -56,7 +56,7 @@ class _Slide:
     t: float
     rate: float
 
-    def __call__(self, tau: Any) -> Any:
+    def __call__(self, tau: Numbers) -> tuple[Numbers, Numbers]:
         return self.start.q + self.rate * (tau - self.start.tau), self.start.w + 0 * tau
 
 

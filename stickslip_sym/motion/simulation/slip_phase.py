@@ -4,11 +4,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.simulation.steppers import Piece, Point
@@ -81,7 +83,7 @@ class SlipPhase:
             self.end, self.last = End.MINIMUM, extremum
         return self.end is End.MINIMUM
 
-    def at(self, tau: Any) -> Any:
+    def at(self, tau: ArrayLike) -> FloatArray:
         """Return the rows q and w at times within the phase."""
         tau = np.asarray(tau, dtype=np.float64)
         index = np.searchsorted([piece.start.tau for piece in self.pieces[1:]], tau, side="right")

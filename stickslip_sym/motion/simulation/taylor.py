@@ -11,11 +11,11 @@ would have to tell a graze from a miss.
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
+from stickslip_sym.core.aliases import FloatArray, Numbers
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.simulation.heyoka import EXTREMUM, OTHERWISE, integrator_of
@@ -43,18 +43,18 @@ class Series:
 
     t_old: float
     t: float
-    coefficients: Any
+    coefficients: FloatArray
 
     @property
     def start(self) -> Point:
         """The state at the beginning."""
         return Point(self.t_old, *self.coefficients[0].tolist())
 
-    def __call__(self, tau: Any) -> Any:
+    def __call__(self, tau: Numbers) -> FloatArray:
         """Return (q, w) at a time, or rows of q and w at several."""
         return self._sum(np.asarray(tau) - self.t_old)
 
-    def _sum(self, time: Any) -> Any:
+    def _sum(self, time: Numbers) -> FloatArray:
         return (np.power.outer(time, np.arange(len(self.coefficients))) @ self.coefficients).T
 
     def rate(self, time: float) -> float:

@@ -7,11 +7,12 @@ is not negative, so that nothing leaves what the orbit and this line enclose. As
 itself: at w = 0, w' = eta (static - mu(0+)) + q is positive.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from flint import acb, arb
 
+from stickslip_sym.core.aliases import Rational
 from stickslip_sym.core.balls import working_precision
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError
@@ -20,6 +21,7 @@ from stickslip_sym.motion.thresholds.taylor_boxes import Flow, Undecided, flow
 
 __all__ = ["Transit", "transit"]
 
+Event = Callable[[arb, arb], bool]
 _MOST_STEPS = 20_000
 _CUTS = 60  # halvings of a time at which something changes sign
 _SHORTER = 0.7  # of a step that ends too close to a kink
@@ -55,7 +57,7 @@ class Transit:
     width: float
 
 
-def transit(scene: BoxScene, c: Any, bits: int) -> Transit:
+def transit(scene: BoxScene, c: Rational, bits: int) -> Transit:
     """Decide whether the slip from P returns at a damping c in kg/s, an exact rational.
 
     Raises
@@ -70,7 +72,7 @@ def transit(scene: BoxScene, c: Any, bits: int) -> Transit:
 class _Walk:
     """A box on its way from P."""
 
-    def __init__(self, scene: BoxScene, c: Any, bits: int) -> None:
+    def __init__(self, scene: BoxScene, c: Rational, bits: int) -> None:
         self.segments = scene.segments(c)
         self.gentle = scene.starts_gently
         self.bits, self.terms = bits, bits // 2
@@ -189,7 +191,7 @@ class _Walk:
                 middle = arb(((start + stop) / 2).mid())
                 waiting += [(middle, stop, depth + 1), (start, middle, depth + 1)]
 
-    def _bracket(self, step: Flow, end: arb, is_before: Any, is_after: Any) -> tuple[arb, arb]:
+    def _bracket(self, step: Flow, end: arb, is_before: Event, is_after: Event) -> tuple[arb, arb]:
         """Return two times as close as the box allows, one certainly before and one certainly after an event."""
         start, stop = arb(0), end
         for _ in range(2 * self.bits):

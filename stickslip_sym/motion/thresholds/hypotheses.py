@@ -7,12 +7,12 @@ arguments is positive for v > 0, and that pieces meet without a jump.
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Any
 
 import sympy as sp
 from flint import acb
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.balls import ball, ball_function, ball_value, working_precision
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.expression.pieces import branch_from, jumps
@@ -91,7 +91,7 @@ def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
     return True, "mu is analytic for v > 0"
 
 
-def _must_be_positive(expr: Any) -> Iterator[Any]:
+def _must_be_positive(expr: Expr) -> Iterator[Expr | None]:
     """Yield what has to be positive for an expression to be analytic; None for an unknown function."""
     for node in sp.preorder_traversal(expr):
         if not node.has(_speed) or node.is_Symbol or node.is_Add or node.is_Mul:
@@ -107,7 +107,7 @@ def _must_be_positive(expr: Any) -> Iterator[Any]:
             yield None
 
 
-def _is_positive(expr: Any, start: Any, end: Any | None) -> bool:
+def _is_positive(expr: Expr, start: Rational, end: Rational | None) -> bool:
     """Whether an expression of v is shown to be positive: by its signs, or by balls on a bounded range."""
     if expr.is_positive:
         return True

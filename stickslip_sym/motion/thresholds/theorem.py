@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
-from typing import Any
 
+from stickslip_sym.core.aliases import Rational
 from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.thresholds.box_transit import Transit
@@ -37,7 +37,7 @@ class Theorem:
     """
 
     law: FrictionLaw
-    scene: Mapping[str, Any]
+    scene: Mapping[str, Rational]
     low: Fraction
     high: Fraction
     below: Transit
