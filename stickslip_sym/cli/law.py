@@ -38,10 +38,7 @@ class Description:
     ) -> "FrictionLaw":
         """Return a law: of the catalogue by its name, from a formula, or through the points of a CSV file.
 
-        Raises
-        ------
-        InputError
-            If it is given twice or not at all, or with options that do not belong to it.
+        Raises `InputError` if it is given twice or not at all, or with options that do not belong to it.
         """
         from stickslip_sym.model.expression.parsing import NAME
         from stickslip_sym.model.law import FrictionLaw

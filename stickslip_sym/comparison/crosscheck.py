@@ -25,21 +25,11 @@ _WIDTH = 100  # characters of a line of text
 
 @dataclass(frozen=True)
 class Check:
-    """One way to the number.
-
-    Attributes
-    ----------
-    method : str
-    value : str
-        In kg/s, as many digits as the method gives; or why there is none.
-    difference : float or None
-        Relative to the first method that has a value; None where there is none.
-    seconds : float
-    """
+    """One way to the number."""
 
     method: str
-    value: str
-    difference: float | None
+    value: str  # in kg/s, as many digits as the method gives; or why there is none
+    difference: float | None  # relative to the first method that has a value; None where there is none
     seconds: float
 
 
@@ -52,22 +42,12 @@ def crosscheck(
 ) -> list[Check]:
     """Compute a closed form, the quadrature of its definition, and the event-driven threshold.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound.
-    criterion : Criterion
-    scene : mapping
-        Values of V, N, m and k in SI units.
-    form : ClosedForm or None
-        Of this law and criterion; None where there is none, and quadrature is the reference.
-    digits : int
-        Of the closed form and of the quadrature.
+    - `law`: with all parameters bound.
+    - `scene`: values of V, N, m and k in SI units.
+    - `form`: of this law and criterion; None where there is none, and quadrature is the reference.
+    - `digits`: of the closed form and of the quadrature.
 
-    Returns
-    -------
-    list of Check
-        A method that has no value in this scene says why in its place.
+    A method that has no value in this scene says why in its place.
     """
     V, N = scene["V"], scene["N"]
     numbers = {name: float(exact(value, name)) for name, value in scene.items()}

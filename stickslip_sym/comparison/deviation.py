@@ -21,15 +21,9 @@ def reasons(
 ) -> list[str]:
     """Return what a criterion and the event-driven threshold differ by, part by part, each computed.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound.
-    criterion : Criterion
-    scene : mapping
-        V, N, m and k in SI units.
-    value, threshold : float
-        The criterion and the threshold, in kg/s.
+    - `law`: with all parameters bound.
+    - `scene`: V, N, m and k in SI units.
+    - `value, threshold`: the criterion and the threshold, in kg/s.
     """
     found = []
     strength = scene["N"] / (scene["V"] * math.sqrt(scene["k"] * scene["m"]))

@@ -36,47 +36,26 @@ _SHORTEST = 0.02  # seconds that a measurement takes at least, all repetitions t
 
 @dataclass(frozen=True)
 class Way:
-    """One way to the number.
-
-    Attributes
-    ----------
-    name : str
-    seconds : float
-        For one value; in a large array where the way takes arrays.
-    error : float
-        Relative, in the scene at hand; NaN where the way gives no number.
-    largest : float
-        Of thresholds: the largest relative error over belt speeds; NaN where it was not measured.
-    """
+    """One way to the number."""
 
     name: str
-    seconds: float
-    error: float
+    seconds: float  # for one value; in a large array where the way takes arrays
+    error: float  # relative, in the scene at hand; NaN where the way gives no number
     largest: float = float("nan")
+    """Of thresholds: the largest relative error over belt speeds; NaN where it was not measured."""
 
 
 def tradeoff(form: ClosedForm, scene: Mapping[str, Number], *, time_limit: float | None = None) -> list[Way]:
     """Measure the ways to a criterion in one scene.
 
-    Parameters
-    ----------
-    form : ClosedForm
-        Of a law with all parameters bound.
-    scene : mapping
-        V in m/s and N in N.
-    time_limit : float, optional
-        Seconds after which no other way is tried; those that are left give no number.
+    - `form`: of a law with all parameters bound.
+    - `scene`: V in m/s and N in N.
+    - `time_limit`: seconds after which no other way is tried; those that are left give no number.
 
-    Returns
-    -------
-    list of Way
-        Plain ``lambdify`` of the formula, the stable function, a Gauss rule with n nodes,
-        ``scipy.integrate.quad``, and mpmath at 15, 30 and 50 digits.
+    They are plain ``lambdify`` of the formula, the stable function, a Gauss rule with n nodes,
+      ``scipy.integrate.quad``, and mpmath at 15, 30 and 50 digits.
 
-    Raises
-    ------
-    InputError
-        For an unbound law or unusable numbers, or where the criterion is 0.
+    Raises `InputError` for an unbound law or unusable numbers, or where the criterion is 0.
     """
     with deadline.time_limit(time_limit):
         return _measured(form, scene)

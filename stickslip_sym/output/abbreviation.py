@@ -28,10 +28,7 @@ def equation(
 def abbreviated(expr: Expr, names: Mapping[str, str]) -> tuple[Expr, list[tuple[Expr, Expr]], dict[str, str]]:
     """Give names to roots that stand repeatedly in a formula of several lines, and to wide denominators.
 
-    Returns
-    -------
-    tuple
-        The shorter formula, the new symbols with their definitions, and the LaTeX of all symbols.
+    Returns the shorter formula, the new symbols with their definitions, and the LaTeX of all symbols.
     """
     if width(latex(expr, names)) <= LINE:
         return expr, [], dict(names)

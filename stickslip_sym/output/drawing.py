@@ -99,12 +99,8 @@ def label(axes: "Axes", labels: Sequence[tuple[str, tuple[float, float], str]]) 
 def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
     """Return a drawing as HTML that holds it; nothing where matplotlib is missing, or there is nothing to draw.
 
-    Parameters
-    ----------
-    draw : callable
-        It returns the figure; it is not called without matplotlib.
-    alt : str
-        What the picture shows, for those who do not see it.
+    - `draw`: it returns the figure; it is not called without matplotlib.
+    - `alt`: what the picture shows, for those who do not see it.
     """
     try:
         require_matplotlib()

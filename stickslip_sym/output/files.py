@@ -37,10 +37,7 @@ def is_kept(path: Path) -> bool:
 def require_name(path: Path) -> None:
     """Refuse what no system takes for the name of a file, each with words of its own.
 
-    Raises
-    ------
-    InputError
-        If it holds a null byte.
+    Raises `InputError` if it holds a null byte.
     """
     if "\0" in str(path):
         raise InputError(f"the name of a file cannot hold a null byte, as {str(path)!r} does; choose another file")
@@ -49,10 +46,7 @@ def require_name(path: Path) -> None:
 def write_text(path: Path, content: str | bytes) -> None:
     """Write a file; what was there before stays if writing fails.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises `InputError` if the file cannot be written.
     """
     write_texts({path: content})
 
@@ -60,10 +54,7 @@ def write_text(path: Path, content: str | bytes) -> None:
 def write_texts(contents: Mapping[Path, str | bytes]) -> None:
     """Write files, all of them or none; streams and devices, which cannot be taken back, come last.
 
-    Raises
-    ------
-    InputError
-        If a file cannot be written.
+    Raises `InputError` if a file cannot be written.
     """
     staged: list[tuple[Path, Path, Path]] = []
     streams: list[tuple[Path, bytes]] = []

@@ -38,12 +38,8 @@ _CONSTANTS: dict[Head, str] = {sp.Catalan: "G", sp.pi: r"\pi", sp.EulerGamma: r"
 def called(kind: Head, taken: Collection[str]) -> str:
     """Return the name of a function or a constant.
 
-    Parameters
-    ----------
-    kind : type or sympy.NumberSymbol
-        A key of `NAMED` or `INDEXED`, or a constant.
-    taken : collection of str
-        What the symbols beside it look like (`notation.look`).
+    - `kind`: a key of `NAMED` or `INDEXED`, or a constant.
+    - `taken`: what the symbols beside it look like (`notation.look`).
     """
     name = NAMED.get(kind) or INDEXED.get(kind) or _CONSTANTS[kind]
     # K_1 is not K, but a symbol K_1 looks like the function with the index 1.

@@ -274,13 +274,8 @@ def _is_below(factor: Expr) -> bool:
 def latex(expr: Expr, names: Mapping[str, str] | None = None, *, inline: bool = False) -> str:
     r"""Return an expression or a relation as LaTeX, e.g. ``N (\mu_{\mathrm{s}} - \mu_{\mathrm{m}})``.
 
-    Parameters
-    ----------
-    expr : sympy.Expr or sympy.Rel
-    names : mapping of str to str, optional
-        LaTeX of symbols that shall not be written as usual (`notation`).
-    inline : bool
-        For a line of text: fractions have slashes.
+    - `names`: LaTeX of symbols that shall not be written as usual (`notation`).
+    - `inline`: for a line of text: fractions have slashes.
     """
     dummies = spellings(expr, names or ())
     written = [dummies.get(symbol, symbol.name) for symbol in expr.atoms(sp.Symbol)]

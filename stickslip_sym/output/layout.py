@@ -81,16 +81,10 @@ def _argument(tokens: Sequence[str], i: int) -> tuple[float, int]:
 def displayed(left: str, right: str, *, relation: str = "=", label: str = "", tag: str = "") -> str:
     """Return a displayed equation, broken to fit the text.
 
-    Parameters
-    ----------
-    left, right : str
-        The sides.
-    relation : str
-        What stands between them.
-    label : str
-        To number it and refer to it.
-    tag : str
-        To be printed instead of a number.
+    - `left, right`: the sides.
+    - `relation`: what stands between them.
+    - `label`: to number it and refer to it.
+    - `tag`: to be printed instead of a number.
     """
     environment = "equation" if label else "equation*"
     room = LINE - (_NUMBER if label or tag else 0.0)
@@ -185,16 +179,9 @@ _WORD = re.compile(r"(sqrt)\((\w+)\)|([A-Za-z]\w*)(?:\^(\d))?|(\d)[+]|(.)", re.S
 def prose(text: str, names: Mapping[str, str] | None = None) -> str:
     """Return plain words as LaTeX; names of symbols in them become mathematics.
 
-    Parameters
-    ----------
-    text : str
-    names : mapping of str to str
-        LaTeX of the symbols; single letters count only if they are among them.
+    - `names`: LaTeX of the symbols; single letters count only if they are among them.
 
-    Raises
-    ------
-    InputError
-        For a character that pdflatex has no sign for.
+    Raises `InputError` for a character that pdflatex has no sign for.
     """
     text = unicodedata.normalize("NFC", re.sub(r"\s+", " ", text))
     known = names or {}

@@ -23,22 +23,11 @@ _MOST_CELLS = 1_000_000
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis of a map.
+    """An axis of a map."""
 
-    Attributes
-    ----------
-    name : str
-        As in formulas.
-    values : numpy.ndarray
-        Ascending.
-    unit : str
-        SI, "1" for a pure number, and empty where it is not known.
-    meaning : str
-    """
-
-    name: str
-    values: FloatArray
-    unit: str
+    name: str  # as in formulas
+    values: FloatArray  # ascending
+    unit: str  # SI, "1" for a pure number, and empty where it is not known
     meaning: str
 
     def __str__(self) -> str:
@@ -55,10 +44,7 @@ class Axis:
 def read_values(name: str, values: ArrayLike) -> FloatArray:
     """Return the values of an axis as an array.
 
-    Raises
-    ------
-    InputError
-        If they are not finite numbers in ascending order.
+    Raises `InputError` if they are not finite numbers in ascending order.
     """
     array = np.array(read_array(name, values), dtype=np.float64)
     if array.ndim != 1 or not array.size:
@@ -71,10 +57,7 @@ def read_values(name: str, values: ArrayLike) -> FloatArray:
 def read_axes(law: FrictionLaw, x: AxisValues, y: AxisValues) -> tuple[Axis, Axis]:
     """Return the two axes of a map.
 
-    Raises
-    ------
-    InputError
-        For an unknown name, the same one twice, unusable values, or too many cells.
+    Raises `InputError` for an unknown name, the same one twice, unusable values, or too many cells.
     """
     axes = _axis(law, "x", x), _axis(law, "y", y)
     if axes[0].name == axes[1].name:
@@ -113,10 +96,7 @@ def fixed_values(
 ) -> tuple[FrictionLaw, dict[str, float]]:
     """Return the law with a value for each parameter, and the quantities that are no axis.
 
-    Raises
-    ------
-    InputError
-        For a quantity that is missing, given twice, or has the wrong sign anywhere on the map.
+    Raises `InputError` for a quantity that is missing, given twice, or has the wrong sign anywhere on the map.
     """
     on_axis = {axis.name: axis for axis in axes}
     values = {}

@@ -43,22 +43,12 @@ def collect(
 ) -> list[Plain]:
     """Return the results of all tasks, in order.
 
-    Parameters
-    ----------
-    function : callable
-        At the top level of a module; takes a task, and returns what JSON holds.
-    tasks : sequence
-        What JSON holds; together they are the request.
-    workers : int or map-like callable
-    checkpoint : str or Path, optional
-        A file of an earlier run of the same request, or a new one.
-    progress : callable, optional
-        Called with the number of finished tasks and of all.
+    - `function`: at the top level of a module; takes a task, and returns what JSON holds.
+    - `tasks`: what JSON holds; together they are the request.
+    - `checkpoint`: a file of an earlier run of the same request, or a new one.
+    - `progress`: called with the number of finished tasks and of all.
 
-    Raises
-    ------
-    InputError
-        For unusable workers, or a file that cannot be used.
+    Raises `InputError` for unusable workers, or a file that cannot be used.
     """
     check_workers(workers)
     found: dict[int, Plain] = {}

@@ -48,21 +48,12 @@ _BESIDE_REST = 1e-3  # velocity over the belt's of a motion that begins beside r
 def decide(law: FrictionLaw, osc: Oscillator, c: ArrayLike, *, rtol: float) -> Cells:
     """Return the motion from x = 0, x' = V, and every attractor, for each damping.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound.
-    osc : Oscillator
-        Its own c is not used.
-    c : array_like
-        In kg/s.
-    rtol : float
-        A damping that is closer to a threshold or a fold, relative to the largest of them, is not decided.
+    - `law`: with all parameters bound.
+    - `osc`: its own c is not used.
+    - `c`: in kg/s.
+    - `rtol`: a damping that is closer to a threshold or a fold, relative to the largest of them, is not decided.
 
-    Raises
-    ------
-    InputError
-        For a law that no oscillator can have.
+    Raises `InputError` for a law that no oscillator can have.
     """
     return _Column(law, osc, np.asarray(c, dtype=np.float64), rtol).cells()
 

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.path import Path
 
-    from stickslip_sym.motion.maps.basins import BasinMap
-    from stickslip_sym.motion.maps.motions import MotionMap
-
 __all__ = ["Region", "draw_basins", "draw_map", "regions_of"]
 
 
@@ -64,7 +61,7 @@ _CURVES = {
 _LOGARITHMIC = 30.0  # ratio of an axis's ends from which equal ratios are drawn as equal steps
 
 
-def regions_of(found: "MotionMap") -> tuple[IntArray, list[Region]]:
+def regions_of(found: Any) -> tuple[IntArray, list[Region]]:
     """Return for each cell the place of its region in a list of those that occur."""
     kinds = [*_REGIONS.values(), _UNBOUNDED, _UNDECIDED, _FAILED]
     index = np.full(found.motion.shape, kinds.index(_UNDECIDED))
@@ -78,7 +75,7 @@ def regions_of(found: "MotionMap") -> tuple[IntArray, list[Region]]:
     return places.reshape(index.shape), [kinds[i] for i in present]
 
 
-def draw_map(found: "MotionMap") -> "Figure":
+def draw_map(found: Any) -> "Figure":
     """Return the figure of a map of motions."""
     figure, axes = _figure()
     place, kinds = regions_of(found)
@@ -89,7 +86,7 @@ def draw_map(found: "MotionMap") -> "Figure":
     return _with_legend(figure, handles)
 
 
-def draw_basins(found: "BasinMap") -> "Figure":
+def draw_basins(found: Any) -> "Figure":
     """Return the figure of the motions that starts lead to."""
     from matplotlib.lines import Line2D
 
@@ -176,7 +173,7 @@ def _edges(values: FloatArray) -> FloatArray:
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
-def _draw_curves(axes: "Axes", found: "MotionMap") -> "list[Artist]":
+def _draw_curves(axes: "Axes", found: Any) -> "list[Artist]":
     from matplotlib.lines import Line2D
 
     handles: list[Artist] = []

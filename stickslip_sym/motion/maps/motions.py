@@ -236,16 +236,10 @@ def motion_map(
 def decide_line(task: Plain) -> Plain:
     """Decide the cells along one line of a map: plain content in, plain content out.
 
-    Parameters
-    ----------
-    task : dict
-        "law": a law as text; "fixed": values of quantities and parameters; "along": the name of another one, and
-        its "values"; "rtol".
+    - `task`: "law": a law as text; "fixed": values of quantities and parameters; "along": the name of another one,
+      and its "values"; "rtol".
 
-    Returns
-    -------
-    dict
-        Lists by the names in `Cells`; thresholds have one entry if the line is along c, else one a cell.
+    Returns lists by the names in `Cells`; thresholds have one entry if the line is along c, else one a cell.
     """
     along, values = task["along"], task["values"]
     if along == "c":

@@ -77,15 +77,9 @@ class LimitCycle:
 
 @dataclass(frozen=True)
 class NeededDamping:
-    """The damping d(A) that a slip orbit needs, over sqrt(k m), as a function of its amplitude A V.
+    """The damping d(A) that a slip orbit needs, over sqrt(k m), as a function of its amplitude A V."""
 
-    Attributes
-    ----------
-    series : numpy.ndarray
-        Chebyshev coefficients of d on 0 <= A <= 1; one coefficient if d does not vary.
-    """
-
-    series: FloatArray
+    series: FloatArray  # Chebyshev coefficients of d on 0 <= A <= 1; one coefficient if d does not vary
 
     def at(self, amplitude: ArrayLike) -> FloatArray:
         """Return d at amplitudes over the belt speed; d(0) is the Hopf bifurcation, d(1) the graze."""
@@ -108,19 +102,10 @@ class NeededDamping:
 def needed_damping(law: FrictionLaw, osc: Oscillator, *, most_work: float = math.inf) -> NeededDamping:
     """Return the damping that slip orbits need, as a function of their amplitude; the oscillator's c is not used.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-    osc : Oscillator
-    most_work : float
-        As for `orbits`, of all orbits together.
+    - `most_work`: as for `orbits`, of all orbits together.
 
-    Raises
-    ------
-    InputError, NotConverged
-        As `limit_cycles` does.
-    OutOfTime
-        When the time of a `time_limit` around it is up.
+    Raises `InputError` or `NotConverged` as `limit_cycles` does.
+    Raises `OutOfTime` when the time of a `time_limit` around it is up.
     """
     found = _needed(law, osc.V, osc.N / osc.impedance, most_work)
     if isinstance(found, NeededDamping):

@@ -59,26 +59,17 @@ class Expansion:
     In z = A cos(theta) + sum of a_n cos(n theta) + b_n sin(n theta), and with e = N/sqrt(k m), the coefficients
     are b_n = e `sines`, a_n = e^2 `cosines`, the frequency is 1 - e^2 `slowing`, and c/N = `harmonic` +
     e^2 `second`.
-
-    Attributes
-    ----------
-    harmonic, second, slowing : numpy.ndarray, shape (n,)
-        In s/m, (s/m)^3 and (s/m)^2.
-    cosines, sines : numpy.ndarray, shape (n, H)
-        Column n belongs to the harmonic n.
-    largest : numpy.ndarray, shape (n,)
-        Largest slope on the orbit, in s/m.
-    tail : numpy.ndarray, shape (n,)
-        Size of the highest coefficients of friction, relative: above 1e-14 the grid did not resolve the law.
     """
 
-    harmonic: FloatArray
-    second: FloatArray
-    slowing: FloatArray
+    harmonic: FloatArray  # in s/m, shape (n,)
+    second: FloatArray  # in (s/m)^3, shape (n,)
+    slowing: FloatArray  # in (s/m)^2, shape (n,)
     cosines: FloatArray
-    sines: FloatArray
-    largest: FloatArray
+    sines: FloatArray  # like `cosines`: shape (n, H), and column j belongs to the harmonic j
+    largest: FloatArray  # largest slope on the orbit, in s/m, shape (n,)
     tail: FloatArray
+    """Size of the highest coefficients of friction, relative: above 1e-14 the grid did not resolve the law, shape
+    (n,)."""
 
     def refined(self, rows: BoolArray, finer: "Expansion") -> "Expansion":
         """Return the expansion with some rows replaced by those from a finer grid."""
@@ -100,14 +91,9 @@ class Expansion:
 def expand(law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, grid: int | None = None) -> Expansion:
     """Expand slip orbits for weak friction.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound, smooth on the speeds of the orbit.
-    V, A : array_like, shape (n,)
-        Belt speeds in m/s, and highest velocities as parts of them.
-    grid : int, optional
-        Number of phases in half a period; found for each speed if not given.
+    - `law`: with all parameters bound, smooth on the speeds of the orbit.
+    - `V, A`: belt speeds in m/s, and highest velocities as parts of them.
+    - `grid`: number of phases in half a period; found for each speed if not given.
     """
     V, A = (np.ravel(array) for array in np.broadcast_arrays(np.asarray(V, np.float64), A))
     if grid is not None:

@@ -45,33 +45,16 @@ _NEAREST = 1e-12  # slip speed over belt speed that an iterate may come down to;
 
 @dataclass(frozen=True)
 class Orbits:
-    """Slip orbits, one row for each scene.
+    """Slip orbits, one row for each scene."""
 
-    Attributes
-    ----------
-    d : numpy.ndarray, shape (n,)
-        Damping over sqrt(k m).
-    frequency : numpy.ndarray, shape (n,)
-        Over omega.
-    error : numpy.ndarray, shape (n,)
-        Estimated error of d, as a part of the largest slope g on the orbit.
-    scale : numpy.ndarray, shape (n,)
-        That largest slope.
-    exponent : numpy.ndarray, shape (n,)
-        Floquet exponent, the mean of g(z) - d, over omega: the orbit is stable if it is negative.
-    lowest : numpy.ndarray, shape (n,)
-        Lowest velocity z of the orbit.
-    work : float
-        Cubes of grids, summed over Newton steps and rows.
-    """
-
-    d: FloatArray
-    frequency: FloatArray
-    error: FloatArray
-    scale: FloatArray
+    d: FloatArray  # damping over sqrt(k m), shape (n,)
+    frequency: FloatArray  # over omega, shape (n,)
+    error: FloatArray  # estimated error of d, as a part of the largest slope g on the orbit, shape (n,)
+    scale: FloatArray  # that largest slope, shape (n,)
     exponent: FloatArray
-    lowest: FloatArray
-    work: float = 0.0
+    """Floquet exponent, the mean of g(z) - d, over omega: the orbit is stable if it is negative, shape (n,)."""
+    lowest: FloatArray  # lowest velocity z of the orbit, shape (n,)
+    work: float = 0.0  # cubes of grids, summed over Newton steps and rows
 
     @property
     def relative_error(self) -> FloatArray:
@@ -152,14 +135,8 @@ def _extrapolated(before: tuple[float, State], last: tuple[float, State], part: 
 def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool = True) -> str | None:
     """Say why slip orbits of a law are not smooth at belt speeds V, or return None.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-    V : array_like
-    lowest : float
-        The lowest velocity of the orbits over the belt speed.
-    jump : bool
-        Whether a static coefficient matters, as it does where orbits touch the belt's speed.
+    - `lowest`: the lowest velocity of the orbits over the belt speed.
+    - `jump`: whether a static coefficient matters, as it does where orbits touch the belt's speed.
     """
     if jump and law.static is not None:
         static, onset = float(law.substitute(law.static)), limit_at_rest(law.substitute(law.expr))
@@ -187,25 +164,15 @@ def orbits(
 ) -> Orbits:
     """Return the pure-slip orbits of given height.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound, smooth on the speeds of the orbit.
-    V : array_like
-        Belt speeds in m/s.
-    e : array_like
-        N/sqrt(k m) in m/s.
-    A : array_like
-        Highest velocity over belt speed, at most 1.
-    rtol : float
-        Relative error of d at which the grid is fine enough, where rounding allows.
-    most_work : float
-        Cubes of grids, summed over Newton steps and rows, after which what is not found yet is given up.
+    - `law`: with all parameters bound, smooth on the speeds of the orbit.
+    - `V`: belt speeds in m/s.
+    - `e`: N/sqrt(k m) in m/s.
+    - `A`: highest velocity over belt speed, at most 1.
+    - `rtol`: relative error of d at which the grid is fine enough, where rounding allows.
+    - `most_work`: cubes of grids, summed over Newton steps and rows, after which what is not found yet is given
+      up.
 
-    Returns
-    -------
-    Orbits
-        An orbit that was not found has an infinite error, and no number for d.
+    An orbit that was not found has an infinite error, and no number for d.
     """
     columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in (V, e, A)))
     problem = _Problem(slopes(law), *(np.ravel(column) for column in columns))

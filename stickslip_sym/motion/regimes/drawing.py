@@ -16,8 +16,6 @@ from stickslip_sym.output.drawing import require_matplotlib
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stickslip_sym.motion.regimes.attractors import Regime
-
 __all__ = ["draw_regime"]
 
 Style = dict[str, Any]
@@ -31,13 +29,10 @@ _SEPARATRIX: Style = {"color": "0.45", "linewidth": 1.2, "linestyle": "-."}
 _BELT: Style = {"color": "black", "linewidth": 0.8, "linestyle": ":"}
 
 
-def draw_regime(found: "Regime") -> "Figure":
+def draw_regime(found: Any) -> "Figure":
     """Return the figure of a regime.
 
-    Raises
-    ------
-    InputError
-        If matplotlib is not installed, or the regime does not know its law and its oscillator.
+    Raises `InputError` if matplotlib is not installed, or the regime does not know its law and its oscillator.
     """
     require_matplotlib()
     from matplotlib.figure import Figure
@@ -65,7 +60,7 @@ def draw_regime(found: "Regime") -> "Figure":
     return figure
 
 
-def _periodic(found: "Regime", law: FrictionLaw, osc: Oscillator) -> Iterator[tuple[Trajectory, str, Style]]:
+def _periodic(found: Any, law: FrictionLaw, osc: Oscillator) -> Iterator[tuple[Trajectory, str, Style]]:
     """Yield a period of each periodic motion, its name and its look."""
 
     def period(x0: float, v0: float, seconds: float) -> Trajectory:

@@ -47,29 +47,14 @@ Until = Literal[End.RETURN, End.MINIMUM]
 
 @dataclass
 class SlipPhase:
-    """The course of one slip phase.
+    """The course of one slip phase."""
 
-    Attributes
-    ----------
-    side : int
-        1 where the mass is slower than the belt, -1 where it is faster.
-    last : Point
-        The state at the end.
-    end : End
-    extrema : list of Point
-        The maxima and minima of w, in order.
-    pieces : list of Piece
-        Interpolants of (q, w), one a step.
-    error : StickSlipError or None
-        Why mu has no value where the phase ended.
-    """
-
-    side: int
-    last: Point
+    side: int  # 1 where the mass is slower than the belt, -1 where it is faster
+    last: Point  # the state at the end
     end: End = End.HORIZON
-    extrema: list[Point] = field(default_factory=list)
-    pieces: list[Piece] = field(default_factory=list)
-    error: StickSlipError | None = None
+    extrema: list[Point] = field(default_factory=list)  # the maxima and minima of w, in order
+    pieces: list[Piece] = field(default_factory=list)  # interpolants of (q, w), one a step
+    error: StickSlipError | None = None  # why mu has no value where the phase ended
 
     @property
     def points(self) -> list[Point]:

@@ -57,26 +57,13 @@ class Piece(Protocol):
 class Explicit:
     """Steps of DOP853.
 
-    Parameters
-    ----------
-    rates : callable
-    start : Point
-    end : float
-        Time that no step passes.
-    rtol : float
-        Relative tolerance of a step; the absolute one is a hundredth of it, all states being of order one.
-    step : float, optional
-        Length of the first step.
-    longest : float
-        Of a step.
+    - `end`: time that no step passes.
+    - `rtol`: relative tolerance of a step; the absolute one is a hundredth of it, all states being of order one.
+    - `step`: length of the first step.
+    - `longest`: of a step.
 
-    Attributes
-    ----------
-    now : Point
-    slope : float
-        w' there.
-    length : float
-        Of the next step, as far as it is foreseen.
+    - `slope`: w' there.
+    - `length`: of the next step, as far as it is foreseen.
     """
 
     def __init__(

@@ -32,18 +32,11 @@ _DEFECT = 1e-13  # how far a step may miss, in units of its state
 
 @dataclass(frozen=True)
 class Series:
-    """The Taylor series of (q, w) about the beginning of a step.
+    """The Taylor series of (q, w) about the beginning of a step."""
 
-    Attributes
-    ----------
-    t_old, t : float
-        Dimensionless times of the beginning and the end.
-    coefficients : numpy.ndarray of shape (order + 1, 2)
-    """
-
-    t_old: float
-    t: float
-    coefficients: FloatArray
+    t_old: float  # dimensionless time of the beginning
+    t: float  # and of the end
+    coefficients: FloatArray  # shape (order + 1, 2)
 
     @property
     def start(self) -> Point:
@@ -81,10 +74,8 @@ class Series:
 class TaylorSteps:
     """Steps of Taylor series: an `Engine`, whose tolerance is only how close to a rest the mass is at rest.
 
-    Raises
-    ------
-    InputError
-        If heyoka is not installed, the law is not one that it can expand, or mu cannot be computed at the start.
+    Raises `InputError` if heyoka is not installed, the law is not one that it can expand, or mu cannot be computed
+      at the start.
     """
 
     def __init__(self, scene: Scene, phase: SlipPhase, *, horizon: float, rtol: float, until: Until) -> None:

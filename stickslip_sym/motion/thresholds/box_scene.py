@@ -19,21 +19,13 @@ _W = sp.Symbol("w")
 
 @dataclass(frozen=True)
 class BoxScene:
-    """A law and an oscillator without damping, in exact numbers.
+    """A law and an oscillator without damping, in exact numbers."""
 
-    Attributes
-    ----------
-    law : FrictionLaw
-        Bound.
-    V, N, m, k : sympy.Rational
-        In SI units.
-    """
-
-    law: FrictionLaw
+    law: FrictionLaw  # bound
     V: Rational
     N: Rational
     m: Rational
-    k: Rational
+    k: Rational  # all four in SI units
 
     @property
     def point(self) -> dict[Expr, Rational]:

@@ -31,39 +31,21 @@ _START_SHARE = 3  # the first step from a point where mu is not analytic is 2^-(
 
 @dataclass(frozen=True)
 class Transit:
-    """What was shown of the slip from P.
-
-    Attributes
-    ----------
-    returns : bool
-    lowest : arb
-        The first minimum of w, or what stands for it where it returns.
-    turned : bool
-        Whether `lowest` is that minimum, also where the slip returns and mu goes on smoothly for w < 0.
-    highest : arb
-        A bound of w on the way.
-    steps, bits : int
-        Taylor steps, and the working precision.
-    width : float
-        Of the last box.
-    """
+    """What was shown of the slip from P."""
 
     returns: bool
-    lowest: arb
-    turned: bool
-    highest: arb
-    steps: int
-    bits: int
-    width: float
+    lowest: arb  # the first minimum of w, or what stands for it where it returns
+    turned: bool  # whether `lowest` is that minimum, also where the slip returns and mu goes on smoothly for w < 0
+    highest: arb  # a bound of w on the way
+    steps: int  # Taylor steps
+    bits: int  # the working precision
+    width: float  # of the last box
 
 
 def transit(scene: BoxScene, c: Rational, bits: int) -> Transit:
     """Decide whether the slip from P returns at a damping c in kg/s, an exact rational.
 
-    Raises
-    ------
-    Undecided
-        With the words where the boxes grew too wide to tell.
+    Raises `Undecided` with the words where the boxes grew too wide to tell.
     """
     with working_precision(bits):
         return _Walk(scene, c, bits).run()

@@ -61,12 +61,8 @@ def _exact(smooth: bool) -> list[Rung]:
 def climb(scenes: Scenes, rtol: float) -> tuple[FloatArray, ObjectArray, FloatArray]:
     """Return for each scene the cheapest rung that is known to be good enough: value, name and error.
 
-    Raises
-    ------
-    NotConverged
-        If the error of a scene is above `rtol` on the highest rung.
-    OutOfTime
-        With the best value so far.
+    Raises `NotConverged` if the error of a scene is above `rtol` on the highest rung.
+    Raises `OutOfTime` with the best value so far.
     """
     chosen = _Choice(len(scenes), rtol)
     smooth = obstacle(scenes.law, scenes.V) is None

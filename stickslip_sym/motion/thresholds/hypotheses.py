@@ -43,10 +43,7 @@ _speed = sp.Symbol("v", positive=True)
 def checked_hypotheses(scene: BoxScene) -> tuple[tuple[str, str], ...]:
     """Return what the lemma needs, and how it was checked for a law and its static coefficient.
 
-    Raises
-    ------
-    InputError
-        If a hypothesis was not shown; the message says which, and why.
+    Raises `InputError` if a hypothesis was not shown; the message says which, and why.
     """
     smooth, how = lipschitz_evidence(scene.law)
     if not smooth:
@@ -65,10 +62,7 @@ def checked_hypotheses(scene: BoxScene) -> tuple[tuple[str, str], ...]:
 def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
     """Return whether mu was shown to be locally Lipschitz for v > 0, and how, or what stands against it.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound.
+    - `law`: with all parameters bound.
     """
     point = {law.parameters[name].symbol: value for name, value in law.values.items()}
     kinks = law.kinks()

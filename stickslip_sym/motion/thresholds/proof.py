@@ -108,14 +108,9 @@ def _rounded(c: Rational, width: Rational) -> Rational:
 def theorems(scenes: Scenes, rtol: float) -> list[Theorem]:
     """Prove the threshold of every scene; simulation guesses where it lies.
 
-    Raises
-    ------
-    InputError
-        If the law does not meet a hypothesis of the lemma.
-    NoThreshold
-        If the slip returns for no damping c >= 0.
-    NotConverged
-        If a decision does not fall; it says where the boxes grew.
+    Raises `InputError` if the law does not meet a hypothesis of the lemma.
+    Raises `NoThreshold` if the slip returns for no damping c >= 0.
+    Raises `NotConverged` if a decision does not fall; it says where the boxes grew.
     """
     found = []
     for row in range(len(scenes)):
@@ -129,20 +124,11 @@ def theorems(scenes: Scenes, rtol: float) -> list[Theorem]:
 def prove_threshold(scene: BoxScene, guess: float, error: float, rtol: float) -> Theorem:
     """Prove two dampings that enclose the threshold.
 
-    Parameters
-    ----------
-    scene : BoxScene
-    guess, error : float
-        A value of the threshold in kg/s, and its relative error as far as known.
-    rtol : float
-        The width of the enclosure, relative.
+    - `guess, error`: a value of the threshold in kg/s, and its relative error as far as known.
+    - `rtol`: the width of the enclosure, relative.
 
-    Raises
-    ------
-    InputError
-        If the law does not meet a hypothesis of the lemma.
-    NotConverged
-        If a decision does not fall; it says where the boxes grew.
+    Raises `InputError` if the law does not meet a hypothesis of the lemma.
+    Raises `NotConverged` if a decision does not fall; it says where the boxes grew.
     """
     hypotheses = checked_hypotheses(scene)
     search = _Search(scene)

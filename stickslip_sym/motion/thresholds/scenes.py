@@ -35,11 +35,8 @@ class Scenes:
     def of(cls, law: FrictionLaw, **values: ArrayLike | None) -> "Scenes":
         """Broadcast V, N, m and k.
 
-        Raises
-        ------
-        InputError
-            For numbers that are not finite or have the wrong sign, shapes that do not broadcast, or only one
-            of m and k.
+        Raises `InputError` for numbers that are not finite or have the wrong sign, shapes that do not broadcast,
+          or only one of m and k.
         """
         exactly = {name: exact(value, name) for name, value in values.items() if isinstance(value, str)}
         numbers = values | {name: float(value) for name, value in exactly.items()}
