@@ -26,7 +26,7 @@ def reasons(
     - `value, threshold`: the criterion and the threshold, in kg/s.
     """
     found = []
-    strength = scene["N"] / (scene["V"] * math.sqrt(scene["k"] * scene["m"]))
+    eta = scene["N"] / (scene["V"] * math.sqrt(scene["k"] * scene["m"]))
     weak = float(slope_average(law, harmonic)(V=scene["V"], N=scene["N"]))
     if criterion != harmonic and abs(weak - value) > LARGE * abs(value):
         found.append(
@@ -50,7 +50,7 @@ def reasons(
         and abs(threshold - stiff) > LARGE * abs(threshold)
     ):
         found.append(
-            f"friction that is not weak: N/(V sqrt(k m)) = {strength:.3g}; at a hundredth of that (k times 10^4) "
+            f"friction that is not weak: N/(V sqrt(k m)) = {eta:.3g}; at a hundredth of that (k times 10^4) "
             f"the threshold is {stiff:.4g} kg/s"
         )
     return found

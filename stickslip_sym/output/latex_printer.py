@@ -112,10 +112,10 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         fraction = f"{abs(expr.p)}/{expr.q}" if self._slashes else f"\\frac{{{abs(expr.p)}}}{{{expr.q}}}"
         return f"-{fraction}" if expr < 0 else fraction
 
-    def _product(self, number: Expr, factors: list[Expr]) -> str:
-        top = [factor for factor in factors if not _is_below(factor)]
+    def _product(self, number: Expr, parts: list[Expr]) -> str:
+        top = [factor for factor in parts if not _is_below(factor)]
         below = [sp.Pow(factor.base, -factor.exp, evaluate=False) if factor.exp != -1 else factor.base
-                 for factor in factors if _is_below(factor)]  # fmt: skip
+                 for factor in parts if _is_below(factor)]  # fmt: skip
         top, below = (sorted(part, key=self._place) for part in (top, below))
         if not below and number.q == 1:
             return self._row(number.p, top)
@@ -135,16 +135,16 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _is_short(self, factor: Expr) -> bool:
         return bool(factor.is_Add) and len(factor.args) <= 2 and length(self._print(factor)) < _SHORT_SUM
 
-    def _row(self, number: Expr, factors: list[Expr], fraction: str = "") -> str:
+    def _row(self, number: Expr, parts: list[Expr], fraction: str = "") -> str:
         """Return factors beside each other, after a fraction; a sum that stands alone has no brackets."""
-        if not fraction and not factors:
+        if not fraction and not parts:
             return str(self._print(sp.sympify(number)))
-        if not fraction and number == 1 and len(factors) == 1:
-            return str(self._print(factors[0]))
+        if not fraction and number == 1 and len(parts) == 1:
+            return str(self._print(parts[0]))
         texts = [fraction] if fraction else [] if number == 1 else [self._print(sp.sympify(number))]
-        for position, factor in enumerate(factors):
+        for position, factor in enumerate(parts):
             printed = self._print(factor)
-            last = position == len(factors) - 1
+            last = position == len(parts) - 1
             if (kind := binding(printed)) in (Binding.CASES, Binding.SUM, Binding.QUOTIENT) or (
                 kind is Binding.OPEN and not last
             ):

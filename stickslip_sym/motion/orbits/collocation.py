@@ -70,11 +70,11 @@ def values(z: ComplexArray, size: int) -> FloatArray:
     return np.fft.irfft(z * np.exp(1j * np.pi / size * n), size, axis=1) * size
 
 
-def _coefficients(values: FloatArray) -> ComplexArray:
-    size = values.shape[1]
+def _coefficients(function: FloatArray) -> ComplexArray:
+    size = function.shape[1]
     n = np.arange(size // 2)
     turn: ComplexArray = np.exp(-1j * np.pi / size * n) / size
-    return np.fft.rfft(values, axis=1)[:, : size // 2] * turn
+    return np.fft.rfft(function, axis=1)[:, : size // 2] * turn
 
 
 def close(state: State, A: FloatArray) -> None:

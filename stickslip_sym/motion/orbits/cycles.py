@@ -168,22 +168,24 @@ def cycles_among(need: NeededDamping, law: FrictionLaw, osc: Oscillator) -> tupl
 
 
 @lru_cache(maxsize=64)
-def _needed(law: FrictionLaw, V: float, e: float, most_work: float) -> NeededDamping | InputError | NotConverged:
+def _needed(
+    law: FrictionLaw, V: float, strength: float, most_work: float
+) -> NeededDamping | InputError | NotConverged:
     """Return the damping that orbits need, or why it is not found: either takes long, and is asked for again."""
     work = Work(most_work)
     try:
-        return NeededDamping(_interpolated(_solver(law, V, e, work), work))
+        return NeededDamping(_interpolated(_solver(law, V, strength, work), work))
     except (InputError, NotConverged) as error:
         return error.with_traceback(None)
 
 
-def _solver(law: FrictionLaw, V: float, e: float, work: Work) -> Callable[[FloatArray], Orbits]:
+def _solver(law: FrictionLaw, V: float, strength: float, work: Work) -> Callable[[FloatArray], Orbits]:
     """Return the function that finds the orbits of given amplitudes, within a bound on the work."""
     if reason := obstacle(law, V, jump=False):
         raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
 
     def solve(A: FloatArray) -> Orbits:
-        found = orbits(law, V, e, A, most_work=work.left)
+        found = orbits(law, V, strength, A, most_work=work.left)
         work.done += found.work
         if not np.isfinite(found.error).all():
             lost = np.atleast_1d(A)[~np.isfinite(found.error)][0]

@@ -56,16 +56,16 @@ def slopes(law: FrictionLaw) -> Slope:
 class Expansion:
     """The slip orbit with the highest velocity A V, for weak friction; one row for each belt speed.
 
-    In z = A cos(theta) + sum of a_n cos(n theta) + b_n sin(n theta), and with e = N/sqrt(k m), the coefficients
-    are b_n = e `sines`, a_n = e^2 `cosines`, the frequency is 1 - e^2 `slowing`, and c/N = `harmonic` +
-    e^2 `second`.
+    In z = A cos(theta) + sum of a_n cos(n theta) + b_n sin(n theta), and with f = N/sqrt(k m), the coefficients
+    are b_n = f `sines`, a_n = f^2 `cosines`, the frequency is 1 - f^2 `slowing`, and c/N = `harmonic` +
+    f^2 `second`.
     """
 
     harmonic: FloatArray  # in s/m, shape (n,)
     second: FloatArray  # in (s/m)^3, shape (n,)
     slowing: FloatArray  # in (s/m)^2, shape (n,)
-    cosines: FloatArray
-    sines: FloatArray  # like `cosines`: shape (n, H), and column j belongs to the harmonic j
+    cosines: FloatArray  # shape (n, H): column j belongs to the harmonic j
+    sines: FloatArray  # the same
     largest: FloatArray  # largest slope on the orbit, in s/m, shape (n,)
     tail: FloatArray
     """Size of the highest coefficients of friction, relative: above 1e-14 the grid did not resolve the law, shape

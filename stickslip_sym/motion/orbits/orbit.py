@@ -70,25 +70,25 @@ class _Problem:
 
     slope: Slope
     V: FloatArray
-    e: FloatArray
+    strength: FloatArray
     A: FloatArray
 
     def rows(self, chosen: Rows) -> "_Problem":
-        return _Problem(self.slope, self.V[chosen], self.e[chosen], self.A[chosen])
+        return _Problem(self.slope, self.V[chosen], self.strength[chosen], self.A[chosen])
 
     def g(self, z: FloatArray) -> FloatArray:
         slip = np.maximum(1 - z, _NEAREST)
-        return -self.e[:, None] * self.slope(self.V[:, None] * slip)
+        return -self.strength[:, None] * self.slope(self.V[:, None] * slip)
 
 
 def _start(law: FrictionLaw, problem: _Problem, size: int) -> State:
     """Return the second-order orbits, their phase shifted so that the highest velocity is at 0."""
     weak = expand(law, problem.V, problem.A, grid=size // 2)
-    e, n = problem.e[:, None], np.arange(size // 2)
-    shift = problem.e * (n * weak.sines).sum(axis=1) / problem.A
-    z = (e**2 * weak.cosines - 1j * e * weak.sines) / 2 * np.exp(1j * n * shift[:, None])
-    d = problem.e * weak.harmonic + problem.e**3 * weak.second
-    state = State(z, d, -2 * problem.e**2 * weak.slowing)
+    strength, n = problem.strength[:, None], np.arange(size // 2)
+    shift = problem.strength * (n * weak.sines).sum(axis=1) / problem.A
+    z = (strength**2 * weak.cosines - 1j * strength * weak.sines) / 2 * np.exp(1j * n * shift[:, None])
+    d = problem.strength * weak.harmonic + problem.strength**3 * weak.second
+    state = State(z, d, -2 * problem.strength**2 * weak.slowing)
     close(state, problem.A)
     return state
 
@@ -117,7 +117,7 @@ def _continued(law: FrictionLaw, problem: _Problem, rtol: float, work: Work) -> 
 
 
 def _scaled(problem: _Problem, part: float) -> _Problem:
-    return _Problem(problem.slope, problem.V, problem.e * part, problem.A)
+    return _Problem(problem.slope, problem.V, problem.strength * part, problem.A)
 
 
 def _extrapolated(before: tuple[float, State], last: tuple[float, State], part: float) -> State:
@@ -150,13 +150,13 @@ def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool
 def _harmonics(law: FrictionLaw, problem: _Problem, size: int) -> tuple[FloatArray, FloatArray]:
     """Return the harmonic damping over impedance, from the slopes on a grid and from slopes at every scale."""
     on_grid = expand(law, problem.V, problem.A, grid=size // 2).harmonic
-    return problem.e * on_grid, problem.e * averages(law, problem.V, problem.A)[0]
+    return problem.strength * on_grid, problem.strength * averages(law, problem.V, problem.A)[0]
 
 
 def orbits(
     law: FrictionLaw,
     V: ArrayLike,
-    e: ArrayLike,
+    strength: ArrayLike,
     A: ArrayLike = 1.0,
     *,
     rtol: float = 1e-13,
@@ -166,7 +166,7 @@ def orbits(
 
     - `law`: with all parameters bound, smooth on the speeds of the orbit.
     - `V`: belt speeds in m/s.
-    - `e`: N/sqrt(k m) in m/s.
+    - `strength`: N/sqrt(k m) in m/s.
     - `A`: highest velocity over belt speed, at most 1.
     - `rtol`: relative error of d at which the grid is fine enough, where rounding allows.
     - `most_work`: cubes of grids, summed over Newton steps and rows, after which what is not found yet is given
@@ -174,7 +174,7 @@ def orbits(
 
     An orbit that was not found has an infinite error, and no number for d.
     """
-    columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in (V, e, A)))
+    columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in (V, strength, A)))
     problem = _Problem(slopes(law), *(np.ravel(column) for column in columns))
     with np.errstate(all="ignore"):  # iterates that run away are given up
         work = Work(most_work)

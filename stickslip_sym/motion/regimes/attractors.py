@@ -83,7 +83,7 @@ class Separatrix:
         Displacement in m and velocity in m/s along it.
     kind : str
         "limit cycle": an unstable one, closed; "graze": the orbit that just touches the belt's speed, closed by
-        the piece of the line v = V between its ends.
+        the part of the line v = V between its ends.
     """
 
     x: FloatArray
@@ -294,7 +294,7 @@ def _separatrices(
     onset = osc.onset(law)
 
     def curve(slip: SlipPhase, kind: SeparatrixKind, forward: int = 1) -> Separatrix:
-        q, w = slip.at(np.linspace(slip.pieces[0].start.tau, slip.last.tau, _SAMPLES))
+        q, w = slip.at(np.linspace(slip.interpolants[0].start.tau, slip.last.tau, _SAMPLES))
         return Separatrix(onset + osc.length * forward * q, osc.V * (1 - w), kind)
 
     for cycle in orbits.cycles:

@@ -129,7 +129,7 @@ def simulate(
         if phase.end in _ENDS:
             note = str(phase.error or "") if phase.end is not End.UNBOUNDED else _GROWS
             return recorder.trajectory(_ENDS[phase.end], note)
-        steps += len(phase.pieces)
+        steps += len(phase.interpolants)
         tau, q, w = phase.last.tau, phase.last.q, phase.last.w
     return recorder.trajectory(Outcome.FINISHED)
 

@@ -48,7 +48,7 @@ def follow(
     while phase.end is End.HORIZON and phase.last.tau < horizon:
         if max_steps is None:
             check_time()
-        elif len(phase.pieces) >= max_steps:
+        elif len(phase.interpolants) >= max_steps:
             phase.end = End.STEPS
             break
         if (max_steps is not None and time_left() < 0) or time.monotonic() > deadline:

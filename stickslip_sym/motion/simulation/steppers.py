@@ -17,7 +17,7 @@ from scipy.integrate import DOP853, Radau
 
 from stickslip_sym.core.aliases import FloatArray, Numbers
 
-__all__ = ["Explicit", "Implicit", "Pair", "Piece", "Point", "Rates"]
+__all__ = ["Explicit", "Implicit", "Interpolant", "Pair", "Point", "Rates"]
 
 Pair = tuple[Numbers, Numbers] | FloatArray
 """q and w: two numbers, or two arrays."""
@@ -42,7 +42,7 @@ class Point:
     w: float
 
 
-class Piece(Protocol):
+class Interpolant(Protocol):
     """The interpolant of one step: rows q and w at times from that of `start` to `t`."""
 
     @property
@@ -83,7 +83,7 @@ class Explicit:
         """The rate w' now."""
         return self._first[1]
 
-    def step(self) -> Piece | None:
+    def step(self) -> Interpolant | None:
         """Take one step; None if none is short enough for the tolerance."""
         now, shortened = self.now, False
         while True:
@@ -207,7 +207,7 @@ class Implicit:
         """Of the next step, as far as it is foreseen."""
         return float(self._solver.h_abs)
 
-    def step(self) -> Piece | None:
+    def step(self) -> Interpolant | None:
         """Take one step; None if none is short enough for the tolerance, or the linear algebra fails."""
         start = self.now
         try:

@@ -108,19 +108,19 @@ class TaylorSteps:
         if not max(abs(now.q), abs(now.w)) < RUNAWAY:
             phase.end = _lost(before)
             return
-        piece = Series(before.tau, now.tau, integrator.tc.T.copy())
+        interpolant = Series(before.tau, now.tau, integrator.tc.T.copy())
         crosses = now.w <= 0 and not self.rising
         if crosses:
-            length, now = piece.crossing(length)
+            length, now = interpolant.crossing(length)
         advanced = now.tau > before.tau  # not to an extremum right here, which a step tried again may find again
-        if advanced and not _holds(self.scene, piece, length, now, phase.side):
+        if advanced and not _holds(self.scene, interpolant, length, now, phase.side):
             self.longest = length / 4
             return
         phase.last = now
         if advanced:
             self.longest = math.inf
-        if advanced or not phase.pieces:
-            phase.pieces.append(piece)
+        if advanced or not phase.interpolants:
+            phase.interpolants.append(interpolant)
         if crosses:
             phase.end = End.RETURN
             return
@@ -133,13 +133,13 @@ class TaylorSteps:
             phase.end = End.REST
 
 
-def _holds(scene: Scene, piece: Series, length: float, now: Point, side: int) -> bool:
+def _holds(scene: Scene, interpolant: Series, length: float, now: Point, side: int) -> bool:
     """Whether the rates at the end of a step are those that its series has there.
 
     The length of a step follows from its last coefficients, and they do not see a layer of the law ahead: of
     tanh(v/v_0) nothing is left in them at v = 20 v_0, and a step could pass from there to v = 0.
     """
-    error = length * abs(piece.rate(length) - scene.acceleration(now.q, now.w, side))
+    error = length * abs(interpolant.rate(length) - scene.acceleration(now.q, now.w, side))
     return error <= _DEFECT * max(1.0, abs(now.q), abs(now.w), length * scene.eta)
 
 

@@ -137,13 +137,13 @@ class _Choice:
         return np.flatnonzero(self.method == "")
 
     def settle(
-        self, rows: IntArray, rungs: dict[str, FloatArray], reference: FloatArray, doubt: FloatArray
+        self, rows: IntArray, values: dict[str, FloatArray], reference: FloatArray, doubt: FloatArray
     ) -> None:
         """Choose the first rung close enough to a reference that is itself in doubt by `doubt`.
 
-        Columns of rungs belong to all scenes, or like the reference to `rows` only.
+        The values of rungs belong to all scenes, or like the reference to `rows` only.
         """
-        for name, column in rungs.items():
+        for name, column in values.items():
             value = column if len(column) == len(rows) else column[rows]
             error = _distance(value, reference) + doubt
             fits = (self.method[rows] == "") & (error <= self.rtol)

@@ -2,7 +2,7 @@
 
 The nodes of a formula are analytic functions but for a few: a fraction at a zero of its denominator, a root or a
 logarithm where its argument is not positive, a tangent at its poles. So it is enough to show that each of these
-arguments is positive for v > 0, and that pieces meet without a jump.
+arguments is positive for v > 0, and that segments of mu meet without a jump.
 """
 
 from collections.abc import Iterator
@@ -68,10 +68,10 @@ def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
     kinks = law.kinks()
     ends = [sp.Integer(0), *kinks, law.v_max]
     for start, end in pairwise(ends):
-        piece = branch_from(law.expr, point, start)
-        for argument in _must_be_positive(piece.xreplace({symbols.v: _speed})):
+        segment = branch_from(law.expr, point, start)
+        for argument in _must_be_positive(segment.xreplace({symbols.v: _speed})):
             if argument is None:
-                return False, f"mu holds a function that is not analytic, in {piece}"
+                return False, f"mu holds a function that is not analytic, in {segment}"
             if not _is_positive(argument.xreplace(point), start, end):
                 return (
                     False,

@@ -254,16 +254,16 @@ def second_order(scenes: Scenes) -> tuple[FloatArray, FloatArray, FloatArray]:
     highest overtones do. It is one of the largest slope, not of the average, in which slopes may cancel.
     """
     weak = expand(scenes.law, scenes.V)
-    e = scenes.N / scenes.impedance
+    strength = scenes.N / scenes.impedance
     with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
-        value = scenes.N * (weak.harmonic + e**2 * weak.second)
+        value = scenes.N * (weak.harmonic + strength**2 * weak.second)
         # `tail` is relative to the largest slope.
         resolution = np.where(weak.tail == 0, 0.0, weak.tail * weak.largest / np.abs(weak.harmonic))
         # A layer of the law between v = 0 and the first phase would pass unseen.
         (everything,) = averages(scenes.law, scenes.V)
         unseen = np.abs(weak.harmonic - everything)
         resolution += np.where(unseen == 0, 0.0, unseen / np.abs(weak.harmonic))
-        distortion = e * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
+        distortion = strength * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
         size = scenes.N * np.maximum(weak.largest, np.abs(everything))
         next_order = np.where(distortion == 0, 0.0, distortion**4 * size / np.abs(value))
     return value, resolution, np.where(np.isnan(next_order), np.inf, next_order)
