@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
-from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
+from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
@@ -118,9 +118,7 @@ class _Column:
             if self.smooth:
                 return float(numerical_averages(scenes)[least_squares.name][0])
             return float(average(scenes, least_squares)[0])
-        except OutOfTime:
-            raise
-        except StickSlipError:
+        except NO_RESULT:
             return None
 
     # -- cells -------------------------------------------------------------------------------------
@@ -194,9 +192,7 @@ class _Column:
         """Tell whether the slip from P ends in stick, and not beyond what static friction holds."""
         try:
             cycle = stick_slip_cycle(self.law, replace(self.osc, c=c), rtol=self.fine)
-        except OutOfTime:
-            raise
-        except StickSlipError:
+        except NO_RESULT:
             return False
         return cycle is not None and cycle.v_max <= self.osc.V
 
@@ -210,9 +206,7 @@ class _Column:
     def _motion(self, c: float, x0: float, v0: float) -> Motion:
         try:
             found: Motion = classify(self.law, replace(self.osc, c=c), x0=x0, v0=v0, rtol=self.fine)
-        except OutOfTime:
-            raise
-        except StickSlipError:
+        except NO_RESULT:
             return Motion.UNDECIDED
         return found
 

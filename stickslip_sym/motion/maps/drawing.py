@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.path import Path
 
-__all__ = ["Region", "draw_basins", "draw_map", "regions_of"]
+__all__ = ["Region", "draw_basins", "draw_map", "edges", "regions_of"]
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def _paint(axes: "Axes", x: FloatArray, y: FloatArray, place: IntArray, kinds: l
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch, PathPatch
 
-    x_edges, y_edges = _edges(x), _edges(y)
+    x_edges, y_edges = edges(x), edges(y)
     axes.pcolormesh(
         x_edges, y_edges, place, cmap=ListedColormap([kind.color for kind in kinds]),
         vmin=-0.5, vmax=len(kinds) - 0.5, rasterized=True,
@@ -163,12 +163,12 @@ def _is_logarithmic(values: FloatArray) -> bool:
     return bool(np.ptp(np.diff(np.log(values))) < 0.1 * np.diff(np.log(values)).mean())
 
 
-def _edges(values: FloatArray) -> FloatArray:
+def edges(values: FloatArray) -> FloatArray:
     """Return the places half way between the values, and as far beyond the first and the last."""
     if values.size == 1:
         return values + np.array([-0.5, 0.5]) * (abs(float(values[0])) or 1.0) * 0.1
     if _is_logarithmic(values):
-        return np.exp(_edges(np.log(values)))
+        return np.exp(edges(np.log(values)))
     middle = (values[1:] + values[:-1]) / 2
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 

@@ -31,7 +31,7 @@ from stickslip_sym.output import drawing, markup
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Regime", "Rest", "Separatrix", "graze", "grows_far_out", "regime"]
+__all__ = ["Regime", "Rest", "Separatrix", "graze", "grows_far_out", "regime", "swing"]
 
 _SAMPLES = 257  # of a separatrix
 _LONGEST = 1e3  # of dimensionless time, for a separatrix
@@ -254,10 +254,10 @@ def _rest(law: FrictionLaw, osc: Oscillator, scene: Scene) -> Rest:
     x = osc.N * float(law.mu(osc.V)) / osc.k
     kink = next((i for i, branch in enumerate(scene.branches) if abs(branch.low - 1) <= _SAME), None)
     if kink is None:
-        rate, _ = _swing(osc, law.slope(osc.V))
+        rate, _ = swing(osc, law.slope(osc.V))
         return Rest(x, rate, rate < 0)
     before, after = (scene.branches[i].mu(1.0) for i in (kink - 1, kink))
-    sides = [_swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
+    sides = [swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
     ends_here = any(rate < 0 and math.isinf(time) for rate, time in sides)
     if abs(after - before) > _SAME * max(abs(before), abs(after)) and osc.N > 0:
         # Where mu jumps up it holds the mass as static friction does; where it jumps down it drives it off.
@@ -270,7 +270,7 @@ def _rest(law: FrictionLaw, osc: Oscillator, scene: Scene) -> Rest:
     return Rest(x, rate, rate < 0)
 
 
-def _swing(osc: Oscillator, slope: float) -> tuple[float, float]:
+def swing(osc: Oscillator, slope: float) -> tuple[float, float]:
     """Return the growth rate of small motions where mu has a slope, and how long half a swing takes."""
     growth = -(osc.c + osc.N * slope) / (2 * osc.m)
     excess = (growth - osc.omega) * (growth + osc.omega)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
-from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
+from stickslip_sym.core.errors import NO_RESULT, NotConverged, OutOfTime
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.thresholds.rungs import Rung, average, ladder, numerical_averages, rungs
 from stickslip_sym.motion.thresholds.scenes import Scenes
@@ -44,9 +44,7 @@ def _best(scenes: Scenes, rtol: float) -> tuple[FloatArray, FloatArray]:
         for row in np.flatnonzero(~(error <= max(rtol, _GOOD))):
             try:
                 found = rung.compute(scenes.rows([int(row)]), max(rtol, _GOOD))
-            except OutOfTime:
-                raise
-            except StickSlipError:
+            except NO_RESULT:
                 continue
             if found.error[0] < error[row]:
                 value[row], error[row] = found.value[0], found.error[0]
