@@ -66,8 +66,10 @@ def test_the_legend_names_the_curves_that_are_drawn():
     for rows in ([9.81], [5.0, 9.81]):
         found = ss.motion_map(law, x=("V", V), y=("N", rows), c=2.0, m=1.0, k=100.0)
         figure = found.plot()
-        drawn = [
-            one for one in figure.axes[0].collections if isinstance(one, contour.ContourSet) and one.get_paths()
+        contours = [one for one in figure.axes[0].collections if isinstance(one, contour.ContourSet)]
+        drawn = [one for one in contours if one.get_paths()]
+        texts = [text.get_text() for text in figure.legends[0].get_texts()]
+        named = [text for text in texts if re.search("threshold|criterion", text)]
         ]
         named = [
             text for text in figure.legends[0].get_texts() if re.search("threshold|criterion", text.get_text())
