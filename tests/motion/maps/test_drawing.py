@@ -70,10 +70,6 @@ def test_the_legend_names_the_curves_that_are_drawn():
         drawn = [one for one in contours if one.get_paths()]
         texts = [text.get_text() for text in figure.legends[0].get_texts()]
         named = [text for text in texts if re.search("threshold|criterion", text)]
-        ]
-        named = [
-            text for text in figure.legends[0].get_texts() if re.search("threshold|criterion", text.get_text())
-        ]
         assert len(named) == len(drawn) == (3 if len(rows) > 1 else 0)
 
 
