@@ -25,11 +25,7 @@ from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 # Everything that needs SymPy is imported by the command that uses it: help must come at once.
 from stickslip_sym.core.version import __version__
 
-app = typer.Typer(
-    name="stickslip",
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-)
+app = typer.Typer(name="stickslip", rich_markup_mode=None, pretty_exceptions_enable=False)
 
 BAD_INPUT, NOT_FOUND, INTERRUPTED = 2, 1, 130
 

@@ -34,11 +34,7 @@ class Check:
 
 
 def crosscheck(
-    law: FrictionLaw,
-    criterion: Criterion,
-    scene: Mapping[str, Number],
-    form: ClosedForm | None,
-    digits: int = 50,
+    law: FrictionLaw, criterion: Criterion, scene: Mapping[str, Number], form: ClosedForm | None, digits: int = 50
 ) -> list[Check]:
     """Compute a closed form, the quadrature of its definition, and the event-driven threshold.
 
@@ -104,12 +100,7 @@ def _deserved(value: Mpf, error: float) -> int:
 def report(checks: list[Check]) -> str:
     """Return the checks as a table, and below it, in lines of a readable length, what has no number."""
     rows = [
-        [
-            check.method,
-            check.value,
-            f"{check.difference:.2g}",
-            duration(check.seconds),
-        ]
+        [check.method, check.value, f"{check.difference:.2g}", duration(check.seconds)]
         for check in checks
         if check.difference is not None
     ]

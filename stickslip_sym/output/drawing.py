@@ -16,13 +16,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Drawn", "label", "picture", "require_matplotlib", "save"]
+    from stickslip_sym.core.aliases import FloatArray
+
+__all__ = ["Drawn", "dense", "label", "picture", "require_matplotlib", "save"]
 
 _STYLE: Any = {
     "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "stickslip_sym",  # the same picture is the same file
     "hatch.linewidth": 0.6,
 }
+_DENSE = 8  # points drawn for each step of an integration
 _INLINE = 90  # pixels an inch, of a picture among text
 _POINT = 4  # half the width of a point, in pixels
 _NEAR = 12  # points of height up to which a label needs no line to what it names
@@ -114,6 +117,13 @@ def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
         figure.savefig(stream, format="png", dpi=_INLINE, metadata={"Software": None})
     content = b64encode(stream.getvalue()).decode()
     return Markup(f'<img src="data:image/png;base64,{content}" alt="{escape(alt)}"/>')
+
+
+def dense(ends: "FloatArray") -> "FloatArray":
+    """Return places between the ends of steps, dense enough for a smooth curve."""
+    import numpy as np
+
+    return np.interp(np.arange(_DENSE * (ends.size - 1) + 1) / _DENSE, np.arange(ends.size), ends)
 
 
 def save(figure: "Figure", path: Path) -> None:

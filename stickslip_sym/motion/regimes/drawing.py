@@ -5,13 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.automaton import simulate
 from stickslip_sym.motion.simulation.trajectory import Trajectory
-from stickslip_sym.output.drawing import require_matplotlib
+from stickslip_sym.output.drawing import dense, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,7 +20,6 @@ __all__ = ["draw_regime"]
 Style = dict[str, Any]
 _SECONDS = 2.0  # of computation, for a curve that is a period of a motion
 _RTOL = 1e-8
-_DENSE = 8  # points drawn for each step of the integration
 _STICK_SLIP: Style = {"color": "black", "linewidth": 2.2}
 _STABLE: Style = {"color": "#009E73", "linewidth": 2.2}
 _UNSTABLE: Style = {"color": "#D55E00", "linewidth": 1.2, "linestyle": "--"}
@@ -42,7 +40,7 @@ def draw_regime(found: Any) -> "Figure":
     figure = Figure(figsize=(5.6, 4.6), layout="constrained")
     axes = figure.add_subplot()
     for motion, label, style in _periodic(found, found.law, found.oscillator):
-        state = motion.at(_times(motion))
+        state = motion.at(dense(np.unique(motion.t)))
         axes.plot(state.x, state.v, label=label, **style)
     for curve in found.separatrices:
         if curve.kind != "limit cycle":  # which is drawn as the cycle that it is
@@ -76,9 +74,3 @@ def _periodic(found: Any, law: FrictionLaw, osc: Oscillator) -> Iterator[tuple[T
         style = _STABLE if cycle.stable else _UNSTABLE
         name = "pure-slip cycle" if cycle.stable else "pure-slip cycle, unstable"
         yield period(start, cycle.amplitude, cycle.period), name, style
-
-
-def _times(motion: Trajectory) -> FloatArray:
-    """Return times dense enough for a smooth curve."""
-    ends = np.unique(motion.t)
-    return np.interp(np.arange(_DENSE * (ends.size - 1) + 1) / _DENSE, np.arange(ends.size), ends)

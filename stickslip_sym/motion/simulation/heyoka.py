@@ -62,10 +62,7 @@ def _compile(expr: Expr, parameters: tuple[Expr, ...]) -> "taylor_adaptive":
     mu = _translated(expr, leaves | {symbols.v: speed * w}, heyoka)
     rate = eta * (side * static - mu) + side * q - 2.0 * zeta * w
     return heyoka.taylor_adaptive(
-        [(q, 1.0 - side * w), (w, rate)],
-        [0.0, 0.0],
-        t_events=[heyoka.t_event(rate)],
-        compact_mode=True,
+        [(q, 1.0 - side * w), (w, rate)], [0.0, 0.0], t_events=[heyoka.t_event(rate)], compact_mode=True
     )
 
 
@@ -111,12 +108,9 @@ def _translated(expr: Expr, leaves: "dict[Expr, expression]", heyoka: ModuleType
     if isinstance(expr, sp.Mul):
         return heyoka.prod(arguments)
     if isinstance(expr, sp.Pow):
-        return _power(arguments[0], int(expr.exp)) if _is_whole(expr.exp) else arguments[0] ** arguments[1]
+        whole = expr.exp.is_Integer and expr.exp > 0
+        return _power(arguments[0], int(expr.exp)) if whole else arguments[0] ** arguments[1]
     return 1.0 / heyoka.cosh(*arguments) if name == "sech" else getattr(heyoka, name)(*arguments)
-
-
-def _is_whole(exponent: Expr) -> bool:
-    return bool(exponent.is_Integer and exponent > 0)
 
 
 def _power(base: "expression", exponent: int) -> "expression":

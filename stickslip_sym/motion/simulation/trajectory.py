@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 __all__ = ["Course", "Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Tendency", "Trajectory"]
 
 _ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
-_DRAWN = 8  # points drawn for each step of the integration
 _SHOWN = 3000  # steps in the picture of a notebook, some hundred rounds; more take seconds to draw
 
 
@@ -277,7 +276,7 @@ class Trajectory:
                 first = np.searchsorted(self.t, max(stretch.start, since), side="right")
                 inner = self.t[first : np.searchsorted(self.t, stretch.end)]
                 ends = np.array([max(stretch.start, since), *inner, stretch.end])
-                t = np.interp(np.arange(_DRAWN * (ends.size - 1) + 1) / _DRAWN, np.arange(ends.size), ends)
+                t = drawing.dense(ends)
                 parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]
         return np.concatenate(parts, axis=1)
 

@@ -22,19 +22,8 @@ from stickslip_sym.motion.thresholds.box_scene import BoxScene
 __all__ = ["checked_hypotheses", "lipschitz_evidence"]
 
 _ANALYTIC = (
-    sp.exp,
-    sp.sin,
-    sp.cos,
-    sp.sinh,
-    sp.cosh,
-    sp.tanh,
-    sp.sech,
-    sp.atan,
-    sp.asinh,
-    sp.erf,
-    sp.erfc,
-    sp.erfi,
-)
+    sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.atan, sp.asinh, sp.erf, sp.erfc, sp.erfi,
+)  # fmt: skip
 _BITS = 64
 _MOST_CUTS = 400  # of a range on which a sign is shown
 _speed = sp.Symbol("v", positive=True)
