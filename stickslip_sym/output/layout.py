@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.notation import latex_name
 
-__all__ = ["LINE", "displayed", "key", "prose", "width"]
+__all__ = ["LINE", "broken", "displayed", "key", "prose", "width"]
 
 LINE = 341.0  # points in 120 mm
 _NUMBER = 32.0  # of them for the number of the equation
@@ -93,11 +93,11 @@ def displayed(left: str, right: str, *, relation: str = "=", label: str = "", ta
     if width(start + right) <= room:
         return f"\\begin{{{environment}}}\n{mark}  {start}{right}\n\\end{{{environment}}}"
     if width(start) <= _HANGING * room:
-        rows = _lines(right, room - width(start), room - width(start) - _INDENT)
+        rows = broken(right, room - width(start), room - width(start) - _INDENT)
         rows = [f"{left} &{relation} {rows[0]}", *(f"&\\quad {row}" for row in rows[1:])]
     else:
-        above = _lines(left, room, room - _INDENT)
-        below = _lines(right, room - 2 * _INDENT, room - 2 * _INDENT)
+        above = broken(left, room, room - _INDENT)
+        below = broken(right, room - 2 * _INDENT, room - 2 * _INDENT)
         rows = ["& " + above[0], *(f"&\\quad {row}" for row in above[1:])]
         rows += [f"&\\quad {{}}{relation} {below[0]}", *(f"&\\qquad {row}" for row in below[1:])]
     inner = " \\\\\n  ".join(rows)
@@ -105,7 +105,7 @@ def displayed(left: str, right: str, *, relation: str = "=", label: str = "", ta
     return f"\\begin{{{environment}}}\n{mark}{body}\n\\end{{{environment}}}"
 
 
-def _lines(latex: str, first: float, later: float) -> list[str]:
+def broken(latex: str, first: float, later: float) -> list[str]:
     """Break a formula into lines of at most so many points, the first one of another length."""
     places, end = _places(latex)
     rows, begin, done, room = [], 0, 0.0, first

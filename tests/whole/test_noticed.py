@@ -272,7 +272,7 @@ def test_terms_are_counted_before_they_are_multiplied_out(rng):
 
 def test_a_line_is_not_broken_where_hardly_anything_stands_on_it():
     inner = " + ".join(f"b_{{{i}}}" for i in range(40))
-    rows = layout._lines(f"a + ({inner})", 200.0, 200.0)
+    rows = layout.broken(f"a + ({inner})", 200.0, 200.0)
     assert len(rows[0]) > 40
 
 

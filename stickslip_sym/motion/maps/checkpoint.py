@@ -21,7 +21,7 @@ from stickslip_sym.core.version import __version__
 from stickslip_sym.motion.maps.workers import Workers, check_workers, run
 from stickslip_sym.output.files import require_name
 
-__all__ = ["UNFINISHED", "Plain", "Progress", "collect"]
+__all__ = ["UNFINISHED", "Plain", "Progress", "collect", "limited"]
 
 UNFINISHED = "unfinished"
 """The key of a result that says whether the time was up before it was whole; such a one is not kept."""
@@ -59,7 +59,7 @@ def collect(
             found = file.resume(request, len(tasks))
         told(len(found), len(tasks))
         left = [index for index in range(len(tasks)) if index not in found]
-        for place, result in run(_limited(function), [tasks[index] for index in left], workers):
+        for place, result in run(limited(function), [tasks[index] for index in left], workers):
             if file is not None and not (isinstance(result, dict) and result.get(UNFINISHED)):
                 file.keep(left[place], result)
             found[left[place]] = result
@@ -67,7 +67,7 @@ def collect(
     return [found[index] for index in range(len(tasks))]
 
 
-def _limited(function: Function) -> Function:
+def limited(function: Function) -> Function:
     """Let a function heed in other processes, too, what is left of the time here."""
     left = time_left()
     return function if math.isinf(left) else partial(_until, time.time() + left, function)

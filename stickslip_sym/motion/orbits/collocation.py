@@ -14,7 +14,7 @@ from stickslip_sym.core.deadline import check_time
 
 __all__ = [
     "CLOSE", "GRIDS", "ROUNDING", "Problem", "State", "Work", "close", "frequency", "grid", "largest_slope",
-    "refined", "values",
+    "refined", "solved", "values",
 ]  # fmt: skip
 
 GRIDS = (32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)  # points a period
@@ -138,7 +138,7 @@ def _step(problem: Problem, state: State) -> tuple[FloatArray, FloatArray]:
     by_sigma = ((d_fast - 1)[:, None] / n**2 - d_fast[:, None]) * state.z[:, 1:]
     enter(slice(2 * K - 1, 2 * K), by_sigma[:, :, None])
     right = -np.concatenate([residual.real, residual.imag], axis=1)
-    change = _solved(matrix, right)
+    change = solved(matrix, right)
     state.z[:, 2:] += (change[:, : K - 1] - 1j * change[:, K - 1 : 2 * K - 2]) / 2
     state.d += change[:, -2]
     state.sigma += change[:, -1]
@@ -146,7 +146,7 @@ def _step(problem: Problem, state: State) -> tuple[FloatArray, FloatArray]:
     return np.abs(change).max(axis=1) / np.minimum(1.0, strength), np.abs(push) / strength[:, None]
 
 
-def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
+def solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
     """Solve the equations of a Newton step, by blocks that BLAS and LAPACK take by one thread.
 
     For matrices of this size several threads wait for each other longer than they work, more so where other
