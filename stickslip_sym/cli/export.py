@@ -26,6 +26,7 @@ Code = make_dataclass(
         (name, Annotated[Path | None, file_option(f"--{name}", text)], field(default=None))
         for name, text in DESCRIPTIONS.items()
     ],
+    frozen=True,
 )
 """A file for each language of the table."""
 
