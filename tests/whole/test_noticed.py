@@ -230,8 +230,8 @@ def test_what_is_returned_cannot_be_changed():
     results = [one for one in classes if is_dataclass(one) and not one.__name__.startswith("_")]
     assert len(results) > 40
     mutable = {result.__name__ for result in results if not result.__dataclass_params__.frozen}
-    # Steps are added to a derivation, interpolants to a phase that is followed, cells to those of a map, and better rows
-    # to the state of an iteration, which counts its work.
+    # Steps are added to a derivation, interpolants to a phase that is followed, cells to those of a map, and
+    # better rows to the state of an iteration, which counts its work.
     assert mutable == {"Cells", "Derivation", "SlipPhase", "State", "Work"}
 
 
