@@ -1,5 +1,6 @@
 """The command line in use: what it suggests, what other programs get from it, and what a shell completes."""
 
+import dataclasses
 import math
 import os
 import shlex
@@ -9,11 +10,13 @@ import sys
 from pathlib import Path
 
 import pytest
+import typer
 from commands import read_json, run, shell
 from systems import WINDOWS, needs_posix_shell
 
 import stickslip_sym as ss
-from stickslip_sym.cli import completion, json_output, program, reading, tradeoff
+from stickslip_sym.cli import completion, json_output, options, program, reading, tradeoff
+from stickslip_sym.cli.law import Description, LawOptions
 from stickslip_sym.comparison.tradeoff import Way
 from stickslip_sym.motion.thresholds import rungs
 
@@ -38,6 +41,17 @@ def test_every_command_is_tried_here():
     assert {info.cls for info in registered().values()} == {reading.Command}
 
 
+def test_every_command_of_one_law_has_all_options_of_a_law_and_a_scene():
+    commands = typer.main.get_command(program.app).commands
+    one_law = [name for name, command in commands.items() if any("--from-csv" in p.opts for p in command.params)]
+    assert one_law == ["derive", "damping", "simulate", "map", "tradeoff"]
+    wanted = {field.name for group in (LawOptions, options.SceneOptions) for field in dataclasses.fields(group)}
+    for name in one_law:
+        assert wanted <= {parameter.name for parameter in commands[name].params}
+    description = {field.name for field in dataclasses.fields(Description)}
+    assert description <= {parameter.name for parameter in commands["export"].params}
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_example_in_the_help_works(name, monkeypatch, capsys, tmp_path):
     monkeypatch.chdir(tmp_path)
@@ -45,7 +59,7 @@ def test_the_example_in_the_help_works(name, monkeypatch, capsys, tmp_path):
     words = shlex.split(help_text.split("Example: ")[1].split("\n\n")[0])
     assert words[:2] == ["stickslip", name]
     if name in ("map", "tradeoff"):  # seconds of work; that the line is read is enough
-        monkeypatch.setattr(f"stickslip_sym.cli.{name}.read_law", _reached)
+        monkeypatch.setattr(LawOptions, "bound", _reached)
         with pytest.raises(LookupError, match="reached"):
             run(monkeypatch, capsys, *words[1:])
     else:
@@ -159,7 +173,7 @@ def test_tradeoff_as_json(monkeypatch, capsys):
     assert ways["stable function, one value"]["relative_error"] < 1e-14
     assert said["criterion"] == "least_squares"
     none = Way("plain lambdify, array", math.nan, math.nan)
-    assert set(tradeoff._way(none).values()) == {none.name, None}
+    assert set(tradeoff.as_json_of(none).values()) == {none.name, None}
 
 
 def test_simulate_as_json(monkeypatch, capsys):

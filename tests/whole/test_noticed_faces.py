@@ -265,4 +265,4 @@ def test_durations_have_the_unit_that_suits_them(seconds, text):
 
 @pytest.mark.parametrize(("value", "half"), [(2.0, 0.1), (-2.0, 0.1), (0.0, 0.05)])
 def test_a_single_cell_has_edges_beside_its_value(value, half):
-    assert drawing._edges(np.array([value])) == pytest.approx([value - half, value + half])
+    assert drawing.edges(np.array([value])) == pytest.approx([value - half, value + half])

@@ -1,13 +1,14 @@
 """`basin_map`: which motion each start leads to."""
 
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.aliases import FloatArray, ObjectArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.content import law_of_text, text_of_law
@@ -15,11 +16,14 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, read_values, require_few
 from stickslip_sym.motion.maps.cells import MOTIONS
-from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Progress, collect
+from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Plain, Progress, collect
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify
 from stickslip_sym.output import drawing, files, markup
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["BasinMap", "basin_map"]
 
@@ -42,11 +46,11 @@ class BasinMap(drawing.Drawn):
         By row and column, why a start failed.
     """
 
-    x0: Any
-    v0: Any
+    x0: FloatArray
+    v0: FloatArray
     law: FrictionLaw
     oscillator: Oscillator
-    motion: Any
+    motion: ObjectArray
     regime: Regime
     notes: dict[tuple[int, int], str]
 
@@ -93,7 +97,7 @@ class BasinMap(drawing.Drawn):
         arrays |= {name: np.array(value) for name, value in asdict(self.oscillator).items()}
         files.write_npz(Path(path), arrays)
 
-    def _figure(self) -> Any:
+    def _figure(self) -> "Figure":
         from stickslip_sym.motion.maps.drawing import draw_basins
 
         return draw_basins(self)
@@ -103,8 +107,8 @@ def basin_map(
     law: FrictionLaw,
     osc: Oscillator,
     *,
-    x0: Iterable[float],
-    v0: Iterable[float],
+    x0: ArrayLike,
+    v0: ArrayLike,
     rtol: float = 1e-10,
     workers: Workers = 1,
     checkpoint: str | Path | None = None,
@@ -154,7 +158,7 @@ def basin_map(
     return BasinMap(places, speeds, law, osc, motion, found, notes)
 
 
-def classify_line(task: dict[str, Any]) -> dict[str, Any]:
+def classify_line(task: Plain) -> Plain:
     """Classify the starts of one line of a basin map: plain content in, plain content out."""
     law, osc = law_of_text(task["law"]), Oscillator(**task["oscillator"])
     motion, notes, unfinished = [], [], False
