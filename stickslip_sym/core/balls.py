@@ -17,6 +17,7 @@ import sympy as sp
 from flint import acb, arb, arb_series, ctx, fmpq
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.kinds import Expr
 from stickslip_sym.core.lerch import Lerch
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "ball",
     "ball_function",
     "ball_value",
+    "flat_arguments",
     "rational",
     "series_function",
     "working_precision",
@@ -31,6 +33,8 @@ __all__ = [
 
 BallFunction = Callable[[acb, bool], acb]
 """A function of a ball; the flag asks for a ball that is not finite where it is not analytic."""
+Otherwise = Callable[[Expr, list[acb]], acb]
+"""From a function that has no ball here, and the balls of its arguments, to a ball around its value."""
 
 _LARGEST_POWER = 64  # of an integer exponent that is multiplied out; a power by logarithm fails around 0
 _lock = threading.RLock()  # Arb's precision is one setting of the whole process
@@ -62,9 +66,25 @@ def ball(value: Any) -> acb:
     return acb(rational(value))
 
 
-def ball_value(expr: Any, point: Mapping[Any, Any]) -> acb:
-    """Return a ball around the value of an expression at exact rational values of its symbols."""
-    return _constant(_chosen(expr, point), {symbol: ball(value) for symbol, value in point.items()})
+def ball_value(expr: Expr, point: Mapping[Expr, Expr | acb], otherwise: Otherwise | None = None) -> acb:
+    """Return a ball around the value of an expression at values of its symbols.
+
+    Parameters
+    ----------
+    expr : sympy.Expr
+    point : mapping
+        Exact rational values of its symbols, or balls.
+    otherwise : callable, optional
+        Takes a function that is not among those enclosed, or has no finite ball there, and the balls of its
+        arguments; returns a ball in its place.
+
+    Raises
+    ------
+    InputError
+        For a function that is not in the list, unless `otherwise` serves it.
+    """
+    values = {symbol: value if isinstance(value, acb) else ball(value) for symbol, value in point.items()}
+    return _constant(_chosen(expr, point), values, otherwise)
 
 
 def ball_function(expr: Any, variable: Any, point: Mapping[Any, Any]) -> BallFunction:
@@ -246,6 +266,8 @@ _OF_CONSTANTS: dict[Any, Callable[..., acb]] = {
     sp.lowergamma: lambda s, z: z.gamma_lower(s),
     sp.uppergamma: lambda s, z: z.gamma_upper(s),
     sp.gamma: acb.gamma,
+    sp.besselj: lambda order, z: z.bessel_j(order),
+    sp.expint: lambda s, z: z.expint(s),
     sp.polylog: lambda s, z: z.polylog(s),
     sp.zeta: acb.zeta,
     sp.dirichlet_eta: acb.dirichlet_eta,
@@ -264,7 +286,7 @@ _OF_CONSTANTS: dict[Any, Callable[..., acb]] = {
 """Functions of constants only, which closed forms hold."""
 
 
-def _constant(expr: Any, values: Mapping[Any, acb]) -> acb:
+def _constant(expr: Expr, values: Mapping[Expr, acb], otherwise: Otherwise | None = None) -> acb:
     """Return a ball around an expression whose symbols have values."""
     if expr.is_Rational:
         return ball(expr)
@@ -272,15 +294,30 @@ def _constant(expr: Any, values: Mapping[Any, acb]) -> acb:
         return values[expr]
     if expr in _NUMBERS:
         return _NUMBERS[expr]()
-    if isinstance(expr, sp.hyper):
-        top, bottom = ([_constant(part, values) for part in group] for group in expr.args[:2])
-        return _constant(expr.args[2], values).hypgeom([*top], [*bottom])
     kind = sp.exp if expr.is_Pow and expr.base is sp.E else type(expr)
     if kind is sp.Pow and expr.exp.is_Integer and abs(expr.exp) <= _LARGEST_POWER:
-        return acb(_whole_power(_constant(expr.base, values), int(expr.exp)))
-    arguments = [_constant(argument, values) for argument in ((expr.exp,) if kind is sp.exp else expr.args)]
+        return acb(_whole_power(_constant(expr.base, values, otherwise), int(expr.exp)))
+    parts = (expr.exp,) if kind is sp.exp else flat_arguments(expr)
+    arguments = [_constant(part, values, otherwise) for part in parts]
+    found = _of_constants(kind, arguments, expr)
+    if otherwise is not None and isinstance(expr, sp.Function) and (found is None or not found.is_finite()):
+        return otherwise(expr, arguments)
+    if found is None:
+        raise InputError(f"{kind.__name__} is not among the functions that are enclosed")
+    return found
+
+
+def _of_constants(kind: type[Expr], arguments: list[acb], expr: Expr) -> acb | None:
+    if kind is sp.hyper:
+        top = len(expr.args[0])
+        return arguments[-1].hypgeom([*arguments[:top]], [*arguments[top:-1]])
     if kind in _OF_CONSTANTS:
         return _OF_CONSTANTS[kind](*arguments)
-    if kind in _BALLS.functions:
-        return acb(_BALLS.functions[kind](arguments[0], False))
-    raise InputError(f"{kind.__name__} is not among the functions that are enclosed")
+    return acb(_BALLS.functions[kind](arguments[0], False)) if kind in _BALLS.functions else None
+
+
+def flat_arguments(expr: Expr) -> list[Expr]:
+    """Return the arguments of a function; those of a hypergeometric one stand in tuples."""
+    return [
+        part for argument in expr.args for part in (argument if isinstance(argument, sp.Tuple) else [argument])
+    ]

@@ -5,24 +5,27 @@ of the tanh-sinh rule: it forgives infinite values at the ends, and what the two
 """
 
 from collections.abc import Callable, Mapping
-from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
 import mpmath
 import sympy as sp
+from flint import arb
 from sympy.core.function import AppliedUndef
 
-from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.balls import working_precision
+from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.kinds import Mpf
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.formula.evaluation.bounded import Bounded, Uncertain, bounded
+from stickslip_sym.formula.evaluation.exact import formula_ball, from_mpmath, in_mpmath
 
 __all__ = ["NotFinite", "certain_value"]
 
-_PRECISIONS = (30, 60, 120)  # digits at which a formula is taken until its error is small
-_ENOUGH = mpmath.mpf("1e-25")  # of its size, an error that is small
+_PRECISIONS = (110, 220, 440, 880)  # bits at which a formula is taken until its error is small
+_ENOUGH = 83  # bits of a value, 25 digits, that are enough
 _QUADRATURES = (28, 42)  # digits of the two quadratures
 _MOST_DEGREE = 9  # of the tanh-sinh rule: it halves its step so many times
+_NEAR_BITS = 400  # for the integrand there
 _NEAR = tuple(sp.Rational(1, 10**k) for k in (12, 24))  # of the way to a place where the integrand may be infinite
 
 
@@ -30,8 +33,8 @@ class NotFinite(ArithmeticError):
     """An expression that has no finite value, for certain; the message says where it fails."""
 
 
-def certain_value(expr: Any, point: Mapping[Any, Any]) -> Bounded:
-    """Return an expression at exact values of its symbols and examples of its functions, and a bound of the error.
+def certain_value(expr: Any, point: Mapping[Any, Any]) -> tuple[Mpf, Mpf]:
+    """Return an expression at exact values of its symbols and examples of its functions, and an error bound.
 
     Raises
     ------
@@ -49,19 +52,21 @@ def certain_value(expr: Any, point: Mapping[Any, Any]) -> Bounded:
     if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo) and not expr.has(sp.Integral):
         raise NotFinite(f"it is {expr}")
     plain = {key: value for key, value in point.items() if key not in functions}
-    known = {key: Bounded(Fraction(int(value.p), int(value.q)), mpmath.mpf(0)) for key, value in plain.items()}
-    for integral in _outermost_integrals(expr):
-        known[integral] = _integral(integral, plain)
-    for digits in _PRECISIONS:
-        try:
-            with mpmath.workdps(digits):
-                found = bounded(expr, known)
-        except Uncertain:
-            continue
-        except (ZeroDivisionError, ValueError, OverflowError) as failure:
-            raise NotFinite(str(failure) or "a function has no value there") from None
-        if found.is_exact or found.error <= _ENOUGH * abs(found.value) or digits == _PRECISIONS[-1]:
-            return found
+    integrals = {node: sp.Dummy(real=True) for node in _outermost_integrals(expr)}
+    known = {symbol: from_mpmath(*_integral(node, plain)) for node, symbol in integrals.items()}
+    expr = expr.xreplace(integrals).xreplace(plain)
+    if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+        raise NotFinite("a function has no value there")
+    for bits in _PRECISIONS:
+        with working_precision(bits):
+            try:
+                value, _ = formula_ball(expr, known)
+            except InputError as failure:
+                raise NotConverged(str(failure)) from None
+            except (ZeroDivisionError, ValueError, OverflowError) as failure:
+                raise NotFinite(str(failure) or "a function has no value there") from None
+            if value.is_finite() and (value.rel_accuracy_bits() >= _ENOUGH or bits == _PRECISIONS[-1]):
+                return in_mpmath(value), in_mpmath(arb(value.rad()))
     raise NotConverged("its value is not certain")
 
 
@@ -75,7 +80,7 @@ def _outermost_integrals(expr: Any) -> list[Any]:
     return list(found)
 
 
-def _integral(integral: Any, point: Mapping[Any, Any]) -> Bounded:
+def _integral(integral: Any, point: Mapping[Any, Any]) -> tuple[Mpf, Mpf]:
     """Return an integral and its error."""
     integral = integral.subs(point)
     if not isinstance(integral, sp.Integral) or integral.function.is_polynomial(*integral.variables):
@@ -109,7 +114,7 @@ def _integral(integral: Any, point: Mapping[Any, Any]) -> Bounded:
                                      for panels in results)  # fmt: skip
         size = mpmath.fsum(panel[0] for panel in results[-1])
         error = 2 * abs(fine - rough) + doubt + abs(size) * mpmath.mpf(10) ** (2 - _QUADRATURES[-1])
-        return Bounded(sign * fine, error)
+        return sign * fine, error
 
 
 def _panel(function: Callable[[Any], Any], left: Any, right: Any) -> tuple[Any, Any]:
@@ -169,14 +174,13 @@ def _require_integrable(f: Any, x: Any, place: Any, way: Any) -> None:
     """Refuse an integrand that grows like 1/x or faster towards a place."""
     sizes = []
     for share in _NEAR:
-        with mpmath.workdps(100):
+        with working_precision(_NEAR_BITS):
             try:
-                value, error = bounded(f.xreplace({x: place + share * way}), {})
-            except (Uncertain, ZeroDivisionError, ValueError, OverflowError):
+                found, _ = formula_ball(f.xreplace({x: place + share * way}), {})
+            except (InputError, NotConverged, ArithmeticError, ValueError):
                 return
-            value = mpmath.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
-            if error > abs(value) / 8:
+            if not found.rel_accuracy_bits() > 3:
                 return
-            sizes.append(abs(value) * mpmath.mpf(share.p) / share.q)
+            sizes.append(abs(in_mpmath(found)) * mpmath.mpf(share.p) / share.q)
     if sizes[0] > 0 and sizes[1] > sizes[0] / 2:
         raise NotFinite(f"the integrand grows like 1/x or faster at {place}")

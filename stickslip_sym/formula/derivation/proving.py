@@ -12,7 +12,6 @@ import random
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from fractions import Fraction
 from typing import Any
 
 import mpmath
@@ -20,8 +19,8 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.kinds import Mpf
 from stickslip_sym.formula.derivation.certain import NotFinite, certain_value
-from stickslip_sym.formula.evaluation.bounded import Bounded
 from stickslip_sym.formula.integration.normal_form import normal_form
 from stickslip_sym.formula.integration.theorems import By
 from stickslip_sym.output import markup
@@ -104,7 +103,7 @@ def _compared(lhs: Any, rhs: Any, obstacle: str) -> Verdict:
     """Compare two sides at points: refute them only if they differ by more than the errors of both."""
     agreed = 0
     for point in _points(lhs, rhs):
-        sides: list[Bounded] = []
+        sides: list[tuple[Mpf, Mpf]] = []
         for name, side in (("left", lhs), ("right", rhs)):
             try:
                 sides.append(certain_value(side, point))
@@ -116,7 +115,7 @@ def _compared(lhs: Any, rhs: Any, obstacle: str) -> Verdict:
         if len(sides) < 2:
             continue
         with mpmath.workdps(4 * _DIGITS):
-            (left, left_error), (right, right_error) = ((_number(side.value), side.error) for side in sides)
+            (left, left_error), (right, right_error) = sides
             difference, error, size = abs(left - right), left_error + right_error, abs(left) + abs(right)
             if difference > error:
                 shown = [mpmath.nstr(value, _digits_apart(size, difference)) for value in (left, right)]
@@ -128,10 +127,6 @@ def _compared(lhs: Any, rhs: Any, obstacle: str) -> Verdict:
         return Verdict(Status.UNDECIDED, evidence)
     where = f"{_SAMPLES} seeded points" if agreed == _SAMPLES else f"{agreed} of {_SAMPLES} seeded points"
     return Verdict(Status.CHECKED, f"equal to {_DIGITS - 8} digits at {where}; {obstacle}")
-
-
-def _number(value: Any) -> Any:
-    return mpmath.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
 
 
 def _digits_apart(size: Any, difference: Any) -> int:
@@ -152,11 +147,9 @@ def prove_positive(expr: Any) -> Verdict:
             return Verdict(Status.REFUTED, f"it is not finite, {failure}, at {_words(point)}", point)
         except NotConverged:
             continue
-        number = _number(value)
-        real = not isinstance(number, mpmath.mpc)
-        if not real or number <= -error:
-            return Verdict(Status.REFUTED, f"it is {mpmath.nstr(number, 8)} at {_words(point)}", point)
-        known += number > error
+        if isinstance(value, mpmath.mpc) or value <= -error:
+            return Verdict(Status.REFUTED, f"it is {mpmath.nstr(value, 8)} at {_words(point)}", point)
+        known += value > error
     if known < _SAMPLES:
         return Verdict(Status.UNDECIDED, f"its sign is certain at {known} of {_SAMPLES} seeded points only")
     return Verdict(Status.CHECKED, f"positive at {_SAMPLES} seeded points; no proof was found")
