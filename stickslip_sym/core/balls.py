@@ -21,15 +21,9 @@ from stickslip_sym.core.kinds import Expr
 from stickslip_sym.core.lerch import Lerch
 
 __all__ = [
-    "BallFunction",
-    "ball",
-    "ball_function",
-    "ball_value",
-    "flat_arguments",
-    "rational",
-    "series_function",
+    "BallFunction", "ball", "ball_function", "ball_value", "flat_arguments", "rational", "series_function",
     "working_precision",
-]
+]  # fmt: skip
 
 BallFunction = Callable[[acb, bool], acb]
 """A function of a ball; the flag asks for a ball that is not finite where it is not analytic."""
@@ -42,18 +36,18 @@ _NOWHERE = acb("nan")
 
 
 @contextmanager
-def working_precision(bits: int) -> Iterator[None]:
-    """Compute with so many bits inside the block, and with as many as before after it, whatever happens.
+def working_precision(bits: int, terms: int | None = None) -> Iterator[None]:
+    """Compute with so many bits, and terms of a power series, inside the block, and as before after it.
 
     Other threads wait.
     """
     with _lock:
-        before = ctx.prec
-        ctx.prec = bits
+        before = ctx.prec, ctx.cap
+        ctx.prec, ctx.cap = bits, ctx.cap if terms is None else terms
         try:
             yield
         finally:
-            ctx.prec = before
+            ctx.prec, ctx.cap = before
 
 
 def rational(value: Any) -> fmpq:

@@ -310,5 +310,5 @@ def test_a_table_of_an_average_is_the_average(rng):
     value, size, _ = builder.averages(r)
     exact = np.asarray(value, dtype=float) * r**-table.power
     allowed = 4e-16 * np.asarray(size, dtype=float) * r**-table.power
-    assert (np.abs(table.array(r) - exact) <= allowed).all()
-    assert [table.scalar(one) for one in r.tolist()] == pytest.approx(table.array(r), rel=4e-16)
+    assert (np.abs(table(r) - exact) <= allowed).all()
+    assert [table(one) for one in r.tolist()] == pytest.approx(table(r), rel=4e-16)

@@ -11,6 +11,7 @@ from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
 
 exp, log, sqrt, one = "np.exp", "np.log", "np.sqrt", "np.ones_like(V)"
 brackets = "[]"
+line = "        {name} = ({value})"
 
 
 class _Python(Reciprocal, NumPyPrinter):  # type: ignore[misc]  # SymPy is untyped
@@ -94,11 +95,6 @@ def product(number: str, factors: list[tuple[str, float]], rest: str) -> str:
     return f"_product({number}, ({pairs}), {rest})"
 
 
-def lines(statements: list[tuple[str, str]]) -> str:
-    """Return definitions of local arrays."""
-    return "\n".join(f"        {name} = ({value})" for name, value in statements)
-
-
 def table(name: str, rows: Any) -> str:
     """Return an array of the coefficients of all panels."""
     body = ",\n    ".join(numeric_list(row, "[]", "     ") for row in rows)
@@ -137,15 +133,9 @@ def term(number: int, arguments: list[str], ratio: str, branches: list[tuple[flo
     )
 
 
-def slope(arguments: list[str], text: str) -> str:
-    """Return the slope of mu."""
-    return f"\n\ndef _slope(v, {', '.join(arguments)}):\n    return {text} + 0.0*v\n"
-
-
-def at_a_point(arguments: list[str]) -> str:
-    """Return the criterion that takes the slope at the belt speed."""
-    names = ", ".join(arguments)
-    return f"\n\ndef _criterion({names}):\n    return -N*_slope(V, {names})\n"
+def function(name: str, arguments: list[str], text: str) -> str:
+    """Return a function of arrays with an expression for its value."""
+    return f"\n\ndef {name}({', '.join(arguments)}):\n    return {text}\n"
 
 
 def steps(places_and_heights: list[tuple[str, str]], weight: str) -> str:

@@ -303,4 +303,4 @@ _ELEMENTARY = (sp.exp, sp.log, sp.atan, sp.erf, sp.asinh)
 
 def _value(branch: Branch, r: Any) -> Any:
     """Return F by a branch, for r that no power takes out of range."""
-    return branch.array(r) * r**branch.power
+    return branch(r) * r**branch.power

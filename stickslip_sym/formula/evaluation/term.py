@@ -116,7 +116,7 @@ class TermFunction:
         exponents = [a + branch.power * e for a, e in zip(self.amplitude, self.ratio, strict=True)]
         factors = [(base, e) for base, e in zip(bases, exponents, strict=True) if e]
         number = self.number * self.size**-branch.power
-        value = branch.array(r)
+        value = branch(r)
         if not plain:
             return scaled_product(number, factors, value)
         value *= plain_product(number, factors)
@@ -137,7 +137,7 @@ class TermFunction:
         branch = profile.branches[bisect_right(profile.starts, r) - 1]
         if branch is None:
             return float("nan")
-        value: float = branch.scalar(r) * self.number * self.size**-branch.power
+        value: float = branch(r) * self.number * self.size**-branch.power
         for base, a, e in zip(bases, self.amplitude, self.ratio, strict=True):
             exponent = a + branch.power * e
             if exponent:

@@ -29,7 +29,7 @@ def test_the_average_of_a_polynomial_is_the_sum_of_its_moments(criterion):
         for one in r:
             branch = profile.branches[int(np.searchsorted(profile.starts, one, side="right")) - 1]
             expected = -sum(c * one**k for k, c in enumerate(coefficients))
-            assert branch.scalar(one) * one**branch.power == pytest.approx(expected, rel=1e-14, abs=1e-14)
+            assert branch(one) * one**branch.power == pytest.approx(expected, rel=1e-14, abs=1e-14)
 
 
 def test_scales_of_functions_are_where_their_arguments_are_one():
