@@ -5,7 +5,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-__all__ = ["Expr", "FloatArray", "Mpf"]
+__all__ = ["BoolArray", "Column", "Expr", "FloatArray", "IntArray", "Mpf"]
 
 Expr = sp.Expr
 """An expression, or a part of one; a rational number is one too."""
@@ -13,3 +13,7 @@ Mpf = mpmath.mpf
 """A number of mpmath."""
 FloatArray = NDArray[np.floating]
 """An array of real numbers, in double or extended precision."""
+Column = float | FloatArray
+"""One number for all elements of an array, or one for each."""
+IntArray = NDArray[np.integer]
+BoolArray = NDArray[np.bool_]

@@ -4,9 +4,10 @@ The parameters of friction laws are not here; each law brings its own (`friction
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
+
+from stickslip_sym.core.kinds import Expr
 
 __all__ = [
     "QUANTITIES",
@@ -33,7 +34,7 @@ __all__ = [
 class Quantity:
     """A physical quantity: its symbol, what it means, and its SI unit as text."""
 
-    symbol: Any
+    symbol: Expr
     meaning: str
     unit: str
 

@@ -7,12 +7,12 @@ With s = (v - V)/V in [-1, 1] every criterion reads
 
 import re
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.kinds import Expr
 from stickslip_sym.core.numbers import lookup
 
 __all__ = ["Criterion", "catalogue", "equilibrium", "find", "harmonic", "least_squares"]
@@ -43,7 +43,7 @@ class Criterion:
     """
 
     name: str
-    weight: Any | None
+    weight: Expr | None
     source: str = ""
 
     def __post_init__(self) -> None:
@@ -53,7 +53,7 @@ class Criterion:
         if self.weight is not None:
             object.__setattr__(self, "weight", _checked_weight(self.name, self.weight))
 
-    def moment(self, k: int) -> Any:
+    def moment(self, k: int) -> Expr:
         """Return the mean of s^k: an integral for a polynomial weight, a Beta function for the harmonic one."""
         if self.weight is None:
             return sp.Integer(k == 0)
@@ -68,14 +68,14 @@ class Criterion:
         return re.sub(r"\W+", "_", self.name, flags=re.ASCII).strip("_") or "criterion"
 
     @property
-    def ends(self) -> tuple[Any, Any]:
+    def ends(self) -> tuple[Expr, Expr]:
         """The weight at s = -1 and at s = 1."""
         if self.weight is None:
             return sp.Integer(0), sp.Integer(0)
         return self.weight.subs(symbols.s, -1), self.weight.subs(symbols.s, 1)
 
     @property
-    def order_at_rest(self) -> Any:
+    def order_at_rest(self) -> Expr:
         """The power of 1 + s like which the weight vanishes at s = -1, where the slip speed is 0."""
         if not self.is_polynomial:
             return sp.Rational(1, 2)
@@ -85,13 +85,13 @@ class Criterion:
         return sp.Integer(order)
 
     @property
-    def moment_kernel(self) -> Any:
+    def moment_kernel(self) -> Expr:
         """The kernel K(v) with c = integral_0^{2V} mu(v) K(v) dv + `boundary`, from one integration by parts."""
         s_of_v = (symbols.v - symbols.V) / symbols.V
         return sp.factor(symbols.N * self._weight_slope.subs(symbols.s, s_of_v) / symbols.V**2)
 
     @property
-    def angle_kernel(self) -> Any:
+    def angle_kernel(self) -> Expr:
         """The kernel A(theta) with c = integral_0^pi mu(V(1 - cos(theta))) A(theta) dtheta."""
         cosine = -sp.cos(symbols.theta)
         kernel = self._weight_slope.subs(symbols.s, cosine) * sp.sin(symbols.theta)
@@ -99,7 +99,7 @@ class Criterion:
         kernel = kernel.subs(sp.sqrt(1 - sp.cos(symbols.theta) ** 2), sp.sin(symbols.theta))
         return symbols.N / symbols.V * kernel
 
-    def boundary(self, mu: Any) -> Any:
+    def boundary(self, mu: Expr) -> Expr:
         """Return the boundary terms for a coefficient mu(v): 0 where the weight vanishes at s = -1 and s = 1."""
         low, high = self.ends
         terms = ((low, sp.Integer(0)), (-high, 2 * symbols.V))
@@ -112,7 +112,7 @@ class Criterion:
         return self.weight is not None and bool(self.weight.is_polynomial(symbols.s))
 
     @property
-    def _weight_slope(self) -> Any:
+    def _weight_slope(self) -> Expr:
         if self.weight is None:
             raise InputError(f"the criterion {self.name!r} takes the slope at one point; it has no kernel")
         return sp.diff(self.weight, symbols.s)
@@ -122,7 +122,7 @@ _HIGHEST = 40  # degree of a weight; double precision holds no polynomial in s o
 _HARMONIC = 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
 
 
-def _checked_weight(name: str, weight: Any) -> Any:
+def _checked_weight(name: str, weight: Expr) -> Expr:
     """Return a weight in the symbol s of this package, if it can be served."""
     what = f"the weight of the criterion {name!r}"
     weight = sp.sympify(weight)

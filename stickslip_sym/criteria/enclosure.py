@@ -8,7 +8,6 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
 
 import sympy as sp
 from flint import acb, arb
@@ -16,6 +15,7 @@ from flint import acb, arb
 from stickslip_sym.core import symbols
 from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, working_precision
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.kinds import Expr
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.model.expression.pieces import branch_from
@@ -213,7 +213,7 @@ def enclose(
         bits += min(max(goal - reached + _GUARD, bits // 8), _MOST_LOST)
 
 
-def _per_force(law: FrictionLaw, criterion: Criterion, speed: Any) -> arb:
+def _per_force(law: FrictionLaw, criterion: Criterion, speed: Expr) -> arb:
     """Return c/N."""
     point = {law.parameters[name].symbol: value for name, value in law.values.items()}
     if criterion.weight is None:
@@ -225,7 +225,7 @@ def _per_force(law: FrictionLaw, criterion: Criterion, speed: Any) -> arb:
     return over(parts, [*starts, 2 * speed], criterion, speed)
 
 
-def _over_speed(parts: list[BallFunction], ends: list[Any], criterion: Criterion, speed: Any) -> arb:
+def _over_speed(parts: list[BallFunction], ends: list[Expr], criterion: Criterion, speed: Expr) -> arb:
     """Return c/N = [-w mu]/V + 1/V * integral of w' mu over s."""
     V, s = ball(speed), symbols.s
     slope = ball_function(sp.diff(criterion.weight, s), s, {})
@@ -242,7 +242,7 @@ def _over_speed(parts: list[BallFunction], ends: list[Any], criterion: Criterion
     return (total / V).real
 
 
-def _over_angle(parts: list[BallFunction], ends: list[Any], criterion: Criterion, speed: Any) -> arb:
+def _over_angle(parts: list[BallFunction], ends: list[Expr], criterion: Criterion, speed: Expr) -> arb:
     """Return c/N = 4/(pi V) * integral of mu(2 V sin^2 phi) cos(2 phi)."""
     twice = 2 * ball(speed)
     angles = [(ball(end) / twice).real.sqrt().asin() for end in ends[:-1]] + [arb.pi() / 2]

@@ -1,7 +1,6 @@
 """The parts of a criterion written in C99."""
 
-from typing import Any
-
+from stickslip_sym.core.kinds import FloatArray
 from stickslip_sym.formula.code.dialect import C, Dialect, numeric_list
 from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
 
@@ -66,7 +65,7 @@ def product(number: str, factors: list[tuple[str, float]], rest: str) -> str:
     return "\n".join([*lines, "        result = _unscale(result, exponent);"])
 
 
-def table(name: str, rows: Any) -> str:
+def table(name: str, rows: FloatArray) -> str:
     """Return an array of the coefficients of all panels."""
     body = ",\n    ".join(numeric_list(row, "{}", "     ") for row in rows)
     return (

@@ -5,11 +5,12 @@ is imported before a language is asked for: the command line shows the table in 
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:
+    from stickslip_sym.core.kinds import FloatArray
     from stickslip_sym.formula.code import c, octave, python
     from stickslip_sym.formula.code.dialect import Dialect
 
@@ -64,7 +65,7 @@ class Language(Protocol):
     def product(self, number: str, factors: list[tuple[str, float]], rest: str) -> str:
         """Return number * rest * product of powers of bases, computed so that nothing overflows on the way."""
 
-    def table(self, name: str, rows: Any) -> str:
+    def table(self, name: str, rows: "FloatArray") -> str:
         """Return an array of the coefficients of all panels, and a function NAME_at(r, first) for g."""
 
     def term(

@@ -4,10 +4,9 @@ A branch costs more to select over an array than to compute, so a loop is as fas
 the C text.
 """
 
-from typing import Any
-
 import sympy as sp
 
+from stickslip_sym.core.kinds import Expr, FloatArray
 from stickslip_sym.formula.code.dialect import C, Dialect, numeric_list
 from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
 
@@ -32,13 +31,13 @@ _WORDS = frozenset(
 class _Octave(C):
     """One number at a time, so Octave's operators are those of C but for powers and choices."""
 
-    def _print_Pow(self, expr: Any) -> str:
+    def _print_Pow(self, expr: Expr) -> str:
         base, exponent = (self._print(part) for part in expr.args)
         if expr.exp == sp.Rational(1, 2):
             return f"sqrt({base})"
         return f"1.0/({base})" if expr.exp == -1 else f"(({base})^({exponent}))"
 
-    def _print_Piecewise(self, expr: Any) -> str:
+    def _print_Piecewise(self, expr: Expr) -> str:
         *branches, (last, _) = expr.args
         text = self._print(last)
         for branch, condition in reversed(branches):
@@ -104,7 +103,7 @@ def _constant(name: str, text: str) -> str:
     )
 
 
-def table(name: str, rows: Any) -> str:
+def table(name: str, rows: FloatArray) -> str:
     """Return an array of the coefficients of all panels."""
     body = ";\n    ".join(numeric_list(row, "[]", "     ")[1:-1] for row in rows)
     return _constant(name, f"[{body}]") + (

@@ -6,17 +6,18 @@ branch: there it is as accurate as the slope of mu in double precision.
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.kinds import Expr
 from stickslip_sym.criteria.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre, weight_of
 from stickslip_sym.formula.code.dialect import numeric_list
 from stickslip_sym.formula.code.languages import Language, find
 from stickslip_sym.formula.evaluation.branches import Branch, Closed, Formula, LogTail, Series, Table
 from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
 from stickslip_sym.formula.evaluation.stable import StableFunction
+from stickslip_sym.formula.evaluation.term import TermFunction
 from stickslip_sym.model.expression.pieces import jumps, places
 
 __all__ = ["code"]
@@ -47,7 +48,7 @@ def code(functions: Mapping[str, StableFunction], title: str, language: str) -> 
     return "\n".join(parts)
 
 
-def _branched(function: StableFunction) -> list[Any] | None:
+def _branched(function: StableFunction) -> list[TermFunction] | None:
     """Return the terms of a criterion that have branches; None if it is averaged by Gauss rules."""
     terms = function.terms
     if terms is None or any(term.shapes for term in terms):
@@ -84,7 +85,7 @@ def _body(function: StableFunction, language: Language) -> str:
     return "\n".join(part for part in parts if part)
 
 
-def _product(term: Any, power: float, bases: list[str], language: Language) -> str:
+def _product(term: TermFunction, power: float, bases: list[str], language: Language) -> str:
     exponents = [a + power * e for a, e in zip(term.amplitude, term.ratio, strict=True)]
     number = term.number * term.size**-power
     return str(language.product(repr(number), _factors(bases, exponents), "g"))
@@ -133,7 +134,7 @@ def _horner(coefficients: Sequence[float]) -> str:
     return text
 
 
-def _gauss(function: StableFunction, names: dict[Any, str], language: Language) -> str:
+def _gauss(function: StableFunction, names: dict[Expr, str], language: Language) -> str:
     """Return the slope, its scales and its kinks, and the adaptive average."""
     arguments = list(names.values())
     slope = conditioned(sp.diff(function.mu, symbols.v))

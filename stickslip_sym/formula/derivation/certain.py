@@ -6,7 +6,6 @@ of the tanh-sinh rule: it forgives infinite values at the ends, and what the two
 
 from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import Any
 
 import mpmath
 import sympy as sp
@@ -15,7 +14,7 @@ from sympy.core.function import AppliedUndef
 
 from stickslip_sym.core.balls import working_precision
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.core.kinds import Mpf
+from stickslip_sym.core.kinds import Expr, Mpf
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.formula.evaluation.exact import formula_ball, from_mpmath, in_mpmath
 
@@ -33,7 +32,7 @@ class NotFinite(ArithmeticError):
     """An expression that has no finite value, for certain; the message says where it fails."""
 
 
-def certain_value(expr: Any, point: Mapping[Any, Any]) -> tuple[Mpf, Mpf]:
+def certain_value(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[Mpf, Mpf]:
     """Return an expression at exact values of its symbols and examples of its functions, and an error bound.
 
     Raises
@@ -70,8 +69,8 @@ def certain_value(expr: Any, point: Mapping[Any, Any]) -> tuple[Mpf, Mpf]:
     raise NotConverged("its value is not certain")
 
 
-def _outermost_integrals(expr: Any) -> list[Any]:
-    found: dict[Any, None] = {}
+def _outermost_integrals(expr: Expr) -> list[Expr]:
+    found: dict[Expr, None] = {}
     walk = sp.preorder_traversal(expr)
     for node in walk:
         if isinstance(node, sp.Integral):
@@ -80,7 +79,7 @@ def _outermost_integrals(expr: Any) -> list[Any]:
     return list(found)
 
 
-def _integral(integral: Any, point: Mapping[Any, Any]) -> tuple[Mpf, Mpf]:
+def _integral(integral: Expr, point: Mapping[Expr, Expr]) -> tuple[Mpf, Mpf]:
     """Return an integral and its error."""
     integral = integral.subs(point)
     if not isinstance(integral, sp.Integral) or integral.function.is_polynomial(*integral.variables):
@@ -117,7 +116,7 @@ def _integral(integral: Any, point: Mapping[Any, Any]) -> tuple[Mpf, Mpf]:
         return sign * fine, error
 
 
-def _panel(function: Callable[[Any], Any], left: Any, right: Any) -> tuple[Any, Any]:
+def _panel(function: Callable[[Mpf], Mpf], left: Mpf, right: Mpf) -> tuple[Mpf, Mpf]:
     """Integrate between two places at which the integrand may be infinite; return also an estimate of the error.
 
     With x = left + h t^4 near the left end, and likewise at the right one, roots and logarithms are followed far
@@ -127,7 +126,7 @@ def _panel(function: Callable[[Any], Any], left: Any, right: Any) -> tuple[Any, 
     total, doubt = mpmath.mpf(0), mpmath.mpf(0)
     for end, h in ((left, middle - left), (right, middle - right)):
 
-        def part(t: Any, end: Any = end, h: Any = h) -> Any:
+        def part(t: Mpf, end: Mpf = end, h: Mpf = h) -> Mpf:
             distance = h * t**4
             with mpmath.extradps(mpmath.mp.dps):
                 x = end + distance
@@ -145,9 +144,9 @@ def _panel(function: Callable[[Any], Any], left: Any, right: Any) -> tuple[Any, 
     return total, doubt
 
 
-def _places(f: Any, x: Any) -> list[Any]:
+def _places(f: Expr, x: Expr) -> list[Expr]:
     """Return the real places where an integrand may have a kink, a jump, or no finite value."""
-    suspects: set[Any] = set()
+    suspects: set[Expr] = set()
     for node in sp.preorder_traversal(f):
         if isinstance(node, sp.Piecewise):
             for _, condition in node.args:
@@ -158,7 +157,7 @@ def _places(f: Any, x: Any) -> list[Any]:
             suspects |= {first - second for first in node.args for second in node.args if first != second}
         elif node.is_Pow and not (node.exp.is_Integer and node.exp > 0):
             suspects.add(node.base)
-    found: set[Any] = set()
+    found: set[Expr] = set()
     for suspect in suspects:
         numerator = sp.numer(sp.together(suspect))
         if numerator.has(x) and numerator.is_polynomial(x):
@@ -170,7 +169,7 @@ def _places(f: Any, x: Any) -> list[Any]:
     return [place for place in found if place.is_real]
 
 
-def _require_integrable(f: Any, x: Any, place: Any, way: Any) -> None:
+def _require_integrable(f: Expr, x: Expr, place: Expr, way: Expr) -> None:
     """Refuse an integrand that grows like 1/x or faster towards a place."""
     sizes = []
     for share in _NEAR:

@@ -7,7 +7,6 @@ proved bounds, which know no antiderivative. A right formula overlaps; one off i
 import random
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
 
 import sympy as sp
 
@@ -15,6 +14,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.balls import working_precision
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.kinds import Expr, Mpf
 from stickslip_sym.core.numbers import exact
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
@@ -36,7 +36,7 @@ _BITS = 160  # to which the ends of an enclosed formula are rounded outwards
 _LOST = 3  # digits that are not claimed where a side is not enclosed
 
 
-def verify(law: FrictionLaw, criterion: Criterion, expr: Any) -> Verdict:
+def verify(law: FrictionLaw, criterion: Criterion, expr: Expr) -> Verdict:
     """Compare a formula for the damping coefficient with its definition at seeded log-uniform points.
 
     Points at which the law has no real value, or a side is not known to `GATE_DIGITS` digits, say nothing; others
@@ -94,7 +94,7 @@ def _definition(law: FrictionLaw, criterion: Criterion, scene: Mapping[str, str]
         return _around(quadrature.damping(law, criterion, **scene, digits=GATE_DIGITS)), False
 
 
-def _around(value: Any) -> Enclosure:
+def _around(value: Mpf) -> Enclosure:
     """Return a value that is right to all but the last digits as an enclosure."""
     number = exact(value, "value")
     room = abs(number) / sp.Integer(10) ** (GATE_DIGITS - _LOST)

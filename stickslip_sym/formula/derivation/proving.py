@@ -12,14 +12,13 @@ import random
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
 
 import mpmath
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from stickslip_sym.core.errors import NotConverged
-from stickslip_sym.core.kinds import Mpf
+from stickslip_sym.core.kinds import Expr, Mpf
 from stickslip_sym.formula.derivation.certain import NotFinite, certain_value
 from stickslip_sym.formula.integration.normal_form import normal_form
 from stickslip_sym.formula.integration.theorems import By
@@ -57,7 +56,7 @@ class Verdict:
 
     status: Status
     evidence: str
-    point: Mapping[Any, Any] = field(default_factory=dict)
+    point: Mapping[Expr, Expr] = field(default_factory=dict)
 
     def __str__(self) -> str:
         return f"{self.status.value}: {self.evidence}"
@@ -69,7 +68,7 @@ class Verdict:
         return markup.block(str(self))
 
 
-def prove_equal(lhs: Any, rhs: Any, by: By | None = None, checked: Verdict | None = None) -> Verdict:
+def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | None = None) -> Verdict:
     """Prove or refute lhs = rhs.
 
     Parameters
@@ -99,7 +98,7 @@ def prove_equal(lhs: Any, rhs: Any, by: By | None = None, checked: Verdict | Non
     return _compared(lhs, rhs, obstacle)
 
 
-def _compared(lhs: Any, rhs: Any, obstacle: str) -> Verdict:
+def _compared(lhs: Expr, rhs: Expr, obstacle: str) -> Verdict:
     """Compare two sides at points: refute them only if they differ by more than the errors of both."""
     agreed = 0
     for point in _points(lhs, rhs):
@@ -129,12 +128,12 @@ def _compared(lhs: Any, rhs: Any, obstacle: str) -> Verdict:
     return Verdict(Status.CHECKED, f"equal to {_DIGITS - 8} digits at {where}; {obstacle}")
 
 
-def _digits_apart(size: Any, difference: Any) -> int:
+def _digits_apart(size: Mpf, difference: Mpf) -> int:
     """Return how many digits of two numbers show that they differ."""
     return 8 + max(0, int(math.log10(2) * (mpmath.mag(size) - mpmath.mag(difference))))
 
 
-def prove_positive(expr: Any) -> Verdict:
+def prove_positive(expr: Expr) -> Verdict:
     """Prove or refute expr > 0, from the signs of its symbols."""
     for form in (expr, sp.factor(expr), sp.expand(expr)):
         if form.is_positive:
@@ -155,7 +154,7 @@ def prove_positive(expr: Any) -> Verdict:
     return Verdict(Status.CHECKED, f"positive at {_SAMPLES} seeded points; no proof was found")
 
 
-def _points(*sides: Any) -> list[dict[Any, Any]]:
+def _points(*sides: Expr) -> list[dict[Expr, Expr]]:
     """Draw seeded exact values for all symbols, and polynomials for all unknown functions."""
     random_numbers = random.Random(20160428)
     # Units are atoms with a name and a positive value, like symbols.
@@ -165,7 +164,7 @@ def _points(*sides: Any) -> list[dict[Any, Any]]:
     functions = sorted({node.func for side in sides for node in side.atoms(AppliedUndef)}, key=str)
     points = []
     for number in range(_SAMPLES):
-        point: dict[Any, Any] = {}
+        point: dict[Expr, Expr] = {}
         either = 0  # symbols so far that may have either sign
         for symbol in symbols:
             value = sp.Rational(random_numbers.randint(3, 40), random_numbers.randint(7, 13))
@@ -182,7 +181,7 @@ def _points(*sides: Any) -> list[dict[Any, Any]]:
     return points
 
 
-def _words(point: Mapping[Any, Any]) -> str:
+def _words(point: Mapping[Expr, Expr]) -> str:
     return ", ".join(
         f"{key}({value.variables[0]}) = {value.expr}" if isinstance(value, sp.Lambda) else f"{key} = {value}"
         for key, value in point.items()

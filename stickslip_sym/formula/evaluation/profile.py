@@ -12,13 +12,13 @@ Every branch is compared with Gauss averages before it is used.
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import NoClosedForm
+from stickslip_sym.core.kinds import Expr, FloatArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import Criterion
@@ -77,7 +77,7 @@ class Profile:
 
 
 @lru_cache(maxsize=128)
-def profile_of(mu: Any, criterion: Criterion) -> Profile | None:
+def profile_of(mu: Expr, criterion: Criterion) -> Profile | None:
     """Return the branches of F for a coefficient mu(v) without parameters; None if there are none."""
     return _Builder(mu, criterion).build()
 
@@ -85,7 +85,7 @@ def profile_of(mu: Any, criterion: Criterion) -> Profile | None:
 class _Builder:
     """Finds the branches of one function."""
 
-    def __init__(self, mu: Any, criterion: Criterion) -> None:
+    def __init__(self, mu: Expr, criterion: Criterion) -> None:
         self.mu, self.criterion = mu, criterion
         self.slope = sp.diff(mu, symbols.v)
         stable = conditioned(self.slope)
@@ -127,7 +127,9 @@ class _Builder:
 
     # -- Gauss averages --------------------------------------------------------------------------
 
-    def averages(self, r: Any, extended: bool = True) -> tuple[Any, Any, Any]:
+    def averages(
+        self, r: FloatArray | list[float], extended: bool = True
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return F, <|g|> and the error of F by Gauss rules."""
         r = np.asarray(r, dtype=np.longdouble if extended else np.float64)
         tolerance = 2.0**-60 if extended else 2.0**-52
@@ -301,6 +303,6 @@ class _Builder:
 _ELEMENTARY = (sp.exp, sp.log, sp.atan, sp.erf, sp.asinh)
 
 
-def _value(branch: Branch, r: Any) -> Any:
+def _value(branch: Branch, r: FloatArray) -> FloatArray:
     """Return F by a branch, for r that no power takes out of range."""
     return branch(r) * r**branch.power
