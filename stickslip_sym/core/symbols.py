@@ -10,24 +10,9 @@ import sympy as sp
 from stickslip_sym.core.kinds import Expr
 
 __all__ = [
-    "QUANTITIES",
-    "RESERVED",
-    "N",
-    "Quantity",
-    "V",
-    "a",
-    "b",
-    "c",
-    "k",
-    "m",
-    "mu",
-    "s",
-    "t",
-    "theta",
-    "u",
-    "v",
+    "QUANTITIES", "RESERVED", "N", "Quantity", "V", "a", "b", "c", "k", "m", "mu", "s", "t", "theta", "u", "v",
     "x",
-]  # fmt: skip
+]  # fmt: skip  # fmt: skip
 
 
 @dataclass(frozen=True)

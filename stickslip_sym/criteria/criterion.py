@@ -7,6 +7,7 @@ With s = (v - V)/V in [-1, 1] every criterion reads
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 
 import sympy as sp
 
@@ -62,6 +63,10 @@ class Criterion:
             return sp.Add(*[2 * w / (n + k + 1) for (n,), w in terms if (n + k) % 2 == 0])
         return sp.Integer(0) if k % 2 else sp.catalan(k // 2) / sp.Integer(4) ** (k // 2)
 
+    def mean_power(self, k: int) -> Expr:
+        """Return the mean of (1 + s)^k, exact."""
+        return _mean_power(self, k)
+
     @property
     def label(self) -> str:
         """The name as one word of letters, digits and underscores, for code and for references."""
@@ -116,6 +121,11 @@ class Criterion:
         if self.weight is None:
             raise InputError(f"the criterion {self.name!r} takes the slope at one point; it has no kernel")
         return sp.diff(self.weight, symbols.s)
+
+
+@lru_cache(maxsize=256)
+def _mean_power(criterion: Criterion, k: int) -> Expr:
+    return sp.Add(*[sp.binomial(k, j) * criterion.moment(j) for j in range(k + 1)])
 
 
 _HIGHEST = 40  # degree of a weight; double precision holds no polynomial in s of a much higher one

@@ -223,7 +223,7 @@ def _panel_sums(
     (coarse, *_), (fine, parts, slopes, bound) = sums
     with np.errstate(all="ignore"):
         sizes = (parts * np.abs(slopes)).sum(axis=1)
-        bound = np.where((slopes == 0) & ~np.isfinite(bound), 0, bound)  # exp(-infinity) is 0 all right
+        bound = np.where((slopes == 0) & ~np.isfinite(bound), 0, bound)  # exp(-infinity) is 0 exactly
         noise = (parts * (bound + 2 * np.abs(slopes))).sum(axis=1)
         # As in QUADPACK: the difference is the error of the coarse rule, and that of the fine one is smaller.
         difference = np.abs(fine - coarse)

@@ -154,7 +154,7 @@ def _with_ends(
 
 
 def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: int, most: int) -> Mpf:
-    """Repeat a computation at rising precision until the digits that cancelled are paid for.
+    """Repeat a computation at rising precision until it has the digits that were asked for, whatever cancels.
 
     `compute` takes a relative tolerance and returns a sum, and the size of its terms; over `most` digits of
     cancellation the sum counts as zero.

@@ -1,7 +1,7 @@
 """An expression at a point, integrals and all, with the error of what comes out.
 
 Integrals are split where the integrand has a kink, a jump or an infinite value, and taken twice, at two precisions
-of the tanh-sinh rule: it forgives infinite values at the ends, and what the two results differ by is an error.
+of the tanh-sinh rule: it takes no value at the ends, which may be infinite. What the two differ by is an error.
 """
 
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""The gate: every closed form is compared with its definition before anybody sees it.
+"""The gate: every closed form is compared with its definition before it is returned.
 
 At seeded points both sides are enclosed: the formula in ball arithmetic, the definition by integrals of mu with
 proved bounds, which know no antiderivative. A right formula overlaps; one off in the thirtieth digit does not.

@@ -60,7 +60,7 @@ def _factored(expr: Expr, functions: list[Expr], model: Expr, small: Expr) -> Ex
 
 
 def _factor(expr: Expr) -> Expr:
-    """Factor a polynomial with the same random numbers every time: by bad luck with them it takes minutes."""
+    """Factor a polynomial with the same random numbers every time: with some it takes minutes."""
     before = rng.getstate()
     rng.seed(0)
     try:

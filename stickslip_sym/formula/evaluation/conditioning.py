@@ -31,23 +31,17 @@ def conditioned(slope: Expr) -> Expr:
 
 def without_squares(expr: Expr) -> Expr:
     """Write 1 - tanh^2 as sech^2, which does not cancel."""
-    return expr.replace(_is_minus_square, _as_sech)
+    return expr.replace(
+        lambda node: _tanh_squared(node) is not None, lambda node: sp.sech(_tanh_squared(node)) ** 2
+    )
 
 
-def _is_minus_square(node: Expr) -> bool:
-    """Tell whether a sum holds 1 - tanh(a)^2."""
-    return bool(node.is_Add and len(node.args) == 2 and node.args[0] == 1 and _tanh_of(node.args[1]) is not None)
-
-
-def _tanh_of(term: Expr) -> Expr:
-    square = -term
-    if square.is_Pow and square.exp == 2 and isinstance(square.base, sp.tanh):
-        return square.base.args[0]
-    return None
-
-
-def _as_sech(node: Expr) -> Expr:
-    return sp.sech(_tanh_of(node.args[1])) ** 2
+def _tanh_squared(node: Expr) -> Expr | None:
+    """Return a where a sum is 1 - tanh(a)^2."""
+    if not (node.is_Add and len(node.args) == 2 and node.args[0] == 1):
+        return None
+    square = -node.args[1]
+    return square.base.args[0] if square.is_Pow and square.exp == 2 and isinstance(square.base, sp.tanh) else None
 
 
 def _is_one_minus_exponential(node: Expr) -> bool:

@@ -1,10 +1,7 @@
 """Coefficients of short formulas: power series of slope averages, and polynomials through values."""
 
-from functools import lru_cache
-
 import mpmath
 import numpy as np
-import sympy as sp
 from flint import arb, arb_series
 from numpy.polynomial import chebyshev
 from scipy.fft import dct
@@ -15,7 +12,7 @@ from stickslip_sym.core.kinds import Expr, FloatArray, Mpf
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.exact import in_mpmath
 
-__all__ = ["TERMS", "chebyshev_fit", "chebyshev_nodes", "economised", "moment", "taylor", "to_monomials"]
+__all__ = ["TERMS", "chebyshev_fit", "chebyshev_nodes", "economised", "taylor", "to_monomials"]
 
 TERMS = 30
 """The most terms of a series."""
@@ -24,12 +21,6 @@ DIGITS = 40  # in which coefficients are computed
 _BITS = 300  # the same for those of power series, before they cancel
 _LAST = 12  # coefficients by which a radius of convergence is judged
 _NEAR, _FAR = 3.5, 1 / 16  # one over the distance of a singularity: too near for a series, and far away
-
-
-@lru_cache(maxsize=256)
-def moment(criterion: Criterion, k: int) -> Expr:
-    """Return <(1 + s)^k>_w, exact."""
-    return sp.Add(*[sp.binomial(k, j) * criterion.moment(j) for j in range(k + 1)])
 
 
 def taylor(slope: Expr, criterion: Criterion, decay: float) -> tuple[list[Mpf], float] | None:
@@ -50,7 +41,7 @@ def taylor(slope: Expr, criterion: Criterion, decay: float) -> tuple[list[Mpf], 
         rate = max(float(abs(c).upper()) ** (1 / k) for k, c in enumerate(g) if k >= count - _LAST)
         if rate > _NEAR:
             return None
-        means = [-c * arb(rational(moment(criterion, k))) for k, c in enumerate(g)]
+        means = [-c * arb(rational(criterion.mean_power(k))) for k, c in enumerate(g)]
         result = arb_series(means, prec=count) * arb_series([0, arb(decay)], prec=count).exp()
         coefficients = [result[k] for k in range(count)]
     # What may be 0 is: the balls are small beside every coefficient that matters.

@@ -39,7 +39,6 @@ from stickslip_sym.formula.evaluation.fitting import (
     chebyshev_fit,
     chebyshev_nodes,
     economised,
-    moment,
     taylor,
     to_monomials,
 )
@@ -100,7 +99,7 @@ class _Builder:
         if self.slope.is_polynomial(symbols.v):
             return self._polynomial()
         direct = self._direct()
-        last = None if direct is None else self._last()
+        last = None if direct is None else self._leading([2.0 ** (_HIGH + k) for k in _FAR])
         # A closed form reaches as far as its leading term takes over; else a series in 1/r does.
         outer: list[tuple[float, Branch]] = []
         if last is not None:
@@ -114,7 +113,7 @@ class _Builder:
         closed = outer[0][0]
         series = self._series(closed)
         starts = [0.0]
-        branches: list[Branch | None] = [series[1] if series else self._first()]
+        branches: list[Branch | None] = [series[1] if series else self._leading([2.0 ** (_LOW - k) for k in _FAR])]
         opened = series[0] if series else 2.0**_LOW
         if opened < closed:
             starts.append(opened)
@@ -142,7 +141,7 @@ class _Builder:
     def _polynomial(self) -> Profile:
         """Sum the moments; for large r the same polynomial in 1/r."""
         coefficients = [
-            -g * moment(self.criterion, k)
+            -g * self.criterion.mean_power(k)
             for k, g in enumerate(reversed(sp.Poly(self.slope, symbols.v).all_coeffs()))
         ]
         low = next(k for k, c in enumerate(coefficients) if c != 0)
@@ -255,15 +254,8 @@ class _Builder:
         power = round(2 * float(powers[0])) / 2
         return power if np.abs(powers - power).max() < 1e-6 else None
 
-    def _last(self) -> LogTail | None:
-        """Return the leading term for r beyond the fitted range."""
-        return self._leading([2.0 ** (_HIGH + k) for k in _FAR])
-
-    def _first(self) -> LogTail | None:
-        """Return the leading term for r below the fitted range."""
-        return self._leading([2.0 ** (_LOW - k) for k in _FAR])
-
     def _leading(self, places: list[float]) -> LogTail | None:
+        """Return the leading term beyond three places that lie outside the fitted range, in order."""
         value, _, error = self.averages(places)
         if not np.isfinite(error).all() or (value == 0).any():
             return None

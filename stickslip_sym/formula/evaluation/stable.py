@@ -60,7 +60,7 @@ class StableFunction:
 
     @cached_property
     def terms(self) -> list[TermFunction] | None:
-        """The terms of the law; None where there are none to be had."""
+        """The terms of the law; None where it cannot be split."""
         if self.criterion.weight is None:
             return None
         terms = split(self.mu)

@@ -91,14 +91,7 @@ def _slope_far(slope: Expr, form: ClosedForm, deadline: float) -> Expr | None:
     monomials = {power: sp.factor(total) for power, total in monomials.items() if sp.factor(total) != 0}
     top = max(monomials, default=0)
     constant = monomials.get(top, sp.S.Zero)
-    return constant * _mean_power(form, top) * V**top
-
-
-def _mean_power(form: ClosedForm, n: int) -> Expr:
-    """Return the mean of (1 + s)^n."""
-    if form.criterion.weight is None:
-        return sp.S.One
-    return sp.Add(*[sp.binomial(n, j) * form.criterion.moment(j) for j in range(n + 1)])
+    return constant * form.criterion.mean_power(top) * V**top
 
 
 def _growth(expr: Expr) -> Expr | None:

@@ -21,6 +21,7 @@ from stickslip_sym.formula.integration.terms import (
     as_function,
     as_linear,
     as_power,
+    as_single,
     as_stretched,
     first_rule,
     minus_discriminant,
@@ -55,10 +56,10 @@ def _function(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
 
 def _function_power(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate u^n tanh(x)^k and u^n sech(x)^k, k = 2, 3, ..."""
-    polynomial, others = split_polynomial(rest, u)
-    if len(others) != 1 or not others[0].is_Pow:
+    single = as_single(rest, u)
+    if single is None or not single[1].is_Pow:
         return None
-    base, n = others[0].as_base_exp()
+    polynomial, (base, n) = single[0], single[1].as_base_exp()
     ladder = POWER_LADDERS.get(base.func)
     if ladder is None or not (n.is_Integer and n > 1) or as_linear(base.args[0], u) is None:
         return None
@@ -83,10 +84,10 @@ def _power(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
 
 def _root(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """u^n (a u^2 + b u + c)^(k/2), k odd and >= -1, the quadratic positive: asinh. Holds u/sqrt(u^2 + w^2)."""
-    polynomial, others = split_polynomial(rest, u)
-    if len(others) != 1 or not others[0].is_Pow:
+    single = as_single(rest, u)
+    if single is None or not single[1].is_Pow:
         return None
-    base, exponent = others[0].as_base_exp()
+    polynomial, (base, exponent) = single[0], single[1].as_base_exp()
     if not base.is_polynomial(u) or sp.degree(base, u) != 2:
         return None
     a, b, c = sp.Poly(base, u).all_coeffs()
@@ -105,10 +106,10 @@ def _root(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
 
 def _gaussian(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate u^n exp(-a u^2 + b u + c), a > 0."""
-    polynomial, others = split_polynomial(rest, u)
-    if len(others) != 1 or not isinstance(others[0], sp.exp):
+    single = as_single(rest, u)
+    if single is None or not isinstance(single[1], sp.exp):
         return None
-    exponent = others[0].args[0]
+    polynomial, exponent = single[0], single[1].args[0]
     if not exponent.is_polynomial(u) or sp.degree(exponent, u) != 2:
         return None
     a, b, c = sp.Poly(exponent, u).all_coeffs()

@@ -1,7 +1,7 @@
 """A criterion of a law, integrated term by term: by our own rules first, by SymPy's integrator last.
 
 What comes out of here is a proposal. Antiderivatives carry the certificate by which they are proved, and
-every closed form passes a numerical gate before anybody sees it.
+every closed form passes a numerical gate before it is returned.
 """
 
 import time

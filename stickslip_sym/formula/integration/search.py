@@ -94,7 +94,7 @@ def _done(expr: Expr, deadline: float) -> Expr:
 
 def _carried_out(expr: Expr) -> Expr:
     """Carry out an integral or a limit, or say how that ended."""
-    # Refuse to outlive the parent's patience by memory; only Unix can tell a process so.
+    # A limit on memory beside the one on time; only Unix has it.
     with contextlib.suppress(ImportError, ValueError, OSError):
         import resource
 
@@ -103,7 +103,7 @@ def _carried_out(expr: Expr) -> Expr:
         return expr.doit()
     except MemoryError:
         return Nothing(f"needed more than {_MEMORY} GB")
-    except Exception as error:  # SymPy raises whatever it stumbles over
+    except Exception as error:  # SymPy raises many kinds
         return Nothing(f"gave up with {type(error).__name__}: {str(error)[:200]}")
 
 

@@ -12,16 +12,9 @@ from stickslip_sym.core.kinds import Expr
 from stickslip_sym.formula.integration.normal_form import expand_above
 
 __all__ = [
-    "as_function",
-    "as_linear",
-    "as_power",
-    "as_stretched",
-    "first_rule",
-    "grouped",
-    "minus_discriminant",
-    "partial_fractions",
-    "split_polynomial",
-]
+    "as_function", "as_linear", "as_power", "as_single", "as_stretched", "first_rule", "grouped",
+    "minus_discriminant", "partial_fractions", "split_polynomial",
+]  # fmt: skip
 
 
 def first_rule(rules: Mapping[str, Callable[..., Expr]], *arguments: Expr) -> tuple[str, Expr] | None:
@@ -71,6 +64,12 @@ def split_polynomial(rest: Expr, u: Expr) -> tuple[Expr, list[Expr]]:
     return sp.Mul(*[factor for factor in factors if factor.is_polynomial(u)]), others
 
 
+def as_single(rest: Expr, u: Expr) -> tuple[Expr, Expr] | None:
+    """Match polynomial * factor, one factor that is no polynomial; return both."""
+    polynomial, others = split_polynomial(rest, u)
+    return (polynomial, others[0]) if len(others) == 1 else None
+
+
 def as_linear(expr: Expr, u: Expr) -> tuple[Expr, Expr] | None:
     """Return (rate, shift) of rate * u + shift with rate != 0, or None."""
     if not expr.is_polynomial(u) or sp.degree(expr, u) != 1:
@@ -81,20 +80,20 @@ def as_linear(expr: Expr, u: Expr) -> tuple[Expr, Expr] | None:
 
 def as_function(rest: Expr, u: Expr, function: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
     """Match polynomial * function(rate * u + shift); return polynomial, argument, rate, shift."""
-    polynomial, others = split_polynomial(rest, u)
-    if len(others) != 1 or not isinstance(others[0], function):
+    single = as_single(rest, u)
+    if single is None or not isinstance(single[1], function):
         return None
-    argument = others[0].args[0]
+    argument = single[1].args[0]
     linear = as_linear(argument, u)
-    return None if linear is None else (polynomial, argument, *linear)
+    return None if linear is None else (single[0], argument, *linear)
 
 
 def as_power(rest: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr, Expr] | None:
     """Match polynomial * (rate * u + shift)**p, p no integer; return polynomial, base, rate, shift, p."""
-    polynomial, others = split_polynomial(rest, u)
-    if len(others) != 1 or not others[0].is_Pow:
+    single = as_single(rest, u)
+    if single is None or not single[1].is_Pow:
         return None
-    base, exponent = others[0].as_base_exp()
+    polynomial, (base, exponent) = single[0], single[1].as_base_exp()
     linear = as_linear(base, u)
     if linear is None or exponent.has(u) or exponent.is_integer:
         return None

@@ -1,6 +1,6 @@
 """The theorems of calculus that proofs use; each checks its hypotheses before it applies."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -11,15 +11,9 @@ from stickslip_sym.core.lerch import Lerch
 from stickslip_sym.formula.integration.normal_form import normal_form, single_limit
 
 __all__ = [
-    "Antiderivative",
-    "By",
-    "ChangeOfVariable",
-    "PieceByPiece",
-    "ends_of_pieces",
-    "is_positive",
-    "is_smooth",
+    "Antiderivative", "By", "ChangeOfVariable", "PieceByPiece", "ends_of_pieces", "is_positive", "is_smooth",
     "value_at",
-]
+]  # fmt: skip
 
 
 class By(Protocol):
@@ -27,6 +21,16 @@ class By(Protocol):
 
     def __call__(self, expr: Expr) -> Expr:
         """Return an expression equal to `expr`."""
+
+
+def _in_integrals_over(variable: Expr, expr: Expr, change: Callable[..., Expr]) -> Expr:
+    """Replace every integral over a variable; `change` takes it and its limits."""
+
+    def changed(integral: Expr) -> Expr:
+        found, low, high = single_limit(integral)
+        return change(integral, low, high) if found == variable else integral
+
+    return expr.replace(lambda node: isinstance(node, sp.Integral), changed)
 
 
 @dataclass(frozen=True)
@@ -43,16 +47,13 @@ class ChangeOfVariable:
         if slope.has(self.new) or not slope.is_nonzero:
             raise ValueError(f"{self.old} = {self.image} is not linear in {self.new}")
 
-        def substitute(integral: Expr) -> Expr:
-            variable, *limits = single_limit(integral)
-            if variable != self.old:
-                return integral
+        def substitute(integral: Expr, *limits: Expr) -> Expr:
             if integral.has(self.new):
                 raise ValueError(f"{self.new} already means something in {integral}")
             low, high = (sp.expand((limit - self.image.subs(self.new, 0)) / slope) for limit in limits)
             return sp.Integral(integral.function.subs(self.old, self.image) * slope, (self.new, low, high))
 
-        return expr.replace(lambda node: isinstance(node, sp.Integral), substitute)
+        return _in_integrals_over(self.old, expr, substitute)
 
 
 @dataclass(frozen=True)
@@ -65,13 +66,10 @@ class Antiderivative:
     def __call__(self, expr: Expr) -> Expr:
         """Apply the fundamental theorem of calculus, after differentiating the primitive."""
 
-        def evaluate(integral: Expr) -> Expr:
-            variable, low, high = single_limit(integral)
-            if variable != self.variable:
-                return integral
-            return _difference(self.primitive, integral.function, variable, low, high)
+        def evaluate(integral: Expr, low: Expr, high: Expr) -> Expr:
+            return _difference(self.primitive, integral.function, self.variable, low, high)
 
-        return expr.replace(lambda node: isinstance(node, sp.Integral), evaluate)
+        return _in_integrals_over(self.variable, expr, evaluate)
 
 
 @dataclass(frozen=True)
@@ -89,10 +87,7 @@ class PieceByPiece:
     def __call__(self, expr: Expr) -> Expr:
         """Apply the fundamental theorem of calculus on each piece."""
 
-        def evaluate(integral: Expr) -> Expr:
-            variable, low, high = single_limit(integral)
-            if variable != self.variable:
-                return integral
+        def evaluate(integral: Expr, low: Expr, high: Expr) -> Expr:
             if low != 0:
                 raise ValueError(f"the pieces start at 0, the integral at {low}")
             pieces = _branches(integral.function)
@@ -101,12 +96,12 @@ class PieceByPiece:
                 raise ValueError(f"{len(self.primitives)} antiderivatives for {len(pieces)} pieces")
             return sp.Add(
                 *[
-                    _difference(primitive, piece, variable, left, right)
+                    _difference(primitive, piece, self.variable, left, right)
                     for primitive, piece, left, right in zip(self.primitives, pieces, ends, ends[1:], strict=False)
                 ]
             )
 
-        return expr.replace(lambda node: isinstance(node, sp.Integral), evaluate)
+        return _in_integrals_over(self.variable, expr, evaluate)
 
 
 def ends_of_pieces(places: Sequence[Expr], high: Expr) -> list[Expr]:
@@ -175,20 +170,8 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
 
 
 _ENTIRE = (
-    sp.Add,
-    sp.Mul,
-    sp.im,
-    sp.exp,
-    sp.sin,
-    sp.cos,
-    sp.sinh,
-    sp.cosh,
-    sp.tanh,
-    sp.sech,
-    sp.asinh,
-    sp.atan,
-    sp.erf,
-)
+    sp.Add, sp.Mul, sp.im, sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.asinh, sp.atan, sp.erf,
+)  # fmt: skip
 
 
 def is_smooth(expr: Expr, x: Expr) -> bool:

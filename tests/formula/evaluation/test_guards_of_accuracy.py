@@ -255,7 +255,7 @@ def test_a_power_series_is_none_or_right_wherever_the_pole_is(criterion):
             continue
         found += 1
         coefficients, radius = series
-        exactly = [fitting.moment(criterion, k) * (-1) ** k * (k + 1) / pole ** (k + 1) for k in range(20)]
+        exactly = [criterion.mean_power(k) * (-1) ** k * (k + 1) / pole ** (k + 1) for k in range(20)]
         with mpmath.workdps(40):
             reach = mpmath.mpf(radius) / 4  # as far as a series is used
             right = [to_mpf(c) * reach**k for k, c in enumerate(exactly)]
@@ -303,5 +303,5 @@ def test_no_coefficient_of_an_entire_function_is_cut_off():
     coefficients, radius = fitting.taylor(-sp.exp(-v), harmonic, 0.0)
     assert radius == 24
     for k, coefficient in enumerate(coefficients):
-        right = to_mpf(fitting.moment(harmonic, k) * (-1) ** k / sp.factorial(k))
+        right = to_mpf(harmonic.mean_power(k) * (-1) ** k / sp.factorial(k))
         assert abs(coefficient - right) <= mpmath.mpf("1e-12") * abs(right)
