@@ -112,7 +112,7 @@ def _decided(node: Expr, point: Mapping[Expr, Expr]) -> Expr:
         return next(_chosen(part, point) for part, holds in node.args if holds.xreplace(dict(point)))
     values = {argument: argument.xreplace(dict(point)) for argument in node.args}
     best = node.func(*values.values())
-    return next(argument for argument, value in values.items() if value == best)
+    return next(_chosen(argument, point) for argument, value in values.items() if value == best)
 
 
 @dataclass(frozen=True)
@@ -264,6 +264,8 @@ _OF_CONSTANTS: dict[type[Expr], Callable[..., acb]] = {
     sp.elliptic_k: acb.elliptic_k,
     sp.elliptic_e: acb.elliptic_e,
     sp.elliptic_pi: acb.elliptic_pi,
+    sp.acos: acb.acos,
+    sp.asin: acb.asin,
     sp.acosh: acb.acosh,
     sp.atanh: acb.atanh,
     Lerch: lambda z, s, a: z.lerch_phi(s, a),
