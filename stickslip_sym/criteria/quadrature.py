@@ -19,10 +19,11 @@ from stickslip_sym.core.numbers import Number, exact, to_mpf
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["damping"]
+__all__ = ["MOST_DIGITS", "damping", "read_scene"]
 
 Function = Callable[[Mpf], Mpf]
 
+MOST_DIGITS = 10_000  # of a result
 _GUARD = 10  # digits beyond those asked for, against rounding in the sum
 _MOST_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
 _MOST_LOST_IN_SLOPE = 2000  # of a slope, which costs a few values of mu only
@@ -70,15 +71,7 @@ def damping(
     NotConverged
         If the integrand is too irregular for the bound on the work.
     """
-    criterion = find(criterion)
-    speed, force = exact(V, "V"), exact(N, "N")
-    if speed <= 0:
-        raise InputError(f"V = {float(speed):g} must be positive; at V = 0 there is nothing to integrate over")
-    if force < 0:
-        raise InputError(f"N = {float(force):g} must not be negative")
-    if not 1 <= digits <= 10_000:
-        raise InputError(f"digits = {digits} is outside 1 to 10000")
-    law.require_speed(speed if criterion.weight is None else 2 * speed)
+    criterion, speed, force = read_scene(law, criterion, V, N, digits)
     mu = _real(law.function("mpmath"))
     singular = criterion.weight is not None and _is_singular(law.function("mpmath"))
     if singular:
@@ -98,6 +91,22 @@ def damping(
         )  # fmt: skip
     with mpmath.workdps(digits):
         return +result
+
+
+def read_scene(
+    law: FrictionLaw, criterion: str | Criterion, V: Number, N: Number, digits: int
+) -> tuple[Criterion, Expr, Expr]:
+    """Return a criterion, V and N, exactly, or refuse what no criterion has a value for."""
+    criterion = find(criterion)
+    speed, force = exact(V, "V"), exact(N, "N")
+    if speed <= 0:
+        raise InputError(f"V = {float(speed):g} must be positive; at V = 0 there is nothing to integrate over")
+    if force < 0:
+        raise InputError(f"N = {float(force):g} must not be negative")
+    if not 1 <= digits <= MOST_DIGITS:
+        raise InputError(f"digits = {digits} is outside 1 to {MOST_DIGITS}")
+    law.require_speed(speed if criterion.weight is None else 2 * speed)
+    return criterion, speed, force
 
 
 def _real(mu: Function) -> Function:
@@ -208,24 +217,15 @@ def _inside(kinks: list[Expr], speed: Expr) -> list[Mpf]:
 
 def _pieces(f: Function, ends: list[Mpf], tolerance: Mpf, singular: bool) -> tuple[Mpf, Mpf]:
     """Integrate between consecutive ends, the first one 0; return the sum and the sum of sizes."""
-    if singular:
-        ends, f = [_stretched(end, -1) for end in ends], _with_stretched_variable(f)
-    parts = [_adaptive(f, left, right, tolerance) for left, right in pairwise(ends)]
-    return mpmath.fsum(parts), mpmath.fsum(parts, absolute=True)
-
-
-def _stretched(x: Mpf, way: int) -> Mpf:
-    """Return x to the power of the stretching, or its root for -1."""
-    return x**_STRETCHING if way > 0 else mpmath.root(x, _STRETCHING)
-
-
-def _with_stretched_variable(f: Function) -> Function:
-    """Return the integrand in y, x = y^8: what is infinite at x = 0 but integrable vanishes at y = 0."""
 
     def stretched(y: Mpf) -> Mpf:
-        return f(_stretched(y, 1)) * _STRETCHING * y ** (_STRETCHING - 1) if y else mpmath.mpf(0)
+        # In y, x = y^8, what is infinite at x = 0 but integrable vanishes at y = 0.
+        return f(y**_STRETCHING) * _STRETCHING * y ** (_STRETCHING - 1) if y else mpmath.mpf(0)
 
-    return stretched
+    if singular:
+        ends = [mpmath.root(end, _STRETCHING) for end in ends]
+    parts = [_adaptive(stretched if singular else f, left, right, tolerance) for left, right in pairwise(ends)]
+    return mpmath.fsum(parts), mpmath.fsum(parts, absolute=True)
 
 
 def _confirmed_slope(mu: Function, speed: Expr, force: Expr, digits: int) -> Mpf:

@@ -7,6 +7,7 @@ not claimed.
 """
 
 from collections.abc import Sequence
+from functools import reduce
 
 import sympy as sp
 from sympy.polys.rings import PolyElement
@@ -79,9 +80,7 @@ class Algebra:
         elif expr.is_Add:
             value = sum((self.constant(argument) for argument in expr.args), self.ring.zero)
         elif expr.is_Mul:
-            value = self.ring.one
-            for argument in expr.args:
-                value = self.product(value, self.constant(argument))
+            value = reduce(self.product, map(self.constant, expr.args))
         elif expr.is_Pow and expr.exp.is_Integer:
             value = self.power(self.constant(expr.base), int(expr.exp))
         elif expr.is_Pow and expr.exp.is_Rational and expr.exp.q in (2, 4):
@@ -96,10 +95,7 @@ class Algebra:
 
     def power(self, a: PolyElement, n: int) -> PolyElement:
         """Return a^n, n an integer."""
-        base, result = (self.inverse(a) if n < 0 else a), self.ring.one
-        for _ in range(abs(n)):
-            result = self.product(result, base)
-        return result
+        return reduce(self.product, [self.inverse(a) if n < 0 else a] * abs(n), self.ring.one)
 
     def expression(self, a: PolyElement) -> Expr:
         """Return a polynomial in generators of constants as an expression."""
@@ -161,10 +157,7 @@ class Differential:
         if expr.is_Add:
             return sum((self.of(argument) for argument in expr.args), algebra.ring.zero)
         if expr.is_Mul:
-            value = algebra.ring.one
-            for argument in expr.args:
-                value = algebra.product(value, self.of(argument))
-            return value
+            return reduce(algebra.product, map(self.of, expr.args))
         if expr.is_Pow and expr.exp.is_Integer:
             return algebra.power(self.of(expr.base), int(expr.exp))
         if expr.is_Pow and expr.exp.is_Rational and expr.exp.q in (2, 4):

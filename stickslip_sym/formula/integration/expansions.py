@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 import sympy as sp
 from sympy.polys.rings import PolyElement
@@ -50,15 +51,9 @@ class Expansion:
         if expr == self.x:
             return Series(1, self._constant(self.algebra.ring.one).coefficients)
         if expr.is_Add:
-            total = self.of(expr.args[0])
-            for argument in expr.args[1:]:
-                total = self._sum(total, self.of(argument))
-            return total
+            return reduce(self._sum, map(self.of, expr.args))
         if expr.is_Mul:
-            total = self.of(expr.args[0])
-            for argument in expr.args[1:]:
-                total = self._product(total, self.of(argument))
-            return total
+            return reduce(self._product, map(self.of, expr.args))
         if expr.is_Pow:
             return self._power(self.of(expr.base), expr.exp)
         if expr.func in (sp.log, sp.atan, sp.asinh, sp.erf):
