@@ -34,7 +34,7 @@ from .model import laws as laws
 from .model.fit import fit as fit
 from .model.law import FrictionLaw as FrictionLaw
 from .model.law import Parameter as Parameter
-from .model.measured.fits import Fit as Fit
+from .model.measured.fit import Fit as Fit
 from .model.measured.fits import Fits as Fits
 from .model.measured.measurements import Measurements as Measurements
 from .model.measured.measurements import read_measurements as read_measurements

@@ -9,8 +9,10 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.expression.parsing import NAME
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import catalogue, find
-from stickslip_sym.model.measured.fits import Fit, Fits
-from stickslip_sym.model.measured.fitting import fit_law, require_lmfit
+from stickslip_sym.model.measured.fit import Fit
+from stickslip_sym.model.measured.fits import Fits
+from stickslip_sym.model.measured.fitting import fit_law
+from stickslip_sym.model.measured.least_squares import require_lmfit
 from stickslip_sym.model.measured.measurements import Measurements
 
 __all__ = ["fit"]

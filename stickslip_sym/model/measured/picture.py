@@ -1,21 +1,29 @@
 """The picture of a fit: measured points, the curve with its band, and the residuals below."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output.drawing import require_matplotlib
 
-if TYPE_CHECKING:
-    from stickslip_sym.model.measured.fits import Fit
-
 __all__ = ["draw_fit"]
+
+FloatArray = NDArray[np.float64]
 
 _POINTS, _CURVE, _BAND = "0.35", "#0072B2", "#56B4E9"  # told apart by the colour-blind, and in print
 
 
-def draw_fit(fit: "Fit") -> Any:
-    """Return a figure of a fit.
+def draw_fit(
+    name: str,
+    measured: Measurements,
+    residuals: FloatArray,
+    curve: Callable[[FloatArray], FloatArray],
+    band: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
+) -> Any:
+    """Return a figure of a fit, of the fitted curve and its band as functions of the slip speed.
 
     Raises
     ------
@@ -25,14 +33,13 @@ def draw_fit(fit: "Fit") -> Any:
     require_matplotlib()
     from matplotlib.figure import Figure
 
-    measured = fit.measured
     figure = Figure(figsize=(6.4, 5.0), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     v = np.unique([*np.linspace(0, measured.v[-1], 300), *np.geomspace(1e-4, 1, 100) * measured.v[-1]])[1:]
-    low, high = fit.band(v)
+    low, high = band(v)
     above.fill_between(v, low, high, color=_BAND, alpha=0.4, linewidth=0, label="95 % band of the curve")
-    above.plot(v, fit.law.at_speeds(v), color=_CURVE, label=fit.name[:60])
-    for axes, y in ((above, measured.mu), (below, fit.residuals)):
+    above.plot(v, curve(v), color=_CURVE, label=name[:60])
+    for axes, y in ((above, measured.mu), (below, residuals)):
         if measured.sigma is not None:
             axes.errorbar(measured.v, y, measured.sigma, fmt="none", ecolor=_POINTS, elinewidth=0.6, alpha=0.6)
         axes.plot(measured.v, y, ".", color=_POINTS, markersize=3, label="measured" if axes is above else None)
