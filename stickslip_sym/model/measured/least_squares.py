@@ -16,7 +16,8 @@ FloatArray = NDArray[np.float64]
 
 _TOLERANCE = 1e-11  # relative, of the sum of squares and of the values; rounding allows 1e-14
 _EVALUATIONS = 600  # of the law, for one start; more are taken only towards values without end
-_OUTSIDE = 1e6  # residual, in units of the largest weighted mu, where the law has no real value: a step back
+_OUTSIDE = 1e6  # largest residual, in units of the largest weighted mu, and where the law has no real value
+_STEEPEST = 1e100  # largest derivative of a residual: its square and sums of such are finite
 
 
 def require_lmfit() -> None:
@@ -29,7 +30,7 @@ def require_lmfit() -> None:
 
 @dataclass(frozen=True)
 class Minimum:
-    """Where a sum of squares is least: the values, which of them their bound 0 holds, the sum, and Akaike's AIC."""
+    """Where a sum of squares is least: the values, which of them the bound 0 holds, the sum, and its AIC."""
 
     p: FloatArray
     held: NDArray[np.bool_]
@@ -93,7 +94,7 @@ class Problem:
 
     def _residual(self, parameters: Any) -> FloatArray:
         found = self.weights * (self.model.mu(self.values(parameters)) - self.mu)
-        return np.where(np.isfinite(found), found, self._outside)
+        return np.where(np.isfinite(found), np.clip(found, -self._outside, self._outside), self._outside)
 
     def _derivatives(self, parameters: Any) -> FloatArray:
         p = self.values(parameters)
@@ -101,4 +102,4 @@ class Problem:
         varying = [parameter.vary for parameter in parameters.values()]
         with np.errstate(all="ignore"):
             found = (self.weights[:, None] * self.model.jacobian(p) * inner)[:, varying]
-        return np.where(np.isfinite(found), found, 0.0)
+        return np.where(np.isfinite(found), np.clip(found, -_STEEPEST, _STEEPEST), 0.0)

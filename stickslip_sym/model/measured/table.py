@@ -17,7 +17,7 @@ __all__ = ["Table", "read_table"]
 SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", ",": "commas"}
 """What parts columns, by preference: a comma may also be a decimal sign."""
 MOST_ROWS = 1_000_000  # that are read before a file is refused unread
-_COMMENT = re.compile(r"\s*([#%!]|//)\s*")
+_COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _NUMBER = r"[+-]?(\d+{sign}?\d*|{sign}\d+)([eE][+-]?\d{{1,4}})?"
 _NUMBERS = {sign: re.compile(_NUMBER.format(sign=re.escape(sign)), re.ASCII) for sign in ".,"}
@@ -95,12 +95,13 @@ def _is_number(cell: str) -> bool:
 
 
 def _separator(lines: Sequence[str]) -> str:
-    """Return what parts the columns: in most lines of numbers, else in the lines that there are."""
-    scores: dict[str, tuple[int, int]] = {}
+    """Return what parts the columns: that of a header, else of most lines of numbers, else of most lines."""
+    scores: dict[str, tuple[bool, int, int]] = {}
     for separator in SEPARATORS:
         cells = [_split(line, separator) for line in lines]
         numbers = Counter(len(row) for row in cells if sum(map(_is_number, row)) > 1)
-        scores[separator] = max(numbers.values(), default=0), sum(len(row) > 1 for row in cells)
+        named = any(is_header(read_header(row)) for row in cells)
+        scores[separator] = named, max(numbers.values(), default=0), sum(len(row) > 1 for row in cells)
     return max(scores, key=lambda separator: scores[separator])
 
 
