@@ -101,7 +101,7 @@ def _laws(given: Any) -> dict[str, FrictionLaw]:
     """Return the laws to fit, each by its name or its formula."""
     if given is None:
         return dict(catalogue)
-    several = [given] if isinstance(given, str | FrictionLaw) else list(given)
+    several = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
     laws: dict[str, FrictionLaw] = {}
     for one in several:
         if isinstance(one, str):

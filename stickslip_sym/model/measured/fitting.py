@@ -51,14 +51,15 @@ def fit_law(law: FittedLaw, measured: Measurements) -> Fit | str:
         if best is None or found.chi_squared < best.chi_squared:
             best = found
     if best is None:
-        return "no start converged"
+        return "no start converged: its values run away without an end; fix one of them, or take a simpler law"
     p, chi_squared, dof = best.p, best.chi_squared, count - k
     derivatives = problem.weights[:, None] * model.jacobian(p)
     if reason := _undetermined(model.names, p, derivatives) or _unseen_rise(law, p, measured):
         return reason
     variance = chi_squared / dof if measured.sigma is None else 1.0
     sizes = np.linalg.norm(derivatives, axis=0)
-    covariance = variance * np.linalg.inv((derivatives / sizes).T @ (derivatives / sizes)) / np.outer(sizes, sizes)
+    inverse = np.linalg.inv((derivatives / sizes).T @ (derivatives / sizes))
+    covariance = variance * (inverse + inverse.T) / (2 * np.outer(sizes, sizes))
     errors = np.sqrt(np.diag(covariance))
     for i in np.flatnonzero(~model.linear & (errors > _NOTHING * np.abs(p))):
         alike = np.flatnonzero(np.abs(covariance[i]) > _ALIKE * errors[i] * errors)

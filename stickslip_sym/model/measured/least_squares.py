@@ -17,6 +17,7 @@ FloatArray = NDArray[np.float64]
 _TOLERANCE = 1e-11  # relative, of the sum of squares and of the values; rounding allows 1e-14
 _EVALUATIONS = 600  # of the law, for one start; more are taken only towards values without end
 _OUTSIDE = 1e6  # largest residual, in units of the largest weighted mu, and where the law has no real value
+_TINY = 1e-300  # a positive value, short of underflow; its inverse is the largest
 _STEEPEST = 1e100  # largest derivative of a residual: its square and sums of such are finite
 
 
@@ -56,21 +57,24 @@ class Problem:
     def minimum(self, start: FloatArray) -> Minimum | None:
         """Return the minimum that a start leads to; None if it does not converge."""
         held = np.zeros(len(start), dtype=bool)
-        while not held.all():
+        for _ in range(2 * len(start) + 1):
             result = self.minimizer(start, held).leastsq()
-            if not result.success:
-                return None
             p = self.values(result.params)
             below = self.model.positive & (p < 0)
-            if not below.any():
-                residual = self.weights * (self.model.mu(p) - self.mu)
-                slopes = (self.weights[:, None] * self.model.jacobian(p)[:, held]).T @ residual
-                if (slopes < 0).any():  # a value that is held would rather be positive
+            if below.any():
+                held = held | below
+                if held.all():
                     return None
-                aic = float(result.aic) + 2 * int(held.sum())
-                return Minimum(p, held, float(result.chisqr), aic)
-            held = held | below
-            start = np.where(held, 0.0, p)
+                start = np.where(held, 0.0, p if result.success else start)
+                continue
+            if not result.success:
+                return None
+            residual = self.weights * (self.model.mu(p) - self.mu)
+            slopes = (self.weights[:, None] * self.model.jacobian(p)).T @ residual
+            inward = held & (slopes < 0)
+            if not inward.any():
+                return Minimum(p, held, float(result.chisqr), float(result.aic) + 2 * int(held.sum()))
+            held, start = held & ~inward, p
         return None
 
     def minimizer(self, start: FloatArray, held: NDArray[np.bool_]) -> Any:
@@ -79,7 +83,7 @@ class Problem:
 
         parameters = lmfit.Parameters()
         for i, value in enumerate(start):  # names of our own: those of a law may mean something to lmfit
-            varied = np.log(value) if self.logarithmic[i] else value
+            varied = np.log(np.clip(value, _TINY, 1 / _TINY)) if self.logarithmic[i] else value
             parameters.add(f"p{i}", value=float(varied), vary=not held[i])
         return lmfit.Minimizer(
             self._residual, parameters, scale_covar=False, Dfun=self._derivatives, ftol=_TOLERANCE,
