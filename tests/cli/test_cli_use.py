@@ -20,6 +20,7 @@ from stickslip_sym.motion.thresholds import rungs
 COMMANDS = {
     "laws": ["--json"],
     "derive": ["coulomb"],
+    "fit": ["disc.csv", "linear"],
     "damping": ["linear", "--json"],
     "simulate": ["linear", "--t-end", "1"],
     "map": ["linear", "--x", "V=1:1:1", "--y", "c=1:1:1"],
@@ -27,6 +28,8 @@ COMMANDS = {
     "export": ["coulomb", "--python", "/dev/stdout" if Path("/dev/stdout").exists() else "coulomb.py"],
 }
 """What makes each command do its work, quickly."""
+DISC = "v [mm/s],mu\n" + "".join(f"{v},{0.3 + 10 / (50 + v):.3f}\n" for v in range(5, 900, 30))
+"""Measured friction, for those that read a file."""
 
 
 def registered():
@@ -41,6 +44,9 @@ def test_every_command_is_tried_here():
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_example_in_the_help_works(name, monkeypatch, capsys, tmp_path):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "disc.csv").write_text(DISC)
+    if name == "fit":
+        pytest.importorskip("matplotlib")
     _, help_text, _ = run(monkeypatch, capsys, name, "--help")
     words = shlex.split(help_text.split("Example: ")[1].split("\n\n")[0])
     assert words[:2] == ["stickslip", name]
@@ -189,10 +195,12 @@ def test_the_version(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys):
+def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys, tmp_path):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "disc.csv").write_text(DISC)
     for function in ("cli.json_output.echo", "core.numbers.exact", "model.law.FrictionLaw.typical"):
         monkeypatch.setattr(f"stickslip_sym.{function}", interrupt)
     code, out, err = run(monkeypatch, capsys, name, *COMMANDS[name])

@@ -70,8 +70,10 @@ class Problem:
             if not result.success:
                 return None
             residual = self.weights * (self.model.mu(p) - self.mu)
-            slopes = (self.weights[:, None] * self.model.jacobian(p)).T @ residual
-            inward = held & (slopes < 0)
+            if not np.isfinite(residual).all():
+                return None
+            inward = held.copy()
+            inward[held] = self._derivatives(result.params, held).T @ residual < 0
             if not inward.any():
                 return Minimum(p, held, float(result.chisqr), float(result.aic) + 2 * int(held.sum()))
             held, start = held & ~inward, p
@@ -100,10 +102,10 @@ class Problem:
         found = self.weights * (self.model.mu(self.values(parameters)) - self.mu)
         return np.where(np.isfinite(found), np.clip(found, -self._outside, self._outside), self._outside)
 
-    def _derivatives(self, parameters: Any) -> FloatArray:
+    def _derivatives(self, parameters: Any, chosen: NDArray[np.bool_] | None = None) -> FloatArray:
         p = self.values(parameters)
         inner = np.where(self.logarithmic, p, 1.0)
-        varying = [parameter.vary for parameter in parameters.values()]
+        varying = [parameter.vary for parameter in parameters.values()] if chosen is None else chosen
         with np.errstate(all="ignore"):
             found = (self.weights[:, None] * self.model.jacobian(p) * inner)[:, varying]
         return np.where(np.isfinite(found), np.clip(found, -_STEEPEST, _STEEPEST), 0.0)
