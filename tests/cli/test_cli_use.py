@@ -220,13 +220,16 @@ for line in sys.argv[1:]:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_closed_pipe_ends_every_command_quietly():
+def test_a_closed_pipe_ends_every_command_quietly(tmp_path):
     """The reader is gone before the command writes: it says nothing, and its exit code tells."""
+    (tmp_path / "disc.csv").write_text(DISC)
     lines = [" ".join([name, *COMMANDS[name]]) for name in COMMANDS]
     reader, writer = os.pipe()
     os.close(reader)
     command = [sys.executable, "-c", WRITERS, *lines]
-    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+    done = subprocess.run(
+        command, stdout=writer, stderr=subprocess.PIPE, text=True, timeout=60, check=False, cwd=tmp_path
+    )
     os.close(writer)
     assert done.stderr == "".join(f"{line} 1\n" for line in lines)
 

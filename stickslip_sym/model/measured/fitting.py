@@ -52,7 +52,9 @@ def fit_law(law: FittedLaw, measured: Measurements) -> Fit | str:
             best = found
     if best is None:
         return "no start converged: its values run away without an end; fix one of them, or take a simpler law"
-    p, chi_squared, dof = best.p, best.chi_squared, count - k
+    order = _order(law, model, best.p)
+    p, held = best.p[order], best.held[order]
+    chi_squared, dof = best.chi_squared, count - k
     derivatives = problem.weights[:, None] * model.jacobian(p)
     if reason := _undetermined(model.names, p, derivatives) or _unseen_rise(law, p, measured):
         return reason
@@ -74,8 +76,27 @@ def fit_law(law: FittedLaw, measured: Measurements) -> Fit | str:
         chi_squared=chi_squared,
         dof=dof,
         aicc=_aicc(best.aic, chi_squared, k, count, known=known),
-        warnings=(*_loose(model, p, covariance, best.held), *_scatter(chi_squared, dof, known=known)),
+        warnings=(*_loose(model, p, covariance, held), *_scatter(chi_squared, dof, known=known)),
     )
+
+
+def _order(law: FittedLaw, model: Parametric, p: FloatArray) -> list[int]:
+    """Return the order of the values in which like terms stand as their typical values do.
+
+    Where two parameters can change places, each with its amplitude, two minima are one: a fast and a slow drop.
+    """
+    order = list(range(len(p)))
+    symbols = [law.parameters[name].symbol for name in model.names]
+    typical = [float(law.parameters[name].typical or i) for i, name in enumerate(model.names)]
+    amplitudes = list(combinations(np.flatnonzero(model.linear).tolist(), 2))
+    for i, j in combinations(np.flatnonzero(~model.linear).tolist(), 2):
+        for pairs in ([(i, j)], *([(i, j), pair] for pair in amplitudes)):
+            swap = {symbols[a]: symbols[b] for pair in pairs for a, b in (pair, pair[::-1])}
+            if law.expr.xreplace(swap) == law.expr and (p[i] < p[j]) != (typical[i] < typical[j]):
+                for a, b in pairs:
+                    order[a], order[b] = order[b], order[a]
+                return order
+    return order
 
 
 def _aicc(aic: float, chi_squared: float, k: int, count: int, *, known: bool) -> float:
