@@ -43,6 +43,7 @@ class Description:
         from stickslip_sym.model.expression.parsing import NAME
         from stickslip_sym.model.law import FrictionLaw
         from stickslip_sym.model.laws import find
+        from stickslip_sym.model.measured.measurements import read_measurements
 
         units = assignments(self.unit or [], "--unit alpha=s/m")
         if from_csv is not None and text is not None:
@@ -50,7 +51,9 @@ class Description:
         if from_csv is None and extrapolate:
             raise InputError("--extrapolate belongs to --from-csv: a formula holds at all speeds")
         if from_csv is not None:
-            law = FrictionLaw.from_csv(from_csv, extrapolate=extrapolate, source=self.source, name=self.name)
+            measured = read_measurements(from_csv)
+            typer.echo(measured.averaged().understood, err=True)  # beside JSON, not in it
+            law = FrictionLaw.from_csv(measured, extrapolate=extrapolate, source=self.source, name=self.name)
         elif text is None:
             raise InputError("no law: give a name (see: stickslip laws), a formula in v, or --from-csv FILE")
         elif NAME.fullmatch(text):
@@ -81,7 +84,11 @@ class LawOptions(Description):
     ] = None
     from_csv: Annotated[
         Path | None,
-        typer.Option("--from-csv", metavar="FILE", help="Measured points instead: v in m/s, and mu, a line."),
+        typer.Option(
+            "--from-csv",
+            metavar="FILE",
+            help="Measured friction instead: v and mu, or v, F_t and F_n, in columns.",
+        ),
     ] = None
     extrapolate: Annotated[
         bool, typer.Option("--extrapolate", help="Hold the first and the last measured coefficient.")

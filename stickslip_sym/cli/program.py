@@ -13,6 +13,7 @@ import typer
 from stickslip_sym.cli.damping import damping
 from stickslip_sym.cli.derive import derive
 from stickslip_sym.cli.export import export
+from stickslip_sym.cli.fit import fit
 from stickslip_sym.cli.laws import laws
 from stickslip_sym.cli.map import motion_map
 from stickslip_sym.cli.options import spread_out
@@ -54,6 +55,7 @@ def start(
 COMMANDS: dict[str, Callable[..., None]] = {
     "laws": laws,
     "derive": derive,
+    "fit": fit,
     "damping": damping,
     "simulate": simulate,
     "map": motion_map,

@@ -23,6 +23,7 @@ from stickslip_sym.motion.thresholds import rungs
 COMMANDS = {
     "laws": ["--json"],
     "derive": ["coulomb"],
+    "fit": ["disc.csv", "linear"],
     "damping": ["linear", "--json"],
     "simulate": ["linear", "--t-end", "1"],
     "map": ["linear", "--x", "V=1:1:1", "--y", "c=1:1:1"],
@@ -30,6 +31,8 @@ COMMANDS = {
     "export": ["coulomb", "--python", "/dev/stdout" if Path("/dev/stdout").exists() else "coulomb.py"],
 }
 """What makes each command do its work, quickly."""
+DISC = "v [mm/s],mu\n" + "".join(f"{v},{0.3 + 10 / (50 + v):.3f}\n" for v in range(5, 900, 30))
+"""Measured friction, for those that read a file."""
 
 
 def registered():
@@ -55,6 +58,9 @@ def test_every_command_of_one_law_has_all_options_of_a_law_and_a_scene():
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_example_in_the_help_works(name, monkeypatch, capsys, tmp_path):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "disc.csv").write_text(DISC)
+    if name == "fit":
+        pytest.importorskip("matplotlib")
     _, help_text, _ = run(monkeypatch, capsys, name, "--help")
     words = shlex.split(help_text.split("Example: ")[1].split("\n\n")[0])
     assert words[:2] == ["stickslip", name]
@@ -203,10 +209,12 @@ def test_the_version(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys):
+def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys, tmp_path):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "disc.csv").write_text(DISC)
     for function in ("cli.json_output.echo", "core.numbers.exact", "model.law.FrictionLaw.typical"):
         monkeypatch.setattr(f"stickslip_sym.{function}", interrupt)
     code, out, err = run(monkeypatch, capsys, name, *COMMANDS[name])
@@ -226,13 +234,16 @@ for line in sys.argv[1:]:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_closed_pipe_ends_every_command_quietly():
+def test_a_closed_pipe_ends_every_command_quietly(tmp_path):
     """The reader is gone before the command writes: it says nothing, and its exit code tells."""
+    (tmp_path / "disc.csv").write_text(DISC)
     lines = [" ".join([name, *COMMANDS[name]]) for name in COMMANDS]
     reader, writer = os.pipe()
     os.close(reader)
     command = [sys.executable, "-c", WRITERS, *lines]
-    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+    done = subprocess.run(
+        command, stdout=writer, stderr=subprocess.PIPE, text=True, timeout=60, check=False, cwd=tmp_path
+    )
     os.close(writer)
     assert done.stderr == "".join(f"{line} 1\n" for line in lines)
 
