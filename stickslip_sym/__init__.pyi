@@ -31,8 +31,13 @@ from .formula.export.export import export_latex as export_latex
 from .formula.export.export import export_octave as export_octave
 from .formula.export.export import export_python as export_python
 from .model import laws as laws
+from .model.fit import fit as fit
 from .model.law import FrictionLaw as FrictionLaw
 from .model.law import Parameter as Parameter
+from .model.measured.fit import Fit as Fit
+from .model.measured.fits import Fits as Fits
+from .model.measured.measurements import Measurements as Measurements
+from .model.measured.measurements import read_measurements as read_measurements
 from .model.oscillator import Oscillator as Oscillator
 from .motion.maps.basins import BasinMap as BasinMap
 from .motion.maps.basins import basin_map as basin_map

@@ -1,33 +1,31 @@
 """``stickslip damping``: the threshold to a tolerance, or every rung of the ladder."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Union
 
 import typer
 
 from stickslip_sym.cli import json_output
 from stickslip_sym.cli.completion import complete_method
-from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
-from stickslip_sym.cli.reading import Values, assignments, read_numbers
+from stickslip_sym.cli.law import LawOptions
+from stickslip_sym.cli.options import AsJson, MaybeOscillator
+from stickslip_sym.cli.reading import read_numbers
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.operating_point import PAPER
 
+if TYPE_CHECKING:
+    from stickslip_sym.model.law import FrictionLaw
+    from stickslip_sym.motion.thresholds.threshold import Threshold
+
 __all__ = ["damping"]
+
+Found = Union["Threshold", StickSlipError]  # a text has no |
+"""A threshold, or why there is none."""
 
 
 def damping(
-    law: LawName = None,
-    from_csv: FromCsv = None,
-    extrapolate: Extrapolate = False,
-    static: Static = None,
-    name: Name = None,
-    unit: Units = None,
-    source: Source = None,
-    parameter: Values = None,
-    speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = PAPER["V"],
-    force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = PAPER["N"],
-    mass: Annotated[str | None, typer.Option("-m", metavar="KG", help="Mass; goes with -k.")] = None,
-    stiffness: Annotated[str | None, typer.Option("-k", metavar="N/M", help="Stiffness; goes with -m.")] = None,
+    law: LawOptions,
+    scene: MaybeOscillator,
     method: Annotated[
         str,
         typer.Option(
@@ -39,7 +37,7 @@ def damping(
     time_limit: Annotated[
         str | None, typer.Option("--time-limit", metavar="S", help="Seconds of computation, for each method.")
     ] = None,
-    as_json: json_output.AsJson = False,
+    as_json: AsJson = False,
 ) -> None:
     """Print the pure-slip damping, the method that gave it, and its error.
 
@@ -48,18 +46,15 @@ def damping(
     from stickslip_sym.motion.thresholds.rungs import rungs
     from stickslip_sym.output.tables import duration, table
 
-    friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
-    bound = friction.typical(**assignments(parameter or []))
-    options = {"V": speed, "N": force, "m": mass, "k": stiffness}
-    given = {name: text for name, text in options.items() if text is not None}
+    bound = law.bound()
+    given = scene.texts({name: PAPER[name] for name in ("V", "N")})
     read_numbers(given)  # refuses what is no number
-    scene = given
     limit = read_numbers({"time_limit": time_limit}).get("time_limit")
     if everything:
-        usable = [name for name, rung in rungs().items() if "m" in scene or not rung.oscillator]
-        found = {name: _threshold(bound, scene, name, min(rtol, 1e-10), limit) for name in usable}
+        usable = [name for name, rung in rungs().items() if "m" in given or not rung.oscillator]
+        found = {name: _threshold(bound, given, name, min(rtol, 1e-10), limit) for name in usable}
     else:
-        found = {method: _threshold(bound, scene, method, rtol, limit)}
+        found = {method: _threshold(bound, given, method, rtol, limit)}
         if isinstance(error := found[method][0], StickSlipError):
             raise error
     if as_json:
@@ -82,13 +77,13 @@ def damping(
         ]
         typer.echo(table(["method", "c in kg/s", "relative error", "status", "time"], rows))
     else:
-        threshold = found[method][0]
-        typer.echo(str(threshold if threshold.theorem is None else f"{threshold}\n\n{threshold.theorem}"))
+        theorem = getattr(found[method][0], "theorem", None)
+        typer.echo(f"{found[method][0]}" + (f"\n\n{theorem}" if theorem else ""))
 
 
 def _threshold(
-    law: Any, scene: dict[str, Any], method: str, rtol: float, limit: float | None
-) -> tuple[Any, float]:
+    law: "FrictionLaw", scene: dict[str, str], method: str, rtol: float, limit: float | None
+) -> tuple[Found, float]:
     """Return a threshold, or the error that says why there is none, and the seconds it took."""
     import time
 
@@ -96,13 +91,13 @@ def _threshold(
 
     begin = time.perf_counter()
     try:
-        found: Any = pure_slip_damping(law, **scene, method=method, rtol=rtol, time_limit=limit)
+        found: Found = pure_slip_damping(law, **scene, method=method, rtol=rtol, time_limit=limit)
     except StickSlipError as error:
         found = error
     return found, time.perf_counter() - begin
 
 
-def _as_json(method: str, threshold: Any, seconds: float) -> dict[str, Any]:
+def _as_json(method: str, threshold: Found, seconds: float) -> json_output.Json:
     if isinstance(threshold, StickSlipError):
         return {"method": method, "c": json_output.missing("kg/s", in_options(str(threshold)))}
     return {

@@ -3,73 +3,57 @@
 import contextlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Union
 
 import typer
 
 from stickslip_sym.cli import json_output
-from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
-from stickslip_sym.cli.reading import (
-    CriteriaName,
-    Values,
-    assignments,
-    check_size,
-    progress_bar,
-    read_exact,
-    require_writable,
-)
+from stickslip_sym.cli.law import LawOptions
+from stickslip_sym.cli.options import SECONDS, AsJson, CriteriaName, SceneOptions, TimeLimit, file_option
+from stickslip_sym.cli.reading import check_size, chosen_criteria, progress_bar, read_exact, require_writable
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, NoClosedForm
-from stickslip_sym.model.operating_point import PAPER
 
-__all__ = ["derive", "progress"]
+if TYPE_CHECKING:
+    from stickslip_sym.comparison.crosscheck import Check
+    from stickslip_sym.criteria.criterion import Criterion
+    from stickslip_sym.formula.derivation.closed_form import ClosedForm
+    from stickslip_sym.model.law import FrictionLaw
+
+__all__ = ["Found", "derive", "derived"]
+
+Found = Union["ClosedForm", NoClosedForm]  # a text has no |
+"""The closed form of a criterion, or why there is none."""
 
 
 def derive(
-    law: LawName = None,
-    from_csv: FromCsv = None,
-    extrapolate: Extrapolate = False,
-    static: Static = None,
-    name: Name = None,
-    unit: Units = None,
-    source: Source = None,
+    law: LawOptions,
+    scene: SceneOptions,
     criterion: CriteriaName = "least_squares",
-    parameter: Values = None,
-    speed: Annotated[str, typer.Option("-V", metavar="M/S", help="Belt speed.")] = PAPER["V"],
-    force: Annotated[str, typer.Option("-N", metavar="N", help="Normal force.")] = PAPER["N"],
-    mass: Annotated[str, typer.Option("-m", metavar="KG", help="Mass.")] = PAPER["m"],
-    stiffness: Annotated[str, typer.Option("-k", metavar="N/M", help="Stiffness.")] = PAPER["k"],
     steps: Annotated[bool, typer.Option("--steps", help="Print every step of the derivation.")] = False,
-    latex: Annotated[
-        Path | None, typer.Option("--latex", metavar="FILE", help="Write the formula as LaTeX.")
-    ] = None,
-    save: Annotated[
-        Path | None, typer.Option("--save", metavar="FILE", help="Keep the form, for stickslip_sym.load.")
-    ] = None,
-    time_limit: Annotated[
-        float, typer.Option("--time-limit", metavar="S", help="Seconds for each criterion.")
-    ] = 120.0,
-    as_json: json_output.AsJson = False,
+    latex: Annotated[Path | None, file_option("--latex", "Write the formula as LaTeX.")] = None,
+    save: Annotated[Path | None, file_option("--save", "Keep the form, for stickslip_sym.load.")] = None,
+    time_limit: TimeLimit = SECONDS,
+    as_json: AsJson = False,
 ) -> None:
     """Derive the closed form of a criterion, prove it, and cross-check its value.
 
     Example: stickslip derive "mu_m + (mu_s - mu_m)*exp(-alpha*v)" -p mu_s=0.5 -p mu_m=0.2 -p alpha=3
     """
-    from stickslip_sym import criteria
+    from stickslip_sym.comparison.crosscheck import crosscheck
     from stickslip_sym.formula.derivation import keeping
     from stickslip_sym.model.doubts import warn_where_negative
     from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.output import files
 
-    chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]
+    chosen = chosen_criteria(criterion)
     if save is not None and len(chosen) > 1:
         raise InputError("--save keeps one closed form; name one criterion instead of all")
     require_writable(latex, save)
-    friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
-    bound = friction.typical(**assignments(parameter or []))
-    scene = {"V": speed, "N": force, "m": mass, "k": stiffness}
+    bound = law.bound()
+    given = scene.texts()
     # Refuse what the table cannot be computed for before anything is derived or written.
-    numbers = read_exact(scene)
+    numbers = read_exact(given)
     for name, value in bound.values.items():
         check_size(name, value)
     Oscillator(**{name: float(value) for name, value in numbers.items()})
@@ -77,19 +61,22 @@ def derive(
         bound.require_speed(numbers["V"] * (1 if one.weight is None else 2))
     if not bound.missing:
         warn_where_negative(bound, float(numbers["V"]))
-    found = [_derived(bound, one, time_limit) for one in chosen]
+    found = [derived(bound, one, time_limit) for one in chosen]
     forms = [form for form in found if not isinstance(form, NoClosedForm)]
     if latex is not None and forms:
         files.write_text(latex, "\n".join(_latex(form, steps) for form in forms))
     if save is not None and forms:
         keeping.save(forms[0], save)
-    checks = [_checks(bound, one, form, scene) for one, form in zip(chosen, found, strict=True)]
+    results = [
+        (one.name, form, [] if bound.missing else crosscheck(bound, one, given, form if form in forms else None))
+        for one, form in zip(chosen, found, strict=True)
+    ]
     if as_json:
-        results = [_as_json(*result, steps) for result in zip(chosen, found, checks, strict=True)]
-        json_output.echo("derive", law=json_output.law(bound), scene=json_output.values(scene), criteria=results)
+        shown = [_as_json(*result, steps) for result in results]
+        json_output.echo("derive", law=json_output.law(bound), scene=json_output.values(given), criteria=shown)
     else:
         typer.echo(f"mu(v) = {bound.text}")
-        for result in zip(chosen, found, checks, strict=True):
+        for result in results:
             typer.echo(f"\n{_report(bound, *result, steps)}")
     if bound.missing and forms:
         names = ", ".join(bound.missing)
@@ -99,37 +86,23 @@ def derive(
             raise form
 
 
-def _derived(law: Any, criterion: Any, time_limit: float) -> Any:
+def derived(law: "FrictionLaw", criterion: "Criterion", time_limit: float = SECONDS) -> Found:
     """Return the closed form, or the `NoClosedForm` that says why there is none."""
     from stickslip_sym.formula.derivation.closed_form import derive as derive_form
 
-    with progress(time_limit) as say:
+    with _progress(time_limit) as say:
         try:
             return derive_form(law, criterion, time_limit=time_limit, progress=say)
         except NoClosedForm as error:
             return error
 
 
-def _checks(law: Any, criterion: Any, form: Any, scene: dict[str, str]) -> list[Any]:
-    """Return the ways to the number, of a law that has all its values."""
-    from stickslip_sym.comparison.crosscheck import crosscheck
-
-    closed = None if isinstance(form, NoClosedForm) else form
-    return [] if law.missing else crosscheck(law, criterion, scene, closed)
-
-
-def _as_json(criterion: Any, form: Any, checks: list[Any], steps: bool) -> dict[str, Any]:
+def _as_json(name: str, form: Found, checks: "list[Check]", steps: bool) -> json_output.Json:
     from stickslip_sym.output import printing
 
-    if isinstance(form, NoClosedForm):
-        known: dict[str, Any] = {"formula": None, "reason": in_options(str(form))}
-    else:
-        known = {
-            "formula": printing.text(form.expr),
-            "unit": "kg/s",
-            "status": form.verdict.status.value,
-            "evidence": form.verdict.evidence,
-        }
+    known = {"criterion": name, **json_output.form(form)}
+    if not isinstance(form, NoClosedForm):
+        known["evidence"] = form.verdict.evidence
         if steps:
             known["steps"] = [
                 {
@@ -141,10 +114,10 @@ def _as_json(criterion: Any, form: Any, checks: list[Any], steps: bool) -> dict[
                 }
                 for step in form.derivation.steps
             ]
-    return {"criterion": criterion.name} | known | {"checks": [_check(check) for check in checks]}
+    return known | {"checks": [_check(check) for check in checks]}
 
 
-def _check(check: Any) -> dict[str, Any]:
+def _check(check: "Check") -> json_output.Json:
     if check.difference is None:
         return {"method": check.method, "c": json_output.missing("kg/s", in_options(check.value))}
     return {
@@ -155,13 +128,13 @@ def _check(check: Any) -> dict[str, Any]:
     }
 
 
-def _report(law: Any, criterion: Any, form: Any, checks: list[Any], steps: bool) -> str:
+def _report(law: "FrictionLaw", name: str, form: Found, checks: "list[Check]", steps: bool) -> str:
     from stickslip_sym.comparison import crosscheck
     from stickslip_sym.output import printing
     from stickslip_sym.output.lines import formula
 
     if isinstance(form, NoClosedForm):
-        lines = [f"no closed form: {law.name or 'the law'}, {criterion.name}"]
+        lines = [f"no closed form: {law.name or 'the law'}, {name}"]
     else:
         shown = formula("c", form.expr) if form.law.curve is None else _CURVE.format(form.law.curve)
         if len(shown) > _LONGEST:
@@ -179,7 +152,7 @@ _LONGEST = 4000  # characters of a formula on the screen
 _CURVE = "  c = average of the {} (--json and --save have it exactly)"
 
 
-def _latex(form: Any, steps: bool) -> str:
+def _latex(form: "ClosedForm", steps: bool) -> str:
     from stickslip_sym.output import printing
     from stickslip_sym.output.layout import displayed, key
 
@@ -189,7 +162,7 @@ def _latex(form: Any, steps: bool) -> str:
 
 
 @contextlib.contextmanager
-def progress(time_limit: float) -> Iterator[Callable[[str], None]]:
+def _progress(time_limit: float) -> Iterator[Callable[[str], None]]:
     """Show on a terminal what is being done, and how long it may still take; elsewhere show nothing."""
     from rich.progress import ProgressColumn, SpinnerColumn, Task, TextColumn
     from rich.table import Column

@@ -1,51 +1,62 @@
 """``stickslip export``: criteria as LaTeX, Python, C, Octave or JSON, several at once or none at all."""
 
-from inspect import Parameter, Signature, signature
+from dataclasses import asdict, field, make_dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip_sym.cli.derive import progress
-from stickslip_sym.cli.law import Name, Source, Static, Units, read_law
-from stickslip_sym.cli.reading import CriteriaName, assignments, require_writable
+from stickslip_sym.cli.derive import derived
+from stickslip_sym.cli.law import Description
+from stickslip_sym.cli.options import SECONDS, CriteriaName, TimeLimit, file_option
+from stickslip_sym.cli.reading import assignments, chosen_criteria, require_writable
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.formula.code.languages import DESCRIPTIONS
 
+if TYPE_CHECKING:
+    from stickslip_sym.formula.derivation.closed_form import ClosedForm
+    from stickslip_sym.formula.evaluation.averages import SlopeAverage
+    from stickslip_sym.model.law import FrictionLaw
+
 __all__ = ["export"]
+
+Code = make_dataclass(
+    "Code",
+    [
+        (name, Annotated[Path | None, file_option(f"--{name}", text)], field(default=None))
+        for name, text in DESCRIPTIONS.items()
+    ],
+    frozen=True,
+)
+"""A file for each language of the table."""
 
 
 def export(
+    *,
     law: Annotated[
         list[str] | None,
         typer.Argument(metavar="LAW...", help="Names of laws (see: stickslip laws), or formulas in v."),
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Every law of the catalogue.")] = False,
-    static: Static = None,
-    name: Name = None,
-    unit: Units = None,
-    source: Source = None,
+    description: Description,
     criterion: CriteriaName = "least_squares",
-    latex: Annotated[Path | None, typer.Option("--latex", metavar="FILE", help="A LaTeX document.")] = None,
-    json: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="Exact, for stickslip_sym.load_all.")
-    ] = None,
+    latex: Annotated[Path | None, file_option("--latex", "A LaTeX document.")] = None,
+    code: Code,  # type: ignore[valid-type]  # a class that is made here
+    json: Annotated[Path | None, file_option("--json", "Exact, for stickslip_sym.load_all.")] = None,
     fragment: Annotated[bool, typer.Option("--fragment", help="LaTeX for \\input: without preamble.")] = False,
     steps: Annotated[bool, typer.Option("--steps", help="LaTeX with every step of the derivations.")] = False,
     symbol: Annotated[
         list[str] | None,
         typer.Option("--symbol", metavar="NAME=LATEX", help="Print a symbol otherwise; may be repeated."),
     ] = None,
-    time_limit: Annotated[
-        float, typer.Option("--time-limit", metavar="S", help="Seconds for each criterion.")
-    ] = 120.0,
-    **code: Path | None,
+    time_limit: TimeLimit = SECONDS,
 ) -> None:
     """Write criteria as LaTeX, Python, C, Octave or JSON. If anything fails, nothing is written.
 
     Example: stickslip export exponential polynomial --criterion all --latex criteria.tex --symbol V=v_b
     """
-    given = {"latex": latex, **code, "json": json}
+    to_code = asdict(code)
+    given = {"latex": latex, **to_code, "json": json}
     targets = {kind: path for kind, path in given.items() if path is not None}
     if not targets:
         *first, last = (f"--{kind} FILE" for kind in given)
@@ -54,25 +65,25 @@ def export(
         raise InputError("--fragment, --steps and --symbol belong to --latex FILE")
     require_writable(*targets.values())
     notation = assignments(symbol or [])
-    from stickslip_sym import criteria
     from stickslip_sym.formula.evaluation.averages import slope_average
     from stickslip_sym.output import files
 
-    chosen = list(criteria.catalogue.values()) if criterion == "all" else [criteria.find(criterion)]
-    laws = _laws(law or [], everything, {"static": static, "name": name, "unit": unit, "source": source})
+    chosen = chosen_criteria(criterion)
+    laws = _laws(law or [], everything, description)
     if notation:
         _check_notation(notation, laws)
     forms, missing, averages = [], [], []
-    only_code = targets.keys() <= code.keys()
+    only_code = targets.keys() <= to_code.keys()
     for one in laws:
         for wanted in chosen:
-            try:
-                forms.append(_derived(one, wanted, time_limit))
-            except NoClosedForm as error:
-                if len(chosen) == 1 and not everything and not only_code:
-                    raise
-                missing.append((one, wanted.name, str(error)))
-                averages.append(slope_average(one, wanted))
+            found = derived(one, wanted, time_limit)
+            if not isinstance(found, NoClosedForm):
+                forms.append(found)
+                continue
+            if len(chosen) == 1 and not everything and not only_code:
+                raise found
+            missing.append((one, wanted.name, str(found)))
+            averages.append(slope_average(one, wanted))
     if not forms and not only_code:
         raise NoClosedForm(f"none of the criteria has a closed form: {missing[0][2]}")
     texts = {
@@ -87,15 +98,15 @@ def export(
     # /dev/stdout holds what was asked for, and nothing else.
     streamed = any(path.exists() and not path.is_file() for path in texts)
     for kind, path in targets.items():
-        number = len(forms) + (len(averages) if kind in code else 0)
+        number = len(forms) + (len(averages) if kind in to_code else 0)
         count = "1 criterion" if number == 1 else f"{number} criteria"
         typer.echo(f"{kind}: {count} in {path}", err=streamed)
 
 
-def _laws(texts: list[str], everything: bool, described: dict[str, Any]) -> list[Any]:
+def _laws(texts: list[str], everything: bool, description: Description) -> list["FrictionLaw"]:
     from stickslip_sym.model.laws import catalogue
 
-    given = [f"--{option}" for option, value in described.items() if value]
+    given = [f"--{option}" for option, value in asdict(description).items() if value]
     if given and len(texts) != 1:
         raise InputError(f"{given[0]} belongs to one law; give one LAW")
     if everything:
@@ -107,10 +118,10 @@ def _laws(texts: list[str], everything: bool, described: dict[str, Any]) -> list
     for position, text in enumerate(texts):
         if text in texts[:position]:
             raise InputError(f"the law {text!r} is given twice; give it once")
-    return [read_law(text, **described) for text in texts]
+    return [description.law_of(text) for text in texts]
 
 
-def _check_notation(notation: dict[str, str], laws: list[Any]) -> None:
+def _check_notation(notation: dict[str, str], laws: "list[FrictionLaw]") -> None:
     """Refuse symbols before anything is derived, which may take long."""
     from stickslip_sym.core import symbols
     from stickslip_sym.output.notation import check_known, notation_of
@@ -121,15 +132,9 @@ def _check_notation(notation: dict[str, str], laws: list[Any]) -> None:
         notation_of([*every, *law.parameters], notation)
 
 
-def _derived(law: Any, criterion: Any, time_limit: float) -> Any:
-    from stickslip_sym.formula.derivation.closed_form import derive
-
-    with progress(time_limit) as say:
-        return derive(law, criterion, time_limit=time_limit, progress=say)
-
-
 def _text(
-    kind: str, forms: list[Any], averages: list[Any], missing: list[Any], notation: dict[str, str],
+    kind: str, forms: "list[ClosedForm]", averages: "list[SlopeAverage]",
+    missing: "list[tuple[FrictionLaw, str, str]]", notation: dict[str, str],
     fragment: bool, steps: bool,
 ) -> str:  # fmt: skip
     from stickslip_sym.formula.derivation import keeping
@@ -140,22 +145,3 @@ def _text(
     if kind == "json":
         return keeping.collection(forms)
     return write.export_code([*forms, *averages], kind)
-
-
-def _with_languages() -> Signature:
-    """Return the options of the command, with one for each language of the table."""
-    others = [entry for entry in signature(export).parameters.values() if entry.kind is not Parameter.VAR_KEYWORD]
-    place = [entry.name for entry in others].index("latex") + 1
-    languages = [
-        Parameter(
-            name,
-            Parameter.POSITIONAL_OR_KEYWORD,
-            default=None,
-            annotation=Annotated[Path | None, typer.Option(f"--{name}", metavar="FILE", help=description)],
-        )
-        for name, description in DESCRIPTIONS.items()
-    ]
-    return Signature([*others[:place], *languages, *others[place:]])
-
-
-export.__signature__ = _with_languages()  # type: ignore[attr-defined]  # typer makes the options of it

@@ -11,18 +11,27 @@ may be added without.
 import json
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import TYPE_CHECKING
 
 import typer
 
-__all__ = ["AsJson", "echo", "law", "missing", "number", "quantity", "values"]
+from stickslip_sym.cli.words import in_options
+from stickslip_sym.core.errors import NoClosedForm
 
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+if TYPE_CHECKING:
+    from stickslip_sym.formula.derivation.closed_form import ClosedForm
+    from stickslip_sym.model.law import FrictionLaw
+
+Json = dict[str, object]
+"""What stands for an object of JSON."""
+
+__all__ = ["Json", "echo", "form", "law", "missing", "number", "quantity", "values"]
+
 FORMAT = 1
 UNITS = {"V": "m/s", "N": "N", "m": "kg", "k": "N/m", "c": "kg/s"}
 
 
-def echo(command: str, **content: Any) -> None:
+def echo(command: str, **content: object) -> None:
     """Print the object of a command."""
     from stickslip_sym.core.version import __version__
 
@@ -35,24 +44,34 @@ def number(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def quantity(value: float, unit: str | None, *, text: str | None = None) -> dict[str, Any]:
+def quantity(value: float, unit: str | None, *, text: str | None = None) -> Json:
     """Return a number with its unit, and as text where that says more."""
-    return {"value": number(value), "unit": unit} | ({} if text is None else {"text": text})
+    known: Json = {"value": number(value), "unit": unit}
+    return known if text is None else known | {"text": text}
 
 
-def missing(unit: str, reason: str) -> dict[str, Any]:
+def missing(unit: str, reason: str) -> Json:
     """Return what stands for a number that there is none of."""
     return {"value": None, "unit": unit, "reason": reason}
 
 
-def values(given: Mapping[str, str]) -> dict[str, Any]:
+def values(given: Mapping[str, str]) -> Json:
     """Return V, N, m and k with their units, and as they were given."""
     from stickslip_sym.core.numbers import exact
 
     return {name: quantity(float(exact(text, name)), UNITS[name], text=text) for name, text in given.items()}
 
 
-def law(friction: Any) -> dict[str, Any]:
+def form(found: "ClosedForm | NoClosedForm") -> Json:
+    """Return a closed form with its verdict, or why there is none."""
+    from stickslip_sym.output import printing
+
+    if isinstance(found, NoClosedForm):
+        return {"formula": None, "reason": in_options(str(found))}
+    return {"formula": printing.text(found.expr), "unit": "kg/s", "status": found.verdict.status.value}
+
+
+def law(friction: "FrictionLaw") -> Json:
     """Return a law: its name, its formula, and its parameters with their bound values."""
     from stickslip_sym.output import printing
 
@@ -67,5 +86,5 @@ def law(friction: Any) -> dict[str, Any]:
         for name, parameter in friction.parameters.items()
     }
     static = None if friction.static is None else printing.text(friction.static)
-    known = {"name": friction.name, "formula": friction.text, "static": static, "parameters": parameters}
+    known: Json = {"name": friction.name, "formula": friction.text, "static": static, "parameters": parameters}
     return known | {"validity": friction.validity, "source": friction.source}

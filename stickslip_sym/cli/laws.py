@@ -1,12 +1,18 @@
 """``stickslip laws``: the catalogue, or one law of it."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stickslip_sym.cli import json_output
 from stickslip_sym.cli.completion import complete_law
+from stickslip_sym.cli.derive import Found, derived
+from stickslip_sym.cli.options import AsJson
+from stickslip_sym.cli.reading import chosen_criteria
 from stickslip_sym.core.errors import NoClosedForm
+
+if TYPE_CHECKING:
+    from stickslip_sym.model.law import FrictionLaw, Parameter
 
 __all__ = ["laws"]
 
@@ -16,7 +22,7 @@ def laws(
         str | None,
         typer.Argument(metavar="[NAME]", help="A law of the catalogue, in full.", autocompletion=complete_law),
     ] = None,
-    as_json: json_output.AsJson = False,
+    as_json: AsJson = False,
 ) -> None:
     """List the friction laws of the catalogue, or tell all about one.
 
@@ -26,9 +32,10 @@ def laws(
     from stickslip_sym.output.tables import table
 
     if name is not None:
-        law, forms = find(name), _forms(find(name))
+        law = find(name)
+        forms = {criterion.name: derived(law, criterion) for criterion in chosen_criteria("all")}
         if as_json:
-            criteria = {criterion: _described_form(form) for criterion, form in forms.items()}
+            criteria = {criterion: json_output.form(form) for criterion, form in forms.items()}
             json_output.echo("laws", laws=[json_output.law(law) | {"criteria": criteria}])
         else:
             typer.echo(_about(law, forms))
@@ -42,34 +49,12 @@ def laws(
         typer.echo(table(["law", "mu(v)", "parameters"], rows))
 
 
-def _described(parameter: Any) -> str:
+def _described(parameter: "Parameter") -> str:
     unit = "" if parameter.unit in (None, "1") else f" {parameter.unit}"
     return f"{parameter.name} = {parameter.typical}{unit}" if parameter.typical else str(parameter.name)
 
 
-def _forms(law: Any) -> dict[str, Any]:
-    """Return the closed form of every criterion, or the `NoClosedForm` that says why there is none."""
-    from stickslip_sym import criteria
-    from stickslip_sym.formula.derivation.closed_form import derive
-
-    forms: dict[str, Any] = {}
-    for criterion in criteria.catalogue:
-        try:
-            forms[criterion] = derive(law, criterion)
-        except NoClosedForm as error:
-            forms[criterion] = error
-    return forms
-
-
-def _described_form(form: Any) -> dict[str, Any]:
-    from stickslip_sym.output import printing
-
-    if isinstance(form, NoClosedForm):
-        return {"formula": None, "reason": str(form)}
-    return {"formula": printing.text(form.expr), "unit": "kg/s", "status": form.verdict.status.value}
-
-
-def _about(law: Any, forms: dict[str, Any]) -> str:
+def _about(law: "FrictionLaw", forms: dict[str, Found]) -> str:
     """Return a law's formula, parameters, source and criteria as text."""
     from stickslip_sym.output.lines import formula
     from stickslip_sym.output.tables import table

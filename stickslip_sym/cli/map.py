@@ -4,31 +4,24 @@ import contextlib
 from collections.abc import Callable, Iterator
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stickslip_sym.cli import json_output
-from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
-from stickslip_sym.cli.reading import (
-    Force,
-    Mass,
-    Overwrite,
-    Speed,
-    Stiffness,
-    Values,
-    assignments,
-    check_size,
-    progress_bar,
-    read_numbers,
-    require_new,
-    require_writable,
-)
+from stickslip_sym.cli.law import LawOptions
+from stickslip_sym.cli.options import AsJson, Overwrite, SceneOptions, file_option
+from stickslip_sym.cli.reading import check_size, progress_bar, read_numbers, require_new, require_writable
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.operating_point import PAPER
 
-__all__ = ["motion_map"]
+if TYPE_CHECKING:
+    from stickslip_sym.core.aliases import FloatArray
+    from stickslip_sym.model.law import FrictionLaw
+    from stickslip_sym.motion.maps.motions import MotionMap
+
+__all__ = ["motion_map", "read_axis", "report"]
 
 _AXIS = "NAME=START:STOP:COUNT"
 _MOST_VALUES = 1_000_000
@@ -38,36 +31,20 @@ _WIDTH, _HEIGHT = 60, 20  # of the picture in text
 def motion_map(
     x: Annotated[str, typer.Option("--x", metavar=_AXIS, help="Horizontal axis: V, c, N, m, k or a parameter.")],
     y: Annotated[str, typer.Option("--y", metavar=_AXIS, help="Vertical axis.")],
-    law: LawName = None,
-    from_csv: FromCsv = None,
-    extrapolate: Extrapolate = False,
-    static: Static = None,
-    name: Name = None,
-    unit: Units = None,
-    source: Source = None,
-    parameter: Values = None,
-    speed: Speed = None,
-    force: Force = None,
-    mass: Mass = None,
-    stiffness: Stiffness = None,
-    damping: Annotated[
-        str | None, typer.Option("-c", metavar="KG/S", help="Damping, unless it is an axis.")
-    ] = None,
-    plot: Annotated[
-        Path | None, typer.Option("--plot", metavar="FILE", help="Draw the map (PNG, SVG or PDF).")
-    ] = None,
-    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write a line for each cell.")] = None,
-    npz: Annotated[Path | None, typer.Option("--npz", metavar="FILE", help="Write NumPy arrays.")] = None,
+    law: LawOptions,
+    scene: SceneOptions,
+    c: Annotated[str | None, typer.Option("-c", metavar="KG/S", help="Damping, unless it is an axis.")] = None,
+    plot: Annotated[Path | None, file_option("--plot", "Draw the map (PNG, SVG or PDF).")] = None,
+    csv: Annotated[Path | None, file_option("--csv", "Write a line for each cell.")] = None,
+    npz: Annotated[Path | None, file_option("--npz", "Write NumPy arrays.")] = None,
     workers: Annotated[int, typer.Option("--workers", metavar="N", help="Processes; -1 for all processors.")] = 1,
-    checkpoint: Annotated[
-        Path | None, typer.Option("--checkpoint", metavar="FILE", help="Keep what is done; go on from it.")
-    ] = None,
+    checkpoint: Annotated[Path | None, file_option("--checkpoint", "Keep what is done; go on from it.")] = None,
     overwrite: Overwrite = False,
     time_limit: Annotated[
         str | None,
         typer.Option("--time-limit", metavar="S", help="Seconds; the cells that are left then are undecided."),
     ] = None,
-    as_json: json_output.AsJson = False,
+    as_json: AsJson = False,
 ) -> None:
     """Map the motions that exist, and the three thresholds, over a plane.
 
@@ -75,44 +52,41 @@ def motion_map(
     """
     from stickslip_sym.motion.maps.motions import motion_map as compute
 
-    axes = _axis("--x", x), _axis("--y", y)
+    axes = read_axis("--x", x), read_axis("--y", y)
     names = [quantity for quantity, _ in axes]
-    values = assignments(parameter or [])
-    for key in values:
-        if key in names:
-            raise InputError(f"{key} is an axis, and given by -p too; leave one of the two out")
-    friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
-    bound = friction.typical(**values)
-    options = {"V": speed, "N": force, "m": mass, "k": stiffness, "c": damping}
-    given = {key: text for key, text in options.items() if text is not None}
-    given |= {key: text for key, text in PAPER.items() if key not in names and key not in given}
-    scene: dict[str, Any] = read_numbers(given)
-    _warn_at_corners(bound, axes, scene)
+    for name in law.values:
+        if name in names:
+            raise InputError(f"{name} is an axis, and given by -p too; leave one of the two out")
+    bound = law.bound()
+    given = scene.texts({name: text for name, text in PAPER.items() if name not in names})
+    given |= {} if c is None else {"c": c}
+    numbers = read_numbers(given)
+    _warn_at_corners(bound, axes, numbers)
     require_new(csv, "--csv", overwrite)
-    limit: Any = read_numbers({"time_limit": time_limit})
+    limit = read_numbers({"time_limit": time_limit}).get("time_limit")
     require_writable(csv, npz, plot=plot)
     with _progress() as progress:
         found = compute(
             bound,
             x=axes[0],
             y=axes[1],
-            **scene,
+            **numbers,
             workers=workers,
             checkpoint=checkpoint,
             progress=progress,
-            **limit,
+            time_limit=limit,
         )
     if as_json:
         known = {"law": json_output.law(bound), "scene": json_output.values(given)}
         json_output.echo("map", **known, **_as_json(found))
     else:
-        typer.echo(_report(found))
+        typer.echo(report(found))
     for write, path in ((found.to_csv, csv), (found.to_npz, npz), (found.plot, plot)):
         if path is not None:
             write(path)
 
 
-def _axis(option: str, text: str) -> tuple[str, Any]:
+def read_axis(option: str, text: str) -> "tuple[str, FloatArray]":
     """Read NAME=START:STOP:COUNT."""
     import numpy as np
 
@@ -135,7 +109,9 @@ def _axis(option: str, text: str) -> tuple[str, Any]:
     return name.strip(), np.linspace(float(start), float(stop), count)
 
 
-def _warn_at_corners(law: Any, axes: tuple[tuple[str, Any], ...], scene: dict[str, Any]) -> None:
+def _warn_at_corners(
+    law: "FrictionLaw", axes: "tuple[tuple[str, FloatArray], ...]", scene: dict[str, float]
+) -> None:
     """Warn of a negative coefficient at a corner of the plane; one warning is enough."""
     from stickslip_sym.model.doubts import warn_where_negative
 
@@ -146,7 +122,7 @@ def _warn_at_corners(law: Any, axes: tuple[tuple[str, Any], ...], scene: dict[st
             return
 
 
-def _as_json(found: Any) -> dict[str, Any]:
+def _as_json(found: "MotionMap") -> json_output.Json:
     """Return the axes, and motion, attractors and reason of each cell, in rows along the horizontal axis."""
     axes = {
         name: {"quantity": axis.name, "unit": axis.unit, "values": axis.values.tolist()}
@@ -158,7 +134,7 @@ def _as_json(found: Any) -> dict[str, Any]:
     return axes | in_words | attractors
 
 
-def _report(found: Any) -> str:
+def report(found: "MotionMap") -> str:
     """Return a picture of the map in letters, and the number of cells of each kind."""
     import numpy as np
 

@@ -13,8 +13,10 @@ import typer
 from stickslip_sym.cli.damping import damping
 from stickslip_sym.cli.derive import derive
 from stickslip_sym.cli.export import export
+from stickslip_sym.cli.fit import fit
 from stickslip_sym.cli.laws import laws
 from stickslip_sym.cli.map import motion_map
+from stickslip_sym.cli.options import spread_out
 from stickslip_sym.cli.reading import Command
 from stickslip_sym.cli.simulate import simulate
 from stickslip_sym.cli.tradeoff import tradeoff
@@ -24,11 +26,7 @@ from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 # Everything that needs SymPy is imported by the command that uses it: help must come at once.
 from stickslip_sym.core.version import __version__
 
-app = typer.Typer(
-    name="stickslip",
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-)
+app = typer.Typer(name="stickslip", rich_markup_mode=None, pretty_exceptions_enable=False)
 
 BAD_INPUT, NOT_FOUND, INTERRUPTED = 2, 1, 130
 
@@ -57,6 +55,7 @@ def start(
 COMMANDS: dict[str, Callable[..., None]] = {
     "laws": laws,
     "derive": derive,
+    "fit": fit,
     "damping": damping,
     "simulate": simulate,
     "map": motion_map,
@@ -64,7 +63,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "export": export,
 }
 for name, command in COMMANDS.items():
-    app.command(name, cls=Command)(command)
+    app.command(name, cls=Command)(spread_out(command))
 
 
 def main() -> None:
@@ -104,8 +103,9 @@ def _run() -> None:
         if error.errno != errno.EPIPE:  # a reader that has read enough is no error
             typer.echo(f"error: cannot write the output: {error.strerror or error}", err=True)
         sys.exit(NOT_FOUND)
+    # What typer raises for a wrong command line is of a class that its versions keep in different places; all of
+    # them have this method, and what has not is raised again, as the fault in the program that it is.
     except Exception as error:
-        # What typer raises for a wrong command line differs between its versions in class, not in this.
         if not hasattr(error, "format_message"):
             raise
         typer.echo(f"error: {_explained(error)}", err=True)

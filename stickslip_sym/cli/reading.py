@@ -1,52 +1,26 @@
-"""What the commands read from their arguments: laws, values and sizes. Each refusal says what to write."""
+"""What the commands read from their arguments: values, sizes, files. Each refusal says what to write."""
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
 from typer.core import TyperCommand
 
-from stickslip_sym.cli.completion import complete_criterion, complete_criterion_or_all
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.operating_point import PAPER
+
+if TYPE_CHECKING:
+    from rich.progress import ProgressColumn
+
+    from stickslip_sym.core.aliases import Rational
+    from stickslip_sym.criteria.criterion import Criterion
 
 __all__ = [
-    "Command", "CriteriaName", "CriterionName", "Force", "Mass", "Overwrite", "Speed", "Stiffness",
-    "Values", "assignments", "check_size", "progress_bar", "read_exact", "read_numbers", "require_new",
-    "require_writable",
+    "Command", "assignments", "check_size", "chosen_criteria", "progress_bar", "read_exact", "read_numbers",
+    "require_new", "require_writable",
 ]  # fmt: skip
-
-CriterionName = Annotated[
-    str,
-    typer.Option(
-        "--criterion",
-        metavar="NAME",
-        help="least_squares, harmonic or equilibrium.",
-        autocompletion=complete_criterion,
-    ),
-]
-CriteriaName = Annotated[
-    str,
-    typer.Option(
-        "--criterion",
-        metavar="NAME",
-        help="least_squares, harmonic, equilibrium, or all.",
-        autocompletion=complete_criterion_or_all,
-    ),
-]
-Values = Annotated[
-    list[str] | None,
-    typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="Value of a parameter; may be repeated."),
-]
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="Let --csv replace a file.")]
-Speed = Annotated[str | None, typer.Option("-V", metavar="M/S", help=f"Belt speed ({PAPER['V']}).")]
-Force = Annotated[str | None, typer.Option("-N", metavar="N", help=f"Normal force ({PAPER['N']}).")]
-Mass = Annotated[str | None, typer.Option("-m", metavar="KG", help=f"Mass ({PAPER['m']}).")]
-Stiffness = Annotated[str | None, typer.Option("-k", metavar="N/M", help=f"Stiffness ({PAPER['k']}).")]
 
 LARGEST = 10**20  # of a number in SI units, and its inverse the smallest: the table needs time and doubles
 
@@ -78,7 +52,14 @@ def assignments(texts: Sequence[str], example: str = "-p alpha=3") -> dict[str, 
     return values
 
 
-def read_exact(given: Mapping[str, str | None]) -> dict[str, Any]:
+def chosen_criteria(name: str) -> "list[Criterion]":
+    """Return the criterion of a name, or every one for "all"."""
+    from stickslip_sym import criteria
+
+    return list(criteria.catalogue.values()) if name == "all" else [criteria.find(name)]
+
+
+def read_exact(given: Mapping[str, str | None]) -> "dict[str, Rational]":
     """Read numbers of a possible size, exactly; those that were not given are left out."""
     from stickslip_sym.core.numbers import exact
 
@@ -93,7 +74,7 @@ def read_numbers(given: Mapping[str, str | None]) -> dict[str, float]:
     return {name: float(value) for name, value in read_exact(given).items()}
 
 
-def check_size(name: str, value: Any) -> None:
+def check_size(name: str, value: "Rational") -> None:
     """Refuse a number of a size that no scene has."""
     size = abs(value)
     if size == 0 or 1 <= size * LARGEST <= LARGEST**2:
@@ -128,7 +109,7 @@ def require_writable(*paths: Path | None, plot: Path | None = None) -> None:
 
 
 @contextmanager
-def progress_bar(*columns: Any) -> Iterator[Callable[..., None]]:
+def progress_bar(*columns: "ProgressColumn") -> Iterator[Callable[..., None]]:
     """Show columns of rich on a terminal, and yield what updates them; elsewhere show nothing."""
     from rich.console import Console
     from rich.progress import Progress

@@ -3,26 +3,15 @@
 import math
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stickslip_sym.cli import json_output
-from stickslip_sym.cli.law import Extrapolate, FromCsv, LawName, Name, Source, Static, Units, read_law
-from stickslip_sym.cli.reading import (
-    Force,
-    Mass,
-    Overwrite,
-    Speed,
-    Stiffness,
-    Values,
-    assignments,
-    read_numbers,
-    require_new,
-    require_writable,
-)
+from stickslip_sym.cli.law import LawOptions
+from stickslip_sym.cli.options import AsJson, Overwrite, SceneOptions, file_option
+from stickslip_sym.cli.reading import read_numbers, require_new, require_writable
 from stickslip_sym.cli.words import in_options
-from stickslip_sym.model.operating_point import PAPER
 
 if TYPE_CHECKING:
     from stickslip_sym.model.law import FrictionLaw
@@ -37,19 +26,9 @@ _LONGEST = 5.0  # seconds, to find where the motion leads
 
 
 def simulate(
-    law: LawName = None,
-    from_csv: FromCsv = None,
-    extrapolate: Extrapolate = False,
-    static: Static = None,
-    name: Name = None,
-    unit: Units = None,
-    source: Source = None,
-    parameter: Values = None,
-    speed: Speed = None,
-    force: Force = None,
-    mass: Mass = None,
-    stiffness: Stiffness = None,
-    damping: Annotated[str, typer.Option("-c", metavar="KG/S", help="Damping.")] = "0",
+    law: LawOptions,
+    scene: SceneOptions,
+    c: Annotated[str, typer.Option("-c", metavar="KG/S", help="Damping.")] = "0",
     x0: Annotated[str, typer.Option("--x0", metavar="M", help="Initial displacement.")] = "0",
     v0: Annotated[str | None, typer.Option("--v0", metavar="M/S", help="Initial velocity (belt speed).")] = None,
     t_end: Annotated[
@@ -60,12 +39,10 @@ def simulate(
     time_limit: Annotated[
         str | None, typer.Option("--time-limit", metavar="S", help="Seconds of computation.")
     ] = None,
-    plot: Annotated[
-        Path | None, typer.Option("--plot", metavar="FILE", help="Draw the motion (SVG, PNG or PDF).")
-    ] = None,
-    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the samples.")] = None,
+    plot: Annotated[Path | None, file_option("--plot", "Draw the motion (SVG, PNG or PDF).")] = None,
+    csv: Annotated[Path | None, file_option("--csv", "Write the samples.")] = None,
     overwrite: Overwrite = False,
-    as_json: json_output.AsJson = False,
+    as_json: AsJson = False,
 ) -> None:
     """Simulate the mass from a start, and print its events, what motion it is, and its periods.
 
@@ -75,23 +52,19 @@ def simulate(
     from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.motion.simulation import automaton
 
-    friction = read_law(law, from_csv, extrapolate=extrapolate, static=static, name=name, unit=unit, source=source)
-    bound = friction.typical(**assignments(parameter or []))
-    options = {"V": speed, "N": force, "m": mass, "k": stiffness, "c": damping}
-    given = PAPER | {name: text for name, text in options.items() if text is not None}
+    bound = law.bound()
+    given = scene.texts() | {"c": c}
     osc = Oscillator(**read_numbers(given))
     warn_where_negative(bound, osc.V)
-    values: dict[str, Any] = read_numbers(
-        {"x0": x0, "v0": v0, "t_end": t_end, "rtol": rtol, "time_limit": time_limit}
-    )
+    values = read_numbers({"x0": x0, "v0": v0, "t_end": t_end, "rtol": rtol, "time_limit": time_limit})
     values.setdefault("t_end", _PERIODS * 2 * math.pi / osc.omega)
     require_new(csv, "--csv", overwrite)
     require_writable(csv, plot=plot)
-    motion = automaton.simulate(bound, osc, **values, engine=engine)
+    motion = automaton.simulate(bound, osc, engine=engine, **values)  # type: ignore[arg-type]  # no max_steps
     end = _end(bound, osc, motion, values)
     if as_json:
-        scene = {"law": json_output.law(bound), "scene": json_output.values(given)}
-        json_output.echo("simulate", **scene, **_as_json(motion, end))
+        known = {"law": json_output.law(bound), "scene": json_output.values(given)}
+        json_output.echo("simulate", **known, **_as_json(motion, end))
     else:
         typer.echo(_report(motion, end))
     if csv is not None:
@@ -100,7 +73,7 @@ def simulate(
         motion.plot(plot)
 
 
-def _end(law: "FrictionLaw", osc: "Oscillator", motion: "Trajectory", values: dict[str, Any]) -> str | None:
+def _end(law: "FrictionLaw", osc: "Oscillator", motion: "Trajectory", values: dict[str, float]) -> str | None:
     """Return which motion the start leads to, or that it was not found; None where the motion shows it."""
     from stickslip_sym.core.deadline import time_limit
     from stickslip_sym.core.errors import StickSlipError
@@ -117,7 +90,7 @@ def _end(law: "FrictionLaw", osc: "Oscillator", motion: "Trajectory", values: di
         return f"not found: {error}"
 
 
-def _as_json(motion: "Trajectory", end: str | None) -> dict[str, Any]:
+def _as_json(motion: "Trajectory", end: str | None) -> json_output.Json:
     """Return what motion it is, the events and the outcome."""
     events = [
         {

@@ -12,6 +12,7 @@ _OPTIONS = (
 )  # fmt: skip
 _RULES: list[tuple[str, str | Callable[[re.Match[str]], str]]] = [
     (r"bind them first: law\.bind\(([^()]*)\)", r"give \1"),
+    (r"\blaw\.bind\((\w+=[\w.]+)\)", r"-p \1"),
     (r"bind them first", "give each by -p NAME=VALUE"),
     (r"declare it with Parameter\('(\w+)', positive=False\) if any sign is meant",
      r"write the formula with -\1, and give a positive value, if any sign is meant"),

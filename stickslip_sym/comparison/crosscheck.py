@@ -4,11 +4,11 @@ import textwrap
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import mpmath
 
 from stickslip_sym.comparison.deviation import LARGE, reasons, spread
+from stickslip_sym.core.aliases import Mpf
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria import quadrature
@@ -25,53 +25,29 @@ _WIDTH = 100  # characters of a line of text
 
 @dataclass(frozen=True)
 class Check:
-    """One way to the number.
-
-    Attributes
-    ----------
-    method : str
-    value : str
-        In kg/s, as many digits as the method gives; or why there is none.
-    difference : float or None
-        Relative to the first method that has a value; None where there is none.
-    seconds : float
-    """
+    """One way to the number."""
 
     method: str
-    value: str
-    difference: float | None
+    value: str  # in kg/s, as many digits as the method gives; or why there is none
+    difference: float | None  # relative to the first method that has a value; None where there is none
     seconds: float
 
 
 def crosscheck(
-    law: FrictionLaw,
-    criterion: Criterion,
-    scene: Mapping[str, Number],
-    form: ClosedForm | None,
-    digits: int = 50,
+    law: FrictionLaw, criterion: Criterion, scene: Mapping[str, Number], form: ClosedForm | None, digits: int = 50
 ) -> list[Check]:
     """Compute a closed form, the quadrature of its definition, and the event-driven threshold.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound.
-    criterion : Criterion
-    scene : mapping
-        Values of V, N, m and k in SI units.
-    form : ClosedForm or None
-        Of this law and criterion; None where there is none, and quadrature is the reference.
-    digits : int
-        Of the closed form and of the quadrature.
+    - `law`: with all parameters bound.
+    - `scene`: values of V, N, m and k in SI units.
+    - `form`: of this law and criterion; None where there is none, and quadrature is the reference.
+    - `digits`: of the closed form and of the quadrature.
 
-    Returns
-    -------
-    list of Check
-        A method that has no value in this scene says why in its place.
+    A method that has no value in this scene says why in its place.
     """
     V, N = scene["V"], scene["N"]
     numbers = {name: float(exact(value, name)) for name, value in scene.items()}
-    ways: dict[str, Callable[[], tuple[Any, int]]] = {
+    ways: dict[str, Callable[[], tuple[Mpf, int]]] = {
         f"quadrature, {digits} digits": lambda: (
             quadrature.damping(law, criterion, V=V, N=N, digits=digits),
             digits,
@@ -84,7 +60,7 @@ def crosscheck(
     if form is not None:
         ways = {"closed form": lambda: (form.evaluate(digits, V=V, N=N), digits)} | ways
     checks: list[Check] = []
-    values: list[Any] = []
+    values: list[Mpf] = []
     error_of_data = None
     if law.curve is not None:
         error_of_data = spread(law, criterion, numbers["V"], numbers["N"])
@@ -114,7 +90,7 @@ def crosscheck(
     return checks
 
 
-def _deserved(value: Any, error: float) -> int:
+def _deserved(value: Mpf, error: float) -> int:
     """Return the digits of a value that its standard error leaves, and one more."""
     if not value or not error:
         return 17
@@ -124,12 +100,7 @@ def _deserved(value: Any, error: float) -> int:
 def report(checks: list[Check]) -> str:
     """Return the checks as a table, and below it, in lines of a readable length, what has no number."""
     rows = [
-        [
-            check.method,
-            check.value,
-            f"{check.difference:.2g}",
-            duration(check.seconds),
-        ]
+        [check.method, check.value, f"{check.difference:.2g}", duration(check.seconds)]
         for check in checks
         if check.difference is not None
     ]

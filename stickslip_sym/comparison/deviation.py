@@ -21,18 +21,12 @@ def reasons(
 ) -> list[str]:
     """Return what a criterion and the event-driven threshold differ by, part by part, each computed.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound.
-    criterion : Criterion
-    scene : mapping
-        V, N, m and k in SI units.
-    value, threshold : float
-        The criterion and the threshold, in kg/s.
+    - `law`: with all parameters bound.
+    - `scene`: V, N, m and k in SI units.
+    - `value, threshold`: the criterion and the threshold, in kg/s.
     """
     found = []
-    strength = scene["N"] / (scene["V"] * math.sqrt(scene["k"] * scene["m"]))
+    eta = scene["N"] / (scene["V"] * math.sqrt(scene["k"] * scene["m"]))
     weak = float(slope_average(law, harmonic)(V=scene["V"], N=scene["N"]))
     if criterion != harmonic and abs(weak - value) > LARGE * abs(value):
         found.append(
@@ -56,7 +50,7 @@ def reasons(
         and abs(threshold - stiff) > LARGE * abs(threshold)
     ):
         found.append(
-            f"friction that is not weak: N/(V sqrt(k m)) = {strength:.3g}; at a hundredth of that (k times 10^4) "
+            f"friction that is not weak: N/(V sqrt(k m)) = {eta:.3g}; at a hundredth of that (k times 10^4) "
             f"the threshold is {stiff:.4g} kg/s"
         )
     return found

@@ -8,10 +8,10 @@ element of an array each.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NoThreshold
 from stickslip_sym.model.law import FrictionLaw
@@ -24,21 +24,11 @@ _ITERATIONS = 3  # of the friction force in a step; it changes by 1e-4 relative 
 
 @dataclass(frozen=True)
 class Scan:
-    """The numbers of the procedure.
+    """The numbers of the procedure."""
 
-    Attributes
-    ----------
-    step : float
-        Time step in s.
-    band : float
-        Relative speed in m/s that counts as none.
-    dampings : numpy.ndarray
-        Ascending, in kg/s.
-    """
-
-    dampings: Any
-    step: float = 1e-4
-    band: float = 1e-4
+    dampings: FloatArray  # ascending, in kg/s
+    step: float = 1e-4  # time step in s
+    band: float = 1e-4  # relative speed in m/s that counts as none
 
 
 def pure_slip_by_scan(law: FrictionLaw, scene: Oscillator, scan: Scan) -> float:
@@ -48,10 +38,7 @@ def pure_slip_by_scan(law: FrictionLaw, scene: Oscillator, scan: Scan) -> float:
     natural period and a half from there. One return decides: orbits in a plane do not cross, so a mass
     that misses the belt's speed once misses it ever after.
 
-    Raises
-    ------
-    NoThreshold
-        If no damping of the scan separates the two.
+    Raises `NoThreshold` if no damping of the scan separates the two.
     """
     returns = _returns(lambda relative: law.mu(np.abs(relative)), law.mu(0.0), scene, scan)
     first_free = int(np.argmin(returns))
@@ -60,7 +47,7 @@ def pure_slip_by_scan(law: FrictionLaw, scene: Oscillator, scan: Scan) -> float:
     return float(scan.dampings[first_free])
 
 
-def _returns(mu: Callable[[Any], Any], mu_s: float, scene: Oscillator, scan: Scan) -> Any:
+def _returns(mu: Callable[[FloatArray], FloatArray], mu_s: float, scene: Oscillator, scan: Scan) -> BoolArray:
     m, k, V, N = scene.m, scene.k, scene.V, scene.N
     c, h = scan.dampings, scan.step
     x, v, a = np.zeros_like(c), np.full_like(c, V), np.zeros_like(c)

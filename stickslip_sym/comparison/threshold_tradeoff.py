@@ -4,7 +4,6 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -32,27 +31,15 @@ def threshold_tradeoff(
 ) -> list[Way]:
     """Measure every way to the threshold: its time for one, its error, and its largest error over `SPEEDS`.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        Smooth, with all parameters bound: the reference is the grazing orbit to 1e-12.
-    scene : mapping
-        V, N, m and k in SI units.
-    time_limit : float, optional
-        Seconds after which no other way is tried; those that are left give no number.
+    - `law`: smooth, with all parameters bound: the reference is the grazing orbit to 1e-12.
+    - `scene`: V, N, m and k in SI units.
+    - `time_limit`: seconds after which no other way is tried; those that are left give no number.
 
-    Returns
-    -------
-    list of Way
-        The rungs, and the paper's scan of Newmark runs up to twice the threshold in steps of 0.001 kg/s, its
-        error in the one scene only.
+    Returns the rungs, and the paper's scan of Newmark runs up to twice the threshold in steps of 0.001 kg/s, its
+      error in the one scene only.
 
-    Raises
-    ------
-    InputError, NoThreshold, NotConverged
-        Where the scene itself has no exact threshold.
-    OutOfTime
-        If the time is up before that is known.
+    Raises `InputError`, `NoThreshold` or `NotConverged` where the scene itself has no exact threshold.
+    Raises `OutOfTime` if the time is up before that is known.
     """
     with deadline.time_limit(time_limit):
         return _measured(law, scene)
@@ -130,7 +117,7 @@ def threshold_report(ways: list[Way]) -> str:
     def shown(error: float) -> str:
         return "not measured" if np.isnan(error) else f"{error:.1e}"
 
-    rows: list[Any] = [
+    rows: list[list[str]] = [
         [
             way.name,
             duration(way.seconds) if way.seconds == way.seconds else "no number",

@@ -12,6 +12,7 @@ import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import deadline, symbols
+from stickslip_sym.core.aliases import FloatArray, Mpf
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact
@@ -24,6 +25,8 @@ from stickslip_sym.output.tables import duration, table
 
 __all__ = ["Way", "plot", "report", "tradeoff"]
 
+Result = float | FloatArray | Mpf
+Slope = Callable[[FloatArray], FloatArray]
 GAUSS_NODES = (2, 4, 8, 16, 32)
 DIGITS = (15, 30, 50)
 _REFERENCE_DIGITS = 70
@@ -33,50 +36,28 @@ _SHORTEST = 0.02  # seconds that a measurement takes at least, all repetitions t
 
 @dataclass(frozen=True)
 class Way:
-    """One way to the number.
-
-    Attributes
-    ----------
-    name : str
-    seconds : float
-        For one value; in a large array where the way takes arrays.
-    error : float
-        Relative, in the scene at hand; NaN where the way gives no number.
-    largest : float
-        Of thresholds: the largest relative error over belt speeds; NaN where it was not measured.
-    status : str
-        Of thresholds: PROVED, or ESTIMATED; empty where there is no number.
-    """
+    """One way to the number."""
 
     name: str
-    seconds: float
-    error: float
+    seconds: float  # for one value; in a large array where the way takes arrays
+    error: float  # relative, in the scene at hand; NaN where the way gives no number
     largest: float = float("nan")
+    """Of thresholds: the largest relative error over belt speeds; NaN where it was not measured."""
     status: str = ""
+    """Of thresholds: PROVED, or ESTIMATED; empty where there is no number."""
 
 
 def tradeoff(form: ClosedForm, scene: Mapping[str, Number], *, time_limit: float | None = None) -> list[Way]:
     """Measure the ways to a criterion in one scene.
 
-    Parameters
-    ----------
-    form : ClosedForm
-        Of a law with all parameters bound.
-    scene : mapping
-        V in m/s and N in N.
-    time_limit : float, optional
-        Seconds after which no other way is tried; those that are left give no number.
+    - `form`: of a law with all parameters bound.
+    - `scene`: V in m/s and N in N.
+    - `time_limit`: seconds after which no other way is tried; those that are left give no number.
 
-    Returns
-    -------
-    list of Way
-        Plain ``lambdify`` of the formula, the stable function, a Gauss rule with n nodes,
-        ``scipy.integrate.quad``, and mpmath at 15, 30 and 50 digits.
+    They are plain ``lambdify`` of the formula, the stable function, a Gauss rule with n nodes,
+      ``scipy.integrate.quad``, and mpmath at 15, 30 and 50 digits.
 
-    Raises
-    ------
-    InputError
-        For an unbound law or unusable numbers, or where the criterion is 0.
+    Raises `InputError` for an unbound law or unusable numbers, or where the criterion is 0.
     """
     with deadline.time_limit(time_limit):
         return _measured(form, scene)
@@ -93,7 +74,7 @@ def _measured(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:
     # Floats are what every way gets, so that none is blamed for the rounding of the input.
     right = form.evaluate(_REFERENCE_DIGITS, **numbers)
 
-    def way(name: str, compute: Callable[[], Any], count: int = 1) -> Way:
+    def way(name: str, compute: Callable[[], Result], count: int = 1) -> Way:
         with np.errstate(all="ignore"):
             try:
                 deadline.check_time()
@@ -125,7 +106,7 @@ def _measured(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:
     return ways
 
 
-def _time(compute: Callable[[], Any]) -> float:
+def _time(compute: Callable[[], Result]) -> float:
     """Return the shortest of several times."""
     times: list[float] = []
     total = 0.0
@@ -137,27 +118,27 @@ def _time(compute: Callable[[], Any]) -> float:
     return min(times)
 
 
-def _integrand(form: ClosedForm, slope: Any, numbers: Mapping[str, float]) -> Callable[[Any], Any]:
+def _integrand(form: ClosedForm, slope: Slope, numbers: Mapping[str, float]) -> Slope:
     places = sp.symbols("m p q", positive=True, cls=sp.Dummy)
     weight = function_of(places, gauss.angle_weight(form.criterion, *places), "numpy")
     V, N = numbers["V"], numbers["N"]
 
-    def integrand(angle: Any) -> Any:
+    def integrand(angle: FloatArray) -> FloatArray:
         sine, cosine = np.sin(angle), np.cos(angle)
-        share = weight((2 * sine * cosine) ** 2, 2 * sine * sine, 2 * cosine * cosine)
+        share: FloatArray = weight((2 * sine * cosine) ** 2, 2 * sine * sine, 2 * cosine * cosine)
         return -N * share * slope(2 * V * sine * sine)
 
     return integrand
 
 
-def _gauss_rule(form: ClosedForm, slope: Any, numbers: Mapping[str, float], n: int) -> Callable[[], float]:
+def _gauss_rule(form: ClosedForm, slope: Slope, numbers: Mapping[str, float], n: int) -> Callable[[], float]:
     integrand = _integrand(form, slope, numbers)
     x, w = gauss.gauss_legendre(n)
     angles, weights = (1 + x) * np.pi / 4, w * np.pi / 4
     return lambda: float((weights * integrand(angles)).sum())
 
 
-def _quad(form: ClosedForm, slope: Any, numbers: Mapping[str, float]) -> Callable[[], float]:
+def _quad(form: ClosedForm, slope: Slope, numbers: Mapping[str, float]) -> Callable[[], float]:
     from scipy.integrate import quad
 
     integrand = _integrand(form, slope, numbers)

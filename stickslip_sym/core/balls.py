@@ -11,26 +11,25 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import reduce
-from typing import Any
+from typing import Generic, TypeVar
 
 import sympy as sp
 from flint import acb, arb, arb_series, ctx, fmpq
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lerch import Lerch
 
 __all__ = [
-    "BallFunction",
-    "ball",
-    "ball_function",
-    "ball_value",
-    "rational",
-    "series_function",
+    "BallFunction", "ball", "ball_function", "ball_value", "flat_arguments", "rational", "series_function",
     "working_precision",
-]
+]  # fmt: skip
 
+Z = TypeVar("Z", acb, arb_series)
 BallFunction = Callable[[acb, bool], acb]
 """A function of a ball; the flag asks for a ball that is not finite where it is not analytic."""
+Otherwise = Callable[[Expr, list[acb]], acb]
+"""From a function that has no ball here, and the balls of its arguments, to a ball around its value."""
 
 _LARGEST_POWER = 64  # of an integer exponent that is multiplied out; a power by logarithm fails around 0
 _lock = threading.RLock()  # Arb's precision is one setting of the whole process
@@ -38,36 +37,52 @@ _NOWHERE = acb("nan")
 
 
 @contextmanager
-def working_precision(bits: int) -> Iterator[None]:
-    """Compute with so many bits inside the block, and with as many as before after it, whatever happens.
+def working_precision(bits: int, terms: int | None = None) -> Iterator[None]:
+    """Compute with so many bits, and terms of a power series, inside the block, and as before after it.
 
     Other threads wait.
     """
     with _lock:
-        before = ctx.prec
-        ctx.prec = bits
+        before = ctx.prec, ctx.cap
+        ctx.prec, ctx.cap = bits, ctx.cap if terms is None else terms
         try:
             yield
         finally:
-            ctx.prec = before
+            ctx.prec, ctx.cap = before
 
 
-def rational(value: Any) -> fmpq:
+def rational(value: Expr) -> fmpq:
     """Return an exact SymPy rational as Arb's."""
     return fmpq(int(value.p), int(value.q))
 
 
-def ball(value: Any) -> acb:
+def ball(value: Expr) -> acb:
     """Return the smallest ball of the working precision around an exact SymPy rational."""
     return acb(rational(value))
 
 
-def ball_value(expr: Any, point: Mapping[Any, Any]) -> acb:
-    """Return a ball around the value of an expression at exact rational values of its symbols."""
-    return _constant(_chosen(expr, point), {symbol: ball(value) for symbol, value in point.items()})
+def ball_value(expr: Expr, point: Mapping[Expr, Expr | acb], otherwise: Otherwise | None = None) -> acb:
+    """Return a ball around the value of an expression at values of its symbols.
+
+    Parameters
+    ----------
+    expr : sympy.Expr
+    point : mapping
+        Exact rational values of its symbols, or balls.
+    otherwise : callable, optional
+        Takes a function that is not among those enclosed, or has no finite ball there, and the balls of its
+        arguments; returns a ball in its place.
+
+    Raises
+    ------
+    InputError
+        For a function that is not in the list, unless `otherwise` serves it.
+    """
+    values = {symbol: value if isinstance(value, acb) else ball(value) for symbol, value in point.items()}
+    return _constant(_chosen(expr, point), values, otherwise)
 
 
-def ball_function(expr: Any, variable: Any, point: Mapping[Any, Any]) -> BallFunction:
+def ball_function(expr: Expr, variable: Expr, point: Mapping[Expr, Expr]) -> BallFunction:
     """Return an expression as a function of one symbol, the others having exact rational values.
 
     It holds constants of the present working precision.
@@ -80,33 +95,28 @@ def ball_function(expr: Any, variable: Any, point: Mapping[Any, Any]) -> BallFun
     return _BALLS.translated(expr, variable, {symbol: ball(value) for symbol, value in point.items()})
 
 
-def series_function(expr: Any, variable: Any, point: Mapping[Any, Any]) -> Callable[[arb_series], arb_series]:
+def series_function(expr: Expr, variable: Expr, point: Mapping[Expr, Expr]) -> Callable[[arb_series], arb_series]:
     """Return an expression as a function of a power series, with balls for coefficients; as `ball_function`."""
     function = _SERIES.translated(expr, variable, {symbol: ball(value) for symbol, value in point.items()})
-
-    def of_series(series: arb_series) -> arb_series:
-        value = function(series, False)
-        return arb_series([value], prec=ctx.cap) if isinstance(value, arb) else value
-
-    return of_series
+    return lambda series: function(series, False)
 
 
-def _chosen(expr: Any, point: Mapping[Any, Any]) -> Any:
+def _chosen(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
     """Decide, exactly, which of its pieces an expression takes at a point."""
     nodes = expr.atoms(sp.Piecewise, sp.Min, sp.Max)
     return expr.xreplace({node: _decided(node, point) for node in nodes}) if nodes else expr
 
 
-def _decided(node: Any, point: Mapping[Any, Any]) -> Any:
+def _decided(node: Expr, point: Mapping[Expr, Expr]) -> Expr:
     if isinstance(node, sp.Piecewise):
         return next(_chosen(part, point) for part, holds in node.args if holds.xreplace(dict(point)))
     values = {argument: argument.xreplace(dict(point)) for argument in node.args}
     best = node.func(*values.values())
-    return next(argument for argument, value in values.items() if value == best)
+    return next(_chosen(argument, point) for argument, value in values.items() if value == best)
 
 
 @dataclass(frozen=True)
-class _Arithmetic:
+class _Arithmetic(Generic[Z]):
     """What an expression is translated into.
 
     Attributes
@@ -119,11 +129,11 @@ class _Arithmetic:
         What a ball is as a constant there.
     """
 
-    functions: Mapping[Any, Callable[[Any, bool], Any]]
-    power: Callable[[Any, acb, bool], Any]
-    constant: Callable[[acb], Any]
+    functions: Mapping[type[Expr], Callable[[Z, bool], Z]]
+    power: Callable[[Z, acb, bool], Z]
+    constant: Callable[[acb], Z]
 
-    def translated(self, expr: Any, variable: Any, values: Mapping[Any, acb]) -> Callable[[Any, bool], Any]:
+    def translated(self, expr: Expr, variable: Expr, values: Mapping[Expr, acb]) -> Callable[[Z, bool], Z]:
         """Return an expression as a function of one symbol."""
         if expr == variable:
             return lambda z, analytic: z
@@ -143,7 +153,7 @@ class _Arithmetic:
         )
         return lambda z, analytic: function(inner(z, analytic), analytic)
 
-    def _folded(self, expr: Any, variable: Any, values: Mapping[Any, acb]) -> Callable[[Any, bool], Any]:
+    def _folded(self, expr: Expr, variable: Expr, values: Mapping[Expr, acb]) -> Callable[[Z, bool], Z]:
         """Return a sum or a product, its constant part computed once."""
         fixed, moving = expr.as_independent(variable, as_Add=expr.is_Add)
         parts = [self.translated(part, variable, values) for part in type(expr).make_args(moving)]
@@ -153,7 +163,7 @@ class _Arithmetic:
         join = operator.add if expr.is_Add else operator.mul
         return lambda z, analytic: reduce(join, [part(z, analytic) for part in parts])
 
-    def _raised(self, expr: Any, variable: Any, values: Mapping[Any, acb]) -> Callable[[Any, bool], Any]:
+    def _raised(self, expr: Expr, variable: Expr, values: Mapping[Expr, acb]) -> Callable[[Z, bool], Z]:
         inner, exponent = self.translated(expr.base, variable, values), expr.exp
         if exponent.is_Integer and abs(exponent) <= _LARGEST_POWER:
             count = int(exponent)
@@ -166,13 +176,13 @@ class _Arithmetic:
         return lambda z, analytic: self.power(inner(z, analytic), constant, analytic)
 
 
-def _whole_power(z: Any, exponent: int) -> Any:
+def _whole_power(z: Z, exponent: int) -> Z:
     """Multiply out: Arb's own power of a ball around 0 is not a number."""
     power = reduce(operator.mul, [z] * abs(exponent)) if abs(exponent) < 4 else _squared_up(z, abs(exponent))
     return power if exponent > 0 else 1 / power
 
 
-def _squared_up(z: Any, exponent: int) -> Any:
+def _squared_up(z: Z, exponent: int) -> Z:
     half = _whole_power(z, exponent // 2)
     return half * half * z if exponent % 2 else half * half
 
@@ -192,28 +202,28 @@ def _arctangent(z: acb, analytic: bool) -> acb:
     return _NOWHERE if analytic and z.real.contains(0) and not abs(z.imag) < 1 else z.atan()
 
 
-_MEROMORPHIC: dict[Any, Callable[[acb], acb]] = {
+_MEROMORPHIC: dict[type[Expr], Callable[[acb], acb]] = {
     sp.exp: acb.exp, sp.sin: acb.sin, sp.cos: acb.cos, sp.tan: acb.tan, sp.sinh: acb.sinh, sp.cosh: acb.cosh,
     sp.tanh: acb.tanh, sp.coth: acb.coth, sp.sech: acb.sech, sp.csch: acb.csch, sp.erf: acb.erf,
     sp.erfc: acb.erfc, sp.erfi: acb.erfi,
 }  # fmt: skip
 """Functions without branch cuts: a ball that holds a pole is not finite by itself."""
-_CUT: dict[Any, Callable[[acb, bool], acb]] = {
+_CUT: dict[type[Expr], Callable[[acb, bool], acb]] = {
     sp.log: lambda z, analytic: z.log(analytic),
     sp.atan: _arctangent,
     sp.asinh: lambda z, analytic: (z + (z * z + 1).sqrt(analytic)).log(analytic),  # Arb's own fails on wide balls
 }
 
 
-def _whatever_is_asked(function: Callable[[Any], Any]) -> Callable[[Any, bool], Any]:
+def _whatever_is_asked(function: Callable[[Z], Z]) -> Callable[[Z, bool], Z]:
     """Return a function that takes the flag too, and needs it not."""
     return lambda z, analytic: function(z)
 
 
-_BALLS = _Arithmetic(
+_BALLS: _Arithmetic[acb] = _Arithmetic(
     {kind: _whatever_is_asked(function) for kind, function in _MEROMORPHIC.items()} | _CUT, _power, lambda z: z
 )
-_SERIES = _Arithmetic(
+_SERIES: _Arithmetic[arb_series] = _Arithmetic(
     {
         kind: _whatever_is_asked(function)
         for kind, function in {
@@ -229,16 +239,16 @@ _SERIES = _Arithmetic(
         }.items()
     },
     lambda z, exponent, analytic: (z.log() * exponent.real).exp(),
-    lambda z: z.real,
+    lambda z: arb_series([z.real], prec=ctx.cap),
 )  # fmt: skip
-_NUMBERS: dict[Any, Callable[[], acb]] = {
+_NUMBERS: dict[Expr, Callable[[], acb]] = {
     sp.pi: acb.pi,
     sp.E: lambda: acb(1).exp(),
     sp.I: lambda: acb(0, 1),
     sp.EulerGamma: lambda: acb(arb.const_euler()),
     sp.Catalan: lambda: acb(arb.const_catalan()),
 }
-_OF_CONSTANTS: dict[Any, Callable[..., acb]] = {
+_OF_CONSTANTS: dict[type[Expr], Callable[..., acb]] = {
     sp.Add: lambda *terms: reduce(operator.add, terms),
     sp.Mul: lambda *factors: reduce(operator.mul, factors),
     sp.Pow: lambda base, exponent: base.pow(exponent),
@@ -246,12 +256,16 @@ _OF_CONSTANTS: dict[Any, Callable[..., acb]] = {
     sp.lowergamma: lambda s, z: z.gamma_lower(s),
     sp.uppergamma: lambda s, z: z.gamma_upper(s),
     sp.gamma: acb.gamma,
+    sp.besselj: lambda order, z: z.bessel_j(order),
+    sp.expint: lambda s, z: z.expint(s),
     sp.polylog: lambda s, z: z.polylog(s),
     sp.zeta: acb.zeta,
     sp.dirichlet_eta: acb.dirichlet_eta,
     sp.elliptic_k: acb.elliptic_k,
     sp.elliptic_e: acb.elliptic_e,
     sp.elliptic_pi: acb.elliptic_pi,
+    sp.acos: acb.acos,
+    sp.asin: acb.asin,
     sp.acosh: acb.acosh,
     sp.atanh: acb.atanh,
     Lerch: lambda z, s, a: z.lerch_phi(s, a),
@@ -264,7 +278,7 @@ _OF_CONSTANTS: dict[Any, Callable[..., acb]] = {
 """Functions of constants only, which closed forms hold."""
 
 
-def _constant(expr: Any, values: Mapping[Any, acb]) -> acb:
+def _constant(expr: Expr, values: Mapping[Expr, acb], otherwise: Otherwise | None = None) -> acb:
     """Return a ball around an expression whose symbols have values."""
     if expr.is_Rational:
         return ball(expr)
@@ -272,15 +286,30 @@ def _constant(expr: Any, values: Mapping[Any, acb]) -> acb:
         return values[expr]
     if expr in _NUMBERS:
         return _NUMBERS[expr]()
-    if isinstance(expr, sp.hyper):
-        top, bottom = ([_constant(part, values) for part in group] for group in expr.args[:2])
-        return _constant(expr.args[2], values).hypgeom([*top], [*bottom])
     kind = sp.exp if expr.is_Pow and expr.base is sp.E else type(expr)
     if kind is sp.Pow and expr.exp.is_Integer and abs(expr.exp) <= _LARGEST_POWER:
-        return acb(_whole_power(_constant(expr.base, values), int(expr.exp)))
-    arguments = [_constant(argument, values) for argument in ((expr.exp,) if kind is sp.exp else expr.args)]
+        return acb(_whole_power(_constant(expr.base, values, otherwise), int(expr.exp)))
+    parts = (expr.exp,) if kind is sp.exp else flat_arguments(expr)
+    arguments = [_constant(part, values, otherwise) for part in parts]
+    found = _of_constants(kind, arguments, expr)
+    if otherwise is not None and isinstance(expr, sp.Function) and (found is None or not found.is_finite()):
+        return otherwise(expr, arguments)
+    if found is None:
+        raise InputError(f"{kind.__name__} is not among the functions that are enclosed")
+    return found
+
+
+def _of_constants(kind: type[Expr], arguments: list[acb], expr: Expr) -> acb | None:
+    if kind is sp.hyper:
+        top = len(expr.args[0])
+        return arguments[-1].hypgeom([*arguments[:top]], [*arguments[top:-1]])
     if kind in _OF_CONSTANTS:
         return _OF_CONSTANTS[kind](*arguments)
-    if kind in _BALLS.functions:
-        return acb(_BALLS.functions[kind](arguments[0], False))
-    raise InputError(f"{kind.__name__} is not among the functions that are enclosed")
+    return acb(_BALLS.functions[kind](arguments[0], False)) if kind in _BALLS.functions else None
+
+
+def flat_arguments(expr: Expr) -> list[Expr]:
+    """Return the arguments of a function; those of a hypergeometric one stand in tuples."""
+    return [
+        part for argument in expr.args for part in (argument if isinstance(argument, sp.Tuple) else [argument])
+    ]

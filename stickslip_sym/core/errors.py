@@ -1,7 +1,8 @@
 """The exceptions of the package: each message says what was got, what was required and what to try."""
 
 __all__ = [
-    "InputError", "InputWarning", "NoClosedForm", "NoThreshold", "NotConverged", "OutOfTime", "StickSlipError",
+    "NO_RESULT", "InputError", "InputWarning", "NoClosedForm", "NoThreshold", "NotConverged", "OutOfTime",
+    "StickSlipError",
 ]  # fmt: skip
 
 
@@ -27,6 +28,10 @@ class NotConverged(StickSlipError):
 
 class OutOfTime(StickSlipError):
     """The time limit of a call was reached before its result."""
+
+
+NO_RESULT = (InputError, NoClosedForm, NoThreshold, NotConverged)
+"""Every error that more time would not mend: all but `OutOfTime`."""
 
 
 class InputWarning(UserWarning):

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 import sympy as sp
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.lerch import lerch
 
 __all__ = ["Backend", "function_of"]
@@ -17,7 +18,7 @@ __all__ = ["Backend", "function_of"]
 Backend = Literal["numpy", "math", "mpmath"]
 
 
-def function_of(arguments: Sequence[Any], expr: Any, backend: Backend) -> Callable[..., Any]:
+def function_of(arguments: Sequence[Expr], expr: Expr, backend: Backend) -> Callable[..., Any]:
     """Return `expr` as a function of `arguments`, computed by the given library.
 
     `expr` may be a list of expressions; common subexpressions are then computed once.
@@ -40,7 +41,7 @@ _LONGEST = 2**62  # whole numbers above make NumPy leave its own types for Pytho
 _DIGITS = 20  # of a number as text: enough that reading it back gives the nearest double
 
 
-def _in_floats(expr: Any) -> Any:
+def _in_floats(expr: Expr) -> Expr:
     """Replace the numbers in an expression, or in lists of some, that NumPy's integers do not hold."""
     if isinstance(expr, list):
         return [_in_floats(part) for part in expr]

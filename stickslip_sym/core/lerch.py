@@ -1,9 +1,9 @@
 """Lerch's transcendent for real arguments, which neither SymPy nor mpmath evaluates well."""
 
-from typing import Any
-
 import mpmath
 import sympy as sp
+
+from stickslip_sym.core.aliases import Expr, Mpf
 
 __all__ = ["Lerch", "lerch"]
 
@@ -18,25 +18,25 @@ class Lerch(sp.Function):  # type: ignore[misc]  # SymPy is untyped
     nargs = 3
 
     @classmethod
-    def eval(cls, z: Any, s: Any, a: Any) -> Any:
+    def eval(cls, z: Expr, s: Expr, a: Expr) -> Expr:
         """Reduce order 0 to an elementary function."""
         return 1 / (1 - z) if s == 0 else None
 
-    def fdiff(self, argindex: int = 1) -> Any:
+    def fdiff(self, argindex: int = 1) -> Expr:
         """Differentiate with respect to z."""
         if argindex != 1:
             raise sp.core.function.ArgumentIndexError(self, argindex)
         z, s, a = self.args
         return (Lerch(z, s - 1, a) - a * Lerch(z, s, a)) / z
 
-    def _eval_evalf(self, prec: int) -> Any:
+    def _eval_evalf(self, prec: int) -> Expr:
         with mpmath.workprec(prec + 10):
             z, s, a = (argument._to_mpmath(prec + 10) for argument in self.args)
             value = lerch(z, s, a)
         return sp.Float._new(value._mpf_, prec)
 
 
-def lerch(z: Any, s: Any, a: Any) -> Any:
+def lerch(z: Mpf, s: Mpf, a: Mpf) -> Mpf:
     """Evaluate `Lerch` in mpmath; the error relative to the sum is 5.8^-terms.
 
     H. Cohen, F. Rodriguez Villegas, D. Zagier, Convergence acceleration of alternating series,

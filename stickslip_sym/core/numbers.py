@@ -10,12 +10,14 @@ import re
 from collections.abc import Mapping
 from decimal import Decimal
 from fractions import Fraction
-from typing import Any, SupportsFloat, TypeVar
+from typing import SupportsFloat, TypeVar
 
 import mpmath
 import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike
 
+from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
 from stickslip_sym.core.errors import InputError
 
 __all__ = [
@@ -30,7 +32,7 @@ _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,4})?")
 _LONGEST = 400  # characters of a number; enough for any decimal that has a meaning here
 
 
-def exact(value: Number, name: str) -> Any:
+def exact(value: Number, name: str) -> Expr:
     """Return `value` as the exact SymPy rational it denotes.
 
     Parameters
@@ -68,7 +70,7 @@ def exact(value: Number, name: str) -> Any:
     raise InputError(f"{name} = {value!r} is not a finite real number; give a number such as 0.5 or '0.5'")
 
 
-def real(name: str, value: Any) -> float:
+def real(name: str, value: Number) -> float:
     """Return a number as a float, or refuse what is none and what is not finite."""
     try:
         number = float(value)
@@ -79,7 +81,7 @@ def real(name: str, value: Any) -> float:
     return number
 
 
-def read_array(name: str, value: Any, *, finite: bool = True) -> Any:
+def read_array(name: str, value: ArrayLike, *, finite: bool = True) -> FloatArray:
     """Return a number or numbers as an array of real numbers, as it is where it is one.
 
     Parameters
@@ -109,7 +111,7 @@ def read_array(name: str, value: Any, *, finite: bool = True) -> Any:
     return array
 
 
-def read_rtol(rtol: Any, *, least: float = 1e-13, most: float = 1e-3) -> float:
+def read_rtol(rtol: Number, *, least: float = 1e-13, most: float = 1e-3) -> float:
     """Return a tolerance as a float, or refuse one that double precision cannot hold, or that means nothing."""
     number = real("rtol", rtol)
     if not least <= number <= most:
@@ -117,7 +119,7 @@ def read_rtol(rtol: Any, *, least: float = 1e-13, most: float = 1e-3) -> float:
     return number
 
 
-def _from_text(text: str, name: str) -> Any:
+def _from_text(text: str, name: str) -> Expr:
     parts = text.strip().split("/")
     if len(text) <= _LONGEST and len(parts) <= 2 and all(_DECIMAL.fullmatch(part) for part in parts):
         numerator, *rest = (sp.Rational(part) for part in parts)
@@ -128,23 +130,23 @@ def _from_text(text: str, name: str) -> Any:
     raise InputError(f"{name} = {text[:60]!r} is not a number; write it like 0.5, 5e-1 or 1/2")
 
 
-def to_mpf(rational: Any) -> Any:
+def to_mpf(rational: Expr) -> Mpf:
     """Round an exact rational to the current working precision of mpmath."""
     return mpmath.mpf(int(rational.p)) / int(rational.q)
 
 
-def bits(rational: Any) -> int:
+def bits(rational: Expr) -> int:
     """Return the length in bits of the longer of a rational's numerator and denominator."""
     return max(int(rational.p).bit_length(), int(rational.q).bit_length())
 
 
-def within(constant: Any, limit: int) -> bool:
+def within(constant: Expr, limit: int) -> bool:
     """Return whether a constant expression is real and at most `limit` in size."""
     value = constant.evalf(5)
     return bool(value.is_Number and abs(value) <= limit)
 
 
-def exact_values(values: Mapping[str, Number]) -> dict[str, Any]:
+def exact_values(values: Mapping[str, Number]) -> dict[str, Expr]:
     """Read a mapping of names to numbers exactly."""
     return {name: exact(value, name) for name, value in values.items()}
 
@@ -157,7 +159,7 @@ def lookup(kind: str, name: str, table: Mapping[str, T]) -> T:
     raise InputError(f"there is no {kind} {str(name)[:60]!r}{suggestion(str(name), table)}; known: {known}")
 
 
-def suggestion(wrong: str, known: Mapping[str, Any] | list[str]) -> str:
+def suggestion(wrong: str, known: Mapping[str, object] | list[str]) -> str:
     """Return ' (did you mean ...?)' when a known name is close to the wrong one, else an empty text."""
     from difflib import get_close_matches
 

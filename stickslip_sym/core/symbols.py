@@ -4,36 +4,22 @@ The parameters of friction laws are not here; each law brings its own (`friction
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 
+from stickslip_sym.core.aliases import Expr
+
 __all__ = [
-    "QUANTITIES",
-    "RESERVED",
-    "N",
-    "Quantity",
-    "V",
-    "a",
-    "b",
-    "c",
-    "k",
-    "m",
-    "mu",
-    "s",
-    "t",
-    "theta",
-    "u",
-    "v",
+    "QUANTITIES", "RESERVED", "N", "Quantity", "V", "a", "b", "c", "k", "m", "mu", "s", "t", "theta", "u", "v",
     "x",
-]  # fmt: skip
+]  # fmt: skip  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Quantity:
     """A physical quantity: its symbol, what it means, and its SI unit as text."""
 
-    symbol: Any
+    symbol: Expr
     meaning: str
     unit: str
 

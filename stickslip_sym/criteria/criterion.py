@@ -7,11 +7,12 @@ With s = (v - V)/V in [-1, 1] every criterion reads
 
 import re
 from dataclasses import dataclass
-from typing import Any
+from functools import lru_cache
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import lookup
 
@@ -43,7 +44,7 @@ class Criterion:
     """
 
     name: str
-    weight: Any | None
+    weight: Expr | None
     source: str = ""
 
     def __post_init__(self) -> None:
@@ -53,7 +54,7 @@ class Criterion:
         if self.weight is not None:
             object.__setattr__(self, "weight", _checked_weight(self.name, self.weight))
 
-    def moment(self, k: int) -> Any:
+    def moment(self, k: int) -> Expr:
         """Return the mean of s^k: an integral for a polynomial weight, a Beta function for the harmonic one."""
         if self.weight is None:
             return sp.Integer(k == 0)
@@ -62,20 +63,24 @@ class Criterion:
             return sp.Add(*[2 * w / (n + k + 1) for (n,), w in terms if (n + k) % 2 == 0])
         return sp.Integer(0) if k % 2 else sp.catalan(k // 2) / sp.Integer(4) ** (k // 2)
 
+    def mean_power(self, k: int) -> Expr:
+        """Return the mean of (1 + s)^k, exact."""
+        return _mean_power(self, k)
+
     @property
     def label(self) -> str:
         """The name as one word of letters, digits and underscores, for code and for references."""
         return re.sub(r"\W+", "_", self.name, flags=re.ASCII).strip("_") or "criterion"
 
     @property
-    def ends(self) -> tuple[Any, Any]:
+    def ends(self) -> tuple[Expr, Expr]:
         """The weight at s = -1 and at s = 1."""
         if self.weight is None:
             return sp.Integer(0), sp.Integer(0)
         return self.weight.subs(symbols.s, -1), self.weight.subs(symbols.s, 1)
 
     @property
-    def order_at_rest(self) -> Any:
+    def order_at_rest(self) -> Expr:
         """The power of 1 + s like which the weight vanishes at s = -1, where the slip speed is 0."""
         if not self.is_polynomial:
             return sp.Rational(1, 2)
@@ -85,13 +90,13 @@ class Criterion:
         return sp.Integer(order)
 
     @property
-    def moment_kernel(self) -> Any:
+    def moment_kernel(self) -> Expr:
         """The kernel K(v) with c = integral_0^{2V} mu(v) K(v) dv + `boundary`, from one integration by parts."""
         s_of_v = (symbols.v - symbols.V) / symbols.V
         return sp.factor(symbols.N * self._weight_slope.subs(symbols.s, s_of_v) / symbols.V**2)
 
     @property
-    def angle_kernel(self) -> Any:
+    def angle_kernel(self) -> Expr:
         """The kernel A(theta) with c = integral_0^pi mu(V(1 - cos(theta))) A(theta) dtheta."""
         cosine = -sp.cos(symbols.theta)
         kernel = self._weight_slope.subs(symbols.s, cosine) * sp.sin(symbols.theta)
@@ -99,7 +104,7 @@ class Criterion:
         kernel = kernel.subs(sp.sqrt(1 - sp.cos(symbols.theta) ** 2), sp.sin(symbols.theta))
         return symbols.N / symbols.V * kernel
 
-    def boundary(self, mu: Any) -> Any:
+    def boundary(self, mu: Expr) -> Expr:
         """Return the boundary terms for a coefficient mu(v): 0 where the weight vanishes at s = -1 and s = 1."""
         low, high = self.ends
         terms = ((low, sp.Integer(0)), (-high, 2 * symbols.V))
@@ -112,17 +117,22 @@ class Criterion:
         return self.weight is not None and bool(self.weight.is_polynomial(symbols.s))
 
     @property
-    def _weight_slope(self) -> Any:
+    def _weight_slope(self) -> Expr:
         if self.weight is None:
             raise InputError(f"the criterion {self.name!r} takes the slope at one point; it has no kernel")
         return sp.diff(self.weight, symbols.s)
+
+
+@lru_cache(maxsize=256)
+def _mean_power(criterion: Criterion, k: int) -> Expr:
+    return sp.Add(*[sp.binomial(k, j) * criterion.moment(j) for j in range(k + 1)])
 
 
 _HIGHEST = 40  # degree of a weight; double precision holds no polynomial in s of a much higher one
 _HARMONIC = 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
 
 
-def _checked_weight(name: str, weight: Any) -> Any:
+def _checked_weight(name: str, weight: Expr) -> Expr:
     """Return a weight in the symbol s of this package, if it can be served."""
     what = f"the weight of the criterion {name!r}"
     weight = sp.sympify(weight)

@@ -8,22 +8,22 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
 
 import sympy as sp
 from flint import acb, arb
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, working_precision
-from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, exact
-from stickslip_sym.criteria.criterion import Criterion, find
+from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_scene
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["Enclosure", "enclose", "enclosure_of"]
 
-MOST_DIGITS = 10_000
 _BITS = math.log2(10)  # per digit
 _GUARD = 30  # bits beyond the digits that are asked for, against rounding
 _MOST_LOST = 1400  # bits of cancellation that are followed, some 400 digits
@@ -187,15 +187,7 @@ def enclose(
     NotConverged
         If the integral is not enclosed, as where mu is infinite at v = 0.
     """
-    criterion = find(criterion)
-    speed, force = exact(V, "V"), exact(N, "N")
-    if speed <= 0:
-        raise InputError(f"V = {float(speed):g} must be positive; at V = 0 there is nothing to integrate over")
-    if force < 0:
-        raise InputError(f"N = {float(force):g} must not be negative")
-    if not 1 <= digits <= MOST_DIGITS:
-        raise InputError(f"digits = {digits} is outside 1 to {MOST_DIGITS}")
-    law.require_speed(speed if criterion.weight is None else 2 * speed)
+    criterion, speed, force = read_scene(law, criterion, V, N, digits)
     law.substitute(symbols.v)  # refuses a law without values
     if force == 0 or not law.expr.has(symbols.v):
         return Enclosure(Fraction(0), Fraction(0))  # every criterion averages a slope
@@ -213,7 +205,7 @@ def enclose(
         bits += min(max(goal - reached + _GUARD, bits // 8), _MOST_LOST)
 
 
-def _per_force(law: FrictionLaw, criterion: Criterion, speed: Any) -> arb:
+def _per_force(law: FrictionLaw, criterion: Criterion, speed: Expr) -> arb:
     """Return c/N."""
     point = {law.parameters[name].symbol: value for name, value in law.values.items()}
     if criterion.weight is None:
@@ -225,7 +217,7 @@ def _per_force(law: FrictionLaw, criterion: Criterion, speed: Any) -> arb:
     return over(parts, [*starts, 2 * speed], criterion, speed)
 
 
-def _over_speed(parts: list[BallFunction], ends: list[Any], criterion: Criterion, speed: Any) -> arb:
+def _over_speed(parts: list[BallFunction], ends: list[Expr], criterion: Criterion, speed: Expr) -> arb:
     """Return c/N = [-w mu]/V + 1/V * integral of w' mu over s."""
     V, s = ball(speed), symbols.s
     slope = ball_function(sp.diff(criterion.weight, s), s, {})
@@ -242,7 +234,7 @@ def _over_speed(parts: list[BallFunction], ends: list[Any], criterion: Criterion
     return (total / V).real
 
 
-def _over_angle(parts: list[BallFunction], ends: list[Any], criterion: Criterion, speed: Any) -> arb:
+def _over_angle(parts: list[BallFunction], ends: list[Expr], criterion: Criterion, speed: Expr) -> arb:
     """Return c/N = 4/(pi V) * integral of mu(2 V sin^2 phi) cos(2 phi)."""
     twice = 2 * ball(speed)
     angles = [(ball(end) / twice).real.sqrt().asin() for end in ends[:-1]] + [arb.pi() / 2]

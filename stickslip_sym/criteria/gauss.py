@@ -11,16 +11,19 @@ rules agree.
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, FloatArray, IntArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion
 
 __all__ = ["COARSE", "FINE", "FIRST_PANEL", "angle_weight", "average", "gauss_legendre", "weight_of"]
+
+Slope = Callable[..., tuple[FloatArray, FloatArray]]
+"""From slip speeds and parameters to mu' and a bound of its rounding error, in machine epsilons."""
 
 COARSE, FINE = 11, 21  # nodes of the two rules
 _MOST_HALVINGS = 60
@@ -31,7 +34,7 @@ _SMALLEST_ANGLE = 1e-160  # its square is still a normal number
 
 
 @lru_cache(maxsize=16)
-def gauss_legendre(n: int, extended: bool = False) -> tuple[Any, Any]:
+def gauss_legendre(n: int, extended: bool = False) -> tuple[FloatArray, FloatArray]:
     """Return the nodes and weights of the Gauss-Legendre rule on [-1, 1], to the last bit but one.
 
     Parameters
@@ -53,7 +56,7 @@ def gauss_legendre(n: int, extended: bool = False) -> tuple[Any, Any]:
     return x.astype(dtype), (2 / ((1 - x * x) * slope * slope)).astype(dtype)
 
 
-def weight_of(criterion: Criterion, m: Any, p: Any, q: Any) -> Any:
+def weight_of(criterion: Criterion, m: Expr, p: Expr, q: Expr) -> Expr:
     """Return w(s) in terms of m = 1 - s^2, p = 1 + s and q = 1 - s, which do not cancel at the ends."""
     assert criterion.weight is not None
     weight, s = criterion.weight, symbols.s
@@ -69,27 +72,27 @@ def weight_of(criterion: Criterion, m: Any, p: Any, q: Any) -> Any:
     return result
 
 
-def angle_weight(criterion: Criterion, m: Any, p: Any, q: Any) -> Any:
+def angle_weight(criterion: Criterion, m: Expr, p: Expr, q: Expr) -> Expr:
     """Return w(s) ds/dphi in the same terms; m = 4 sin(phi)^2 cos(phi)^2, p = 2 sin(phi)^2, q = 2 cos(phi)^2."""
     return 2 * sp.sqrt(m) * weight_of(criterion, m, p, q)
 
 
 @lru_cache(maxsize=16)
-def _weight(criterion: Criterion) -> Callable[..., Any]:
+def _weight(criterion: Criterion) -> Callable[..., FloatArray]:
     places = sp.symbols("m p q", positive=True, cls=sp.Dummy)
     return function_of(places, angle_weight(criterion, *places), "numpy")
 
 
 def average(
-    slope: Callable[..., tuple[Any, Any]],
-    speed: Any,
-    parameters: Sequence[Any],
+    slope: Slope,
+    speed: FloatArray,
+    parameters: Sequence[FloatArray],
     criterion: Criterion,
     *,
-    scale: Any = None,
-    kinks: Sequence[Any] = (),
+    scale: FloatArray | None = None,
+    kinks: Sequence[FloatArray] = (),
     tolerance: float = 2.0**-54,
-) -> tuple[Any, Any, Any]:
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Average a slope over many scenes at once.
 
     Parameters
@@ -128,8 +131,9 @@ def average(
 
 
 def _block(
-    slope: Any, columns: list[Any], criterion: Criterion, scale: Any, kinks: list[Any], tolerance: float
-) -> tuple[Any, Any, Any]:
+    slope: Slope, columns: list[FloatArray], criterion: Criterion, scale: FloatArray | None,
+    kinks: list[FloatArray], tolerance: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
     speed = columns[0]
     owner, left, right = _first_panels(speed, scale, kinks)
     value, size, error = np.zeros_like(speed), np.zeros_like(speed), np.zeros_like(speed)
@@ -157,13 +161,15 @@ def _block(
     return value, size, error
 
 
-def _sum(owner: Any, values: Any, like: Any) -> Any:
+def _sum(owner: IntArray, values: FloatArray, like: FloatArray) -> FloatArray:
     total = np.zeros_like(like)
     np.add.at(total, owner, values)
     return total
 
 
-def _first_panels(speed: Any, scale: Any, kinks: list[Any]) -> tuple[Any, Any, Any]:
+def _first_panels(
+    speed: FloatArray, scale: FloatArray | None, kinks: list[FloatArray]
+) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return owner, left end and right end of the panels to begin with."""
     real = speed.dtype.type
     half_pi = real(2) * np.arctan(real(1))
@@ -192,8 +198,13 @@ def _first_panels(speed: Any, scale: Any, kinks: list[Any]) -> tuple[Any, Any, A
 
 
 def _panel_sums(
-    slope: Any, columns: list[Any], criterion: Criterion, owner: Any, left: Any, right: Any
-) -> tuple[Any, Any, Any, Any]:
+    slope: Slope,
+    columns: list[FloatArray],
+    criterion: Criterion,
+    owner: IntArray,
+    left: FloatArray,
+    right: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return for each panel the fine sum, the sum of sizes, the rounding bound, and the rules' difference."""
     speed = columns[0][owner][:, None]
     extended = columns[0].dtype != np.float64
@@ -212,7 +223,7 @@ def _panel_sums(
     (coarse, *_), (fine, parts, slopes, bound) = sums
     with np.errstate(all="ignore"):
         sizes = (parts * np.abs(slopes)).sum(axis=1)
-        bound = np.where((slopes == 0) & ~np.isfinite(bound), 0, bound)  # exp(-infinity) is 0 all right
+        bound = np.where((slopes == 0) & ~np.isfinite(bound), 0, bound)  # exp(-infinity) is 0 exactly
         noise = (parts * (bound + 2 * np.abs(slopes))).sum(axis=1)
         # As in QUADPACK: the difference is the error of the coarse rule, and that of the fine one is smaller.
         difference = np.abs(fine - coarse)

@@ -8,19 +8,22 @@ import heapq
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Any
 
 import mpmath
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, to_mpf
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["damping"]
+__all__ = ["MOST_DIGITS", "damping", "read_scene"]
 
+Function = Callable[[Mpf], Mpf]
+
+MOST_DIGITS = 10_000  # of a result
 _GUARD = 10  # digits beyond those asked for, against rounding in the sum
 _MOST_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
 _MOST_LOST_IN_SLOPE = 2000  # of a slope, which costs a few values of mu only
@@ -37,7 +40,7 @@ def damping(
     V: Number,
     N: Number,
     digits: int = 50,
-) -> Any:
+) -> Mpf:
     """Return the damping coefficient of a criterion by quadrature, c = integral_0^2V mu(u) K(u) du.
 
     For `least_squares` the kernel is K(u) = 5 N (V - u)^3 / (2 V^5): equation (16). The `equilibrium`
@@ -68,15 +71,7 @@ def damping(
     NotConverged
         If the integrand is too irregular for the bound on the work.
     """
-    criterion = find(criterion)
-    speed, force = exact(V, "V"), exact(N, "N")
-    if speed <= 0:
-        raise InputError(f"V = {float(speed):g} must be positive; at V = 0 there is nothing to integrate over")
-    if force < 0:
-        raise InputError(f"N = {float(force):g} must not be negative")
-    if not 1 <= digits <= 10_000:
-        raise InputError(f"digits = {digits} is outside 1 to 10000")
-    law.require_speed(speed if criterion.weight is None else 2 * speed)
+    criterion, speed, force = read_scene(law, criterion, V, N, digits)
     mu = _real(law.function("mpmath"))
     singular = criterion.weight is not None and _is_singular(law.function("mpmath"))
     if singular:
@@ -98,10 +93,26 @@ def damping(
         return +result
 
 
-def _real(mu: Callable[[Any], Any]) -> Callable[[Any], Any]:
+def read_scene(
+    law: FrictionLaw, criterion: str | Criterion, V: Number, N: Number, digits: int
+) -> tuple[Criterion, Expr, Expr]:
+    """Return a criterion, V and N, exactly, or refuse what no criterion has a value for."""
+    criterion = find(criterion)
+    speed, force = exact(V, "V"), exact(N, "N")
+    if speed <= 0:
+        raise InputError(f"V = {float(speed):g} must be positive; at V = 0 there is nothing to integrate over")
+    if force < 0:
+        raise InputError(f"N = {float(force):g} must not be negative")
+    if not 1 <= digits <= MOST_DIGITS:
+        raise InputError(f"digits = {digits} is outside 1 to {MOST_DIGITS}")
+    law.require_speed(speed if criterion.weight is None else 2 * speed)
+    return criterion, speed, force
+
+
+def _real(mu: Function) -> Function:
     """Guard a coefficient: what is not a finite real number is an error, never part of a result."""
 
-    def guarded(v: Any) -> Any:
+    def guarded(v: Mpf) -> Mpf:
         try:
             value = mpmath.mpmathify(mu(v))
         except (ZeroDivisionError, ValueError):
@@ -113,7 +124,7 @@ def _real(mu: Callable[[Any], Any]) -> Callable[[Any], Any]:
     return guarded
 
 
-def _is_singular(mu: Callable[[Any], Any]) -> bool:
+def _is_singular(mu: Function) -> bool:
     """Tell whether a coefficient has no finite value as it stands at v = 0, such as log(v) and v*log(v)."""
     try:
         return not mpmath.isfinite(mu(mpmath.mpf(0)))
@@ -121,7 +132,7 @@ def _is_singular(mu: Callable[[Any], Any]) -> bool:
         return True
 
 
-def _require_integrable(mu: Callable[[Any], Any], criterion: Criterion, speed: Any) -> None:
+def _require_integrable(mu: Function, criterion: Criterion, speed: Expr) -> None:
     """Refuse a coefficient that is infinite at v = 0 faster than the weight vanishes there."""
     order = criterion.order_at_rest
     with mpmath.workdps(_GUARD + 15):
@@ -137,8 +148,8 @@ def _require_integrable(mu: Callable[[Any], Any], criterion: Criterion, speed: A
 
 
 def _with_ends(
-    inside: tuple[Any, Any], mu: Any, criterion: Criterion, speed: Any, force: Any, singular: bool
-) -> tuple[Any, Any]:
+    inside: tuple[Mpf, Mpf], mu: Function, criterion: Criterion, speed: Expr, force: Expr, singular: bool
+) -> tuple[Mpf, Mpf]:
     """Add the boundary terms of the integration by parts to an integral and its size, where the weight has any."""
     low, high = criterion.ends
     total, size = inside
@@ -151,8 +162,8 @@ def _with_ends(
     return total, size
 
 
-def _following_cancellation(compute: Callable[[Any], tuple[Any, Any]], digits: int, most: int) -> Any:
-    """Repeat a computation at rising precision until the digits that cancelled are paid for.
+def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: int, most: int) -> Mpf:
+    """Repeat a computation at rising precision until it has the digits that were asked for, whatever cancels.
 
     `compute` takes a relative tolerance and returns a sum, and the size of its terms; over `most` digits of
     cancellation the sum counts as zero.
@@ -175,8 +186,8 @@ def _following_cancellation(compute: Callable[[Any], tuple[Any, Any]], digits: i
 
 
 def _over_speed(
-    mu: Any, kinks: list[Any], criterion: Criterion, speed: Any, force: Any, tolerance: Any, singular: bool
-) -> tuple[Any, Any]:
+    mu: Function, kinks: list[Expr], criterion: Criterion, speed: Expr, force: Expr, tolerance: Mpf, singular: bool
+) -> tuple[Mpf, Mpf]:
     """Integrate mu(v) times the kernel over the slip speed."""
     V, N = to_mpf(speed), to_mpf(force)
     kernel = function_of([symbols.v, symbols.V, symbols.N], criterion.moment_kernel, "mpmath")
@@ -186,50 +197,41 @@ def _over_speed(
 
 
 def _over_angle(
-    mu: Any, kinks: list[Any], criterion: Criterion, speed: Any, force: Any, tolerance: Any, singular: bool
-) -> tuple[Any, Any]:
+    mu: Function, kinks: list[Expr], criterion: Criterion, speed: Expr, force: Expr, tolerance: Mpf, singular: bool
+) -> tuple[Mpf, Mpf]:
     """Integrate over theta = 2 phi, v = V(1 - cos(theta)) = 2V sin(phi)^2: no singular ends, no cancelled v."""
     V, N = to_mpf(speed), to_mpf(force)
     kernel = function_of([symbols.theta, symbols.V, symbols.N], criterion.angle_kernel, "mpmath")
     angles = [mpmath.asin(mpmath.sqrt(place / (2 * V))) for place in _inside(kinks, speed)]
     ends = [mpmath.mpf(0), *sorted({mpmath.pi / 4, *angles}), mpmath.pi / 2]
 
-    def integrand(phi: Any) -> Any:
+    def integrand(phi: Mpf) -> Mpf:
         return 2 * mu(2 * V * mpmath.sin(phi) ** 2) * kernel(2 * phi, V, N)
 
     return _pieces(integrand, ends, tolerance, singular)
 
 
-def _inside(kinks: list[Any], speed: Any) -> list[Any]:
+def _inside(kinks: list[Expr], speed: Expr) -> list[Mpf]:
     return [to_mpf(place) for place in kinks if place < 2 * speed]
 
 
-def _pieces(f: Callable[[Any], Any], ends: list[Any], tolerance: Any, singular: bool) -> tuple[Any, Any]:
+def _pieces(f: Function, ends: list[Mpf], tolerance: Mpf, singular: bool) -> tuple[Mpf, Mpf]:
     """Integrate between consecutive ends, the first one 0; return the sum and the sum of sizes."""
+
+    def stretched(y: Mpf) -> Mpf:
+        # In y, x = y^8, what is infinite at x = 0 but integrable vanishes at y = 0.
+        return f(y**_STRETCHING) * _STRETCHING * y ** (_STRETCHING - 1) if y else mpmath.mpf(0)
+
     if singular:
-        ends, f = [_stretched(end, -1) for end in ends], _with_stretched_variable(f)
-    parts = [_adaptive(f, left, right, tolerance) for left, right in pairwise(ends)]
+        ends = [mpmath.root(end, _STRETCHING) for end in ends]
+    parts = [_adaptive(stretched if singular else f, left, right, tolerance) for left, right in pairwise(ends)]
     return mpmath.fsum(parts), mpmath.fsum(parts, absolute=True)
 
 
-def _stretched(x: Any, way: int) -> Any:
-    """Return x to the power of the stretching, or its root for -1."""
-    return x**_STRETCHING if way > 0 else mpmath.root(x, _STRETCHING)
-
-
-def _with_stretched_variable(f: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """Return the integrand in y, x = y^8: what is infinite at x = 0 but integrable vanishes at y = 0."""
-
-    def stretched(y: Any) -> Any:
-        return f(_stretched(y, 1)) * _STRETCHING * y ** (_STRETCHING - 1) if y else mpmath.mpf(0)
-
-    return stretched
-
-
-def _confirmed_slope(mu: Any, speed: Any, force: Any, digits: int) -> Any:
+def _confirmed_slope(mu: Function, speed: Expr, force: Expr, digits: int) -> Mpf:
     """Differentiate mu numerically, twice: a formula for mu may cancel inside, where nothing else shows it."""
 
-    def slope(_: Any) -> tuple[Any, Any]:
+    def slope(_: Mpf) -> tuple[Mpf, Mpf]:
         V, N = to_mpf(speed), to_mpf(force)
         return -N * mpmath.diff(mu, V, relative=True), abs(N * mu(V) / V)
 
@@ -244,11 +246,11 @@ def _confirmed_slope(mu: Any, speed: Any, force: Any, digits: int) -> Any:
     raise NotConverged(f"the slope of mu at V = {float(speed):g} does not settle to {digits} digits")
 
 
-def _adaptive(f: Callable[[Any], Any], a: Any, b: Any, tolerance: Any) -> Any:
+def _adaptive(f: Function, a: Mpf, b: Mpf, tolerance: Mpf) -> Mpf:
     """Integrate by the tanh-sinh rule, halving the panel with the largest error until all is small enough."""
-    panels: list[tuple[Any, Any, Any, Any]] = []  # minus error, left, right, value: worst first
+    panels: list[tuple[Mpf, Mpf, Mpf, Mpf]] = []  # minus error, left, right, value: worst first
 
-    def add(left: Any, right: Any) -> None:
+    def add(left: Mpf, right: Mpf) -> None:
         # mpmath's error estimate is absolute, so the integrand is brought to the order of 1 first.
         looks = [abs(f(left + (right - left) * fraction)) for fraction in _LOOKS]
         scale = max(looks) * (right - left) or mpmath.mpf(1)

@@ -13,7 +13,8 @@ from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
 from stickslip_sym.model.evaluated import Evaluated
 from stickslip_sym.model.expression.parameters import Parameter, parameter_table
 from stickslip_sym.model.expression.reading import read_formula
-from stickslip_sym.model.samples import SampledCurve, read_csv
+from stickslip_sym.model.measured.measurements import Measurements, read_measurements
+from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.output import markup, printing
 
 __all__ = ["FrictionLaw", "Parameter", "limit_at_rest"]
@@ -171,22 +172,26 @@ class FrictionLaw(Evaluated):
 
     @classmethod
     def from_csv(
-        cls, path: str | Path, *, extrapolate: bool = False, source: str | None = None, name: str | None = None
+        cls,
+        path: str | Path | Measurements,
+        *,
+        extrapolate: bool = False,
+        source: str | None = None,
+        name: str | None = None,
     ) -> Self:
-        """Return the law through the points in a CSV file: a slip speed and a coefficient a line.
+        """Return the law through the points in a file of measurements, or through what was read of it.
 
-        The law has the file's name unless it is given one. Decimal numbers are taken exactly as they are
-        written. A header may stand above them; it says v in m/s and mu, in this order, like ``v [m/s],mu``.
+        The file is read as by `read_measurements`; points of one speed are averaged. The law has the file's name
+        unless it is given one. Decimal numbers are taken exactly as they are written.
 
         Raises
         ------
         InputError
-            If the file cannot be read, its header says anything else, or as in `from_samples`.
+            If the file is not understood, or as in `from_samples`.
         """
-        if not isinstance(path, str | Path) or not str(path):
-            raise InputError(f"the name of a CSV file is text, got {path!r}")
-        path = Path(path)
-        return cls.from_samples(*read_csv(path), extrapolate=extrapolate, name=name or path.stem, source=source)
+        measured = path if isinstance(path, Measurements) else read_measurements(path)
+        name = name or measured.name or "samples"
+        return cls.from_samples(*measured.points(), extrapolate=extrapolate, name=name, source=source)
 
     @classmethod
     def from_curve(

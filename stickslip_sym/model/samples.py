@@ -5,15 +5,12 @@ continuous, and it rises or falls only where the points do. Its coefficients are
 of it are exact closed forms, piece by piece.
 """
 
-import csv
-import math
 import warnings
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -25,14 +22,11 @@ from stickslip_sym.core.errors import InputError, InputWarning
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, exact, to_mpf
 from stickslip_sym.model.expression.pieces import piecewise
-from stickslip_sym.model.headers import check_header
-from stickslip_sym.output.files import require_name
 
-__all__ = ["SampledCurve", "read_csv"]
+__all__ = ["SampledCurve"]
 
 FEWEST, MOST = 4, 60
 LARGEST = sp.Integer(10) ** 20  # m/s, and its inverse the smallest speed above 0
-_LONGEST_FILE = 1_000_000  # rows that are read before a file is refused unread
 
 
 @dataclass(frozen=True)
@@ -200,8 +194,9 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Any], list
         raise InputError(f"{count} points were given; a curve needs {FEWEST} or more, so measure at more speeds")
     if count > MOST:
         raise InputError(
-            f"{count} points were given, and each becomes a piece of the formula; average them over bins of "
-            f"speed to {MOST} or fewer"
+            f"{count} points were given, and each becomes a piece of the formula; fit a law to so many "
+            f"(stickslip fit FILE, ss.fit), or average them over bins of speed to {MOST} or fewer: "
+            f"ss.read_measurements(path).binned({MOST})"
         )
     speeds, coefficients = (
         [exact(value, f"{name} of point {number}") for number, value in enumerate(values, 1)]
@@ -243,46 +238,3 @@ def _hermite_cubics(x: Sequence[Any], y: Sequence[Any]) -> list[tuple[Any, ...]]
 
 def _constant(value: Any) -> tuple[Any, ...]:
     return value, *[sp.Integer(0)] * 3
-
-
-def read_csv(path: Path) -> tuple[list[str], list[str]]:
-    """Read slip speeds and coefficients, as text, from a CSV file of two columns, with or without a header.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, its header does not say v in m/s and mu, or a line is not two numbers; the
-        message names the line.
-    """
-    speeds: list[str] = []
-    coefficients: list[str] = []
-    require_name(path)
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
-            rows = csv.reader(stream, skipinitialspace=True)
-            for number, row in enumerate(filter(None, rows)):
-                is_point = len(row) == 2 and all(map(_is_finite, row))
-                if number == 0 and not is_point:
-                    check_header([row[0].removeprefix("#"), *row[1:]], repr(str(path)))
-                    continue
-                if not is_point:
-                    where, got = f"{str(path)!r}, line {rows.line_num}", ",".join(row)[:60]
-                    raise InputError(f"{where}: two finite numbers are needed, like 0.1,0.35; got {got!r}")
-                if len(speeds) == _LONGEST_FILE:
-                    raise InputError(f"{str(path)!r} has over {_LONGEST_FILE} points; average them to {MOST}")
-                speeds.append(row[0])
-                coefficients.append(row[1])
-    except OSError as error:
-        raise InputError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{str(path)!r} is not a text file of comma-separated values: {error}") from None
-    if not speeds:
-        raise InputError(f"{str(path)!r} has no points; write a line for each, like 0.1,0.35")
-    return speeds, coefficients
-
-
-def _is_finite(cell: str) -> bool:
-    try:
-        return math.isfinite(float(cell))
-    except ValueError:
-        return False

@@ -1,10 +1,10 @@
 """Long formulas made readable: what stands in them repeatedly, or is wide, gets a letter."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import sympy as sp
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.output.layout import LINE, displayed, width
 from stickslip_sym.output.notation import look, notation_of
 from stickslip_sym.output.printing import latex
@@ -16,7 +16,7 @@ _LETTERS = "qphrwgz"
 
 
 def equation(
-    left: str, right: Any, names: Mapping[str, str], *, relation: str = "=", label: str = "", tag: str = ""
+    left: str, right: Expr, names: Mapping[str, str], *, relation: str = "=", label: str = "", tag: str = ""
 ) -> str:
     """Return a displayed equation with a side that is LaTeX already, and the definitions that follow it."""
     expr, definitions, known = abbreviated(right, names)
@@ -25,19 +25,16 @@ def equation(
     return "\n".join([shown, "where", *where]) if where else shown
 
 
-def abbreviated(expr: Any, names: Mapping[str, str]) -> tuple[Any, list[tuple[Any, Any]], dict[str, str]]:
+def abbreviated(expr: Expr, names: Mapping[str, str]) -> tuple[Expr, list[tuple[Expr, Expr]], dict[str, str]]:
     """Give names to roots that stand repeatedly in a formula of several lines, and to wide denominators.
 
-    Returns
-    -------
-    tuple
-        The shorter formula, the new symbols with their definitions, and the LaTeX of all symbols.
+    Returns the shorter formula, the new symbols with their definitions, and the LaTeX of all symbols.
     """
     if width(latex(expr, names)) <= LINE:
         return expr, [], dict(names)
-    definitions: list[tuple[Any, Any]] = []
+    definitions: list[tuple[Expr, Expr]] = []
     while True:
-        roots: dict[Any, int] = {}
+        roots: dict[Expr, int] = {}
         for node in sp.preorder_traversal(expr):
             if node.is_Pow and node.base.is_Add and sp.denom(node.exp) == 2:
                 roots[node.base] = roots.get(node.base, 0) + 1
@@ -64,7 +61,7 @@ def abbreviated(expr: Any, names: Mapping[str, str]) -> tuple[Any, list[tuple[An
     return expr.xreplace(new), [(new[symbol], value.xreplace(new)) for symbol, value in definitions], known
 
 
-def letter(expr: Any, names: Mapping[str, str]) -> str:
+def letter(expr: Expr, names: Mapping[str, str]) -> str:
     """Return a letter that begins no name here, neither as it is given nor as it is printed."""
     written = [*names, *names.values(), *(symbol.name for symbol in expr.atoms(sp.Symbol))]
     free = (one for one in _LETTERS if not any(look(name).startswith(one) for name in written))

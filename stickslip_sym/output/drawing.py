@@ -6,19 +6,26 @@ from base64 import b64encode
 from collections.abc import Callable, Sequence
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.output.files import require_name
 from stickslip_sym.output.markup import Markup
 
-__all__ = ["Drawn", "label", "picture", "require_matplotlib", "save"]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from stickslip_sym.core.aliases import FloatArray
+
+__all__ = ["Drawn", "dense", "label", "picture", "require_matplotlib", "save"]
 
 _STYLE: Any = {
     "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "stickslip_sym",  # the same picture is the same file
     "hatch.linewidth": 0.6,
 }
+_DENSE = 8  # points drawn for each step of an integration
 _INLINE = 90  # pixels an inch, of a picture among text
 _POINT = 4  # half the width of a point, in pixels
 _NEAR = 12  # points of height up to which a label needs no line to what it names
@@ -40,10 +47,10 @@ class Drawn(ABC):
     """A result that has a picture."""
 
     @abstractmethod
-    def _figure(self) -> Any:
+    def _figure(self) -> "Figure":
         """Return its matplotlib.figure.Figure."""
 
-    def plot(self, path: str | Path | None = None) -> Any:
+    def plot(self, path: str | Path | None = None) -> "Figure":
         """Draw the regions or basins, told apart by colour and hatching, the curves between them, or the orbits.
 
         Parameters
@@ -66,14 +73,14 @@ class Drawn(ABC):
         return figure
 
 
-def label(axes: Any, labels: Sequence[tuple[str, tuple[float, float], str]]) -> None:
+def label(axes: "Axes", labels: Sequence[tuple[str, tuple[float, float], str]]) -> None:
     """Write names beside points, each (name, place, colour), where none covers another or a point."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.transforms import Bbox
 
-    canvas: Any = FigureCanvasAgg(axes.figure)
-    renderer = canvas.get_renderer()
-    axes.figure.draw_without_rendering()
+    figure: Any = axes.figure
+    renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    figure.draw_without_rendering()
     points = [axes.transData.transform(place) for _, place, _ in labels]
     taken = [Bbox.from_bounds(x - _POINT, y - _POINT, 2 * _POINT, 2 * _POINT) for x, y in points]
     for name, place, color in labels:
@@ -92,15 +99,11 @@ def label(axes: Any, labels: Sequence[tuple[str, tuple[float, float], str]]) -> 
         taken.append(box)
 
 
-def picture(draw: Callable[[], Any], alt: str) -> Markup:
+def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
     """Return a drawing as HTML that holds it; nothing where matplotlib is missing, or there is nothing to draw.
 
-    Parameters
-    ----------
-    draw : callable
-        It returns the figure; it is not called without matplotlib.
-    alt : str
-        What the picture shows, for those who do not see it.
+    - `draw`: it returns the figure; it is not called without matplotlib.
+    - `alt`: what the picture shows, for those who do not see it.
     """
     try:
         require_matplotlib()
@@ -116,7 +119,14 @@ def picture(draw: Callable[[], Any], alt: str) -> Markup:
     return Markup(f'<img src="data:image/png;base64,{content}" alt="{escape(alt)}"/>')
 
 
-def save(figure: Any, path: Path) -> None:
+def dense(ends: "FloatArray") -> "FloatArray":
+    """Return places between the ends of steps, dense enough for a smooth curve."""
+    import numpy as np
+
+    return np.interp(np.arange(_DENSE * (ends.size - 1) + 1) / _DENSE, np.arange(ends.size), ends)
+
+
+def save(figure: "Figure", path: Path) -> None:
     """Write a drawing to a file, in the format of its name.
 
     Raises

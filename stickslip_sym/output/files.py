@@ -13,9 +13,15 @@ import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stickslip_sym.core.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from stickslip_sym.core.aliases import ObjectArray
 
 __all__ = ["is_kept", "require_name", "texts", "write_csv", "write_npz", "write_text", "write_texts"]
 
@@ -31,10 +37,7 @@ def is_kept(path: Path) -> bool:
 def require_name(path: Path) -> None:
     """Refuse what no system takes for the name of a file, each with words of its own.
 
-    Raises
-    ------
-    InputError
-        If it holds a null byte.
+    Raises `InputError` if it holds a null byte.
     """
     if "\0" in str(path):
         raise InputError(f"the name of a file cannot hold a null byte, as {str(path)!r} does; choose another file")
@@ -43,10 +46,7 @@ def require_name(path: Path) -> None:
 def write_text(path: Path, content: str | bytes) -> None:
     """Write a file; what was there before stays if writing fails.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises `InputError` if the file cannot be written.
     """
     write_texts({path: content})
 
@@ -54,10 +54,7 @@ def write_text(path: Path, content: str | bytes) -> None:
 def write_texts(contents: Mapping[Path, str | bytes]) -> None:
     """Write files, all of them or none; streams and devices, which cannot be taken back, come last.
 
-    Raises
-    ------
-    InputError
-        If a file cannot be written.
+    Raises `InputError` if a file cannot be written.
     """
     staged: list[tuple[Path, Path, Path]] = []
     streams: list[tuple[Path, bytes]] = []
@@ -127,14 +124,14 @@ def _staged(path: Path, content: bytes) -> tuple[Path, Path]:
     return temporary, target
 
 
-def texts(array: Any) -> Any:
+def texts(array: "ObjectArray") -> "NDArray[np.str_]":
     """Return an array of members of an enumeration as text."""
     import numpy as np
 
     return np.array([entry.value for entry in np.ravel(array)]).reshape(np.shape(array))
 
 
-def write_csv(path: Path, columns: Mapping[str, Any]) -> None:
+def write_csv(path: Path, columns: "Mapping[str, ArrayLike]") -> None:
     """Write arrays of one size as columns of a CSV file, floats to their last digit, as `write_text` does."""
     import numpy as np
 
@@ -145,7 +142,7 @@ def write_csv(path: Path, columns: Mapping[str, Any]) -> None:
     write_text(path, buffer.getvalue())
 
 
-def write_npz(path: Path, arrays: Mapping[str, Any]) -> None:
+def write_npz(path: Path, arrays: "Mapping[str, ArrayLike]") -> None:
     """Write arrays as ``numpy.savez_compressed`` does, but without the time of writing, as `write_text` does."""
     import numpy as np
 

@@ -4,7 +4,7 @@ Beside a parameter ``eta``, ``\eta (1 + v)`` could be Dirichlet's function of 1 
 """
 
 from collections.abc import Collection
-from typing import Any
+from typing import TypeAlias
 
 import sympy as sp
 
@@ -13,7 +13,9 @@ from stickslip_sym.output.notation import look
 
 __all__ = ["INDEXED", "NAMED", "SQUARED", "called"]
 
-NAMED: dict[Any, str] = {
+Head: TypeAlias = "type[sp.Function] | sp.NumberSymbol"
+"""What a function or a constant is to SymPy."""
+NAMED: dict[Head, str] = {
     sp.log: r"\ln", sp.sin: r"\sin", sp.cos: r"\cos", sp.tan: r"\tan", sp.atan: r"\arctan",
     sp.sinh: r"\sinh", sp.cosh: r"\cosh", sp.tanh: r"\tanh", sp.coth: r"\coth",
     **{function: f"\\operatorname{{{name}}}" for function, name in (
@@ -24,24 +26,20 @@ NAMED: dict[Any, str] = {
     sp.zeta: r"\zeta", sp.elliptic_k: "K", sp.elliptic_e: "E", sp.elliptic_pi: r"\Pi", Lerch: r"\Phi",
 }  # fmt: skip
 """What an applied function is called; its arguments follow in parentheses."""
-INDEXED: dict[Any, str] = {
+INDEXED: dict[Head, str] = {
     sp.besseli: "I", sp.besselj: "J", sp.besselk: "K", sp.bessely: "Y", sp.polylog: r"\operatorname{Li}",
 }  # fmt: skip
 """Functions whose first argument is an index."""
 SQUARED = (sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech)
 """Functions whose powers are written on their names."""
-_CONSTANTS: dict[Any, str] = {sp.Catalan: "G", sp.pi: r"\pi", sp.EulerGamma: r"\gamma"}
+_CONSTANTS: dict[Head, str] = {sp.Catalan: "G", sp.pi: r"\pi", sp.EulerGamma: r"\gamma"}
 
 
-def called(kind: Any, taken: Collection[str]) -> str:
+def called(kind: Head, taken: Collection[str]) -> str:
     """Return the name of a function or a constant.
 
-    Parameters
-    ----------
-    kind : type or sympy.NumberSymbol
-        A key of `NAMED` or `INDEXED`, or a constant.
-    taken : collection of str
-        What the symbols beside it look like (`notation.look`).
+    - `kind`: a key of `NAMED` or `INDEXED`, or a constant.
+    - `taken`: what the symbols beside it look like (`notation.look`).
     """
     name = NAMED.get(kind) or INDEXED.get(kind) or _CONSTANTS[kind]
     # K_1 is not K, but a symbol K_1 looks like the function with the index 1.

@@ -6,12 +6,12 @@ to [ ] to { }. What is printed must be read in one way only: after a slash stand
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
 
 import sympy as sp
 from sympy.printing.conventions import requires_partial
 from sympy.printing.latex import LatexPrinter
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.output.brackets import Binding, binding, bracketed, held, length
 from stickslip_sym.output.latex_functions import INDEXED, NAMED, SQUARED, called
 from stickslip_sym.output.notation import latex_name, look, told_apart
@@ -27,7 +27,7 @@ _NUMBER, _FORCE, _SYMBOL, _SPEED, _SUM, _EXP, _FUNCTION, _OTHER = range(8)
 class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     printmethod = None  # SymPy's constants would print themselves, Catalan's as G beside any G
 
-    def __init__(self, names: Mapping[str, str], dummies: Mapping[Any, str], *, slashes: bool) -> None:
+    def __init__(self, names: Mapping[str, str], dummies: Mapping[Expr, str], *, slashes: bool) -> None:
         super().__init__({"diff_operator": "rd"})
         self.dummies = dummies
         self._names_of = names
@@ -45,34 +45,34 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     # -- names ---------------------------------------------------------------------------------------
 
-    def _print_Symbol(self, expr: Any, style: str = "plain") -> str:
+    def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
         del style
         return self._names_of.get(expr.name) or latex_name(expr.name)
 
-    def _print_Dummy(self, expr: Any) -> str:
+    def _print_Dummy(self, expr: Expr) -> str:
         return self._names_of[self.dummies[expr]]
 
-    def _print_Pi(self, expr: Any, exp: Any = None) -> str:
+    def _print_Pi(self, expr: Expr, exp: str | None = None) -> str:
         del exp
         return called(expr, self._taken)
 
-    def _print_Catalan(self, expr: Any, exp: Any = None) -> str:
+    def _print_Catalan(self, expr: Expr, exp: str | None = None) -> str:
         return self._print_Pi(expr, exp)
 
-    def _print_EulerGamma(self, expr: Any, exp: Any = None) -> str:
+    def _print_EulerGamma(self, expr: Expr, exp: str | None = None) -> str:
         return self._print_Pi(expr, exp)
 
-    def _print_Exp1(self, expr: Any, exp: Any = None) -> str:
+    def _print_Exp1(self, expr: Expr, exp: str | None = None) -> str:
         del expr, exp
         return r"\exp(1)" if "e" in self._taken else r"\mathrm{e}"
 
-    def _print_ImaginaryUnit(self, expr: Any) -> str:
+    def _print_ImaginaryUnit(self, expr: Expr) -> str:
         del expr
         return r"\sqrt{-1}" if "i" in self._taken else r"\mathrm{i}"
 
     # -- sums ----------------------------------------------------------------------------------------
 
-    def _print_Add(self, expr: Any, order: str | None = None) -> str:
+    def _print_Add(self, expr: Expr, order: str | None = None) -> str:
         terms = self._as_ordered_terms(expr, order=order)
         # Polynomials first; what decays comes after them.
         terms = sorted(terms, key=lambda term: bool(term.atoms(sp.Function, sp.exp)))
@@ -89,7 +89,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     # -- products ------------------------------------------------------------------------------------
 
-    def _print_Mul(self, expr: Any) -> str:
+    def _print_Mul(self, expr: Expr) -> str:
         number, parts = sp.Integer(1), []
         for factor in factors(expr):
             if factor.is_Rational:
@@ -106,16 +106,16 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         product = self._product(abs(number), parts)
         return f"-{held(product, Binding.OPEN)}" if number < 0 else product
 
-    def _print_Rational(self, expr: Any) -> str:
+    def _print_Rational(self, expr: Expr) -> str:
         if expr.q == 1:
             return str(expr.p)
         fraction = f"{abs(expr.p)}/{expr.q}" if self._slashes else f"\\frac{{{abs(expr.p)}}}{{{expr.q}}}"
         return f"-{fraction}" if expr < 0 else fraction
 
-    def _product(self, number: Any, factors: list[Any]) -> str:
-        top = [factor for factor in factors if not _is_below(factor)]
+    def _product(self, number: Expr, parts: list[Expr]) -> str:
+        top = [factor for factor in parts if not _is_below(factor)]
         below = [sp.Pow(factor.base, -factor.exp, evaluate=False) if factor.exp != -1 else factor.base
-                 for factor in factors if _is_below(factor)]  # fmt: skip
+                 for factor in parts if _is_below(factor)]  # fmt: skip
         top, below = (sorted(part, key=self._place) for part in (top, below))
         if not below and number.q == 1:
             return self._row(number.p, top)
@@ -132,19 +132,19 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             fraction = f"\\frac{{{self._row(number.p, head)}}}{{{denominator}}}"
         return self._row(1, tail, fraction) if tail else fraction
 
-    def _is_short(self, factor: Any) -> bool:
+    def _is_short(self, factor: Expr) -> bool:
         return bool(factor.is_Add) and len(factor.args) <= 2 and length(self._print(factor)) < _SHORT_SUM
 
-    def _row(self, number: Any, factors: list[Any], fraction: str = "") -> str:
+    def _row(self, number: Expr, parts: list[Expr], fraction: str = "") -> str:
         """Return factors beside each other, after a fraction; a sum that stands alone has no brackets."""
-        if not fraction and not factors:
+        if not fraction and not parts:
             return str(self._print(sp.sympify(number)))
-        if not fraction and number == 1 and len(factors) == 1:
-            return str(self._print(factors[0]))
+        if not fraction and number == 1 and len(parts) == 1:
+            return str(self._print(parts[0]))
         texts = [fraction] if fraction else [] if number == 1 else [self._print(sp.sympify(number))]
-        for position, factor in enumerate(factors):
+        for position, factor in enumerate(parts):
             printed = self._print(factor)
-            last = position == len(factors) - 1
+            last = position == len(parts) - 1
             if (kind := binding(printed)) in (Binding.CASES, Binding.SUM, Binding.QUOTIENT) or (
                 kind is Binding.OPEN and not last
             ):
@@ -156,7 +156,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             texts.append(printed)
         return " ".join(texts)
 
-    def _place(self, factor: Any) -> tuple[int, str]:
+    def _place(self, factor: Expr) -> tuple[int, str]:
         """Return where a factor stands in a product: 5 N alpha V (mu_s - mu_m) e^x f(x)."""
         base = factor.base if factor.is_Pow else factor
         if base.is_number:
@@ -176,7 +176,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     # -- powers and functions ------------------------------------------------------------------------
 
-    def _print_Pow(self, expr: Any) -> str:
+    def _print_Pow(self, expr: Expr) -> str:
         base, exponent = expr.base, expr.exp
         if base is sp.E:
             return self._print_exp(sp.exp(exponent, evaluate=False))
@@ -195,7 +195,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             return f"{printed}{raised}"
         return f"{bracketed(printed)}{raised}"
 
-    def _print_exp(self, expr: Any, exp: Any = None) -> str:
+    def _print_exp(self, expr: Expr, exp: str | None = None) -> str:
         argument = expr.args[0]
         with self._flat():
             printed = self._print(argument)
@@ -205,7 +205,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         result = f"\\exp{bracketed(printed)}" if deep else f"\\mathrm{{e}}^{{{printed}}}"
         return result if exp is None else f"{bracketed(result)}^{{{exp}}}"
 
-    def _print_Function(self, expr: Any, exp: Any = None) -> str:
+    def _print_Function(self, expr: Expr, exp: str | None = None) -> str:
         kind = type(expr)
         if kind in INDEXED:
             index, *arguments = expr.args
@@ -220,11 +220,11 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         result = self._applied(name, *arguments)
         return result if exp is None else f"{bracketed(result)}^{{{exp}}}"
 
-    def _applied(self, name: str, *arguments: Any) -> str:
+    def _applied(self, name: str, *arguments: Expr) -> str:
         with self._flat():
             return name + bracketed(", ".join(self._print(argument) for argument in arguments))
 
-    def _print_Derivative(self, expr: Any) -> str:
+    def _print_Derivative(self, expr: Expr) -> str:
         if primed := self._primed(expr):
             return primed
         sign = r"\partial" if requires_partial(expr.expr) else r"\mathrm{d}"
@@ -236,7 +236,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         )
         return f"\\frac{{{over}}}{{{below}}} {held(self._print(expr.expr), Binding.FACTOR)}"
 
-    def _print_Integral(self, expr: Any) -> str:
+    def _print_Integral(self, expr: Expr) -> str:
         if len(expr.limits) != 1 or len(expr.limits[0]) != 3:
             return str(super()._print_Integral(expr))
         variable, *ends = expr.limits[0]
@@ -249,7 +249,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         differential = f"\\,\\mathrm{{d}}{self._print(variable)}"
         return f"{sign}\\int_{{{low}}}^{{{high}}} {printed.removeprefix(sign)} {differential}"
 
-    def _print_hyper(self, expr: Any, exp: Any = None) -> str:
+    def _print_hyper(self, expr: Expr, exp: str | None = None) -> str:
         del exp
         with self._flat():
             rows = [", ".join(self._print(argument) for argument in group) for group in expr.args[:2]]
@@ -257,7 +257,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             return f"{{}}_{{{len(expr.ap)}}}F_{{{len(expr.bq)}}}{bracketed(inside)}"
 
 
-def _special(self: _Latex, expr: Any, exp: Any = None) -> str:
+def _special(self: _Latex, expr: Expr, exp: str | None = None) -> str:
     return self._print_Function(expr, exp)
 
 
@@ -266,21 +266,16 @@ for _kind in [*NAMED, *INDEXED]:
     setattr(_Latex, f"_print_{_kind.__name__}", _special)
 
 
-def _is_below(factor: Any) -> bool:
+def _is_below(factor: Expr) -> bool:
     """Whether a factor belongs under the fraction bar."""
     return bool(factor.is_Pow and factor.base is not sp.E and factor.exp.could_extract_minus_sign())
 
 
-def latex(expr: Any, names: Mapping[str, str] | None = None, *, inline: bool = False) -> str:
+def latex(expr: Expr, names: Mapping[str, str] | None = None, *, inline: bool = False) -> str:
     r"""Return an expression or a relation as LaTeX, e.g. ``N (\mu_{\mathrm{s}} - \mu_{\mathrm{m}})``.
 
-    Parameters
-    ----------
-    expr : sympy.Expr or sympy.Rel
-    names : mapping of str to str, optional
-        LaTeX of symbols that shall not be written as usual (`notation`).
-    inline : bool
-        For a line of text: fractions have slashes.
+    - `names`: LaTeX of symbols that shall not be written as usual (`notation`).
+    - `inline`: for a line of text: fractions have slashes.
     """
     dummies = spellings(expr, names or ())
     written = [dummies.get(symbol, symbol.name) for symbol in expr.atoms(sp.Symbol)]

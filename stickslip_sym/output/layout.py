@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.notation import latex_name
 
-__all__ = ["LINE", "displayed", "key", "prose", "width"]
+__all__ = ["LINE", "broken", "displayed", "key", "prose", "width"]
 
 LINE = 341.0  # points in 120 mm
 _NUMBER = 32.0  # of them for the number of the equation
@@ -81,16 +81,10 @@ def _argument(tokens: Sequence[str], i: int) -> tuple[float, int]:
 def displayed(left: str, right: str, *, relation: str = "=", label: str = "", tag: str = "") -> str:
     """Return a displayed equation, broken to fit the text.
 
-    Parameters
-    ----------
-    left, right : str
-        The sides.
-    relation : str
-        What stands between them.
-    label : str
-        To number it and refer to it.
-    tag : str
-        To be printed instead of a number.
+    - `left, right`: the sides.
+    - `relation`: what stands between them.
+    - `label`: to number it and refer to it.
+    - `tag`: to be printed instead of a number.
     """
     environment = "equation" if label else "equation*"
     room = LINE - (_NUMBER if label or tag else 0.0)
@@ -99,11 +93,11 @@ def displayed(left: str, right: str, *, relation: str = "=", label: str = "", ta
     if width(start + right) <= room:
         return f"\\begin{{{environment}}}\n{mark}  {start}{right}\n\\end{{{environment}}}"
     if width(start) <= _HANGING * room:
-        rows = _lines(right, room - width(start), room - width(start) - _INDENT)
+        rows = broken(right, room - width(start), room - width(start) - _INDENT)
         rows = [f"{left} &{relation} {rows[0]}", *(f"&\\quad {row}" for row in rows[1:])]
     else:
-        above = _lines(left, room, room - _INDENT)
-        below = _lines(right, room - 2 * _INDENT, room - 2 * _INDENT)
+        above = broken(left, room, room - _INDENT)
+        below = broken(right, room - 2 * _INDENT, room - 2 * _INDENT)
         rows = ["& " + above[0], *(f"&\\quad {row}" for row in above[1:])]
         rows += [f"&\\quad {{}}{relation} {below[0]}", *(f"&\\qquad {row}" for row in below[1:])]
     inner = " \\\\\n  ".join(rows)
@@ -111,7 +105,7 @@ def displayed(left: str, right: str, *, relation: str = "=", label: str = "", ta
     return f"\\begin{{{environment}}}\n{mark}{body}\n\\end{{{environment}}}"
 
 
-def _lines(latex: str, first: float, later: float) -> list[str]:
+def broken(latex: str, first: float, later: float) -> list[str]:
     """Break a formula into lines of at most so many points, the first one of another length."""
     places, end = _places(latex)
     rows, begin, done, room = [], 0, 0.0, first
@@ -185,16 +179,9 @@ _WORD = re.compile(r"(sqrt)\((\w+)\)|([A-Za-z]\w*)(?:\^(\d))?|(\d)[+]|(.)", re.S
 def prose(text: str, names: Mapping[str, str] | None = None) -> str:
     """Return plain words as LaTeX; names of symbols in them become mathematics.
 
-    Parameters
-    ----------
-    text : str
-    names : mapping of str to str
-        LaTeX of the symbols; single letters count only if they are among them.
+    - `names`: LaTeX of the symbols; single letters count only if they are among them.
 
-    Raises
-    ------
-    InputError
-        For a character that pdflatex has no sign for.
+    Raises `InputError` for a character that pdflatex has no sign for.
     """
     text = unicodedata.normalize("NFC", re.sub(r"\s+", " ", text))
     known = names or {}

@@ -1,10 +1,10 @@
 """Formulas as lines of text: one line where it can be read, a term a line where it is long."""
 
 from collections import Counter
-from typing import Any
 
 import sympy as sp
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.output.abbreviation import letter
 from stickslip_sym.output.tables import WIDTH, wrapped
 from stickslip_sym.output.text_printer import terms, text
@@ -16,7 +16,7 @@ _BLOCK = 40  # characters from which on what stands repeatedly gets a name
 _INDENT = "  "
 
 
-def formula(left: str, expr: Any) -> str:
+def formula(left: str, expr: Expr) -> str:
     """Return an equation as indented text: ``left = expr``.
 
     A long formula has a line for each term of its outermost sum, and more where a term is wider than a page.
@@ -33,7 +33,7 @@ def formula(left: str, expr: Any) -> str:
     return "\n".join(f"{_INDENT}{line}" for line in lines)
 
 
-def _broken(left: str, expr: Any) -> list[str]:
+def _broken(left: str, expr: Expr) -> list[str]:
     if len(text(expr)) + len(f"{left} = ") <= WIDTH - len(_INDENT):
         return [f"{left} = {text(expr)}"]
     lines = [f"{left} ="]
@@ -43,10 +43,10 @@ def _broken(left: str, expr: Any) -> list[str]:
     return lines
 
 
-def _named(expr: Any) -> tuple[Any, list[tuple[str, Any]]]:
+def _named(expr: Expr) -> tuple[Expr, list[tuple[str, Expr]]]:
     """Give names to what stands repeatedly in a formula, the longest first; return it and the definitions."""
     initial = letter(expr, {})
-    definitions: list[tuple[str, Any]] = []
+    definitions: list[tuple[str, Expr]] = []
     while True:
         counts = Counter(node for node in sp.preorder_traversal(expr) if node.args and isinstance(node, sp.Expr))
         often = [(len(text(node)), text(node), node) for node, count in counts.items() if count > 1]

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from html import escape
-from typing import Any
+from typing import TypeVar
 
 __all__ = ["Markup", "block", "formula", "shortened", "table"]
 
@@ -42,7 +42,10 @@ def _cell(text: str) -> str:
     return f"<td>{text}</td>" if isinstance(text, Markup) else f"<td {_PLAIN}>{escape(text)}</td>"
 
 
-def shortened(rows: Sequence[Any]) -> list[Any | None]:
+Item = TypeVar("Item")
+
+
+def shortened(rows: Sequence[Item]) -> list[Item | None]:
     """Return the rows, or the first and the last of many with a None between that stands for the rest."""
     if len(rows) <= 2 * _ENDS + 1:
         return list(rows)

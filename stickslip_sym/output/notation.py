@@ -54,10 +54,7 @@ def _base(word: str) -> str:
 def notation_of(names: Iterable[str], given: Mapping[str, str] | None = None) -> dict[str, str]:
     """Return the LaTeX of each name, with what is given put in place.
 
-    Raises
-    ------
-    InputError
-        For LaTeX that may not be used, or two symbols that would look the same.
+    Raises `InputError` for LaTeX that may not be used, or two symbols that would look the same.
     """
     given = {name: latex for name, latex in (given or {}).items() if latex is not None}
     found: dict[str, str] = {}
@@ -95,10 +92,7 @@ def _spelled_out(name: str) -> str:
 def check_known(given: Mapping[str, str], names: Iterable[str]) -> None:
     """Refuse notation for a symbol that does not occur.
 
-    Raises
-    ------
-    InputError
-        With the closest name.
+    Raises `InputError` with the closest name.
     """
     known = list(dict.fromkeys(names))
     for name in given:
@@ -112,10 +106,7 @@ def check_known(given: Mapping[str, str], names: Iterable[str]) -> None:
 def _check(name: str, latex: str) -> None:
     r"""Refuse LaTeX that is no symbol.
 
-    Raises
-    ------
-    InputError
-        With what cannot be used, and examples of what can.
+    Raises `InputError` with what cannot be used, and examples of what can.
     """
     example = r"write a symbol such as v_b, \beta or v_{\mathrm{belt}}"
     if not isinstance(latex, str) or not latex.strip() or len(latex) > _LONGEST:

@@ -5,10 +5,11 @@ given place, where SymPy prints ``Subs(Derivative(x(t), t), t, t_P)``.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
 
 import sympy as sp
 from sympy.printing.str import StrPrinter
+
+from stickslip_sym.core.aliases import Expr
 
 __all__ = ["Readable", "factors", "spellings", "terms", "text"]
 
@@ -16,27 +17,27 @@ __all__ = ["Readable", "factors", "spellings", "terms", "text"]
 class Readable:
     """What the printers for text and LaTeX have in common."""
 
-    dummies: Mapping[Any, str]
+    dummies: Mapping[Expr, str]
     """The names of the dummies in what is printed, none that of another symbol."""
 
-    def _as_ordered_terms(self, expr: Any, order: str | None = None) -> list[Any]:
-        terms: list[Any] = super()._as_ordered_terms(expr, order=order)  # type: ignore[misc]  # a printer's
+    def _as_ordered_terms(self, expr: Expr, order: str | None = None) -> list[Expr]:
+        terms: list[Expr] = super()._as_ordered_terms(expr, order=order)  # type: ignore[misc]  # a printer's
         for position, term in enumerate(terms):
             if not term.could_extract_minus_sign():
                 return [term, *terms[:position], *terms[position + 1 :]]
         return terms
 
-    def _print_Derivative(self, expr: Any) -> str:
+    def _print_Derivative(self, expr: Expr) -> str:
         return self._primed(expr) or str(super()._print_Derivative(expr))  # type: ignore[misc]  # a printer's
 
-    def _print_Subs(self, expr: Any) -> str:
+    def _print_Subs(self, expr: Expr) -> str:
         if isinstance(expr.expr, sp.Derivative) and len(expr.point) == 1:
             primed = self._primed(expr.expr, expr.point[0])
             if primed:
                 return primed
         return str(super()._print_Subs(expr))  # type: ignore[misc]  # a printer's
 
-    def _primed(self, derivative: Any, place: Any = None) -> str:
+    def _primed(self, derivative: Expr, place: Expr | None = None) -> str:
         """Return x'(t), or at a place x'(t_P); nothing where what is derived is no function of one argument."""
         function = derivative.expr
         if not isinstance(function, sp.core.function.AppliedUndef) or len(function.args) != 1:
@@ -45,19 +46,19 @@ class Readable:
         name = self._print(sp.Symbol(function.func.__name__))  # type: ignore[attr-defined]  # a printer's
         return self._applied(f"{name}{mark}", function.args[0] if place is None else place)
 
-    def _applied(self, name: str, argument: Any) -> str:
+    def _applied(self, name: str, argument: Expr) -> str:
         return f"{name}({self._print(argument)})"  # type: ignore[attr-defined]  # a printer's
 
 
 class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
-    def __init__(self, dummies: Mapping[Any, str]) -> None:
+    def __init__(self, dummies: Mapping[Expr, str]) -> None:
         super().__init__()
         self.dummies = dummies
 
-    def _print_Dummy(self, expr: Any) -> str:
+    def _print_Dummy(self, expr: Expr) -> str:
         return self.dummies[expr]
 
-    def _print_Mul(self, expr: Any) -> str:
+    def _print_Mul(self, expr: Expr) -> str:
         if not any(_is_number(factor) or factor.is_Mul for factor in expr.args[1:]):
             return str(super()._print_Mul(expr))
         # Of a * (1/2) and a / (1/2) that were not multiplied out SymPy makes a/1/2.
@@ -66,16 +67,16 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
         parts = others if number == 1 and others else [number, *others]
         return str(self._print(parts[0] if len(parts) == 1 else sp.Mul(*parts, evaluate=False)))
 
-    def _print_Exp1(self, expr: Any) -> str:
+    def _print_Exp1(self, expr: Expr) -> str:
         del expr
         return "exp(1)"  # E may be a parameter
 
 
-def _is_number(factor: Any) -> bool:
+def _is_number(factor: Expr) -> bool:
     return bool(factor.is_Rational or (factor.is_Pow and factor.base.is_Rational and factor.exp.is_Integer))
 
 
-def factors(product: Any) -> Iterator[Any]:
+def factors(product: Expr) -> Iterator[Expr]:
     """Yield the factors of a product, and of products in it that were not multiplied out."""
     for factor in product.args:
         if factor.is_Mul:
@@ -84,7 +85,7 @@ def factors(product: Any) -> Iterator[Any]:
             yield factor
 
 
-def spellings(expr: Any, names: Iterable[str] = ()) -> dict[Any, str]:
+def spellings(expr: Expr, names: Iterable[str] = ()) -> dict[Expr, str]:
     """Return a name for each dummy of an expression: its own, with underscores where another symbol has that.
 
     `names` are those of symbols elsewhere that no dummy may have either.
@@ -100,14 +101,14 @@ def spellings(expr: Any, names: Iterable[str] = ()) -> dict[Any, str]:
     return found
 
 
-def text(expr: Any) -> str:
+def text(expr: Expr) -> str:
     """Return an expression or a relation as one line of text, e.g. ``N*(mu_s - mu_m)``."""
     if getattr(expr, "is_Relational", False):
         return f"{text(expr.lhs)} {expr.rel_op.replace('==', '=')} {text(expr.rhs)}"
     return str(_Text(spellings(expr)).doprint(expr))
 
 
-def terms(expr: Any) -> list[str]:
+def terms(expr: Expr) -> list[str]:
     """Return the terms of a sum as `text` has them, from the second on with the sign and a blank before them."""
     printer = _Text(spellings(expr))
     found: list[str] = []

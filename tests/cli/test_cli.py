@@ -12,7 +12,7 @@ from commands import inside, shell, stickslip
 from systems import FOLDER_OPENED, needs_posix_shell
 
 from stickslip_sym import Status, load
-from stickslip_sym.cli import derive, program
+from stickslip_sym.cli import law, program
 from stickslip_sym.formula.derivation.steps import Derivation
 
 
@@ -233,7 +233,7 @@ def test_an_interrupt_ends_quietly(monkeypatch, capsys):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(derive, "read_law", interrupt)
+    monkeypatch.setattr(law.LawOptions, "bound", interrupt)
     monkeypatch.setattr("sys.argv", ["stickslip", "derive", "linear"])
     with pytest.raises(SystemExit) as end:
         program.main()

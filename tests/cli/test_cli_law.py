@@ -38,20 +38,21 @@ def test_every_command_reads_measured_points(name, monkeypatch, capsys, tmp_path
     monkeypatch.chdir(tmp_path)
     (tmp_path / "disc.csv").write_text(POINTS)
     line = [name, "--from-csv", "disc.csv", "--static", "0.6", *WITH_JSON[name], "--json"]
+    understood = "4 rows, v in m/s, mu from column 2\n"
     code, out, err = run(monkeypatch, capsys, *line)
-    assert (code, err) == (0, "")
+    assert (code, err) == (0, understood)
     assert (read_json(out)["law"]["name"], read_json(out)["law"]["static"]) == ("disc", "3/5")
-    (tmp_path / "disc.csv").write_text(POINTS.replace("m/s", "mm/s").replace("\n0,", "\n0.01,"))
+    (tmp_path / "disc.csv").write_text(POINTS.replace("m/s", "furlong/s"))
     code, out, err = run(monkeypatch, capsys, *line)
     assert (code, out) == (2, "")
-    assert "got 'v [mm/s],mu': 'mm/s' is not m/s" in err
+    assert "line 1, column 1, 'v [furlong/s]': the unit 'furlong/s' is not known" in err
     (tmp_path / "disc.csv").write_text(POINTS.replace("\n0,", "\n0.01,"))
     code, out, err = run(monkeypatch, capsys, *line)
     assert (code, out) == (2, "")
     assert "add a point there, or give --extrapolate" in err
     code, out, err = run(monkeypatch, capsys, *line, "--extrapolate")
     said = "warning: nothing was measured below v = 0.01 m/s; mu is held there at 0.5, without slope, and mu(0+)"
-    assert (code, err) == (0, f"{said} is this value\n")
+    assert (code, err) == (0, f"{understood}{said} is this value\n")
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """The command line in use: what it suggests, what other programs get from it, and what a shell completes."""
 
+import dataclasses
 import math
 import os
 import shlex
@@ -9,17 +10,20 @@ import sys
 from pathlib import Path
 
 import pytest
+import typer
 from commands import read_json, run, shell
 from systems import WINDOWS, needs_posix_shell
 
 import stickslip_sym as ss
-from stickslip_sym.cli import completion, json_output, program, reading, tradeoff
+from stickslip_sym.cli import completion, json_output, options, program, reading, tradeoff
+from stickslip_sym.cli.law import Description, LawOptions
 from stickslip_sym.comparison.tradeoff import Way
 from stickslip_sym.motion.thresholds import rungs
 
 COMMANDS = {
     "laws": ["--json"],
     "derive": ["coulomb"],
+    "fit": ["disc.csv", "linear"],
     "damping": ["linear", "--json"],
     "simulate": ["linear", "--t-end", "1"],
     "map": ["linear", "--x", "V=1:1:1", "--y", "c=1:1:1"],
@@ -27,6 +31,8 @@ COMMANDS = {
     "export": ["coulomb", "--python", "/dev/stdout" if Path("/dev/stdout").exists() else "coulomb.py"],
 }
 """What makes each command do its work, quickly."""
+DISC = "v [mm/s],mu\n" + "".join(f"{v},{0.3 + 10 / (50 + v):.3f}\n" for v in range(5, 900, 30))
+"""Measured friction, for those that read a file."""
 
 
 def registered():
@@ -38,14 +44,28 @@ def test_every_command_is_tried_here():
     assert {info.cls for info in registered().values()} == {reading.Command}
 
 
+def test_every_command_of_one_law_has_all_options_of_a_law_and_a_scene():
+    commands = typer.main.get_command(program.app).commands
+    one_law = [name for name, command in commands.items() if any("--from-csv" in p.opts for p in command.params)]
+    assert one_law == ["derive", "damping", "simulate", "map", "tradeoff"]
+    wanted = {field.name for group in (LawOptions, options.SceneOptions) for field in dataclasses.fields(group)}
+    for name in one_law:
+        assert wanted <= {parameter.name for parameter in commands[name].params}
+    description = {field.name for field in dataclasses.fields(Description)}
+    assert description <= {parameter.name for parameter in commands["export"].params}
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_example_in_the_help_works(name, monkeypatch, capsys, tmp_path):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "disc.csv").write_text(DISC)
+    if name == "fit":
+        pytest.importorskip("matplotlib")
     _, help_text, _ = run(monkeypatch, capsys, name, "--help")
     words = shlex.split(help_text.split("Example: ")[1].split("\n\n")[0])
     assert words[:2] == ["stickslip", name]
     if name in ("map", "tradeoff"):  # seconds of work; that the line is read is enough
-        monkeypatch.setattr(f"stickslip_sym.cli.{name}.read_law", _reached)
+        monkeypatch.setattr(LawOptions, "bound", _reached)
         with pytest.raises(LookupError, match="reached"):
             run(monkeypatch, capsys, *words[1:])
     else:
@@ -159,7 +179,7 @@ def test_tradeoff_as_json(monkeypatch, capsys):
     assert ways["stable function, one value"]["relative_error"] < 1e-14
     assert said["criterion"] == "least_squares"
     none = Way("plain lambdify, array", math.nan, math.nan)
-    assert set(tradeoff._way(none).values()) == {none.name, None}
+    assert set(tradeoff.as_json_of(none).values()) == {none.name, None}
 
 
 def test_simulate_as_json(monkeypatch, capsys):
@@ -189,10 +209,12 @@ def test_the_version(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys):
+def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys, tmp_path):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "disc.csv").write_text(DISC)
     for function in ("cli.json_output.echo", "core.numbers.exact", "model.law.FrictionLaw.typical"):
         monkeypatch.setattr(f"stickslip_sym.{function}", interrupt)
     code, out, err = run(monkeypatch, capsys, name, *COMMANDS[name])
@@ -212,13 +234,16 @@ for line in sys.argv[1:]:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_closed_pipe_ends_every_command_quietly():
+def test_a_closed_pipe_ends_every_command_quietly(tmp_path):
     """The reader is gone before the command writes: it says nothing, and its exit code tells."""
+    (tmp_path / "disc.csv").write_text(DISC)
     lines = [" ".join([name, *COMMANDS[name]]) for name in COMMANDS]
     reader, writer = os.pipe()
     os.close(reader)
     command = [sys.executable, "-c", WRITERS, *lines]
-    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+    done = subprocess.run(
+        command, stdout=writer, stderr=subprocess.PIPE, text=True, timeout=60, check=False, cwd=tmp_path
+    )
     os.close(writer)
     assert done.stderr == "".join(f"{line} 1\n" for line in lines)
 

@@ -60,6 +60,7 @@ def test_constants_of_closed_forms():
     for expr in (
         sp.besseli(1, mu), sp.lowergamma(sp.Rational(4, 3), mu), sp.uppergamma(2, mu), sp.polylog(3, -mu),
         sp.hyper((sp.Rational(5, 4), 1), (2,), -mu), sp.elliptic_k(mu), sp.elliptic_e(mu), sp.elliptic_pi(-mu, mu),
+        sp.acos(mu), sp.asin(mu), sp.expint(1, mu), sp.besselj(1, mu),
         sp.dirichlet_eta(3), sp.zeta(3), sp.Catalan, sp.gamma(mu), sp.im(sp.polylog(2, sp.I * mu)),
     ):  # fmt: skip
         with balls.working_precision(150):
@@ -136,3 +137,12 @@ def test_what_is_not_in_the_list_is_refused():
         balls.ball_function(sp.LambertW(x), x, {})
     with pytest.raises(ss.InputError, match="exponent depends on x"):
         balls.ball_function(2**x, x, {})
+
+
+def test_choices_within_choices():
+    a, b, c = sp.symbols("a b c", positive=True)
+    rng = random.Random(5)
+    for _ in range(20):
+        point = {name: sp.Rational(rng.randint(1, 9), 7) for name in (a, b, c)}
+        expr = sp.Min(2 * a, sp.Max(b, c)) + sp.Max(a, sp.Min(b, sp.Piecewise((a, a < c), (2 * c, True))))
+        assert (7 * balls.ball_value(expr, point).real).contains(int(7 * expr.xreplace(point)))

@@ -10,7 +10,6 @@ import sympy as sp
 from systems import FOLDER_OPENED
 
 import stickslip_sym as ss
-from stickslip_sym.model.headers import check_header
 from stickslip_sym.model.samples import MOST
 
 SPEEDS = ["0", "0.05", "0.1", "0.2", "0.4", "0.7", "1.2"]
@@ -129,7 +128,11 @@ def test_extrapolation_holds_the_first_and_the_last_coefficient():
         ([0, 1, 2, 3], [1, float("inf"), 1, 1], "mu of point 2 = inf is not a finite real number"),
         ([0, 1, 2, 3], [1, None, 1, 1], "mu of point 2 = None is not a finite real number"),
         ([0.1, 1, 2, 3], [1, 1, 1, 1], "the first speed is 0.1 m/s.*extrapolate=True"),
-        (range(MOST + 1), range(MOST + 1), "61 points were given.*average them over bins"),
+        (
+            range(MOST + 1),
+            range(MOST + 1),
+            "61 points were given.*fit a law to so many.*or average them over bins",
+        ),
         ("0123", "1111", "v is a sequence of numbers, got str"),
         (0.5, 0.3, "v is a sequence of numbers, got float"),
     ],
@@ -153,88 +156,6 @@ def test_a_file_without_a_header_is_points(tmp_path, law):
         assert ss.FrictionLaw.from_csv(write(tmp_path, head + "\n".join(lines))).expr == law.expr
 
 
-@pytest.mark.parametrize(
-    ("header", "message"),
-    [
-        ("v [mm/s],mu", "got 'v .mm/s.,mu': 'mm/s' is not m/s; convert the speeds"),
-        ("mu,v", "got 'mu,v': the columns are in the other order; write the speed first"),
-        ("mu [-],slip speed (m/s)", "the columns are in the other order"),
-        ("time,force", "'time' is not the slip speed v"),
-        ("v,force", "'force' is not the friction coefficient mu"),
-        ("v,mu [%]", "'%' is no unit of mu"),
-        ("V,mu", "'V' has no unit; write v if it is the slip speed in m/s"),
-        ("speed,mu", "'speed' has no unit"),
-        ("v\tmu", "tabs part its columns"),
-        ("v,mu,sigma", "it has 3 columns"),
-    ],
-)
-def test_a_header_that_says_something_else_is_refused(tmp_path, header, message):
-    points = "\n0,0.5\n0.1,0.4\n0.2,0.3\n0.4,0.25\n"
-    with pytest.raises(ss.InputError, match=message) as caught:
-        ss.FrictionLaw.from_csv(write(tmp_path, header + points))
-    assert "v in m/s and mu in that order, like v [m/s],mu" in str(caught.value)
-
-
-def test_a_header_is_taken_only_if_it_says_speed_in_m_s_and_then_the_coefficient():
-    """Headers of random parts, each part with what it means; only those that mean the right thing pass."""
-    rng = np.random.default_rng(20160428)
-    names = {
-        "v": "v", "speed": "speed", "slip velocity": "speed", "sliding speed": "speed", "velocity": "speed",
-        "mu": "mu", "friction coefficient": "mu", "COF": "mu", "\u00b5": "mu", "x": "", "time": "", "force": "",
-        "belt speed": "", "V_belt": "", "rpm": "", "mu_s": "", "vmu": "", "": "", "0.5": "", "displacement": "",
-    }  # fmt: skip
-    units = {"m/s": "m/s", "m s^-1": "m/s", "1": "1", "-": "1", "mm/s": "", "km/h": "", "%": "", "m": "",
-             "M/S": "", "s/m": "", "cm/s": "", "um/s": "", "m/s^2": "", "m/min": "", "": ""}  # fmt: skip
-    frames = ["{} [{}]", "{} ({})", "{}[{}]", "{} in {}", "{} / ({})"]
-    accepted = 0
-    for _ in range(4000):
-        cells, meant = [], []
-        for _ in range(rng.choice([1, 2, 2, 2, 2, 2, 2, 3])):
-            name, unit = rng.choice([*names, *["v", "mu"] * 10]), rng.choice([*units, *["m/s", "1"] * 5])
-            if rng.random() < 0.4:
-                cell, of_unit = str(name), None
-            else:
-                frame = frames[rng.integers(len(frames))]
-                cell, of_unit = frame.format(name, unit), "" if " in " in frame and not unit else units[unit]
-            shown = cell.upper() if rng.random() < 0.1 and not of_unit else cell
-            bare_speed = names[name] == "v" and of_unit is None and shown == "v"
-            speed = names[name] in ("v", "speed") and of_unit == "m/s"
-            meant.append(
-                "v" if bare_speed or speed else "mu" if names[name] == "mu" and of_unit in (None, "1") else ""
-            )
-            cells.append(" " * rng.integers(2) + shown + " " * rng.integers(2))
-        if meant == ["v", "mu"]:
-            check_header(cells, "a file")
-            accepted += 1
-        else:
-            with pytest.raises(ss.InputError):
-                check_header(cells, repr(cells))
-    assert accepted > 30
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "has no points; write a line for each"),
-        ("v,mu\n", "has no points"),
-        ("0,0.5\n1,0.4\n2\n", "line 3: two finite numbers"),
-        ("nan,0.5\n1,0.4\n", "must begin with a header.*'nan' is not the slip speed"),
-        ("v,mu,error\n0,0.5,0.1\n", "must begin with a header of two columns"),
-        ("v,mu\n0,0.5\n1,0.4,0.1\n", r"line 3: two finite numbers are needed, like 0\.1,0\.35; got '1,0\.4,0\.1'"),
-        ("v;mu\n0;0,5\n", "must begin with a header of two columns.*semicolons part its columns"),
-        ("0;0.5\n1;0.4\n", "semicolons part its columns"),
-        ("v,mu\n0,0.5\n1,nan\n2,0.4\n3,0.3\n", "line 3: two finite numbers"),
-        ("v,mu\n0,0.5\n1,\n", "line 3: two finite numbers"),
-        ("v,mu\n0,__import__('os')\n", "line 2: two finite numbers"),
-        ("v,mu\n0,0.5\n1,1_0\n2,0.4\n3,0.3\n", "mu of point 2 = '1_0' is not a number"),
-        ("v,mu\n0,0.5\n", "1 points were given"),
-    ],
-)
-def test_a_csv_file_that_is_no_curve_is_refused(tmp_path, text, message):
-    with pytest.raises(ss.InputError, match=message):
-        ss.FrictionLaw.from_csv(write(tmp_path, text))
-
-
 def test_files_that_cannot_be_read_are_refused(tmp_path):
     for path, message in (
         (tmp_path / "none.csv", "cannot read .*No such file"),
@@ -249,9 +170,9 @@ def test_files_that_cannot_be_read_are_refused(tmp_path):
 
 
 def test_a_million_rows_are_refused_in_seconds(tmp_path):
-    path = write(tmp_path, "v,mu\n" + "".join(f"{i},0.5\n" for i in range(1_000_000)))
+    path = write(tmp_path, "v,mu\n" + "".join(f"{i},0.5\n" for i in range(1_000_001)))
     start = time.perf_counter()
-    with pytest.raises(ss.InputError, match=r"1000000 points were given.*average them over bins"):
+    with pytest.raises(ss.InputError, match="has over 1000000 rows; average them to fewer"):
         ss.FrictionLaw.from_csv(path)
     assert time.perf_counter() - start < 20  # it takes 1 s; this only tells it from a hang
 

@@ -59,7 +59,7 @@ def test_blocks_solve_what_all_at_once_solves(K):
     for shift in (0, K):
         matrix[:, harmonic + shift, harmonic - 1 + shift - (shift > 0)] += 20 * math.sqrt(K)
     expected = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
-    assert np.abs(collocation._solved(matrix, right) - expected).max() <= 1e-9 * np.abs(expected).max()
+    assert np.abs(collocation.solved(matrix, right) - expected).max() <= 1e-9 * np.abs(expected).max()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a signal cannot be sent to one process there")

@@ -270,7 +270,7 @@ def test_every_taylor_step_obeys_the_equations_at_its_end_and_halfway(law):
         scene = Scene.of(law.bind(w=width), paper_oscillator(rng.uniform(0, 3)))
         start = Point(0.0, rng.uniform(-1, 3), rng.uniform(0.1, 2))
         phase = follow(scene, start, 1, horizon=6.0, rtol=1e-12, engine=engines.find("heyoka"))
-        for piece, end in zip(phase.pieces, phase.points[1:], strict=True):
+        for piece, end in zip(phase.interpolants, phase.points[1:], strict=True):
             for time in (0.5 * (end.tau - piece.t_old), end.tau - piece.t_old):
                 q, w = piece(piece.t_old + time)
                 missed = time * abs(piece.rate(time) - scene.acceleration(q, w, 1))

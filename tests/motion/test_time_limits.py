@@ -152,9 +152,9 @@ def test_an_unfinished_map_goes_on_from_its_checkpoint(tmp_path):
 
 def test_what_is_left_of_the_time_goes_to_other_processes():
     with deadline.time_limit(10):
-        limited = pickle.loads(pickle.dumps(checkpoint._limited(_left)))
+        limited = pickle.loads(pickle.dumps(checkpoint.limited(_left)))
     assert limited(2) == pytest.approx(20, rel=0.2)
-    assert checkpoint._limited(_left) is _left
+    assert checkpoint.limited(_left) is _left
 
 
 def _left(factor):

@@ -16,7 +16,7 @@ PACKAGE = Path(ss.__file__).parent
 FOLDERS = ["core", "output", "model", "criteria", "formula", "motion", "comparison", "cli"]
 """The folders of the package in the order in which they may import: each only from those before it."""
 ROOMS = {
-    "model": ["expression"],
+    "model": ["expression", "measured"],
     "formula": ["integration", "evaluation", "code", "derivation", "export"],
     "motion": ["simulation", "orbits", "thresholds", "regimes", "maps"],
 }

@@ -93,7 +93,7 @@ def test_gauss_averages_of_polynomials_are_their_moments(criterion, rng):
         value = sum(c * v**k for k, c in enumerate(given))
         return value, 2 * abs(value)
 
-    exact = sum(c * speed**k * float(fitting.moment(criterion, k)) for k, c in enumerate(coefficients))
+    exact = sum(c * speed**k * float(criterion.mean_power(k)) for k, c in enumerate(coefficients))
     for given in ({}, {"scale": scale}, {"scale": scale, "kinks": kinks}):
         value, size, error = gauss.average(slope, speed, coefficients, criterion, **given)
         assert value == pytest.approx(exact, rel=1e-14)
@@ -166,7 +166,7 @@ def test_nesting_is_read_to_its_limit():
 def test_edges_of_cells_lie_half_way(rng):
     steps = rng.uniform(0.98, 1.02, 6)
     values = np.cumsum(steps)
-    for found in (drawing._edges(values), np.log(drawing._edges(np.exp(values)))):
+    for found in (drawing.edges(values), np.log(drawing.edges(np.exp(values)))):
         assert found[1:-1] == pytest.approx((values[1:] + values[:-1]) / 2)
         assert found[[0, -1]] == pytest.approx([values[0] - steps[1] / 2, values[-1] + steps[-1] / 2])
 
@@ -177,7 +177,7 @@ def test_small_motions_grow_with_the_eigenvalues(rng):
         osc = paper_oscillator(c=max(c, 0.0))
         matrix = np.array([[0, 1], [-osc.k / osc.m, -(osc.c + osc.N * slope) / osc.m]])
         largest = max(np.linalg.eigvals(matrix), key=lambda root: root.real)
-        rate, half = attractors._swing(osc, slope)
+        rate, half = attractors.swing(osc, slope)
         assert rate == pytest.approx(largest.real, rel=1e-9)
         assert half == pytest.approx(np.pi / abs(largest.imag) if largest.imag else np.inf)
 
@@ -230,8 +230,8 @@ def test_what_is_returned_cannot_be_changed():
     results = [one for one in classes if is_dataclass(one) and not one.__name__.startswith("_")]
     assert len(results) > 40
     mutable = {result.__name__ for result in results if not result.__dataclass_params__.frozen}
-    # Steps are added to a derivation, pieces to a phase that is followed, cells to those of a map, and better rows
-    # to the state of an iteration, which counts its work.
+    # Steps are added to a derivation, interpolants to a phase that is followed, cells to those of a map, and
+    # better rows to the state of an iteration, which counts its work.
     assert mutable == {"Cells", "Derivation", "SlipPhase", "State", "Work"}
 
 
@@ -272,7 +272,7 @@ def test_terms_are_counted_before_they_are_multiplied_out(rng):
 
 def test_a_line_is_not_broken_where_hardly_anything_stands_on_it():
     inner = " + ".join(f"b_{{{i}}}" for i in range(40))
-    rows = layout._lines(f"a + ({inner})", 200.0, 200.0)
+    rows = layout.broken(f"a + ({inner})", 200.0, 200.0)
     assert len(rows[0]) > 40
 
 
@@ -310,5 +310,5 @@ def test_a_table_of_an_average_is_the_average(rng):
     value, size, _ = builder.averages(r)
     exact = np.asarray(value, dtype=float) * r**-table.power
     allowed = 4e-16 * np.asarray(size, dtype=float) * r**-table.power
-    assert (np.abs(table.array(r) - exact) <= allowed).all()
-    assert [table.scalar(one) for one in r.tolist()] == pytest.approx(table.array(r), rel=4e-16)
+    assert (np.abs(table(r) - exact) <= allowed).all()
+    assert [table(one) for one in r.tolist()] == pytest.approx(table(r), rel=4e-16)

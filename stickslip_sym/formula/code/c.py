@@ -1,12 +1,12 @@
 """The parts of a criterion written in C99."""
 
-from typing import Any
-
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.formula.code.dialect import C, Dialect, numeric_list
 from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
 
 exp, log, sqrt, one = "exp", "log", "sqrt", "1.0"
 brackets = "{}"
+line = "        double {name} = {value};"
 
 _WORDS = frozenset(
     {
@@ -65,12 +65,7 @@ def product(number: str, factors: list[tuple[str, float]], rest: str) -> str:
     return "\n".join([*lines, "        result = _unscale(result, exponent);"])
 
 
-def lines(statements: list[tuple[str, str]]) -> str:
-    """Return definitions of local numbers."""
-    return "\n".join(f"        double {name} = {value};" for name, value in statements)
-
-
-def table(name: str, rows: Any) -> str:
+def table(name: str, rows: FloatArray) -> str:
     """Return an array of the coefficients of all panels."""
     body = ",\n    ".join(numeric_list(row, "{}", "     ") for row in rows)
     return (
@@ -113,18 +108,10 @@ def term(number: int, arguments: list[str], ratio: str, branches: list[tuple[flo
     )
 
 
-def slope(arguments: list[str], text: str) -> str:
-    """Return the slope of mu."""
-    unused = "".join(f"    (void){name};\n" for name in ["v", *arguments])
-    return f"\nstatic double _slope(double v, {_parameters(arguments)})\n{{\n{unused}    return {text};\n}}\n"
-
-
-def at_a_point(arguments: list[str]) -> str:
-    """Return the criterion that takes the slope at the belt speed."""
-    return (
-        f"\nstatic double _criterion({_parameters(arguments)})\n{{\n"
-        f"    return -N*_slope(V, {', '.join(arguments)});\n}}\n"
-    )
+def function(name: str, arguments: list[str], text: str) -> str:
+    """Return a function with an expression for its value."""
+    unused = "".join(f"    (void){argument};\n" for argument in arguments)
+    return f"\nstatic double {name}({_parameters(arguments)})\n{{\n{unused}    return {text};\n}}\n"
 
 
 def steps(places_and_heights: list[tuple[str, str]], weight: str) -> str:

@@ -1,15 +1,17 @@
 """How languages write the same formulas."""
 
 import re
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from collections.abc import Iterable, Mapping
+from typing import ClassVar
 
 import sympy as sp
 from sympy.codegen.cfunctions import expm1, log1p
 from sympy.functions.elementary.piecewise import ExprCondPair
 from sympy.logic.boolalg import BooleanTrue
 from sympy.printing.c import C99CodePrinter
+from sympy.printing.codeprinter import CodePrinter
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import NoClosedForm
 
 __all__ = ["C", "Dialect", "Reciprocal", "numeric_list"]
@@ -39,56 +41,56 @@ _WRITTEN = (
 class Reciprocal:
     """Functions that are one over another one; SymPy would rewrite all that stands in their argument too."""
 
-    def _print_sech(self, expr: Any) -> str:
+    def _print_sech(self, expr: Expr) -> str:
         return f"(1.0/{self._print(sp.cosh(expr.args[0], evaluate=False))})"  # type: ignore[attr-defined]  # a printer's
 
-    def _print_coth(self, expr: Any) -> str:
+    def _print_coth(self, expr: Expr) -> str:
         return f"(1.0/{self._print(sp.tanh(expr.args[0], evaluate=False))})"  # type: ignore[attr-defined]  # a printer's
 
 
 class C(Reciprocal, C99CodePrinter):  # type: ignore[misc]  # SymPy is untyped
     """Formulas as C writes them, and languages that took its operators."""
 
-    math_macros: ClassVar[dict[Any, str]] = {}  # M_SQRT2 and the like are neither C99's nor Octave's
+    math_macros: ClassVar[dict[Expr, str]] = {}  # M_SQRT2 and the like are neither C99's nor Octave's
 
-    def _print_Float(self, expr: Any) -> str:
+    def _print_Float(self, expr: Expr) -> str:
         return repr(float(expr))
 
-    def _print_Rational(self, expr: Any) -> str:
+    def _print_Rational(self, expr: Expr) -> str:
         return f"({float(expr)!r})"
 
-    def _print_NumberSymbol(self, expr: Any) -> str:
+    def _print_NumberSymbol(self, expr: Expr) -> str:
         return repr(float(expr))
 
     # What would be of type int to C becomes a double: of a quotient of two ints only the whole part is left.
 
-    def _print_Piecewise(self, expr: Any) -> str:
+    def _print_Piecewise(self, expr: Expr) -> str:
         cases = [(sp.Float(part) if part.is_Integer else part, holds) for part, holds in expr.args]
         return str(super()._print_Piecewise(sp.Piecewise(*cases, evaluate=False)))
 
-    def _print_sign(self, expr: Any) -> str:
+    def _print_sign(self, expr: Expr) -> str:
         below, above = (f"(({self._print(expr.args[0])}) {relation} 0.0)" for relation in "<>")
         return f"(1.0*{above} - {below})"
 
-    def _print_Abs(self, expr: Any) -> str:
+    def _print_Abs(self, expr: Expr) -> str:
         return f"fabs({self._print(expr.args[0])})"
 
-    def _print_Symbol(self, expr: Any) -> str:
+    def _print_Symbol(self, expr: Expr) -> str:
         return str(expr.name)  # `Dialect.name` has seen to the words of the language, which C's are not in Octave
 
 
 class Dialect:
     """One language: how it prints an expression, and which names it keeps for itself."""
 
-    def __init__(self, printer: Any, words: frozenset[str], kept: str = "(?!)") -> None:
+    def __init__(self, printer: CodePrinter, words: frozenset[str], kept: str = "(?!)") -> None:
         self._printer, self._words, self._kept = printer, words | _LOCALS, re.compile(kept)
 
-    def name(self, symbol: Any) -> str:
+    def name(self, symbol: Expr) -> str:
         """Return the name of an argument, with an underscore after a word of the language, or after another."""
         text = str(symbol)
         return f"{text}_" if text in self._words or text.endswith("_") or self._kept.fullmatch(text) else text
 
-    def text(self, expr: Any, names: Mapping[Any, str]) -> str:
+    def text(self, expr: Expr, names: Mapping[Expr, str]) -> str:
         """Return an expression in this language.
 
         Raises
@@ -106,7 +108,7 @@ class Dialect:
         return str(self._printer.doprint(sp.sympify(expr).xreplace(renamed)))
 
 
-def numeric_list(values: Any, brackets: str, indent: str = "    ") -> str:
+def numeric_list(values: Iterable[float], brackets: str, indent: str = "    ") -> str:
     """Return numbers as the text of a list, a few on each line, exact when read back."""
     numbers = [repr(float(value)) for value in values]
     lines = [", ".join(numbers[i : i + 4]) for i in range(0, len(numbers), 4)]

@@ -5,11 +5,12 @@ is imported before a language is asked for: the command line shows the table in 
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:
+    from stickslip_sym.core.aliases import FloatArray
     from stickslip_sym.formula.code import c, octave, python
     from stickslip_sym.formula.code.dialect import Dialect
 
@@ -46,6 +47,8 @@ class Language(Protocol):
         The number 1 in the shape of the arguments.
     brackets : str
         The two that enclose a list of numbers.
+    line : str
+        The definition of a local number, with {name} and {value}, which may go over several lines.
     """
 
     dialect: "Dialect"
@@ -54,6 +57,7 @@ class Language(Protocol):
     sqrt: str
     one: str
     brackets: str
+    line: str
 
     def head(self, title: str, products: bool) -> str:
         """Return what stands first, with the functions that `product` calls if they are needed."""
@@ -61,10 +65,7 @@ class Language(Protocol):
     def product(self, number: str, factors: list[tuple[str, float]], rest: str) -> str:
         """Return number * rest * product of powers of bases, computed so that nothing overflows on the way."""
 
-    def lines(self, statements: list[tuple[str, str]]) -> str:
-        """Return definitions of local numbers, some of which go over several lines."""
-
-    def table(self, name: str, rows: Any) -> str:
+    def table(self, name: str, rows: "FloatArray") -> str:
         """Return an array of the coefficients of all panels, and a function NAME_at(r, first) for g."""
 
     def term(
@@ -75,11 +76,8 @@ class Language(Protocol):
         `ratio` is the product that r is.
         """
 
-    def slope(self, arguments: list[str], text: str) -> str:
-        """Return the slope of mu as a function of v and the arguments."""
-
-    def at_a_point(self, arguments: list[str]) -> str:
-        """Return the criterion that takes the slope at the belt speed."""
+    def function(self, name: str, arguments: list[str], text: str) -> str:
+        """Return a function of numbers, or of arrays, with an expression for its value."""
 
     def steps(self, places_and_heights: list[tuple[str, str]], weight: str) -> str:
         """Return the lines that add what the jumps of mu contribute to the average."""

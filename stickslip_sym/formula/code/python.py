@@ -2,43 +2,44 @@
 
 import builtins
 import keyword
-from typing import Any
 
 from sympy.printing.numpy import NumPyPrinter
 
+from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.formula.code.dialect import Dialect, Reciprocal, numeric_list
 from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
 
 exp, log, sqrt, one = "np.exp", "np.log", "np.sqrt", "np.ones_like(V)"
 brackets = "[]"
+line = "        {name} = ({value})"
 
 
 class _Python(Reciprocal, NumPyPrinter):  # type: ignore[misc]  # SymPy is untyped
-    def _print_erf(self, expr: Any) -> str:
+    def _print_erf(self, expr: Expr) -> str:
         return f"_erf({self._print(expr.args[0])})"
 
-    def _print_NumberSymbol(self, expr: Any) -> str:
+    def _print_NumberSymbol(self, expr: Expr) -> str:
         return repr(float(expr))
 
-    def _print_Exp1(self, expr: Any) -> str:
+    def _print_Exp1(self, expr: Expr) -> str:
         return self._print_NumberSymbol(expr)
 
-    def _print_Pi(self, expr: Any) -> str:
+    def _print_Pi(self, expr: Expr) -> str:
         return self._print_NumberSymbol(expr)
 
-    def _print_Max(self, expr: Any) -> str:
+    def _print_Max(self, expr: Expr) -> str:
         return self._nested("maximum", expr)
 
-    def _print_Min(self, expr: Any) -> str:
+    def _print_Min(self, expr: Expr) -> str:
         return self._nested("minimum", expr)
 
-    def _nested(self, name: str, expr: Any) -> str:
+    def _nested(self, name: str, expr: Expr) -> str:
         first, *others = (self._print(argument) for argument in expr.args)
         for other in others:
             first = f"numpy.{name}({first}, {other})"
         return str(first)
 
-    def doprint(self, expr: Any, assign_to: Any = None) -> str:
+    def doprint(self, expr: Expr, assign_to: None = None) -> str:
         return str(super().doprint(expr, assign_to)).replace("numpy.", "np.")
 
 
@@ -94,12 +95,7 @@ def product(number: str, factors: list[tuple[str, float]], rest: str) -> str:
     return f"_product({number}, ({pairs}), {rest})"
 
 
-def lines(statements: list[tuple[str, str]]) -> str:
-    """Return definitions of local arrays."""
-    return "\n".join(f"        {name} = ({value})" for name, value in statements)
-
-
-def table(name: str, rows: Any) -> str:
+def table(name: str, rows: FloatArray) -> str:
     """Return an array of the coefficients of all panels."""
     body = ",\n    ".join(numeric_list(row, "[]", "     ") for row in rows)
     return f"""
@@ -137,15 +133,9 @@ def term(number: int, arguments: list[str], ratio: str, branches: list[tuple[flo
     )
 
 
-def slope(arguments: list[str], text: str) -> str:
-    """Return the slope of mu."""
-    return f"\n\ndef _slope(v, {', '.join(arguments)}):\n    return {text} + 0.0*v\n"
-
-
-def at_a_point(arguments: list[str]) -> str:
-    """Return the criterion that takes the slope at the belt speed."""
-    names = ", ".join(arguments)
-    return f"\n\ndef _criterion({names}):\n    return -N*_slope(V, {names})\n"
+def function(name: str, arguments: list[str], text: str) -> str:
+    """Return a function of arrays with an expression for its value."""
+    return f"\n\ndef {name}({', '.join(arguments)}):\n    return {text}\n"
 
 
 def steps(places_and_heights: list[tuple[str, str]], weight: str) -> str:

@@ -6,17 +6,18 @@ branch: there it is as accurate as the slope of mu in double precision.
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.criteria.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre, weight_of
 from stickslip_sym.formula.code.dialect import numeric_list
 from stickslip_sym.formula.code.languages import Language, find
-from stickslip_sym.formula.evaluation.branches import Closed, Formula, LogTail, Series, Table
+from stickslip_sym.formula.evaluation.branches import Branch, Closed, Formula, LogTail, Series, Table
 from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
 from stickslip_sym.formula.evaluation.stable import StableFunction
+from stickslip_sym.formula.evaluation.term import TermFunction
 from stickslip_sym.model.expression.pieces import jumps, places
 
 __all__ = ["code"]
@@ -47,7 +48,7 @@ def code(functions: Mapping[str, StableFunction], title: str, language: str) -> 
     return "\n".join(parts)
 
 
-def _branched(function: StableFunction) -> list[Any] | None:
+def _branched(function: StableFunction) -> list[TermFunction] | None:
     """Return the terms of a criterion that have branches; None if it is averaged by Gauss rules."""
     terms = function.terms
     if terms is None or any(term.shapes for term in terms):
@@ -84,7 +85,7 @@ def _body(function: StableFunction, language: Language) -> str:
     return "\n".join(part for part in parts if part)
 
 
-def _product(term: Any, power: float, bases: list[str], language: Language) -> str:
+def _product(term: TermFunction, power: float, bases: list[str], language: Language) -> str:
     exponents = [a + power * e for a, e in zip(term.amplitude, term.ratio, strict=True)]
     number = term.number * term.size**-power
     return str(language.product(repr(number), _factors(bases, exponents), "g"))
@@ -94,8 +95,12 @@ def _factors(bases: Sequence[str], exponents: Sequence[float]) -> list[tuple[str
     return [(base, e) for base, e in zip(bases, exponents, strict=True) if e]
 
 
-def _branch(branch: Any, language: Language, table: str) -> tuple[str, str]:
+def _branch(branch: Branch, language: Language, table: str) -> tuple[str, str]:
     """Return definitions that stand before the function, and the lines that compute g from r."""
+
+    def lines(**values: str) -> str:
+        return "\n".join(language.line.format(name=name, value=value) for name, value in values.items())
+
     V = symbols.V
     if isinstance(branch, Series):
         z = {1.0: "r", 2.0: "r*r", -1.0: "1.0/r", -2.0: "(1.0/r)*(1.0/r)", -0.5: f"1.0/{language.sqrt}(r)"}[
@@ -104,22 +109,20 @@ def _branch(branch: Any, language: Language, table: str) -> tuple[str, str]:
         if branch.shift or branch.stretch != 1:
             z = f"({z} - {branch.shift!r})*{branch.stretch!r}"
         g = _horner(branch.coefficients)
-        if branch.decay:
-            g = f"({g})*{language.exp}({-branch.decay!r}*r)"
-        return "", language.lines([("z", z), ("g", g)])
+        return "", lines(z=z, g=f"({g})*{language.exp}({-branch.decay!r}*r)" if branch.decay else g)
     if isinstance(branch, Closed):
         parts = []
-        for expr, coefficients, _, _ in branch.parts:
-            polynomial = _horner(coefficients)
-            parts.append(f"({polynomial})" + ("" if expr == 1 else f"*({language.dialect.text(expr, {V: 'z'})})"))
-        return "", language.lines([("z", "r"), ("g", "\n        + ".join(parts))])
+        for function, coefficients in branch.parts:
+            factor = "" if function is None else f"*({language.dialect.text(function.expr, {V: 'z'})})"
+            parts.append(f"({_horner(coefficients)}){factor}")
+        return "", lines(z="r", g=" + ".join(parts))
     if isinstance(branch, Formula):
-        return "", language.lines([("g", language.dialect.text(branch.expr, {V: "r"}))])
+        return "", lines(g=language.dialect.text(branch.compiled.expr, {V: "r"}))
     if isinstance(branch, LogTail):
         tail = f" + {branch.slope!r}*{language.log}(r)" if branch.slope else ""
-        return "", language.lines([("g", f"{branch.constant!r}{tail} + 0.0*r")])
+        return "", lines(g=f"{branch.constant!r}{tail} + 0.0*r")
     assert isinstance(branch, Table)
-    return language.table(table, branch.rows), language.lines([("g", f"{table}_at(r, {branch.first})")])
+    return language.table(table, branch.rows), lines(g=f"{table}_at(r, {branch.first})")
 
 
 def _horner(coefficients: Sequence[float]) -> str:
@@ -131,13 +134,15 @@ def _horner(coefficients: Sequence[float]) -> str:
     return text
 
 
-def _gauss(function: StableFunction, names: dict[Any, str], language: Language) -> str:
+def _gauss(function: StableFunction, names: dict[Expr, str], language: Language) -> str:
     """Return the slope, its scales and its kinks, and the adaptive average."""
     arguments = list(names.values())
     slope = conditioned(sp.diff(function.mu, symbols.v))
-    slope_text = language.dialect.text(slope, names | {symbols.v: "v"})
+    # A slope that does not depend on v has the shape of v too.
+    text = language.dialect.text(slope, names | {symbols.v: "v"}) + ("" if slope.has(symbols.v) else " + 0.0*v")
+    slope_function = language.function("_slope", ["v", *arguments], text)
     if function.criterion.weight is None:
-        return str(language.slope(arguments, slope_text) + language.at_a_point(arguments))
+        return slope_function + language.function("_criterion", arguments, f"-N*_slope(V, {', '.join(arguments)})")
     scales = [language.dialect.text(scale, names) for scale in speed_scales(slope, symbols.v)]
     kinks = [language.dialect.text(place, names) for place in places(function.mu)]
     steps = [
@@ -155,17 +160,7 @@ def _gauss(function: StableFunction, names: dict[Any, str], language: Language) 
         for n, label in ((COARSE, "coarse"), (FINE, "fine"))
         for name, numbers in zip((f"_{label}_nodes", f"_{label}_weights"), gauss_legendre(n), strict=True)
     ]
-    return str(
-        language.slope(arguments, slope_text)
-        + language.average(
-            arguments,
-            scales,
-            kinks,
-            weight,
-            rules,
-            (COARSE, FINE),
-            FIRST_PANEL,
-            _MOST_HALVINGS,
-            language.steps(steps, at_jump),
-        )
-    )
+    return slope_function + language.average(
+        arguments, scales, kinks, weight, rules, (COARSE, FINE), FIRST_PANEL, _MOST_HALVINGS,
+        language.steps(steps, at_jump),
+    )  # fmt: skip

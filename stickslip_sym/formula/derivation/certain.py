@@ -1,28 +1,30 @@
 """An expression at a point, integrals and all, with the error of what comes out.
 
 Integrals are split where the integrand has a kink, a jump or an infinite value, and taken twice, at two precisions
-of the tanh-sinh rule: it forgives infinite values at the ends, and what the two results differ by is an error.
+of the tanh-sinh rule: it takes no value at the ends, which may be infinite. What the two differ by is an error.
 """
 
 from collections.abc import Callable, Mapping
-from fractions import Fraction
 from itertools import pairwise
-from typing import Any
 
 import mpmath
 import sympy as sp
+from flint import arb
 from sympy.core.function import AppliedUndef
 
-from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.balls import working_precision
+from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.formula.evaluation.bounded import Bounded, Uncertain, bounded
+from stickslip_sym.formula.evaluation.exact import formula_ball, from_mpmath, in_mpmath
 
 __all__ = ["NotFinite", "certain_value"]
 
-_PRECISIONS = (30, 60, 120)  # digits at which a formula is taken until its error is small
-_ENOUGH = mpmath.mpf("1e-25")  # of its size, an error that is small
+_PRECISIONS = (98, 196, 392, 784)  # bits, from 30 digits, at which a formula is taken until its error is small
+_ENOUGH = 83  # bits of a value, 25 digits, that are enough
 _QUADRATURES = (28, 42)  # digits of the two quadratures
 _MOST_DEGREE = 9  # of the tanh-sinh rule: it halves its step so many times
+_NEAR_BITS = 400  # for the integrand there
 _NEAR = tuple(sp.Rational(1, 10**k) for k in (12, 24))  # of the way to a place where the integrand may be infinite
 
 
@@ -30,8 +32,8 @@ class NotFinite(ArithmeticError):
     """An expression that has no finite value, for certain; the message says where it fails."""
 
 
-def certain_value(expr: Any, point: Mapping[Any, Any]) -> Bounded:
-    """Return an expression at exact values of its symbols and examples of its functions, and a bound of the error.
+def certain_value(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[Mpf, Mpf]:
+    """Return an expression at exact values of its symbols and examples of its functions, and an error bound.
 
     Raises
     ------
@@ -49,24 +51,26 @@ def certain_value(expr: Any, point: Mapping[Any, Any]) -> Bounded:
     if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo) and not expr.has(sp.Integral):
         raise NotFinite(f"it is {expr}")
     plain = {key: value for key, value in point.items() if key not in functions}
-    known = {key: Bounded(Fraction(int(value.p), int(value.q)), mpmath.mpf(0)) for key, value in plain.items()}
-    for integral in _outermost_integrals(expr):
-        known[integral] = _integral(integral, plain)
-    for digits in _PRECISIONS:
-        try:
-            with mpmath.workdps(digits):
-                found = bounded(expr, known)
-        except Uncertain:
-            continue
-        except (ZeroDivisionError, ValueError, OverflowError) as failure:
-            raise NotFinite(str(failure) or "a function has no value there") from None
-        if found.is_exact or found.error <= _ENOUGH * abs(found.value) or digits == _PRECISIONS[-1]:
-            return found
+    integrals = {node: sp.Dummy(real=True) for node in _outermost_integrals(expr)}
+    known = {symbol: from_mpmath(*_integral(node, plain)) for node, symbol in integrals.items()}
+    expr = expr.xreplace(integrals).xreplace(plain)
+    if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+        raise NotFinite("a function has no value there")
+    for bits in _PRECISIONS:
+        with working_precision(bits):
+            try:
+                value, _ = formula_ball(expr, known)
+            except InputError as failure:
+                raise NotConverged(str(failure)) from None
+            except (ZeroDivisionError, ValueError, OverflowError) as failure:
+                raise NotFinite(str(failure) or "a function has no value there") from None
+            if value.is_finite() and (value.rel_accuracy_bits() >= _ENOUGH or bits == _PRECISIONS[-1]):
+                return in_mpmath(value), in_mpmath(arb(value.rad()))
     raise NotConverged("its value is not certain")
 
 
-def _outermost_integrals(expr: Any) -> list[Any]:
-    found: dict[Any, None] = {}
+def _outermost_integrals(expr: Expr) -> list[Expr]:
+    found: dict[Expr, None] = {}
     walk = sp.preorder_traversal(expr)
     for node in walk:
         if isinstance(node, sp.Integral):
@@ -75,7 +79,7 @@ def _outermost_integrals(expr: Any) -> list[Any]:
     return list(found)
 
 
-def _integral(integral: Any, point: Mapping[Any, Any]) -> Bounded:
+def _integral(integral: Expr, point: Mapping[Expr, Expr]) -> tuple[Mpf, Mpf]:
     """Return an integral and its error."""
     integral = integral.subs(point)
     if not isinstance(integral, sp.Integral) or integral.function.is_polynomial(*integral.variables):
@@ -109,10 +113,10 @@ def _integral(integral: Any, point: Mapping[Any, Any]) -> Bounded:
                                      for panels in results)  # fmt: skip
         size = mpmath.fsum(panel[0] for panel in results[-1])
         error = 2 * abs(fine - rough) + doubt + abs(size) * mpmath.mpf(10) ** (2 - _QUADRATURES[-1])
-        return Bounded(sign * fine, error)
+        return sign * fine, error
 
 
-def _panel(function: Callable[[Any], Any], left: Any, right: Any) -> tuple[Any, Any]:
+def _panel(function: Callable[[Mpf], Mpf], left: Mpf, right: Mpf) -> tuple[Mpf, Mpf]:
     """Integrate between two places at which the integrand may be infinite; return also an estimate of the error.
 
     With x = left + h t^4 near the left end, and likewise at the right one, roots and logarithms are followed far
@@ -122,7 +126,7 @@ def _panel(function: Callable[[Any], Any], left: Any, right: Any) -> tuple[Any, 
     total, doubt = mpmath.mpf(0), mpmath.mpf(0)
     for end, h in ((left, middle - left), (right, middle - right)):
 
-        def part(t: Any, end: Any = end, h: Any = h) -> Any:
+        def part(t: Mpf, end: Mpf = end, h: Mpf = h) -> Mpf:
             distance = h * t**4
             with mpmath.extradps(mpmath.mp.dps):
                 x = end + distance
@@ -140,9 +144,9 @@ def _panel(function: Callable[[Any], Any], left: Any, right: Any) -> tuple[Any, 
     return total, doubt
 
 
-def _places(f: Any, x: Any) -> list[Any]:
+def _places(f: Expr, x: Expr) -> list[Expr]:
     """Return the real places where an integrand may have a kink, a jump, or no finite value."""
-    suspects: set[Any] = set()
+    suspects: set[Expr] = set()
     for node in sp.preorder_traversal(f):
         if isinstance(node, sp.Piecewise):
             for _, condition in node.args:
@@ -153,7 +157,7 @@ def _places(f: Any, x: Any) -> list[Any]:
             suspects |= {first - second for first in node.args for second in node.args if first != second}
         elif node.is_Pow and not (node.exp.is_Integer and node.exp > 0):
             suspects.add(node.base)
-    found: set[Any] = set()
+    found: set[Expr] = set()
     for suspect in suspects:
         numerator = sp.numer(sp.together(suspect))
         if numerator.has(x) and numerator.is_polynomial(x):
@@ -165,18 +169,17 @@ def _places(f: Any, x: Any) -> list[Any]:
     return [place for place in found if place.is_real]
 
 
-def _require_integrable(f: Any, x: Any, place: Any, way: Any) -> None:
+def _require_integrable(f: Expr, x: Expr, place: Expr, way: Expr) -> None:
     """Refuse an integrand that grows like 1/x or faster towards a place."""
     sizes = []
     for share in _NEAR:
-        with mpmath.workdps(100):
+        with working_precision(_NEAR_BITS):
             try:
-                value, error = bounded(f.xreplace({x: place + share * way}), {})
-            except (Uncertain, ZeroDivisionError, ValueError, OverflowError):
+                found, _ = formula_ball(f.xreplace({x: place + share * way}), {})
+            except (InputError, NotConverged, ArithmeticError, ValueError):
                 return
-            value = mpmath.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
-            if error > abs(value) / 8:
+            if not found.rel_accuracy_bits() > 3:
                 return
-            sizes.append(abs(value) * mpmath.mpf(share.p) / share.q)
+            sizes.append(abs(in_mpmath(found)) * mpmath.mpf(share.p) / share.q)
     if sizes[0] > 0 and sizes[1] > sizes[0] / 2:
         raise NotFinite(f"the integrand grows like 1/x or faster at {place}")

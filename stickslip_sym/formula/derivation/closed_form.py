@@ -9,6 +9,7 @@ from typing import Any
 import sympy as sp
 from numpy.typing import ArrayLike
 
+from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.deadline import time_left
 from stickslip_sym.core.errors import InputError, NoClosedForm, OutOfTime
 from stickslip_sym.core.interruption import within
@@ -55,7 +56,7 @@ class ClosedForm:
 
     law: FrictionLaw
     criterion: Criterion
-    expr: Any
+    expr: Expr
     derivation: Derivation
     gate: Verdict
 
@@ -67,7 +68,7 @@ class ClosedForm:
         return Verdict(self.derivation.status, f"{steps}; {self.gate.evidence}")
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, Expr]:
         """The symbols that a call takes by name: V, N, then the law's parameters."""
         return self._average.arguments
 
@@ -80,7 +81,7 @@ class ClosedForm:
         )
 
     @cached_property
-    def _uncancelled(self) -> Any:
+    def _uncancelled(self) -> Expr:
         """The formula; the slope itself where it is the criterion, for there 1 - tanh^2 is still to be seen."""
         if self.criterion.weight is None and self.expr.has(sp.tanh):
             return -N * self.law.slope_expr.subs(v, V)
@@ -105,7 +106,7 @@ class ClosedForm:
         """
         return self._average(on_invalid=on_invalid, **values)
 
-    def evaluate(self, digits: int = 50, **values: Number) -> Any:
+    def evaluate(self, digits: int = 50, **values: Number) -> Mpf:
         """Return the damping coefficient in kg/s to any number of digits.
 
         Parameters
@@ -166,7 +167,7 @@ class ClosedForm:
         """Return an Octave script that defines a function ``damping(V, N, ...)`` of numbers, or of arrays."""
         return self.code("octave")
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         # What is compiled cannot be pickled, and is made again when it is needed.
         return {field.name: getattr(self, field.name) for field in fields(self)}
 

@@ -1,4 +1,4 @@
-"""The gate: every closed form is compared with its definition before anybody sees it.
+"""The gate: every closed form is compared with its definition before it is returned.
 
 At seeded points both sides are enclosed: the formula in ball arithmetic, the definition by integrals of mu with
 proved bounds, which know no antiderivative. A right formula overlaps; one off in the thirtieth digit does not.
@@ -7,12 +7,12 @@ proved bounds, which know no antiderivative. A right formula overlaps; one off i
 import random
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.balls import ball_value, working_precision
+from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.balls import working_precision
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.numbers import exact
@@ -20,7 +20,8 @@ from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import Enclosure, enclose, enclosure_of
 from stickslip_sym.formula.derivation.proving import Status, Verdict
-from stickslip_sym.formula.evaluation.exact import exact_value
+from stickslip_sym.formula.evaluation.conditioning import without_squares
+from stickslip_sym.formula.evaluation.exact import to_ball
 from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["GATE_POINTS", "verify"]
@@ -31,11 +32,11 @@ _GATE_SEED = 1
 _MOST_DRAWS = 40
 _DECADES = (-3, 3)  # of every parameter, for the points of the gate
 _EXPONENT_DECADES = (-0.5, 0.7)  # of a parameter that is an exponent
-_BITS = (160, 320, 640, 1280, 2560, 5120)  # at which a formula is taken, until it is known well enough
+_BITS = 160  # to which the ends of an enclosed formula are rounded outwards
 _LOST = 3  # digits that are not claimed where a side is not enclosed
 
 
-def verify(law: FrictionLaw, criterion: Criterion, expr: Any) -> Verdict:
+def verify(law: FrictionLaw, criterion: Criterion, expr: Expr) -> Verdict:
     """Compare a formula for the damping coefficient with its definition at seeded log-uniform points.
 
     Points at which the law has no real value, or a side is not known to `GATE_DIGITS` digits, say nothing; others
@@ -59,9 +60,11 @@ def verify(law: FrictionLaw, criterion: Criterion, expr: Any) -> Verdict:
         point = {symbol_of[name]: exact(value, name) for name, value in (scene | values).items()}
         try:
             expected, surely = _definition(law.bind(**values), criterion, scene)
-            got, too = _formula(expr, law.slope_expr, point)
+            value, too = to_ball(without_squares(expr), point, GATE_DIGITS)
         except (InputError, NotConverged):
             continue
+        with working_precision(_BITS):
+            got = enclosure_of(value)
         if not all(_is_known(side, law.bind(**values), scene) for side in (expected, got)):
             continue
         if not expected.overlaps(got):
@@ -91,25 +94,7 @@ def _definition(law: FrictionLaw, criterion: Criterion, scene: Mapping[str, str]
         return _around(quadrature.damping(law, criterion, **scene, digits=GATE_DIGITS)), False
 
 
-def _formula(expr: Any, slope: Any, point: Mapping[Any, Any]) -> tuple[Enclosure, bool]:
-    """Return a formula at exact values, and whether it is enclosed for certain."""
-    if not expr.is_zero:
-        for bits in _BITS:
-            with working_precision(bits):
-                try:
-                    value = ball_value(expr, point)
-                except InputError:
-                    break
-                if not value.is_finite():  # such as a hypergeometric function of a large argument
-                    break
-                if not value.imag.contains(0):
-                    raise InputError("the formula is not real")
-                if value.real.rel_accuracy_bits() > GATE_DIGITS * 4:
-                    return enclosure_of(value.real), True
-    return _around(exact_value(expr, slope, point, GATE_DIGITS)), expr.is_zero is True
-
-
-def _around(value: Any) -> Enclosure:
+def _around(value: Mpf) -> Enclosure:
     """Return a value that is right to all but the last digits as an enclosure."""
     number = exact(value, "value")
     room = abs(number) / sp.Integer(10) ** (GATE_DIGITS - _LOST)

@@ -12,16 +12,14 @@ import random
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from fractions import Fraction
-from typing import Any
 
 import mpmath
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.formula.derivation.certain import NotFinite, certain_value
-from stickslip_sym.formula.evaluation.bounded import Bounded
 from stickslip_sym.formula.integration.normal_form import normal_form
 from stickslip_sym.formula.integration.theorems import By
 from stickslip_sym.output import markup
@@ -58,7 +56,7 @@ class Verdict:
 
     status: Status
     evidence: str
-    point: Mapping[Any, Any] = field(default_factory=dict)
+    point: Mapping[Expr, Expr] = field(default_factory=dict)
 
     def __str__(self) -> str:
         return f"{self.status.value}: {self.evidence}"
@@ -70,7 +68,7 @@ class Verdict:
         return markup.block(str(self))
 
 
-def prove_equal(lhs: Any, rhs: Any, by: By | None = None, checked: Verdict | None = None) -> Verdict:
+def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | None = None) -> Verdict:
     """Prove or refute lhs = rhs.
 
     Parameters
@@ -100,11 +98,11 @@ def prove_equal(lhs: Any, rhs: Any, by: By | None = None, checked: Verdict | Non
     return _compared(lhs, rhs, obstacle)
 
 
-def _compared(lhs: Any, rhs: Any, obstacle: str) -> Verdict:
+def _compared(lhs: Expr, rhs: Expr, obstacle: str) -> Verdict:
     """Compare two sides at points: refute them only if they differ by more than the errors of both."""
     agreed = 0
     for point in _points(lhs, rhs):
-        sides: list[Bounded] = []
+        sides: list[tuple[Mpf, Mpf]] = []
         for name, side in (("left", lhs), ("right", rhs)):
             try:
                 sides.append(certain_value(side, point))
@@ -116,7 +114,7 @@ def _compared(lhs: Any, rhs: Any, obstacle: str) -> Verdict:
         if len(sides) < 2:
             continue
         with mpmath.workdps(4 * _DIGITS):
-            (left, left_error), (right, right_error) = ((_number(side.value), side.error) for side in sides)
+            (left, left_error), (right, right_error) = sides
             difference, error, size = abs(left - right), left_error + right_error, abs(left) + abs(right)
             if difference > error:
                 shown = [mpmath.nstr(value, _digits_apart(size, difference)) for value in (left, right)]
@@ -130,16 +128,12 @@ def _compared(lhs: Any, rhs: Any, obstacle: str) -> Verdict:
     return Verdict(Status.CHECKED, f"equal to {_DIGITS - 8} digits at {where}; {obstacle}")
 
 
-def _number(value: Any) -> Any:
-    return mpmath.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
-
-
-def _digits_apart(size: Any, difference: Any) -> int:
+def _digits_apart(size: Mpf, difference: Mpf) -> int:
     """Return how many digits of two numbers show that they differ."""
     return 8 + max(0, int(math.log10(2) * (mpmath.mag(size) - mpmath.mag(difference))))
 
 
-def prove_positive(expr: Any) -> Verdict:
+def prove_positive(expr: Expr) -> Verdict:
     """Prove or refute expr > 0, from the signs of its symbols."""
     for form in (expr, sp.factor(expr), sp.expand(expr)):
         if form.is_positive:
@@ -152,17 +146,15 @@ def prove_positive(expr: Any) -> Verdict:
             return Verdict(Status.REFUTED, f"it is not finite, {failure}, at {_words(point)}", point)
         except NotConverged:
             continue
-        number = _number(value)
-        real = not isinstance(number, mpmath.mpc)
-        if not real or number <= -error:
-            return Verdict(Status.REFUTED, f"it is {mpmath.nstr(number, 8)} at {_words(point)}", point)
-        known += number > error
+        if isinstance(value, mpmath.mpc) or value <= -error:
+            return Verdict(Status.REFUTED, f"it is {mpmath.nstr(value, 8)} at {_words(point)}", point)
+        known += value > error
     if known < _SAMPLES:
         return Verdict(Status.UNDECIDED, f"its sign is certain at {known} of {_SAMPLES} seeded points only")
     return Verdict(Status.CHECKED, f"positive at {_SAMPLES} seeded points; no proof was found")
 
 
-def _points(*sides: Any) -> list[dict[Any, Any]]:
+def _points(*sides: Expr) -> list[dict[Expr, Expr]]:
     """Draw seeded exact values for all symbols, and polynomials for all unknown functions."""
     random_numbers = random.Random(20160428)
     # Units are atoms with a name and a positive value, like symbols.
@@ -172,7 +164,7 @@ def _points(*sides: Any) -> list[dict[Any, Any]]:
     functions = sorted({node.func for side in sides for node in side.atoms(AppliedUndef)}, key=str)
     points = []
     for number in range(_SAMPLES):
-        point: dict[Any, Any] = {}
+        point: dict[Expr, Expr] = {}
         either = 0  # symbols so far that may have either sign
         for symbol in symbols:
             value = sp.Rational(random_numbers.randint(3, 40), random_numbers.randint(7, 13))
@@ -189,7 +181,7 @@ def _points(*sides: Any) -> list[dict[Any, Any]]:
     return points
 
 
-def _words(point: Mapping[Any, Any]) -> str:
+def _words(point: Mapping[Expr, Expr]) -> str:
     return ", ".join(
         f"{key}({value.variables[0]}) = {value.expr}" if isinstance(value, sp.Lambda) else f"{key} = {value}"
         for key, value in point.items()

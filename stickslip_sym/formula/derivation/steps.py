@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from textwrap import shorten
-from typing import Any
 
 import sympy as sp
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.formula.derivation.proving import Status, Verdict, prove_equal, prove_positive
 from stickslip_sym.formula.integration.theorems import By
@@ -40,7 +40,7 @@ class Step:
 
     operation: str
     reason: str
-    statement: Any
+    statement: Expr
     verdict: Verdict
     label: str = ""
 
@@ -73,13 +73,13 @@ class Derivation:
         self,
         operation: str,
         reason: str,
-        lhs: Any,
-        rhs: Any,
+        lhs: Expr,
+        rhs: Expr,
         *,
         label: str = "",
         by: By | None = None,
-        shown: Any | None = None,
-    ) -> Any:
+        shown: Expr | None = None,
+    ) -> Expr:
         """Add the step lhs = rhs, prove or refute it, and return `rhs`.
 
         `shown` is what the equation is printed as, when the left side has a name.
@@ -88,11 +88,11 @@ class Derivation:
         self.steps.append(Step(operation, reason, statement, prove_equal(lhs, rhs, by), label))
         return rhs
 
-    def judged(self, operation: str, reason: str, statement: Any, verdict: Verdict) -> None:
+    def judged(self, operation: str, reason: str, statement: Expr, verdict: Verdict) -> None:
         """Add a step whose verdict was computed elsewhere."""
         self.steps.append(Step(operation, reason, statement, verdict))
 
-    def positive(self, operation: str, reason: str, expr: Any, *, label: str = "") -> None:
+    def positive(self, operation: str, reason: str, expr: Expr, *, label: str = "") -> None:
         """Add the step expr > 0, and prove or refute it."""
         statement = sp.Gt(expr, 0, evaluate=False)
         self.steps.append(Step(operation, reason, statement, prove_positive(expr), label))

@@ -1,10 +1,9 @@
 """The shape in which a result is printed."""
 
-from typing import Any
-
 import sympy as sp
 from sympy.core.random import rng
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.formula.integration.normal_form import eta_by_zeta
 
 __all__ = ["tidy"]
@@ -14,7 +13,7 @@ _MOST_FUNCTIONS = 12  # in it, each a variable of the polynomial to factor
 _OPAQUE = (sp.Function, sp.Min, sp.Max)
 
 
-def tidy(expr: Any, model: Any, small: Any) -> Any:
+def tidy(expr: Expr, model: Expr, small: Expr) -> Expr:
     """Rewrite a result as a person would print it.
 
     The common factors come out, what multiplies a function is collected and factored, and each factor has the
@@ -37,9 +36,9 @@ def tidy(expr: Any, model: Any, small: Any) -> Any:
     return min(shapes, key=lambda shape: int(shape.count_ops())).xreplace(back)
 
 
-def _outermost(expr: Any) -> dict[Any, Any]:
+def _outermost(expr: Expr) -> dict[Expr, Expr]:
     """Return a symbol for each function that does not stand inside another."""
-    found: dict[Any, Any] = {}
+    found: dict[Expr, Expr] = {}
     walk = sp.preorder_traversal(expr)
     for node in walk:
         if isinstance(node, _OPAQUE):
@@ -49,7 +48,7 @@ def _outermost(expr: Any) -> dict[Any, Any]:
     return found
 
 
-def _factored(expr: Any, functions: list[Any], model: Any, small: Any) -> Any:
+def _factored(expr: Expr, functions: list[Expr], model: Expr, small: Expr) -> Expr:
     sign, factors = 1, []
     for factor in sp.Mul.make_args(_factor(expr)):
         if factor.is_Add and _should_flip(factor, model, small):
@@ -60,8 +59,8 @@ def _factored(expr: Any, functions: list[Any], model: Any, small: Any) -> Any:
     return sp.Mul(sign, *factors)
 
 
-def _factor(expr: Any) -> Any:
-    """Factor a polynomial with the same random numbers every time: by bad luck with them it takes minutes."""
+def _factor(expr: Expr) -> Expr:
+    """Factor a polynomial with the same random numbers every time: with some it takes minutes."""
     before = rng.getstate()
     rng.seed(0)
     try:
@@ -70,7 +69,7 @@ def _factor(expr: Any) -> Any:
         rng.setstate(before)
 
 
-def _should_flip(factor: Any, model: Any, small: Any) -> bool:
+def _should_flip(factor: Expr, model: Expr, small: Expr) -> bool:
     for node in sp.preorder_traversal(model):
         if node.is_Add:
             node = node.primitive()[1]

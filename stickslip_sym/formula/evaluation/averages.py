@@ -6,6 +6,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.evaluation.arguments import OnInvalid, call, check_names, check_reach
@@ -37,7 +38,7 @@ class SlopeAverage:
         )
         self._defaults = {name: float(value) for name, value in law.values.items()}
 
-    def _by_definition(self, point: Mapping[Any, Any]) -> Any:
+    def _by_definition(self, point: Mapping[Expr, Expr]) -> Mpf:
         """Take the last resort: quadrature of the definition."""
         if point[symbols.V] == 0 or self.criterion.weight is None:
             slope = self.law.slope_expr
@@ -72,7 +73,7 @@ class SlopeAverage:
         check_reach(self.law, self.criterion, given["V"])
         return call(self.function, self.arguments, given, on_invalid) + 0.0  # -0.0 becomes 0.0
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return SlopeAverage, (self.law, self.criterion, self._exact)
 
     def __repr__(self) -> str:

@@ -5,11 +5,11 @@ where it is infinite, the formula is just not used.
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.lambdify import function_of
 
 __all__ = ["rounding_bound", "slope_with_bound"]
@@ -17,7 +17,7 @@ __all__ = ["rounding_bound", "slope_with_bound"]
 _TINY = sp.Float(2.0**-1022)  # what underflow may lose, in units of machine epsilon
 
 
-def rounding_bound(expr: Any) -> Any:
+def rounding_bound(expr: Expr) -> Expr:
     """Return an expression for the rounding error of evaluating `expr` in float64, in units of machine epsilon.
 
     Inputs are exact, every operation adds half a unit of its result, a function two units, both what underflow may
@@ -52,27 +52,27 @@ def rounding_bound(expr: Any) -> Any:
     return own * _size(expr) + sp.Add(*carried) + underflow
 
 
-def _size(expr: Any) -> Any:
+def _size(expr: Expr) -> Expr:
     """Return abs(expr), as it stands: SymPy would look at length for a sign that is not needed."""
     return sp.Abs(expr, evaluate=False)
 
 
-def _is_exact(argument: Any, bound: Any) -> bool:
+def _is_exact(argument: Expr, bound: Expr) -> bool:
     """Tell whether an argument carries no error: so does a small fraction, such as the order of a function."""
     return bound == 0 or bool(argument.is_Rational and argument.q <= 64)
 
 
-def _partial(expr: Any, i: int) -> Any:
+def _partial(expr: Expr, i: int) -> Expr:
     dummies = [sp.Dummy(positive=True) for _ in expr.args]
     derivative = sp.diff(expr.func(*dummies), dummies[i])
     return derivative.xreplace(dict(zip(dummies, expr.args, strict=True)))
 
 
-def slope_with_bound(slope: Any, arguments: list[Any]) -> Callable[..., tuple[Any, Any]]:
+def slope_with_bound(slope: Expr, arguments: list[Expr]) -> Callable[..., tuple[Expr, Expr]]:
     """Compile a slope, and the bound of its rounding error in machine epsilons."""
     compiled = function_of(arguments, [slope, rounding_bound(slope)], "numpy")
 
-    def guarded(*columns: Any) -> tuple[Any, Any]:
+    def guarded(*columns: Expr) -> tuple[Expr, Expr]:
         try:
             value, bound = compiled(*columns)
         except TypeError:

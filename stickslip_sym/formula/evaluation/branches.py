@@ -5,21 +5,25 @@ that nothing over- or underflows on the way to a number that does neither.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.lambdify import function_of
 
 __all__ = [
     "CENTERS", "MIDDLE", "STRETCHES", "Branch", "Closed", "Formula", "LogTail", "Series", "Table", "as_closed",
     "as_formula",
 ]  # fmt: skip
+
+R = TypeVar("R", float, FloatArray)
+"""One r as a float, or an array of r."""
 
 
 class Branch(Protocol):
@@ -29,20 +33,30 @@ class Branch(Protocol):
     def power(self) -> float:
         """The power of r that is left to the caller."""
 
-    def array(self, r: Any) -> Any:
-        """Return G for an array of r in the range."""
-
-    def scalar(self, r: float) -> float:
-        """Return G for one r in the range."""
+    def __call__(self, r: R) -> R:
+        """Return G for r in the range."""
 
 
-_POWERS: dict[float, Callable[[Any], Any]] = {
+_POWERS: dict[float, Callable[[R], R]] = {
     1.0: lambda r: r,
     2.0: lambda r: r * r,
     -1.0: lambda r: 1 / r,
     -2.0: lambda r: (1 / r) * (1 / r),
     -0.5: lambda r: r**-0.5,
 }
+
+
+class Compiled:
+    """An expression in V, computed by the library that is fast for one number, or for arrays."""
+
+    def __init__(self, expr: Expr) -> None:
+        self.expr = expr
+        self._single, self._array = (function_of([symbols.V], expr, backend) for backend in ("math", "numpy"))
+
+    def __call__(self, r: R) -> R:
+        """Return the value at r."""
+        value: R = self._single(r) if isinstance(r, float) else self._array(r)
+        return value
 
 
 @dataclass(frozen=True)
@@ -59,30 +73,24 @@ class Series:
     shift: float = 0.0
     stretch: float = 1.0
 
-    def _variable(self, r: Any) -> Any:
+    def __call__(self, r: R) -> R:
+        """Return G."""
         z = _POWERS[self.variable](r)
-        return z if self.shift == 0 and self.stretch == 1 else (z - self.shift) * self.stretch
-
-    def array(self, r: Any) -> Any:
-        """Return G for an array of r."""
-        total = _horner(self.coefficients, self._variable(r))
+        if not (self.shift == 0 and self.stretch == 1):
+            z = (z - self.shift) * self.stretch
+        total = _horner(self.coefficients, z)
         if self.decay:
-            factor = r * -self.decay
-            np.exp(factor, out=factor)
-            total *= factor
+            total *= math.exp(-self.decay * r) if isinstance(r, float) else np.exp(r * -self.decay)
         return total
 
-    def scalar(self, r: float) -> float:
-        """Return G for one r."""
-        z = self._variable(r)
-        total = 0.0
-        for coefficient in reversed(self.coefficients):
-            total = total * z + coefficient
-        return total * math.exp(-self.decay * r) if self.decay else total
 
-
-def _horner(coefficients: tuple[float, ...], z: Any) -> Any:
-    """Evaluate a polynomial at an array, in place."""
+def _horner(coefficients: Sequence[float], z: R) -> R:
+    """Evaluate a polynomial, in place for an array."""
+    if isinstance(z, float):
+        value = 0.0
+        for coefficient in reversed(coefficients):
+            value = value * z + coefficient
+        return value
     if len(coefficients) == 1:
         return np.full_like(z, coefficients[0])
     total = z * coefficients[-1]
@@ -95,34 +103,25 @@ def _horner(coefficients: tuple[float, ...], z: Any) -> Any:
 
 @dataclass(frozen=True)
 class Closed:
-    """G = sum_i f_i(r) sum_k coefficients_i[k] r^k: a closed form, with 1 among the functions f_i."""
+    """G = sum_i f_i(r) sum_k coefficients_i[k] r^k: a closed form; f_i is None where it is 1."""
 
     power: float
-    parts: tuple[tuple[Any, tuple[float, ...], Callable[[Any], Any] | None, Callable[[float], float] | None], ...]
-    """Each with f as an expression in V, the coefficients, and f compiled for arrays and for single numbers."""
+    parts: tuple[tuple[Compiled | None, tuple[float, ...]], ...]
 
-    def array(self, r: Any) -> Any:
-        """Return G for an array of r."""
-        total: Any = None
-        for _, coefficients, vector, _ in self.parts:
-            part = _horner(coefficients, r)
-            if vector is not None:
-                part *= vector(r)
-            if total is None:
-                total = part
-            else:
-                total += part
+    def __call__(self, r: R) -> R:
+        """Return G."""
+        first, *others = self.parts
+        total = _part(*first, r)
+        for part in others:
+            total += _part(*part, r)
         return total
 
-    def scalar(self, r: float) -> float:
-        """Return G for one r."""
-        total = 0.0
-        for _, coefficients, _, single in self.parts:
-            part = 0.0
-            for coefficient in reversed(coefficients):
-                part = part * r + coefficient
-            total += part if single is None else part * single(r)
-        return total
+
+def _part(function: Compiled | None, coefficients: tuple[float, ...], r: R) -> R:
+    polynomial = _horner(coefficients, r)
+    if function is not None:
+        polynomial *= function(r)
+    return polynomial
 
 
 @dataclass(frozen=True)
@@ -134,37 +133,33 @@ class Table:
 
     power: float
     first: int
-    rows: Any  # numpy.ndarray, panels by coefficients
+    rows: FloatArray  # panels by coefficients
 
     @cached_property
-    def _columns(self) -> Any:
+    def _columns(self) -> FloatArray:
         return np.ascontiguousarray(self.rows.T)
 
     @cached_property
     def _lists(self) -> list[list[float]]:
         return list(self.rows.tolist())
 
-    def array(self, r: Any) -> Any:
-        """Return G for an array of r."""
-        mantissa, exponent = np.frexp(r)
-        upper = mantissa >= MIDDLE
-        panel = 2 * (exponent - self.first) + upper
-        t = (mantissa - np.where(upper, CENTERS[1], CENTERS[0])) * np.where(upper, STRETCHES[1], STRETCHES[0])
+    def __call__(self, r: R) -> R:
+        """Return G."""
+        if isinstance(r, float):
+            mantissa, exponent = math.frexp(r)
+            half = mantissa >= MIDDLE
+            return _horner(
+                self._lists[2 * (exponent - self.first) + half], (mantissa - CENTERS[half]) * STRETCHES[half]
+            )
+        mantissas, exponents = np.frexp(r)
+        upper = mantissas >= MIDDLE
+        panel = 2 * (exponents - self.first) + upper
+        t = (mantissas - np.where(upper, CENTERS[1], CENTERS[0])) * np.where(upper, STRETCHES[1], STRETCHES[0])
         *rest, last = self._columns
-        total = last.take(panel)
+        total: FloatArray = last.take(panel)
         for column in reversed(rest):
             total *= t
             total += column.take(panel)
-        return total
-
-    def scalar(self, r: float) -> float:
-        """Return G for one r."""
-        mantissa, exponent = math.frexp(r)
-        upper = mantissa >= MIDDLE
-        t = (mantissa - CENTERS[upper]) * STRETCHES[upper]
-        total = 0.0
-        for coefficient in reversed(self._lists[2 * (exponent - self.first) + upper]):
-            total = total * t + coefficient
         return total
 
 
@@ -175,20 +170,14 @@ STRETCHES = (2 / (MIDDLE - 0.5), 2 / (1 - MIDDLE))
 
 @dataclass(frozen=True)
 class Formula:
-    """G by a formula in r, compiled for arrays and for single numbers."""
+    """G by a formula in r."""
 
     power: float
-    expr: Any
-    vector: Callable[[Any], Any]
-    single: Callable[[float], float]
+    compiled: Compiled
 
-    def array(self, r: Any) -> Any:
-        """Return G for an array of r."""
-        return self.vector(r)
-
-    def scalar(self, r: float) -> float:
-        """Return G for one r."""
-        return self.single(r)
+    def __call__(self, r: R) -> R:
+        """Return G."""
+        return self.compiled(r)
 
 
 @dataclass(frozen=True)
@@ -199,26 +188,23 @@ class LogTail:
     constant: float
     slope: float
 
-    def array(self, r: Any) -> Any:
-        """Return G for an array of r."""
-        return np.log(r) * self.slope + self.constant if self.slope else np.full_like(r, self.constant)
-
-    def scalar(self, r: float) -> float:
-        """Return G for one r."""
-        return self.constant + (self.slope * math.log(r) if self.slope else 0.0)
+    def __call__(self, r: R) -> R:
+        """Return G."""
+        if self.slope:
+            return (math.log(r) if isinstance(r, float) else np.log(r)) * self.slope + self.constant
+        return 0 * r + self.constant
 
 
-def as_formula(raw: Any) -> tuple[Branch, Any]:
+def as_formula(raw: Expr) -> tuple[Branch, Expr]:
     """Take a closed form in V as it stands."""
     expr = sp.factor_terms(raw)
-    vector, single = (function_of([symbols.V], expr, backend) for backend in ("numpy", "math"))
-    return Formula(0.0, expr, vector, single), expr
+    return Formula(0.0, Compiled(expr)), expr
 
 
-def as_closed(raw: Any) -> tuple[Branch, Any]:
+def as_closed(raw: Expr) -> tuple[Branch, Expr]:
     """Write a closed form as polynomials in V times functions, over one power of V; also as an expression."""
     V = symbols.V
-    groups: dict[Any, dict[int, Any]] = {}
+    groups: dict[Expr, dict[int, Expr]] = {}
     for term in sp.Add.make_args(sp.expand(raw)):
         coefficient, rest = term.as_independent(V, as_Add=False)
         monomials, others = sp.sift(
@@ -233,10 +219,6 @@ def as_closed(raw: Any) -> tuple[Branch, Any]:
     parts, expr = [], sp.Integer(0)
     for function, group in groups.items():
         coefficients = [group.get(k, sp.Integer(0)) for k in range(lowest, max(group) + 1)]
-        if function == 1:
-            vector = single = None
-        else:
-            vector, single = (function_of([V], function, backend) for backend in ("numpy", "math"))
-        parts.append((function, tuple(float(c) for c in coefficients), vector, single))
+        parts.append((None if function == 1 else Compiled(function), tuple(float(c) for c in coefficients)))
         expr += function * sp.horner(sp.Add(*[c * V**k for k, c in enumerate(coefficients)]), V)
     return Closed(float(lowest), tuple(parts)), expr * V**lowest

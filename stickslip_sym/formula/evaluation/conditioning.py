@@ -1,17 +1,17 @@
 """Slopes in a form that is accurate at every speed, and the speeds at which they change."""
 
 from itertools import pairwise
-from typing import Any
 
 import sympy as sp
 from sympy.codegen.cfunctions import expm1
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 
 __all__ = ["conditioned", "speed_scales", "without_squares"]
 
 
-def conditioned(slope: Any) -> Any:
+def conditioned(slope: Expr) -> Expr:
     """Rewrite a slope so that nothing overflows or cancels that need not.
 
     Hyperbolic functions become exponentials of what is not positive, 1 - tanh^2 is sech^2, 1 - exp is expm1,
@@ -29,28 +29,22 @@ def conditioned(slope: Any) -> Any:
     return expr.replace(_is_one_minus_exponential, _as_expm1)
 
 
-def without_squares(expr: Any) -> Any:
+def without_squares(expr: Expr) -> Expr:
     """Write 1 - tanh^2 as sech^2, which does not cancel."""
-    return expr.replace(_is_minus_square, _as_sech)
+    return expr.replace(
+        lambda node: _tanh_squared(node) is not None, lambda node: sp.sech(_tanh_squared(node)) ** 2
+    )
 
 
-def _is_minus_square(node: Any) -> bool:
-    """Tell whether a sum holds 1 - tanh(a)^2."""
-    return bool(node.is_Add and len(node.args) == 2 and node.args[0] == 1 and _tanh_of(node.args[1]) is not None)
+def _tanh_squared(node: Expr) -> Expr | None:
+    """Return a where a sum is 1 - tanh(a)^2."""
+    if not (node.is_Add and len(node.args) == 2 and node.args[0] == 1):
+        return None
+    square = -node.args[1]
+    return square.base.args[0] if square.is_Pow and square.exp == 2 and isinstance(square.base, sp.tanh) else None
 
 
-def _tanh_of(term: Any) -> Any:
-    square = -term
-    if square.is_Pow and square.exp == 2 and isinstance(square.base, sp.tanh):
-        return square.base.args[0]
-    return None
-
-
-def _as_sech(node: Any) -> Any:
-    return sp.sech(_tanh_of(node.args[1])) ** 2
-
-
-def _is_one_minus_exponential(node: Any) -> bool:
+def _is_one_minus_exponential(node: Expr) -> bool:
     return bool(
         node.is_Add
         and len(node.args) == 2
@@ -59,18 +53,18 @@ def _is_one_minus_exponential(node: Any) -> bool:
     )
 
 
-def _as_expm1(node: Any) -> Any:
+def _as_expm1(node: Expr) -> Expr:
     sign, exponential = node.args[0], -node.args[1] * node.args[0]
     return -sign * expm1(exponential.args[0])
 
 
-def speed_scales(expr: Any, v: Any) -> list[Any]:
+def speed_scales(expr: Expr, v: Expr) -> list[Expr]:
     """Return the slip speeds on the scale of which an expression changes, as monomials of its parameters.
 
     In a sum of monomials a v^p that is the speed at which two of them balance, and in the argument of a function
     the speed at which the argument is 1.
     """
-    found: dict[Any, None] = {}
+    found: dict[Expr, None] = {}
     for node in sp.postorder_traversal(expr):
         if node.is_Add and node.has(v):
             terms = [_monomial(term, v) for term in node.args]
@@ -82,7 +76,7 @@ def speed_scales(expr: Any, v: Any) -> list[Any]:
             node.is_Pow and node.exp.has(v)
         ):
             for argument in node.args:
-                powers: dict[Any, Any] = {}
+                powers: dict[Expr, Expr] = {}
                 for a, p in filter(None, (_monomial(term, v) for term in sp.Add.make_args(sp.expand(argument)))):
                     powers[p] = powers.get(p, 0) + a
                 for p, a in powers.items():
@@ -91,7 +85,7 @@ def speed_scales(expr: Any, v: Any) -> list[Any]:
     return [scale for scale in found if not scale.has(v)]
 
 
-def _monomial(term: Any, v: Any) -> tuple[Any, Any] | None:
+def _monomial(term: Expr, v: Expr) -> tuple[Expr, Expr] | None:
     """Return (a, p) of a term a v^p."""
     coefficient, rest = sp.expand_power_base(term, force=True).as_independent(v, as_Add=False)
     base, exponent = rest.as_base_exp()

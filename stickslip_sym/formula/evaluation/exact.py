@@ -1,34 +1,37 @@
-"""Formulas at exact values, to any number of digits."""
+"""Formulas at exact values, to any number of digits, in ball arithmetic.
+
+Two precisions that agree prove little: log(1 + exp(-1000)) is 0 in both. A ball carries the bound of its error, so
+the precision rises until the radius is small. What Arb does not enclose, such as a hypergeometric function of a
+large argument, mpmath evaluates; its value counts as a ball as wide as two precisions differ.
+"""
 
 import math
-from collections.abc import Mapping
-from fractions import Fraction
+from collections.abc import Callable, Mapping
 from functools import lru_cache
-from typing import Any
 
 import mpmath
 import sympy as sp
+from flint import acb, arb, ctx
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.balls import ball_value, flat_arguments, working_precision
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import to_mpf
-from stickslip_sym.formula.evaluation.bounded import Bounded, Uncertain, bounded
 from stickslip_sym.formula.evaluation.conditioning import without_squares
 
-__all__ = ["exact_value", "to_digits"]
+__all__ = ["exact_value", "formula_ball", "from_mpmath", "in_mpmath", "to_ball", "to_digits"]
 
-_GUARD = 15
-_MOST_DIGITS = 10_000  # of working precision, before a value counts as out of reach
-_ELEMENTARY = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.asinh, sp.atan,
-               sp.Abs, sp.Min, sp.Max, sp.Piecewise)  # fmt: skip
-"""Functions that mpmath rounds to the last digits; of others a second look at more digits is taken."""
+_GUARD = 40  # bits beyond those that are asked for
+_MOST_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
+_MORE = 64  # bits by which the second look of mpmath is more precise
 
 
-def to_digits(expr: Any, point: Mapping[Any, Any], digits: int) -> Any:
+def to_digits(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
     """Evaluate an expression at exact rational values to `digits` significant digits, whatever it cancels.
 
-    The working precision rises until the bound of the rounding error is small beside the value. A zero is
-    believed only where the arithmetic of rationals gives it: everywhere else all digits cancelled.
+    A zero is believed only where the arithmetic of rationals gives it: everywhere else all digits cancelled.
 
     Raises
     ------
@@ -37,72 +40,127 @@ def to_digits(expr: Any, point: Mapping[Any, Any], digits: int) -> Any:
     NotConverged
         If the bound on the working precision does not settle it.
     """
-    known = {
-        symbol: Bounded(Fraction(int(value.p), int(value.q)), mpmath.mpf(0)) for symbol, value in point.items()
-    }
-    special = bool(expr.atoms(sp.Function) - expr.atoms(*_ELEMENTARY))
-    precision = digits + _GUARD
-    before: Any = None
-    first = True
-    while precision <= _MOST_DIGITS:
-        with mpmath.workdps(precision):
-            value, error, lost = _at(expr, known, point)
-            if isinstance(value, Fraction):
-                before = mpmath.mpf(value.numerator) / value.denominator
-                break
-            if lost is None:
-                allowed = abs(value) * mpmath.mpf(10) ** -(digits + 1)
-                enough = error <= allowed
-                settled = enough and (not special or (before is not None and abs(value - before) <= allowed))
-                before = value if enough else None
-                if settled:
-                    break
-                missing = 0 if enough else _missing(value, error, digits)
-            else:
-                missing = precision
-        if not first and (missing or lost) and (exact := expr.xreplace(dict(point))).is_Rational:
-            # A sum of what is the same that cancels for good.
-            before = mpmath.mpf(int(exact.p)) / int(exact.q)
-            break
-        first = False
-        precision += max(missing + 5, precision // 4)
-    else:
-        raise NotConverged(f"{digits} digits are out of reach of {_MOST_DIGITS} digits of working precision")
+    value, _ = to_ball(expr, point, digits)
     with mpmath.workdps(digits):
-        return +before
+        return +in_mpmath(value)
 
 
-def _missing(value: Any, error: Any, digits: int) -> int:
-    """Return the digits that are missing in a value, or how many to add where it may be 0."""
-    if abs(value) <= error:
-        return int(mpmath.mp.dps)
-    return max(0, math.ceil(digits + 1 + int(mpmath.mag(error) - mpmath.mag(value) + 1) * math.log10(2)))
+def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, bool]:
+    """Return a ball around an expression, its relative radius below 10^-digits, and whether Arb alone made it.
+
+    Raises
+    ------
+    InputError
+    NotConverged
+        As `to_digits`.
+    """
+    goal = math.ceil(digits * math.log2(10)) + 4
+    precision, finite = goal + _GUARD, False
+    while precision <= _MOST_BITS:
+        with working_precision(precision):
+            try:
+                value, alone = formula_ball(expr, point)
+            except (ZeroDivisionError, ValueError, OverflowError):
+                raise _no_value(point) from None
+            missing = precision
+            if value.is_finite():
+                finite = True
+                if not value.imag.contains(0):
+                    raise _no_value(point)
+                if (reached := value.real.rel_accuracy_bits()) >= goal:
+                    return value.real, alone
+                missing = min(goal - reached, precision)
+        # What is the same and cancels for good, SymPy's rationals see.
+        expr = expr.xreplace(dict(point))
+        if expr.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+            break
+        precision += max(missing + 16, precision // 4)
+    else:
+        if finite:
+            raise NotConverged(f"{digits} digits are out of reach of {_MOST_BITS} bits of working precision")
+    raise _no_value(point)
 
 
-def _at(expr: Any, known: Mapping[Any, Bounded], point: Mapping[Any, Any]) -> tuple[Any, Any, str | None]:
-    """Return a value, its error bound, and what hid it."""
+def formula_ball(expr: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[acb, bool]:
+    """Return a ball around an expression at the working precision, and whether Arb alone made it.
+
+    Raises
+    ------
+    ZeroDivisionError, ValueError, OverflowError
+        Where a function of mpmath has no value.
+    NotConverged
+        Where it cannot be evaluated.
+    """
+    asked: list[Expr] = []
+
+    def otherwise(node: Expr, arguments: list[acb]) -> acb:
+        asked.append(node)
+        return _by_mpmath(node, arguments)
+
+    return ball_value(expr, point, otherwise), not asked
+
+
+def _by_mpmath(node: Expr, arguments: list[acb]) -> acb:
+    """Return a ball around a function as mpmath evaluates it."""
+    if not all(argument.is_finite() for argument in arguments):
+        return acb("nan")
+    function = _function(node.func, tuple(len(a) if isinstance(a, sp.Tuple) else 0 for a in node.args))
+    places = [in_mpmath(argument) for argument in arguments]
+
+    def value(places: list[Mpf]) -> Mpf:
+        return mpmath.mpmathify(function(*places))
+
     try:
-        value, error = bounded(expr, known)
-    except Uncertain as hidden:
-        return mpmath.nan, mpmath.inf, str(hidden)
-    except (ZeroDivisionError, ValueError, OverflowError):
-        raise _no_value(point) from None
+        with mpmath.workprec(ctx.prec):
+            rough = value(places)
+            doubt = mpmath.ldexp(abs(rough), 2 - ctx.prec)
+            for i, argument in enumerate(arguments):
+                if radius := in_mpmath(arb(argument.rad())):
+                    step = mpmath.mpc(radius, radius) if argument.imag != 0 else radius
+                    moved = [value([*places[:i], places[i] + way * step, *places[i + 1 :]]) for way in (1, -1)]
+                    doubt += 2 * sum(abs(one - rough) for one in moved)
+        with mpmath.workprec(ctx.prec + _MORE):
+            fine = value(places)
+            doubt += 2 * abs(fine - rough)
     except mpmath.mp.NoConvergence as failure:
         raise NotConverged(f"a special function of the closed form could not be evaluated: {failure}") from None
-    if isinstance(value, mpmath.mpc):
-        if abs(value.imag) > error:
-            raise _no_value(point)
-        value = value.real
-    return value, error, None
+    return from_mpmath(fine, doubt)
 
 
-def _no_value(point: Mapping[Any, Any]) -> InputError:
+@lru_cache(maxsize=64)
+def _function(kind: type[Expr], lengths: tuple[int, ...]) -> Callable[..., Mpf]:
+    """Compile a function, of whose arguments some are tuples of so many."""
+    node = kind(*(sp.Tuple(*sp.symbols(f"x:{n}", cls=sp.Dummy)) if n else sp.Dummy() for n in lengths))
+    return function_of(flat_arguments(node), node, "mpmath")
+
+
+def in_mpmath(value: arb | acb) -> Mpf:
+    """Return the middle of a ball as mpmath's number, exactly."""
+    if isinstance(value, acb):
+        real, imaginary = in_mpmath(value.real), in_mpmath(value.imag)
+        return mpmath.mpc(real, imaginary) if imaginary else real
+    mantissa, exponent = value.mid().man_exp()
+    return mpmath.ldexp(int(mantissa), int(exponent))
+
+
+def from_mpmath(value: Mpf, error: Mpf) -> acb:
+    """Return a ball around a number of mpmath, real or complex."""
+    width, imaginary = _exactly(mpmath.mpf(error)), mpmath.im(value)
+    return acb(arb(_exactly(mpmath.re(value)), width), arb(_exactly(imaginary), width) if imaginary else 0)
+
+
+def _exactly(value: Mpf) -> arb:
+    sign, mantissa, exponent, _ = value._mpf_
+    return arb(((-1) ** sign * int(mantissa), int(exponent)))
+
+
+def _no_value(point: Mapping[Expr, Expr]) -> InputError:
     zeros = ", ".join(f"{symbol} = 0" for symbol, value in point.items() if value == 0)
     hint = f": it divides by zero at {zeros}; take a small value, or use quadrature.damping" if zeros else ""
     return InputError(f"the closed form has no finite real value at these parameters{hint}")
 
 
-def exact_value(expr: Any, slope: Any, point: Mapping[Any, Any], digits: int) -> Any:
+def exact_value(expr: Expr, slope: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
     """Evaluate a closed form at exact values to `digits` digits; at V = 0 by its limit -N mu'(0+)."""
     if point[symbols.V] == 0:
         at_rest = _slope_at_rest(slope)
@@ -118,7 +176,7 @@ _INFINITE = "the slope of mu is infinite at v = 0, so the criterion has no value
 
 
 @lru_cache(maxsize=128)
-def _slope_at_rest(slope: Any) -> Any:
+def _slope_at_rest(slope: Expr) -> Expr | None:
     """Return the limit of a slope at v = 0+; None where SymPy finds none, as for exponents without a value."""
     try:
         return sp.limit(slope, symbols.v, 0, "+")
@@ -126,8 +184,8 @@ def _slope_at_rest(slope: Any) -> Any:
         return None
 
 
-def _numeric_slope_at_rest(slope: Any, point: Mapping[Any, Any]) -> Any:
-    """Return the limit of a slope at v = 0+ from two speeds that are next to nothing."""
+def _numeric_slope_at_rest(slope: Expr, point: Mapping[Expr, Expr]) -> Mpf:
+    """Return the limit of a slope at v = 0+ from two speeds close to 0."""
     near, nearer = (to_digits(slope, {**point, symbols.v: sp.Rational(1, 10**k)}, 20) for k in (100, 200))
     if abs(nearer) < abs(near) / 2:
         return 0 * nearer

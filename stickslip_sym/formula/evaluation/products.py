@@ -1,18 +1,23 @@
 """Products of powers of floats that over- or underflow only where their value does."""
 
 import math
+import operator
 from collections.abc import Sequence
-from typing import Any
+from functools import reduce
+from typing import TypeVar
 
 import numpy as np
 
+from stickslip_sym.core.aliases import FloatArray, Numbers
+
 __all__ = ["largest_exponent", "plain_product", "scaled_product"]
 
+R = TypeVar("R", float, FloatArray)
 _MOST_FACTORS = 8
 _LARGEST = 4000  # binary exponents beyond this are clipped: the value is 0 or infinite
 
 
-def largest_exponent(value: Any) -> float:
+def largest_exponent(value: Numbers) -> float:
     """Return the largest size of the binary exponent of a float or of an array's elements; infinite for a 0."""
     low, high = (value, value) if isinstance(value, float) else (float(value.min()), float(value.max()))
     if low < 0:
@@ -22,7 +27,7 @@ def largest_exponent(value: Any) -> float:
     return max(abs(math.log2(low)), abs(math.log2(high)))
 
 
-def plain_product(number: float, factors: Sequence[tuple[Any, float]]) -> Any:
+def plain_product(number: float, factors: Sequence[tuple[Numbers, float]]) -> Numbers:
     """Multiply powers of floats and arrays; first all floats, then the arrays."""
     arrays = []
     for value, exponent in factors:
@@ -30,8 +35,8 @@ def plain_product(number: float, factors: Sequence[tuple[Any, float]]) -> Any:
             number *= _power(value, exponent)
         else:
             arrays.append((value, exponent))
-    result: Any = number
-    denominator: Any = None
+    result: Numbers = number
+    denominator: Numbers | None = None
     for value, exponent in arrays:
         if exponent > 0:
             result = result * _power(value, exponent)
@@ -41,19 +46,17 @@ def plain_product(number: float, factors: Sequence[tuple[Any, float]]) -> Any:
     return result if denominator is None else result / denominator
 
 
-def _power(value: Any, exponent: float) -> Any:
+def _power(value: R, exponent: float) -> R:
     """Raise to a power, whole ones by multiplication: that is faster than pow."""
     if exponent < 0:
         return 1 / _power(value, -exponent)
     if exponent != int(exponent) or exponent > _MOST_FACTORS:
-        return value**exponent
-    result: Any = None
-    for _ in range(int(exponent)):
-        result = value if result is None else result * value
-    return result
+        power: R = value**exponent
+        return power
+    return reduce(operator.mul, [value] * int(exponent))
 
 
-def scaled_product(number: float, factors: Sequence[tuple[Any, float]], rest: Any) -> Any:
+def scaled_product(number: float, factors: Sequence[tuple[Numbers, float]], rest: FloatArray) -> FloatArray:
     """Multiply a number, powers of arrays, and an array, with mantissas and exponents apart.
 
     An element is NaN where 0 is raised to a negative power.
@@ -72,4 +75,6 @@ def scaled_product(number: float, factors: Sequence[tuple[Any, float]], rest: An
         mantissa, carry = np.frexp(mantissa * power * np.exp2(shift * exponent - whole))
         binary = binary + whole + carry
     with np.errstate(over="ignore", under="ignore"):
-        return np.ldexp(mantissa, np.clip(binary, -_LARGEST, _LARGEST).astype(np.int64).astype(np.int32))
+        return np.asarray(
+            np.ldexp(mantissa, np.clip(binary, -_LARGEST, _LARGEST).astype(np.int64).astype(np.int32))
+        )

@@ -12,12 +12,12 @@ Every branch is compared with Gauss averages before it is used.
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria import gauss
@@ -39,7 +39,6 @@ from stickslip_sym.formula.evaluation.fitting import (
     chebyshev_fit,
     chebyshev_nodes,
     economised,
-    moment,
     taylor,
     to_monomials,
 )
@@ -77,7 +76,7 @@ class Profile:
 
 
 @lru_cache(maxsize=128)
-def profile_of(mu: Any, criterion: Criterion) -> Profile | None:
+def profile_of(mu: Expr, criterion: Criterion) -> Profile | None:
     """Return the branches of F for a coefficient mu(v) without parameters; None if there are none."""
     return _Builder(mu, criterion).build()
 
@@ -85,7 +84,7 @@ def profile_of(mu: Any, criterion: Criterion) -> Profile | None:
 class _Builder:
     """Finds the branches of one function."""
 
-    def __init__(self, mu: Any, criterion: Criterion) -> None:
+    def __init__(self, mu: Expr, criterion: Criterion) -> None:
         self.mu, self.criterion = mu, criterion
         self.slope = sp.diff(mu, symbols.v)
         stable = conditioned(self.slope)
@@ -100,7 +99,7 @@ class _Builder:
         if self.slope.is_polynomial(symbols.v):
             return self._polynomial()
         direct = self._direct()
-        last = None if direct is None else self._last()
+        last = None if direct is None else self._leading([2.0 ** (_HIGH + k) for k in _FAR])
         # A closed form reaches as far as its leading term takes over; else a series in 1/r does.
         outer: list[tuple[float, Branch]] = []
         if last is not None:
@@ -114,7 +113,7 @@ class _Builder:
         closed = outer[0][0]
         series = self._series(closed)
         starts = [0.0]
-        branches: list[Branch | None] = [series[1] if series else self._first()]
+        branches: list[Branch | None] = [series[1] if series else self._leading([2.0 ** (_LOW - k) for k in _FAR])]
         opened = series[0] if series else 2.0**_LOW
         if opened < closed:
             starts.append(opened)
@@ -127,7 +126,9 @@ class _Builder:
 
     # -- Gauss averages --------------------------------------------------------------------------
 
-    def averages(self, r: Any, extended: bool = True) -> tuple[Any, Any, Any]:
+    def averages(
+        self, r: FloatArray | list[float], extended: bool = True
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return F, <|g|> and the error of F by Gauss rules."""
         r = np.asarray(r, dtype=np.longdouble if extended else np.float64)
         tolerance = 2.0**-60 if extended else 2.0**-52
@@ -140,7 +141,7 @@ class _Builder:
     def _polynomial(self) -> Profile:
         """Sum the moments; for large r the same polynomial in 1/r."""
         coefficients = [
-            -g * moment(self.criterion, k)
+            -g * self.criterion.mean_power(k)
             for k, g in enumerate(reversed(sp.Poly(self.slope, symbols.v).all_coeffs()))
         ]
         low = next(k for k, c in enumerate(coefficients) if c != 0)
@@ -253,15 +254,8 @@ class _Builder:
         power = round(2 * float(powers[0])) / 2
         return power if np.abs(powers - power).max() < 1e-6 else None
 
-    def _last(self) -> LogTail | None:
-        """Return the leading term for r beyond the fitted range."""
-        return self._leading([2.0 ** (_HIGH + k) for k in _FAR])
-
-    def _first(self) -> LogTail | None:
-        """Return the leading term for r below the fitted range."""
-        return self._leading([2.0 ** (_LOW - k) for k in _FAR])
-
     def _leading(self, places: list[float]) -> LogTail | None:
+        """Return the leading term beyond three places that lie outside the fitted range, in order."""
         value, _, error = self.averages(places)
         if not np.isfinite(error).all() or (value == 0).any():
             return None
@@ -301,6 +295,6 @@ class _Builder:
 _ELEMENTARY = (sp.exp, sp.log, sp.atan, sp.erf, sp.asinh)
 
 
-def _value(branch: Branch, r: Any) -> Any:
+def _value(branch: Branch, r: FloatArray) -> FloatArray:
     """Return F by a branch, for r that no power takes out of range."""
-    return branch.array(r) * r**branch.power
+    return branch(r) * r**branch.power

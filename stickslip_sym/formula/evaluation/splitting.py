@@ -7,6 +7,7 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.formula.evaluation.conditioning import speed_scales
 from stickslip_sym.formula.integration.terms import grouped
 
@@ -32,15 +33,15 @@ class Term:
         Parameters that are neither amplitude nor scale, such as an exponent.
     """
 
-    number: Any
+    number: Expr
     amplitude: Factors
-    size: Any
+    size: Expr
     scale: Factors
-    mu: Any
-    shapes: tuple[Any, ...]
+    mu: Expr
+    shapes: tuple[Expr, ...]
 
 
-def split(mu: Any) -> list[Term] | None:
+def split(mu: Expr) -> list[Term] | None:
     """Split a law into terms; None for a law in pieces, or with an amplitude that may cancel."""
     v = symbols.v
     if mu.has(sp.Piecewise, sp.Abs, sp.Min, sp.Max):
@@ -60,7 +61,7 @@ def split(mu: Any) -> list[Term] | None:
     return None if any(term is None for term in terms) else terms
 
 
-def _polynomial_terms(polynomial: Any, v: Any) -> list[Any]:
+def _polynomial_terms(polynomial: Expr, v: Expr) -> list[Expr]:
     """Take a polynomial with one scale as one term, which rounds as one; else split it by powers."""
     if polynomial == 0:
         return []
@@ -72,13 +73,13 @@ def _polynomial_terms(polynomial: Any, v: Any) -> list[Any]:
     return [_term(sp.factor(coefficient), v ** int(k), v) for (k,), coefficient in powers]
 
 
-def _term(constant: Any, rest: Any, v: Any) -> Term | None:
+def _term(constant: Expr, rest: Expr, v: Expr) -> Term | None:
     candidates = [_scaled(constant, rest, v, scale) for scale in (*speed_scales(rest, v), sp.Integer(1))]
     found = [candidate for candidate in candidates if candidate is not None]
     return min(found, key=lambda term: len(term.shapes), default=None)
 
 
-def _scaled(constant: Any, rest: Any, v: Any, scale: Any) -> Term | None:
+def _scaled(constant: Expr, rest: Expr, v: Expr, scale: Expr) -> Term | None:
     if not scale.is_positive:
         return None  # r = V/scale would have no sign, and branches are for r > 0
     mu = rest.subs(v, scale * v)
@@ -100,10 +101,10 @@ def _scaled(constant: Any, rest: Any, v: Any, scale: Any) -> Term | None:
     return Term(number, amplitude, size, powers, mu, tuple(sorted(mu.free_symbols - {v}, key=str)))
 
 
-def _factors(product: Any) -> tuple[Any, Factors | None]:
+def _factors(product: Expr) -> tuple[Expr, Factors | None]:
     """Split a product into a number and powers; None for powers that are not constant, or may cancel."""
-    number: Any = sp.Integer(1)
-    powers: dict[Any, Any] = {}
+    number: Expr = sp.Integer(1)
+    powers: dict[Expr, Expr] = {}
     for base, exponent in sp.factor(product).as_powers_dict().items():
         if base.is_number and exponent.is_number:
             number *= base**exponent
@@ -114,7 +115,7 @@ def _factors(product: Any) -> tuple[Any, Factors | None]:
     return number, powers
 
 
-def _is_accurate(base: Any) -> bool:
+def _is_accurate(base: Expr) -> bool:
     """Tell whether an expression rounds to a few units: inputs, their sums, and sums of what is positive."""
     if base.is_Symbol:
         return True

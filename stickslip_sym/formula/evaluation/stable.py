@@ -14,6 +14,7 @@ import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, IntArray, Numbers
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria import gauss
@@ -31,7 +32,8 @@ _CANCELLED = 4.0  # the sizes of the terms over the size of their sum, from wher
 _ALLOWED = 64.0  # bound of the rounding error of a Gauss average, in units; it is some five times too large
 _JUMP = 6.0  # units of rounding error of the weight at a jump
 _SLOPE_ALLOWED = 16.0  # the same, of the slope at one point
-_REALS = (np.float64, np.longdouble)  # where inputs nearly cancel, most processors have eleven bits to spare
+# Where inputs nearly cancel, most processors have eleven bits to spare.
+_REALS: tuple[type[np.floating], ...] = (np.float64, np.longdouble)
 _NOTHING = 2.0**-1073  # errors below are no more than the last bit of the smallest numbers
 
 Exact = Callable[[Mapping[Any, Any]], Any]
@@ -52,13 +54,13 @@ class StableFunction:
         The last resort.
     """
 
-    def __init__(self, mu: Any, criterion: Criterion, arguments: Sequence[Any], exact: Exact) -> None:
+    def __init__(self, mu: Expr, criterion: Criterion, arguments: Sequence[Expr], exact: Exact) -> None:
         self.mu, self.criterion, self.exact = mu, criterion, exact
         self.arguments = list(arguments)
 
     @cached_property
     def terms(self) -> list[TermFunction] | None:
-        """The terms of the law; None where there are none to be had."""
+        """The terms of the law; None where it cannot be split."""
         if self.criterion.weight is None:
             return None
         terms = split(self.mu)
@@ -76,7 +78,7 @@ class StableFunction:
                 return total
         return float(self.array([np.array([values[0]]), *values[1:]])[0])
 
-    def array(self, values: list[Any]) -> Any:
+    def array(self, values: list[Numbers]) -> FloatArray:
         """Evaluate at finite floats and flat arrays of one length, at least one of them an array."""
         count = next(value.size for value in values if not isinstance(value, float))
         with np.errstate(all="ignore"):  # what overflows on the way is mended
@@ -86,7 +88,7 @@ class StableFunction:
             self._mend(result, missing, values)
         return result
 
-    def _sum(self, values: list[Any], count: int) -> Any:
+    def _sum(self, values: list[Numbers], count: int) -> FloatArray:
         assert self.terms is not None
         if not self.terms:
             return np.zeros(count)
@@ -101,7 +103,7 @@ class StableFunction:
         total[sizes > _CANCELLED * np.abs(total)] = np.nan
         return total
 
-    def _mend(self, result: Any, missing: Any, values: list[Any]) -> None:
+    def _mend(self, result: FloatArray, missing: IntArray, values: list[Numbers]) -> None:
         """Evaluate by other means what the terms did not give."""
         columns = [
             np.full(missing.size, value) if isinstance(value, float) else value[missing] for value in values
@@ -117,37 +119,38 @@ class StableFunction:
             raise InputError("the damping coefficient is beyond the range of float64; use evaluate(digits=...)")
         result[missing] = found
 
-    def _slow(self, columns: list[Any]) -> tuple[Any, Any]:
-        """Return the criterion by its definition, and where it is good."""
-        speed, force = columns[:2]
-        with np.errstate(all="ignore"):
-            if self.criterion.weight is None:
-                return self._at_a_point(columns)
-            result, good = np.zeros_like(speed), np.zeros(speed.shape, dtype=bool)
-            for real in _REALS:
-                here = np.flatnonzero((speed > 0) & ~good)
-                if here.size:
-                    taken = [column[here].astype(real) for column in columns]
-                    value, error = self._average(taken[0], taken[2:])
-                    result[here] = 0.0 - force[here] * value
-                    good[here] = (error <= _ALLOWED * _EPSILON) & np.isfinite(result[here])
-            return result, good
-
-    def _at_a_point(self, columns: list[Any]) -> tuple[Any, Any]:
-        """Return the criterion that is the slope at the belt speed, and where it is good."""
+    def _slow(self, columns: list[FloatArray]) -> tuple[FloatArray, BoolArray]:
+        """Return the criterion by its definition, and where it is good: in extended precision where need be."""
+        by_definition = self._at_a_point if self.criterion.weight is None else self._averaged
         result, good = np.zeros_like(columns[0]), np.zeros(columns[0].shape, dtype=bool)
-        for real in _REALS:
-            here = np.flatnonzero(~good)
-            if here.size:
-                speed, force, *parameters = (column[here].astype(real) for column in columns)
-                value, bound = (np.broadcast_to(x, speed.shape) for x in self._slope(speed, *parameters))
-                bound = bound * np.finfo(real).eps
-                result[here] = 0.0 - force * value
-                good[here] = (bound <= _SLOPE_ALLOWED * _EPSILON * np.abs(value)) | (bound * force < _NOTHING)
-                good[here] &= np.isfinite(result[here])
+        with np.errstate(all="ignore"):
+            for real in _REALS:
+                here = np.flatnonzero(~good)
+                if here.size:
+                    result[here], fine = by_definition(*(column[here].astype(real) for column in columns))
+                    good[here] = fine & np.isfinite(result[here])
         return result, good
 
-    def _average(self, speed: Any, parameters: list[Any]) -> tuple[Any, Any]:
+    def _at_a_point(
+        self, speed: FloatArray, force: FloatArray, *parameters: FloatArray
+    ) -> tuple[FloatArray, BoolArray]:
+        """Return the criterion that is the slope at the belt speed, and where it is good."""
+        value, bound = (np.broadcast_to(x, speed.shape) for x in self._slope(speed, *parameters))
+        bound = bound * np.finfo(speed.dtype).eps
+        good = (bound <= _SLOPE_ALLOWED * _EPSILON * np.abs(value)) | (bound * force < _NOTHING)
+        return 0.0 - force * value, good
+
+    def _averaged(
+        self, speed: FloatArray, force: FloatArray, *parameters: FloatArray
+    ) -> tuple[FloatArray, BoolArray]:
+        """Return the criterion that is an average, and where it is good."""
+        result, good = np.zeros_like(speed), speed > 0
+        value, error = self._average(speed[good], [parameter[good] for parameter in parameters])
+        result[good] = 0.0 - force[good] * value
+        good[good] = error <= _ALLOWED * _EPSILON
+        return result, good
+
+    def _average(self, speed: FloatArray, parameters: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Average the slope by Gauss rules; return also the bound of its error relative to <|mu'|>."""
         scale = self._scale(*parameters, speed)
         kinks = [np.broadcast_to(kink, speed.shape) for kink in self._kinks(*parameters, speed)]
@@ -171,29 +174,29 @@ class StableFunction:
         return value, error / np.where(size > 0, size, 1)
 
     @cached_property
-    def _jumps(self) -> Callable[..., list[Any]]:
+    def _jumps(self) -> Callable[..., list[FloatArray]]:
         """The places and heights of the jumps of mu, and the bounds of the heights' errors in epsilons."""
         steps = [[place, height, rounding_bound(height)] for place, height in jumps(self.mu)]
         compiled = function_of(self.arguments[2:], steps, "numpy")
         return lambda *columns: compiled(*columns[:-1]) if steps else []
 
     @cached_property
-    def _weight(self) -> Callable[..., Any]:
+    def _weight(self) -> Callable[..., FloatArray]:
         """The weight w(s) as a function of m = 1 - s^2, 1 + s and 1 - s."""
         places = sp.symbols("m p q", positive=True, cls=sp.Dummy)
         return function_of(places, gauss.weight_of(self.criterion, *places), "numpy")
 
     @cached_property
-    def _slope(self) -> Callable[..., tuple[Any, Any]]:
+    def _slope(self) -> Callable[..., tuple[FloatArray, FloatArray]]:
         return slope_with_bound(conditioned(sp.diff(self.mu, symbols.v)), [symbols.v, *self.arguments[2:]])
 
     @cached_property
-    def _scale(self) -> Callable[..., Any]:
+    def _scale(self) -> Callable[..., FloatArray]:
         """The smallest scale of the law, no larger than the speed."""
         scales = speed_scales(conditioned(sp.diff(self.mu, symbols.v)), symbols.v)
         compiled = function_of(self.arguments[2:], scales, "numpy")
 
-        def smallest(*columns: Any) -> Any:
+        def smallest(*columns: FloatArray) -> FloatArray:
             found = columns[-1]
             for scale in compiled(*columns[:-1]):
                 scale = np.asarray(scale)
@@ -203,6 +206,6 @@ class StableFunction:
         return smallest
 
     @cached_property
-    def _kinks(self) -> Callable[..., list[Any]]:
+    def _kinks(self) -> Callable[..., list[FloatArray]]:
         compiled = function_of(self.arguments[2:], places(self.mu), "numpy")
         return lambda *columns: compiled(*columns[:-1])

@@ -2,12 +2,12 @@
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, FloatArray, Numbers
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.branches import Branch
@@ -24,7 +24,7 @@ _WORTH_A_TABLE = 64  # elements with one shape for which branches are found
 class TermFunction:
     """A term of a law, compiled."""
 
-    def __init__(self, term: Term, criterion: Criterion, arguments: Sequence[Any]) -> None:
+    def __init__(self, term: Term, criterion: Criterion, arguments: Sequence[Expr]) -> None:
         self.term, self.criterion = term, criterion
         self.number, self.size = float(term.number), float(term.size)
         self.shapes = [arguments.index(symbol) for symbol in term.shapes]
@@ -35,8 +35,8 @@ class TermFunction:
         ]
         self.amplitude = [float(term.amplitude.get(base, 0)) + (base == symbols.N) for base in bases]
         self.ratio = [(base == symbols.V) - float(term.scale.get(base, 0)) for base in bases]
-        self._profiles: dict[Any, Profile | None] = {}
-        self._asked: set[Any] = set()
+        self._profiles: dict[tuple[float, ...], Profile | None] = {}
+        self._asked: set[tuple[float, ...]] = set()
 
     def profile(self, shape: tuple[float, ...], count: int) -> Profile | None:
         """Return the branches for values of the shape parameters; None if there are none, or not worth it."""
@@ -48,12 +48,13 @@ class TermFunction:
             self._profiles[shape] = profile_of(self.term.mu.xreplace(exact), self.criterion)
         return self._profiles[shape]
 
-    def __call__(self, values: list[Any]) -> Any:
+    def __call__(self, values: list[Numbers]) -> FloatArray:
         """Evaluate at floats and at least one flat array, all of one length; NaN where no branch serves."""
         count = next(value.size for value in values if not isinstance(value, float))
         columns = [values[i] for i in self.shapes]
-        if all(isinstance(column, float) for column in columns):
-            return self._by_branches(values, self.profile(tuple(columns), count), count)
+        floats = [column for column in columns if isinstance(column, float)]
+        if len(floats) == len(columns):
+            return self._by_branches(values, self.profile(tuple(floats), count), count)
         shapes = np.stack([np.broadcast_to(column, (count,)) for column in columns])
         kinds, which = np.unique(shapes, axis=1, return_inverse=True)
         result = np.full(count, np.nan)
@@ -65,7 +66,7 @@ class TermFunction:
                 result[here] = self._by_branches(taken, self.profile(shape, here.size), here.size)
         return result
 
-    def _by_branches(self, values: list[Any], profile: Profile | None, count: int) -> Any:
+    def _by_branches(self, values: list[Numbers], profile: Profile | None, count: int) -> FloatArray:
         if profile is None:
             return np.full(count, np.nan)
         bases = [values[base] if isinstance(base, int) else base(*values) for base in self.bases]
@@ -110,13 +111,13 @@ class TermFunction:
                 result[here] = self._branch(branch, r[here], part, plain)
         return result
 
-    def _branch(self, branch: Branch | None, r: Any, bases: list[Any], plain: bool) -> Any:
+    def _branch(self, branch: Branch | None, r: FloatArray, bases: list[Numbers], plain: bool) -> FloatArray:
         if branch is None:
             return np.full(r.shape, np.nan)
         exponents = [a + branch.power * e for a, e in zip(self.amplitude, self.ratio, strict=True)]
         factors = [(base, e) for base, e in zip(bases, exponents, strict=True) if e]
         number = self.number * self.size**-branch.power
-        value = branch.array(r)
+        value = branch(r)
         if not plain:
             return scaled_product(number, factors, value)
         value *= plain_product(number, factors)
@@ -137,7 +138,7 @@ class TermFunction:
         branch = profile.branches[bisect_right(profile.starts, r) - 1]
         if branch is None:
             return float("nan")
-        value: float = branch.scalar(r) * self.number * self.size**-branch.power
+        value: float = branch(r) * self.number * self.size**-branch.power
         for base, a, e in zip(bases, self.amplitude, self.ratio, strict=True):
             exponent = a + branch.power * e
             if exponent:

@@ -5,15 +5,17 @@ Every formula is printed from the expression that is evaluated, and stands once 
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
 from stickslip_sym.formula.export.limits import ends, zeros
+from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output import printing
 from stickslip_sym.output.abbreviation import equation
 from stickslip_sym.output.layout import LINE, displayed, key, prose, width
@@ -51,7 +53,7 @@ def document(
     given: Mapping[str, str],
     fragment: bool,
     steps: bool,
-    missing: Sequence[tuple[Any, str, str]],
+    missing: Sequence[tuple[FrictionLaw, str, str]],
     time_limit: float,
 ) -> str:
     """Return the text of a document about closed forms; for the parameters see `export.export_latex`."""
@@ -69,7 +71,7 @@ def document(
     return "\n".join(parts) + ("" if fragment else "\n\\end{document}\n")
 
 
-def _marks(laws: Sequence[Any]) -> list[str]:
+def _marks(laws: Sequence[FrictionLaw]) -> list[str]:
     """Return for each law what its labels have in common, and no other law's."""
     found: list[str] = []
     for law in laws:
@@ -82,15 +84,15 @@ def _marks(laws: Sequence[Any]) -> list[str]:
 Form = TypeVar("Form", bound=ClosedForm | SlopeAverage)
 
 
-def chapters(forms: Sequence[Form]) -> list[tuple[Any, list[Form]]]:
+def chapters(forms: Sequence[Form]) -> list[tuple[FrictionLaw, list[Form]]]:
     """Return the laws in order, each with its closed forms."""
-    found: dict[int, tuple[Any, list[Form]]] = {}
+    found: dict[int, tuple[FrictionLaw, list[Form]]] = {}
     for form in forms:
         found.setdefault(id(form.law), (form.law, []))[1].append(form)
     return list(found.values())
 
 
-def _names(law: Any | None, given: Mapping[str, str]) -> dict[str, str]:
+def _names(law: FrictionLaw | None, given: Mapping[str, str]) -> dict[str, str]:
     return notation_of(["mu", *symbols.QUANTITIES, *([] if law is None else law.parameters)], given)
 
 
@@ -106,7 +108,7 @@ def _introduction(given: Mapping[str, str]) -> str:
 
 
 def _chapter(
-    law: Any, mark: str, forms: list[ClosedForm], absent: list[tuple[str, str]], given: Mapping[str, str],
+    law: FrictionLaw, mark: str, forms: list[ClosedForm], absent: list[tuple[str, str]], given: Mapping[str, str],
     fragment: bool, steps: bool, time_limit: float,
 ) -> Iterator[str]:  # fmt: skip
     names = _names(law, given)
@@ -131,7 +133,7 @@ def _chapter(
         yield f"For the {name} criterion no closed form was found; {_QUADRATURE}.\n% {' '.join(reason.split())}"
 
 
-def _table(law: Any, names: Mapping[str, str]) -> str:
+def _table(law: FrictionLaw, names: Mapping[str, str]) -> str:
     rows = [(name, symbols.QUANTITIES[name].meaning, symbols.QUANTITIES[name].unit, "") for name in "cNVv"]
     rows += [(p.name, p.meaning, p.unit or "", p.typical or "") for p in law.parameters.values()]
     rows = [
@@ -202,7 +204,7 @@ def _ends(form: ClosedForm, names: Mapping[str, str], time_limit: float) -> Iter
             yield f"For {place} it tends to {_stated(names['c'], value, names, relation=_TENDS)}"
 
 
-def _stated(left: str, value: Any, names: Mapping[str, str], *, relation: str) -> str:
+def _stated(left: str, value: Expr, names: Mapping[str, str], *, relation: str) -> str:
     """Return the end of a sentence: a relation in the line, or displayed where it is long."""
     text = printing.latex(value, names, inline=True)
     if width(text) < LINE / 3:

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.formula.code import writer
@@ -10,6 +9,7 @@ from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.evaluation.averages import SlopeAverage
 from stickslip_sym.formula.evaluation.stable import StableFunction
 from stickslip_sym.formula.export.document import chapters, document
+from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["export_c", "export_code", "export_latex", "export_octave", "export_python"]
 
@@ -20,7 +20,7 @@ def export_latex(
     symbols: Mapping[str, str] | None = None,
     fragment: bool = False,
     steps: bool = False,
-    missing: Sequence[tuple[Any, str, str]] = (),
+    missing: Sequence[tuple[FrictionLaw, str, str]] = (),
     time_limit: float = 5.0,
 ) -> str:
     r"""Return a LaTeX document about closed forms, or a fragment for ``\input``.

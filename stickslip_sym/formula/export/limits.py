@@ -12,9 +12,11 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
 from stickslip_sym.formula.derivation.tidy import tidy
@@ -40,8 +42,8 @@ class Ends:
         Its limit as V grows, or its leading term there if that has V in it; None where it was not found.
     """
 
-    at_rest: Any | None
-    far: Any | None
+    at_rest: Expr | None
+    far: Expr | None
 
 
 def ends(form: ClosedForm, *, time_limit: float = 5.0) -> Ends:
@@ -63,7 +65,7 @@ def ends(form: ClosedForm, *, time_limit: float = 5.0) -> Ends:
     )
 
 
-def _slope_at_rest(slope: Any, deadline: float) -> Any | None:
+def _slope_at_rest(slope: Expr, deadline: float) -> Expr | None:
     if slope.has(sp.Piecewise):
         return None  # its first piece may end at 0
     roots = [power for power in slope.atoms(sp.Pow) if power.base.subs(symbols.V, 0) == 0]
@@ -74,10 +76,10 @@ def _slope_at_rest(slope: Any, deadline: float) -> Any | None:
     return search.limit(slope, symbols.V, sp.S.Zero, deadline)
 
 
-def _slope_far(slope: Any, form: ClosedForm, deadline: float) -> Any | None:
+def _slope_far(slope: Expr, form: ClosedForm, deadline: float) -> Expr | None:
     """Return the limit of a criterion over -N, or its leading term, as V grows."""
     V = symbols.V
-    monomials: dict[int, Any] = {}
+    monomials: dict[int, Expr] = {}
     for term in sp.Add.make_args(sp.expand(slope)):
         coefficient, power = term.as_independent(V)[0], sp.degree(term, V) if term.is_polynomial(V) else None
         if power is not None:
@@ -89,17 +91,10 @@ def _slope_far(slope: Any, form: ClosedForm, deadline: float) -> Any | None:
     monomials = {power: sp.factor(total) for power, total in monomials.items() if sp.factor(total) != 0}
     top = max(monomials, default=0)
     constant = monomials.get(top, sp.S.Zero)
-    return constant * _mean_power(form, top) * V**top
+    return constant * form.criterion.mean_power(top) * V**top
 
 
-def _mean_power(form: ClosedForm, n: int) -> Any:
-    """Return the mean of (1 + s)^n."""
-    if form.criterion.weight is None:
-        return sp.S.One
-    return sp.Add(*[sp.binomial(n, j) * form.criterion.moment(j) for j in range(n + 1)])
-
-
-def _growth(expr: Any) -> Any | None:
+def _growth(expr: Expr) -> Expr | None:
     """Return a bound on the power of V like which an expression grows; None where no rule gives one."""
     V = symbols.V
     if not expr.has(V) or isinstance(expr, _BOUNDED):
@@ -139,7 +134,7 @@ class Zeros:
         Whether the criterion is 0 at all belt speeds.
     """
 
-    formula: Any | None
+    formula: Expr | None
     values: tuple[float, ...] | None
     everywhere: bool = False
 
@@ -169,7 +164,7 @@ def _crossings(law: FrictionLaw, form: ClosedForm) -> tuple[float, ...] | None:
     """Return the belt speeds at which the criterion of a bound law changes its sign; None if it has no value."""
     values: dict[str, Any] = {name: float(value) for name, value in law.values.items()}
 
-    def per_force(V: Any) -> Any:
+    def per_force(V: ArrayLike) -> Any:
         return form(V=V, N=1.0, **values)
 
     grid = _SPEEDS if law.v_max is None else _SPEEDS[float(law.v_max) >= 2 * _SPEEDS]

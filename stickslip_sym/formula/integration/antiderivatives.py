@@ -5,10 +5,9 @@ where it does not apply. F is proved by differentiation wherever it is used, so 
 result.
 """
 
-from typing import Any
-
 import sympy as sp
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.lerch import Lerch
 from stickslip_sym.formula.integration.ladders import (
     LADDERS,
@@ -22,6 +21,7 @@ from stickslip_sym.formula.integration.terms import (
     as_function,
     as_linear,
     as_power,
+    as_single,
     as_stretched,
     first_rule,
     minus_discriminant,
@@ -34,17 +34,17 @@ __all__ = ["antiderivative"]
 _HALF = sp.Rational(1, 2)
 
 
-def antiderivative(rest: Any, kernel: Any, u: Any) -> tuple[str, Any] | None:
+def antiderivative(rest: Expr, kernel: Expr, u: Expr) -> tuple[str, Expr] | None:
     """Return the name of the rule that integrates rest * kernel and what it gives, or None."""
     return first_rule(_RULES, rest, kernel, u)
 
 
-def _polynomial(rest: Any, kernel: Any, u: Any) -> Any | None:
+def _polynomial(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate a polynomial."""
     return sp.Poly(rest * kernel, u).integrate().as_expr() if rest.is_polynomial(u) else None
 
 
-def _function(rest: Any, kernel: Any, u: Any) -> Any | None:
+def _function(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate u^n times one function of a linear argument (`LADDERS`)."""
     for function, ladder in LADDERS.items():
         match = as_function(rest, u, function)
@@ -54,19 +54,19 @@ def _function(rest: Any, kernel: Any, u: Any) -> Any | None:
     return None
 
 
-def _function_power(rest: Any, kernel: Any, u: Any) -> Any | None:
+def _function_power(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate u^n tanh(x)^k and u^n sech(x)^k, k = 2, 3, ..."""
-    polynomial, others = split_polynomial(rest, u)
-    if len(others) != 1 or not others[0].is_Pow:
+    single = as_single(rest, u)
+    if single is None or not single[1].is_Pow:
         return None
-    base, n = others[0].as_base_exp()
+    polynomial, (base, n) = single[0], single[1].as_base_exp()
     ladder = POWER_LADDERS.get(base.func)
     if ladder is None or not (n.is_Integer and n > 1) or as_linear(base.args[0], u) is None:
         return None
     return climb(polynomial * kernel, lambda x, j: ladder(x, int(n), j), base.args[0], u)
 
 
-def _power(rest: Any, kernel: Any, u: Any) -> Any | None:
+def _power(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate u^n (a u + b)^p, p no integer (for b = 0: p > -1)."""
     match = as_power(rest, u)
     if match is None:
@@ -76,18 +76,18 @@ def _power(rest: Any, kernel: Any, u: Any) -> Any | None:
         terms = sp.Poly(polynomial * kernel, u).terms()
         return sp.Add(*[c * base**p * u ** (n + 1) / (n + 1 + p) for (n,), c in terms])
 
-    def ladder(j: int) -> Any:
+    def ladder(j: int) -> Expr:
         return base ** (p + j) / (sp.rf(p + 1, j) * rate**j)
 
     return by_parts(polynomial * kernel, ladder, u)
 
 
-def _root(rest: Any, kernel: Any, u: Any) -> Any | None:
+def _root(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """u^n (a u^2 + b u + c)^(k/2), k odd and >= -1, the quadratic positive: asinh. Holds u/sqrt(u^2 + w^2)."""
-    polynomial, others = split_polynomial(rest, u)
-    if len(others) != 1 or not others[0].is_Pow:
+    single = as_single(rest, u)
+    if single is None or not single[1].is_Pow:
         return None
-    base, exponent = others[0].as_base_exp()
+    polynomial, (base, exponent) = single[0], single[1].as_base_exp()
     if not base.is_polynomial(u) or sp.degree(base, u) != 2:
         return None
     a, b, c = sp.Poly(base, u).all_coeffs()
@@ -98,18 +98,18 @@ def _root(rest: Any, kernel: Any, u: Any) -> Any | None:
     factor = 2 * sp.sqrt(a / gap)  # 1/sqrt(base) = factor/sqrt(1 + argument^2)
     polynomial = polynomial * base ** (exponent + _HALF) * kernel
 
-    def ladder(x: Any, j: int) -> Any:
+    def ladder(x: Expr, j: int) -> Expr:
         return asinh_ladder(x, j - 1).subs(sp.sqrt(1 + x**2), factor * sp.sqrt(base))
 
     return factor * climb(polynomial, ladder, argument, u)
 
 
-def _gaussian(rest: Any, kernel: Any, u: Any) -> Any | None:
+def _gaussian(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate u^n exp(-a u^2 + b u + c), a > 0."""
-    polynomial, others = split_polynomial(rest, u)
-    if len(others) != 1 or not isinstance(others[0], sp.exp):
+    single = as_single(rest, u)
+    if single is None or not isinstance(single[1], sp.exp):
         return None
-    exponent = others[0].args[0]
+    polynomial, exponent = single[0], single[1].args[0]
     if not exponent.is_polynomial(u) or sp.degree(exponent, u) != 2:
         return None
     a, b, c = sp.Poly(exponent, u).all_coeffs()
@@ -119,7 +119,7 @@ def _gaussian(rest: Any, kernel: Any, u: Any) -> Any | None:
     return factor * climb(polynomial * kernel, lambda x, j: erf_ladder(x, j - 1), argument, u)
 
 
-def _stretched(rest: Any, kernel: Any, u: Any) -> Any | None:
+def _stretched(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate u^q exp(-(u/w)^d), d and q symbolic: lower incomplete gamma functions."""
     match = as_stretched(rest, u)
     if match is None:
@@ -130,7 +130,7 @@ def _stretched(rest: Any, kernel: Any, u: Any) -> Any | None:
     return sp.Add(*[c * w ** (n + 1 + q) / d * sp.lowergamma((n + 1 + q) / d, (u / w) ** d) for (n,), c in terms])
 
 
-def _rational(rest: Any, kernel: Any, u: Any) -> Any | None:
+def _rational(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate rational functions whose denominator splits into factors of degree 1 and 2.
 
     A quadratic factor must have a discriminant of known sign.
@@ -151,13 +151,13 @@ def _rational(rest: Any, kernel: Any, u: Any) -> Any | None:
     return total
 
 
-def _over_linear(numerator: Any, base: Any, power: int, u: Any) -> Any:
+def _over_linear(numerator: Expr, base: Expr, power: int, u: Expr) -> Expr:
     if power > 1:
         return numerator * base ** (1 - power) / (1 - power)
     return numerator * sp.log(sp.expand(base / base.subs(u, 0)))
 
 
-def _over_quadratic(numerator: Any, base: Any, power: int, u: Any) -> Any | None:
+def _over_quadratic(numerator: Expr, base: Expr, power: int, u: Expr) -> Expr | None:
     """Integrate (A u + B) / base^power by Hermite's reduction; None if the roots may be real or complex."""
     _, b, c = sp.Poly(base, u).all_coeffs()
     A = sp.Poly(numerator, u).coeff_monomial(u)
@@ -177,7 +177,7 @@ def _over_quadratic(numerator: Any, base: Any, power: int, u: Any) -> Any | None
     return None
 
 
-def _exponential_over_linear(rest: Any, kernel: Any, u: Any) -> Any | None:
+def _exponential_over_linear(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """exp(-a u) times a rational function with linear denominators, a > 0: E_1."""
     exponentials = [factor for factor in sp.Mul.make_args(rest) if isinstance(factor, sp.exp)]
     if len(exponentials) != 1:
@@ -203,7 +203,7 @@ def _exponential_over_linear(rest: Any, kernel: Any, u: Any) -> Any | None:
     return total
 
 
-def _exponential_tanh(rest: Any, kernel: Any, u: Any) -> Any | None:
+def _exponential_tanh(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate u^n exp(-a u) tanh(k u), a > 0, k > 0, by the Lerch transcendent.
 
     exp(-r x) tanh(x) = exp(-r x) - 2 exp(-(r + 2) x) Phi(-exp(-2 x), 0, 1 + r/2), x = k u, r = a/k.
@@ -217,7 +217,7 @@ def _exponential_tanh(rest: Any, kernel: Any, u: Any) -> Any | None:
         return None
     k, r = slope[0], -decay[0] / slope[0]
 
-    def ladder(j: int) -> Any:
+    def ladder(j: int) -> Expr:
         z = -sp.exp(-2 * k * u)
         lerch = 2 * _HALF**j * z * Lerch(z, j, 1 + r / 2)
         return (-1 / k) ** j * exponential * (r**-j + lerch)

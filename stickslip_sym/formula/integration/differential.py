@@ -7,10 +7,12 @@ not claimed.
 """
 
 from collections.abc import Sequence
-from typing import Any
+from functools import reduce
 
 import sympy as sp
 from sympy.polys.rings import PolyElement
+
+from stickslip_sym.core.aliases import Expr
 
 __all__ = ["Algebra", "Differential"]
 
@@ -20,14 +22,14 @@ _GENERATORS = 20  # square roots, functions and constants that one formula may h
 class Algebra:
     """The polynomials in the generators of one formula; constants get their generators here."""
 
-    def __init__(self, variable: Any, parameters: Sequence[Any]) -> None:
+    def __init__(self, variable: Expr, parameters: Sequence[Expr]) -> None:
         self.variable = variable
         self.field = sp.QQ.frac_field(variable, *parameters)
         self.ring = sp.ring([f"g{i}" for i in range(_GENERATORS)], self.field)[0]
         self.parameters = set(parameters)
         self.derivatives: list[PolyElement] = []  # of the generators in use
-        self.named: dict[Any, PolyElement] = {}
-        self.meanings: dict[Any, Any] = {}  # what the generators of constants stand for
+        self.named: dict[Expr, PolyElement] = {}
+        self.meanings: dict[Expr, Expr] = {}  # what the generators of constants stand for
         self._squares: dict[int, PolyElement] = {}
 
     def new(self, square: PolyElement | None = None) -> PolyElement:
@@ -40,7 +42,7 @@ class Algebra:
             self._squares[index] = square
         return self.ring.gens[index]
 
-    def scalar(self, value: Any) -> PolyElement:
+    def scalar(self, value: Expr) -> PolyElement:
         """Return a rational expression in the variable and the parameters."""
         return self.ring.ground_new(self.field.from_sympy(sp.sympify(value)))
 
@@ -69,7 +71,7 @@ class Algebra:
             raise ValueError("a denominator is zero, or holds special functions")
         return above.mul_ground(1 / a.coeff(1))
 
-    def constant(self, expr: Any) -> PolyElement:
+    def constant(self, expr: Expr) -> PolyElement:
         """Return an expression without the variable."""
         if expr in self.named:
             return self.named[expr]
@@ -78,9 +80,7 @@ class Algebra:
         elif expr.is_Add:
             value = sum((self.constant(argument) for argument in expr.args), self.ring.zero)
         elif expr.is_Mul:
-            value = self.ring.one
-            for argument in expr.args:
-                value = self.product(value, self.constant(argument))
+            value = reduce(self.product, map(self.constant, expr.args))
         elif expr.is_Pow and expr.exp.is_Integer:
             value = self.power(self.constant(expr.base), int(expr.exp))
         elif expr.is_Pow and expr.exp.is_Rational and expr.exp.q in (2, 4):
@@ -95,12 +95,9 @@ class Algebra:
 
     def power(self, a: PolyElement, n: int) -> PolyElement:
         """Return a^n, n an integer."""
-        base, result = (self.inverse(a) if n < 0 else a), self.ring.one
-        for _ in range(abs(n)):
-            result = self.product(result, base)
-        return result
+        return reduce(self.product, [self.inverse(a) if n < 0 else a] * abs(n), self.ring.one)
 
-    def expression(self, a: PolyElement) -> Any:
+    def expression(self, a: PolyElement) -> Expr:
         """Return a polynomial in generators of constants as an expression."""
         total = sp.Integer(0)
         for monomial, coefficient in a.items():
@@ -125,7 +122,7 @@ class Algebra:
                 result = self.product(result, self.power(part, int(power.p)))
         return result
 
-    def _root(self, base: Any, index: int) -> PolyElement:
+    def _root(self, base: Expr, index: int) -> PolyElement:
         """Return the generator of a root of an expression without a rational root."""
         if index not in (2, 4):
             raise ValueError(f"a root of order {index} is not known here")
@@ -142,9 +139,9 @@ class Differential:
 
     def __init__(self, algebra: Algebra) -> None:
         self.algebra = algebra
-        self._known: dict[Any, PolyElement] = {}
+        self._known: dict[Expr, PolyElement] = {}
 
-    def of(self, expr: Any) -> PolyElement:
+    def of(self, expr: Expr) -> PolyElement:
         """Return an expression; raise ValueError where it holds what is not known here."""
         algebra = self.algebra
         if not expr.has(algebra.variable):
@@ -155,22 +152,19 @@ class Differential:
             self._known[expr] = self._made(expr)
         return self._known[expr]
 
-    def _made(self, expr: Any) -> PolyElement:
+    def _made(self, expr: Expr) -> PolyElement:
         algebra = self.algebra
         if expr.is_Add:
             return sum((self.of(argument) for argument in expr.args), algebra.ring.zero)
         if expr.is_Mul:
-            value = algebra.ring.one
-            for argument in expr.args:
-                value = algebra.product(value, self.of(argument))
-            return value
+            return reduce(algebra.product, map(self.of, expr.args))
         if expr.is_Pow and expr.exp.is_Integer:
             return algebra.power(self.of(expr.base), int(expr.exp))
         if expr.is_Pow and expr.exp.is_Rational and expr.exp.q in (2, 4):
             return algebra.power(self._root(expr.base, expr.exp.q), int(expr.exp.p))
         return self._function(expr)
 
-    def _root(self, base: Any, index: int) -> PolyElement:
+    def _root(self, base: Expr, index: int) -> PolyElement:
         """Return the positive root; the fourth is the square root of the square root."""
         key = ("root", base, index)
         if key not in self._known:
@@ -181,7 +175,7 @@ class Differential:
             self._known[key] = root
         return self._known[key]
 
-    def _function(self, expr: Any) -> PolyElement:
+    def _function(self, expr: Expr) -> PolyElement:
         kind, arguments = expr.func, expr.args
         if kind in (sp.besseli, sp.besselj) and arguments[0] in (0, 1):
             return self._bessel(kind, arguments[1])[int(arguments[0])]
@@ -214,14 +208,14 @@ class Differential:
             derivative, self.algebra.ring.one
         )
 
-    def _family(self, key: Any, count: int) -> tuple[list[PolyElement], bool]:
+    def _family(self, key: Expr, count: int) -> tuple[list[PolyElement], bool]:
         """Return the generators of functions that are closed under d/dV, and whether they are new."""
         fresh = key not in self.algebra.named
         if fresh:
             self.algebra.named[key] = [self.algebra.new() for _ in range(count)]
         return self.algebra.named[key], fresh
 
-    def _bessel(self, kind: Any, z: Any) -> list[PolyElement]:
+    def _bessel(self, kind: Expr, z: Expr) -> list[PolyElement]:
         functions, fresh = self._family((kind, z), 2)
         if fresh:
             zero, one = functions
@@ -231,7 +225,7 @@ class Differential:
             self._set(one, self.algebra.product(slope, zero - self.algebra.inverse(inner) * one))
         return functions
 
-    def _hypergeometric(self, upper: Any, lower: Any, z: Any) -> PolyElement:
+    def _hypergeometric(self, upper: Expr, lower: Expr, z: Expr) -> PolyElement:
         """The generators are F, theta F, theta^2 F, ..., theta = z d/dz."""
         functions, fresh = self._family((upper, lower, z), len(lower) + 1)
         if fresh:
@@ -255,7 +249,7 @@ class Differential:
                 self._set(function, rate * following)
         return functions[0]
 
-    def _elliptic(self, m: Any) -> list[PolyElement]:
+    def _elliptic(self, m: Expr) -> list[PolyElement]:
         functions, fresh = self._family(("elliptic", m), 2)
         if fresh:
             (e, k), inner = functions, self.of(m)
@@ -264,7 +258,7 @@ class Differential:
             self._set(k, rate * (self.algebra.inverse(1 - inner) * e - k))
         return functions
 
-    def _third_kind(self, n: Any, m: Any) -> PolyElement:
+    def _third_kind(self, n: Expr, m: Expr) -> PolyElement:
         (value,), fresh = self._family(("third kind", n, m), 1)
         if fresh:
             (e, k), of_n, of_m = self._elliptic(m), self.of(n), self.of(m)

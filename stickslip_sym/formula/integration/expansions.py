@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import reduce
 
 import sympy as sp
 from sympy.polys.rings import PolyElement
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.formula.integration.differential import Algebra
 
 __all__ = ["Expansion", "Series"]
@@ -34,31 +35,25 @@ class Series:
 class Expansion:
     """Expressions in `x` as series with `terms` terms, coefficients in the constants of an algebra."""
 
-    def __init__(self, algebra: Algebra, x: Any, terms: int) -> None:
+    def __init__(self, algebra: Algebra, x: Expr, terms: int) -> None:
         self.algebra, self.x, self.terms = algebra, x, terms
-        self._seen: dict[Any, Series] = {}
+        self._seen: dict[Expr, Series] = {}
 
-    def of(self, expr: Any) -> Series:
+    def of(self, expr: Expr) -> Series:
         """Return the series; raise ValueError where there is none at 0."""
         if expr not in self._seen:
             self._seen[expr] = self._made(expr)
         return self._seen[expr]
 
-    def _made(self, expr: Any) -> Series:
+    def _made(self, expr: Expr) -> Series:
         if not expr.has(self.x):
             return self._constant(self.algebra.constant(expr))
         if expr == self.x:
             return Series(1, self._constant(self.algebra.ring.one).coefficients)
         if expr.is_Add:
-            total = self.of(expr.args[0])
-            for argument in expr.args[1:]:
-                total = self._sum(total, self.of(argument))
-            return total
+            return reduce(self._sum, map(self.of, expr.args))
         if expr.is_Mul:
-            total = self.of(expr.args[0])
-            for argument in expr.args[1:]:
-                total = self._product(total, self.of(argument))
-            return total
+            return reduce(self._product, map(self.of, expr.args))
         if expr.is_Pow:
             return self._power(self.of(expr.base), expr.exp)
         if expr.func in (sp.log, sp.atan, sp.asinh, sp.erf):
@@ -86,7 +81,7 @@ class Expansion:
                         values[i + j] += self.algebra.product(left, right)
         return self._stripped(Series(a.order + b.order, values))
 
-    def _power(self, base: Series, exponent: Any) -> Series:
+    def _power(self, base: Series, exponent: Expr) -> Series:
         """Return base^p by the series of (1 + x)^p; p an integer, or a half, or base(0) != 0."""
         lead = base.coefficients[0] if base.coefficients else self.algebra.ring.zero
         if lead == 0:
@@ -106,7 +101,7 @@ class Expansion:
         series = self._composed([sp.ff(exponent, k) / sp.factorial(k) for k in range(self.terms)], rest)
         return Series(int(order) + series.order, [self.algebra.product(front, c) for c in series.coefficients])
 
-    def _composed(self, taylor: Sequence[Any], inner: Series) -> Series:
+    def _composed(self, taylor: Sequence[Expr], inner: Series) -> Series:
         """Return sum taylor[k] inner^k for an inner series that vanishes at 0."""
         if inner.order < 1:
             raise ValueError("a function is needed at another place than 0")
@@ -122,7 +117,7 @@ class Expansion:
                 break
         return total
 
-    def _function(self, kind: Any, arguments: Sequence[Any]) -> Series:
+    def _function(self, kind: Expr, arguments: Sequence[Expr]) -> Series:
         counted = range(self.terms)
         if kind in (sp.besseli, sp.besselj) and arguments[0] in (0, 1):
             order, sign = int(arguments[0]), 1 if kind is sp.besseli else -1
@@ -167,7 +162,7 @@ class Expansion:
             return self._sum(*parts)
         raise ValueError(f"the series of {kind.__name__} at V = 0 is not known here")
 
-    def _integrated(self, expr: Any) -> Series:
+    def _integrated(self, expr: Expr) -> Series:
         """Return f(z) = f(z(0)) + the integral of its derivative."""
         slope = self.of(sp.diff(expr, self.x))
         if slope.order < 0 and slope.coefficients:
@@ -179,7 +174,7 @@ class Expansion:
         ]
         return self._sum(self._constant(front), Series(slope.order + 1, grown))
 
-    def _split(self, inner: Series, function: Any) -> tuple[PolyElement, Series]:
+    def _split(self, inner: Series, function: Expr) -> tuple[PolyElement, Series]:
         """Return function(inner(0)) and inner - inner(0)."""
         if inner.order < 0 or inner.known < 1:
             raise ValueError(f"{function.__name__} of what is not known at 0")

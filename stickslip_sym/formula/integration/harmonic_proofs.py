@@ -9,11 +9,11 @@ analytic for V > 0 that agree near 0 agree for every V > 0.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 from sympy.polys.polyerrors import BasePolynomialError
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import time_left
 from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.core.interruption import within
@@ -50,13 +50,13 @@ class HarmonicSeries:
         The proposed H[g](V).
     """
 
-    term: Any
-    u: Any
-    V: Any
-    constant: Any
-    value: Any
+    term: Expr
+    u: Expr
+    V: Expr
+    constant: Expr
+    value: Expr
 
-    def __call__(self, expr: Any) -> Any:
+    def __call__(self, expr: Expr) -> Expr:
         """Apply the theorem, after checking every hypothesis of it."""
         theta, low, high = single_limit(expr)
         if (low, high) != (0, sp.pi):
@@ -74,7 +74,7 @@ class HarmonicSeries:
         return self.constant * self.value
 
 
-def prove_average(term: Any, value: Any, u: Any, V: Any) -> None:
+def prove_average(term: Expr, value: Expr, u: Expr, V: Expr) -> None:
     """Prove H[term] = value, or raise ValueError and say which hypothesis fails."""
     if term.is_Pow and term.base == u and not term.exp.is_Integer:
         _require_moment(term.exp, value, V)
@@ -93,7 +93,7 @@ def prove_average(term: Any, value: Any, u: Any, V: Any) -> None:
     _require_equation(Differential(algebra).of(V * value), algebra, weighted, n, V, count)
 
 
-def _require_moment(p: Any, value: Any, V: Any) -> None:
+def _require_moment(p: Expr, value: Expr, V: Expr) -> None:
     """Compare H[u^p] = -p (2 V)^(p-1) B_(p-1) with the Beta integral for B_(p-1); it exists for p > -1/2."""
     half = sp.Rational(1, 2)
     if not (p + half).is_positive:
@@ -103,7 +103,7 @@ def _require_moment(p: Any, value: Any, V: Any) -> None:
         raise ValueError("the value is not known to be the Beta integral")
 
 
-def _recurrence(term: Any, u: Any) -> tuple[list[Any], int]:
+def _recurrence(term: Expr, u: Expr) -> tuple[list[Expr], int]:
     """Return p_k with sum_k p_k(n) g_(n+k) = 0 for n >= start, each a function of n."""
     if term.is_polynomial(u):
         return [lambda n: sp.Integer(1)], int(sp.degree(term, u)) + 1 if term.has(u) else 1
@@ -120,14 +120,14 @@ def _recurrence(term: Any, u: Any) -> tuple[list[Any], int]:
         raise ValueError(f"{f} is not known to be smooth for {u} >= 0")
     equation = _equation(f, u)
     _require_no_zero(equation[-1].as_expr(), u)
-    parts: dict[int, list[tuple[Any, int]]] = {}
+    parts: dict[int, list[tuple[Expr, int]]] = {}
     for i, coefficient in enumerate(equation):
         for (m,), c in coefficient.terms():
             if c != 0:
                 parts.setdefault(i - m, []).append((c, i))
     low = min(parts)
 
-    def part(k: int) -> Any:
+    def part(k: int) -> Expr:
         """Note that c u^m f^(i) adds c j...(j - i + 1) f_j to that of u^(j - i + m), here j = n - shift + k."""
         terms = parts.get(low + k, [])
         return lambda n: sp.Add(*[c * sp.ff(n - shift + k, i) for c, i in terms])
@@ -135,7 +135,7 @@ def _recurrence(term: Any, u: Any) -> tuple[list[Any], int]:
     return [part(k) for k in range(max(parts) - low + 1)], max(int(shift) + low, int(shift))
 
 
-def _equation(f: Any, u: Any) -> list[Any]:
+def _equation(f: Expr, u: Expr) -> list[Expr]:
     """Return polynomials a_i with sum_i a_i f^(i) = 0."""
     slope = sp.diff(f, u)
     for ratio, orders in (
@@ -152,14 +152,14 @@ def _equation(f: Any, u: Any) -> list[Any]:
     raise ValueError(f"no differential equation of {f} is known here")
 
 
-def _require_no_zero(polynomial: Any, u: Any) -> None:
+def _require_no_zero(polynomial: Expr, u: Expr) -> None:
     """Refuse a leading coefficient, or a denominator, that may vanish for u >= 0."""
     for factor, _ in sp.factor_list(polynomial, u)[1]:
         if not (is_positive(factor, u) or is_positive(-factor, u)):
             raise ValueError(f"{factor} is not known to have no zero for {u} >= 0")
 
 
-def _weighted(recurrence: list[Any], n: Any) -> tuple[list[Any], Any]:
+def _weighted(recurrence: list[Expr], n: Expr) -> tuple[list[Expr], Expr]:
     """Return q_k with sum_k q_k(n) b_(n+k) g_(n+k) = 0, polynomials in n, and what was divided out of them."""
     r = len(recurrence) - 1
     terms = []
@@ -175,7 +175,7 @@ def _weighted(recurrence: list[Any], n: Any) -> tuple[list[Any], Any]:
     return [sp.Poly(sp.cancel(q.as_expr() / common.as_expr()), n) for q in whole], common
 
 
-def _fixed_from(leading: Any, n: Any, start: int) -> int:
+def _fixed_from(leading: Expr, n: Expr, start: int) -> int:
     """Return the n >= 1 from which the recurrence fixes every coefficient; no root of `leading` comes after."""
     first = max(start, 1)
     constant, factors = sp.factor_list(leading.as_expr(), n)
@@ -193,7 +193,7 @@ def _fixed_from(leading: Any, n: Any, start: int) -> int:
     return first
 
 
-def _require_real_analytic(expr: Any, V: Any, inside: bool = False) -> None:
+def _require_real_analytic(expr: Expr, V: Expr, inside: bool = False) -> None:
     """Refuse a formula that may leave the domain on which its functions are analytic.
 
     Poles do not matter, save inside of a function: where a formula equals a function without poles except at
@@ -226,7 +226,7 @@ def _require_real_analytic(expr: Any, V: Any, inside: bool = False) -> None:
 _ENTIRE = (sp.Add, sp.Mul, sp.Tuple, sp.exp, sp.sin, sp.cos, sp.atan)
 
 
-def _positive(expr: Any, V: Any) -> bool:
+def _positive(expr: Expr, V: Expr) -> bool:
     """Tell whether an expression is known to be positive for V > 0.
 
     So is c sqrt(R) + L, c > 0, where L is positive, and where c^2 R > L^2.
@@ -250,7 +250,7 @@ def _positive(expr: Any, V: Any) -> bool:
     return is_positive(L, V) or _outweighs(c**2 * root.base - L**2, L, V)
 
 
-def _outweighs(above: Any, L: Any, V: Any) -> bool:
+def _outweighs(above: Expr, L: Expr, V: Expr) -> bool:
     """Tell whether `above` is positive for V > 0, save at zeros of even order where L is positive."""
     if not above.is_polynomial(V):
         return False
@@ -268,7 +268,7 @@ def _outweighs(above: Any, L: Any, V: Any) -> bool:
     return True
 
 
-def _require_same_start(algebra: Algebra, term: Any, value: Any, u: Any, V: Any, count: int) -> None:
+def _require_same_start(algebra: Algebra, term: Expr, value: Expr, u: Expr, V: Expr, count: int) -> None:
     """Compare V value(V) and -sum b_n g_n V^n in the coefficients of V^n, n < count."""
     for spare in _SPARE:
         of_term: Series = Expansion(algebra, u, count + spare).of(term)
@@ -289,7 +289,7 @@ def _require_same_start(algebra: Algebra, term: Any, value: Any, u: Any, V: Any,
             raise ValueError(f"the coefficients of V^{power - 1} are not known to be equal")
 
 
-def _require_equation(product: Any, algebra: Algebra, weighted: list[Any], n: Any, V: Any, count: int) -> None:
+def _require_equation(product: Expr, algebra: Algebra, weighted: list[Expr], n: Expr, V: Expr, count: int) -> None:
     """Apply sum_k V^(r-k) q_k(theta - k), theta = V d/dV, to V F: a polynomial below V^count must be left."""
     r = len(weighted) - 1
     shifted = [sp.Poly(q.as_expr().subs(n, n - k), n) for k, q in enumerate(weighted)]

@@ -7,10 +7,10 @@ the hypergeometric series, from residues the rational functions, and from Fourie
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import sympy as sp
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.formula.integration.terms import (
     as_function,
     as_power,
@@ -24,23 +24,23 @@ __all__ = ["harmonic_average", "kinked_polynomial_average"]
 _HALF = sp.Rational(1, 2)
 
 
-def harmonic_average(rest: Any, u: Any, V: Any) -> tuple[str, Any] | None:
+def harmonic_average(rest: Expr, u: Expr, V: Expr) -> tuple[str, Expr] | None:
     """Return the name of the rule that averages a term and H[rest], or None."""
     return first_rule(_RULES, rest, u, V)
 
 
-def _power_moment(p: Any, V: Any) -> Any:
+def _power_moment(p: Expr, V: Expr) -> Expr:
     """Return H[u^p], p > -1/2."""
     factor = -(2 ** (p + 1)) * V ** (p - 1) / sp.sqrt(sp.pi)
     return factor * p * sp.gamma(p + _HALF) / sp.gamma(p + 2)
 
 
-def _polynomial_moment(polynomial: Any, p: Any, u: Any, V: Any) -> Any:
+def _polynomial_moment(polynomial: Expr, p: Expr, u: Expr, V: Expr) -> Expr:
     """Return H[polynomial * u^p]."""
     return sp.Add(*[c * _power_moment(p + n, V) for (n,), c in sp.Poly(polynomial, u).terms()])
 
 
-def _averages(polynomial: Any, coefficient: Callable[[int], Any], u: Any, V: Any) -> Any:
+def _averages(polynomial: Expr, coefficient: Callable[[int], Expr], u: Expr, V: Expr) -> Expr:
     """Return H[polynomial * g] from the Fourier coefficients of g.
 
     coefficient(k) = (1/pi) integral_0^pi g(V (1 - cos(theta))) cos(k theta) dtheta.
@@ -53,7 +53,7 @@ def _averages(polynomial: Any, coefficient: Callable[[int], Any], u: Any, V: Any
     return 2 / V * sp.Add(*[weights[k] * coefficient(k) for k in weights])
 
 
-def _rational(rest: Any, u: Any, V: Any) -> Any | None:
+def _rational(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average residues at the roots of factors of degree 1 and 2, real for complex roots too."""
     parts = partial_fractions(rest, u)
     if parts is None:
@@ -75,7 +75,7 @@ def _rational(rest: Any, u: Any, V: Any) -> Any | None:
     return total
 
 
-def _linear_residue(w: Any, power: int, V: Any) -> Any:
+def _linear_residue(w: Expr, power: int, V: Expr) -> Expr:
     """Return H[1/(u + w)^power], w > 0."""
     if power == 1:
         root = sp.sqrt(w * (w + 2 * V))
@@ -85,7 +85,7 @@ def _linear_residue(w: Any, power: int, V: Any) -> Any:
     return ((-1) ** power * sp.diff(cubed, x, power - 2) / sp.factorial(power - 1)).subs(x, w)
 
 
-def _lorentzian_residue(A: Any, B: Any, width: Any, power: int, V: Any) -> Any:
+def _lorentzian_residue(A: Expr, B: Expr, width: Expr, power: int, V: Expr) -> Expr:
     """Return H[(A u + B)/(u^2 + y^2)^power], y = width > 0.
 
     Everything is rational in V, y and h = sqrt((1 + q)/2), q = sqrt(1 + 4 V^2/y^2), with the derivative
@@ -101,7 +101,7 @@ def _lorentzian_residue(A: Any, B: Any, width: Any, power: int, V: Any) -> Any:
     return value.subs({q: root, h: sp.sqrt((1 + root) / 2), y: width})
 
 
-def _quadratic_residue(A: Any, B: Any, b: Any, c: Any, power: int, V: Any) -> Any:
+def _quadratic_residue(A: Expr, B: Expr, b: Expr, c: Expr, power: int, V: Expr) -> Expr:
     """Return H[(A u + B)/(u^2 + b u + c)^power]; the quadratic is positive on [0, 2 V].
 
     The same formula holds for real, double and complex roots.
@@ -117,7 +117,7 @@ def _quadratic_residue(A: Any, B: Any, b: Any, c: Any, power: int, V: Any) -> An
     return ((-1) ** (power - 1) * value / sp.factorial(power - 1)).subs(x, c)
 
 
-def _power(rest: Any, u: Any, V: Any) -> Any | None:
+def _power(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average u^n u^p, p > -1/2, and u^n (a u + b)^p by Gauss's hypergeometric function."""
     match = as_power(rest, u)
     if match is None:
@@ -130,7 +130,7 @@ def _power(rest: Any, u: Any, V: Any) -> Any | None:
     return sp.Add(*[c * _shifted_power(rate, shift, p + n, V) for (n,), c in terms])
 
 
-def _shifted_power(rate: Any, shift: Any, p: Any, V: Any) -> Any:
+def _shifted_power(rate: Expr, shift: Expr, p: Expr, V: Expr) -> Expr:
     """Return H[(rate u + shift)^p]; complete elliptic integrals for p = 1/2."""
     r = V * rate / shift
     if p == _HALF:
@@ -140,7 +140,7 @@ def _shifted_power(rate: Any, shift: Any, p: Any, V: Any) -> Any:
     return -p * rate * shift ** (p - 1) * sp.hyper((1 - p, sp.Rational(3, 2)), (3,), -2 * r)
 
 
-def _exponential(rest: Any, u: Any, V: Any) -> Any | None:
+def _exponential(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average u^n exp(a u + b), modified Bessel functions of -a V, order 0 and 1."""
     match = as_function(rest, u, sp.exp)
     if match is None:
@@ -160,7 +160,7 @@ def _exponential(rest: Any, u: Any, V: Any) -> Any | None:
     return 2 / V * sp.exp(shift + rate * V) * sp.expand(total).subs(z, -rate * V)
 
 
-def _sine(rest: Any, u: Any, V: Any) -> Any | None:
+def _sine(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     """u^n sin(a u + b) and u^n cos(a u + b): Bessel functions."""
     for function in (sp.sin, sp.cos):
         match = as_function(rest, u, function)
@@ -169,14 +169,14 @@ def _sine(rest: Any, u: Any, V: Any) -> Any | None:
         polynomial, _, rate, shift = match
         phase = shift + rate * V
 
-        def coefficient(k: int, rate: Any = rate, phase: Any = phase, function: Any = function) -> Any:
+        def coefficient(k: int, rate: Expr = rate, phase: Expr = phase, function: Expr = function) -> Expr:
             return sp.besselj(k, rate * V) * function(phase - k * sp.pi / 2)
 
         return _averages(polynomial, coefficient, u, V)
     return None
 
 
-def _log(rest: Any, u: Any, V: Any) -> Any | None:
+def _log(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average u^n log(a u + b), a > 0, b > 0; H[log(1 + u/w)] = -2/(w + V + sqrt(w (w + 2 V)))."""
     match = as_function(rest, u, sp.log)
     if match is None:
@@ -185,13 +185,13 @@ def _log(rest: Any, u: Any, V: Any) -> Any | None:
     w = shift / rate
     reach = w + V + sp.sqrt(w * (w + 2 * V))
 
-    def coefficient(k: int) -> Any:
+    def coefficient(k: int) -> Expr:
         return sp.log(sp.expand(rate * reach) / 2) if k == 0 else -((V / reach) ** k) / k
 
     return _averages(polynomial, coefficient, u, V)
 
 
-def _atan(rest: Any, u: Any, V: Any) -> Any | None:
+def _atan(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average u^n atan(a u + b), a > 0; the imaginary part of the rule for the logarithm."""
     match = as_function(rest, u, sp.atan)
     if match is None:
@@ -205,7 +205,7 @@ def _atan(rest: Any, u: Any, V: Any) -> Any | None:
     sine = sp.sqrt((size - square) / 2)
     p, q = V + x + y * (x + V) / sine, y + sine
 
-    def coefficient(k: int) -> Any:
+    def coefficient(k: int) -> Expr:
         if k == 0:
             return sp.atan(p / q)
         _, imaginary = _complex_power(p, q, k)
@@ -214,14 +214,14 @@ def _atan(rest: Any, u: Any, V: Any) -> Any | None:
     return _averages(polynomial, coefficient, u, V)
 
 
-def _complex_power(p: Any, q: Any, k: int) -> tuple[Any, Any]:
+def _complex_power(p: Expr, q: Expr, k: int) -> tuple[Expr, Expr]:
     """Return the real and the imaginary part of (p + i q)^k."""
     P, Q = sp.Dummy("P", real=True), sp.Dummy("Q", real=True)
     parts = ((P + sp.I * Q) ** k).expand().as_real_imag()
     return tuple(part.subs({P: p, Q: q}, simultaneous=True) for part in parts)
 
 
-def _asinh(rest: Any, u: Any, V: Any) -> Any | None:
+def _asinh(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average asinh(a u + b) by complete elliptic integrals of the second and third kind.
 
     The substitution 1 + s = (1 - l) (1 - cn)/(1 + l cn), l = (A - B)/(A + B), leads there.
@@ -237,7 +237,7 @@ def _asinh(rest: Any, u: Any, V: Any) -> Any | None:
     return -4 * constant * sp.sqrt(A * B) / (sp.pi * rate * V**2) * elliptic
 
 
-def _erf(rest: Any, u: Any, V: Any) -> Any | None:
+def _erf(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average erf(u/w); its slope is a Gaussian."""
     match = as_function(rest, u, sp.erf)
     if match is None or match[0].has(u) or match[3] != 0:
@@ -247,7 +247,7 @@ def _erf(rest: Any, u: Any, V: Any) -> Any | None:
     return -2 * constant * rate / sp.sqrt(sp.pi) * sp.hyper(upper, lower, -4 * (rate * V) ** 2)
 
 
-def _stretched(rest: Any, u: Any, V: Any) -> Any | None:
+def _stretched(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average u^q exp(-(u/w)^d), d = 1/2, 1 or 2; the Gaussian is one 2F2.
 
     The moments of u^(q + k d) summed over k make hypergeometric series for every rational d. They are of
@@ -263,7 +263,7 @@ def _stretched(rest: Any, u: Any, V: Any) -> Any | None:
     return sp.Add(*[c * _stretched_moment(q + n, k, d, V) for (n,), c in sp.Poly(polynomial, u).terms()])
 
 
-def _stretched_moment(q: Any, k: Any, d: Any, V: Any) -> Any:
+def _stretched_moment(q: Expr, k: Expr, d: Expr, V: Expr) -> Expr:
     """Return H[u^q exp(-k u^d)], d = a/b: the sum over every b-th power of k, for b first powers."""
     a, b = int(d.p), int(d.q)
     total = sp.Integer(0)
@@ -282,7 +282,7 @@ def _stretched_moment(q: Any, k: Any, d: Any, V: Any) -> Any:
     return total
 
 
-def kinked_polynomial_average(pieces: list[Any], ends: list[Any], u: Any, V: Any) -> Any | None:
+def kinked_polynomial_average(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) -> Expr | None:
     """Return H of a term that is a polynomial in u on each piece, piece i between ends i and i + 1."""
     if not all(piece.is_polynomial(u) for piece in pieces):
         return None
@@ -295,7 +295,7 @@ def kinked_polynomial_average(pieces: list[Any], ends: list[Any], u: Any, V: Any
     return 2 / (sp.pi * V) * total
 
 
-def _cosine_primitive(polynomial: Any, theta: Any) -> Any:
+def _cosine_primitive(polynomial: Expr, theta: Expr) -> Expr:
     """Integrate polynomial * cos(theta), a polynomial in cos(theta), as a Fourier sum."""
     z = sp.Dummy("z")
     cosine = (z + 1 / z) / 2

@@ -1,7 +1,7 @@
 """A criterion of a law, integrated term by term: by our own rules first, by SymPy's integrator last.
 
 What comes out of here is a proposal. Antiderivatives carry the certificate by which they are proved, and
-every closed form passes a numerical gate before anybody sees it.
+every closed form passes a numerical gate before it is returned.
 """
 
 import time
@@ -12,6 +12,7 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.integration import search
@@ -60,14 +61,14 @@ class Part:
         The theorem that may prove it; None where only numbers can tell.
     """
 
-    term: Any
-    integral: Any
-    value: Any
+    term: Expr
+    integral: Expr
+    value: Expr
     rule: str
     by: By | None
 
 
-def law_integral(mu: Any, criterion: Criterion) -> Any:
+def law_integral(mu: Expr, criterion: Criterion) -> Expr:
     """Return the criterion of a coefficient mu(v) as an integral."""
     v, V, theta = symbols.v, symbols.V, symbols.theta
     if criterion.is_polynomial:
@@ -76,7 +77,7 @@ def law_integral(mu: Any, criterion: Criterion) -> Any:
     return sp.Integral(mu.subs(v, V * (1 - sp.cos(theta))) * criterion.angle_kernel, (theta, 0, sp.pi))
 
 
-def _boundary(mu: Any, criterion: Criterion) -> Any:
+def _boundary(mu: Expr, criterion: Criterion) -> Expr:
     """Return the boundary terms of the integration by parts."""
     found = criterion.boundary(mu)
     if found.has(sp.zoo, sp.oo, sp.nan):
@@ -86,7 +87,7 @@ def _boundary(mu: Any, criterion: Criterion) -> Any:
     return found
 
 
-def integrate_terms(mu: Any, criterion: Criterion, seconds: float, progress: Progress) -> list[Part]:
+def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Progress) -> list[Part]:
     """Integrate a law term by term.
 
     Parameters
@@ -144,7 +145,7 @@ _Integrated = tuple[str, Any, list[Any]] | Nothing
 
 
 def _by_antiderivatives(
-    pieces: list[Any], places: list[Any], criterion: Criterion, deadline: float, progress: Progress
+    pieces: list[Expr], places: list[Expr], criterion: Criterion, deadline: float, progress: Progress
 ) -> _Integrated:
     """Integrate by an antiderivative of each piece."""
     kernel = criterion.moment_kernel
@@ -171,7 +172,7 @@ def _by_antiderivatives(
 
 
 def _by_averages(
-    pieces: list[Any], places: list[Any], criterion: Criterion, deadline: float, progress: Progress
+    pieces: list[Expr], places: list[Expr], criterion: Criterion, deadline: float, progress: Progress
 ) -> _Integrated:
     """Take the harmonic average of a term by a rule that gives it at once."""
     if places:

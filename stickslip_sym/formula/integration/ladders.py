@@ -6,14 +6,15 @@ than its ladder.
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import sympy as sp
+
+from stickslip_sym.core.aliases import Expr
 
 __all__ = ["LADDERS", "POWER_LADDERS", "asinh_ladder", "by_parts", "climb", "erf_ladder"]
 
 
-def by_parts(polynomial: Any, ladder: Callable[[int], Any], u: Any) -> Any:
+def by_parts(polynomial: Expr, ladder: Callable[[int], Expr], u: Expr) -> Expr:
     """Return sum_j (-1)^j polynomial^(j) ladder(j + 1), where ladder(j)' = ladder(j - 1).
 
     Its derivative telescopes to polynomial * ladder(0).
@@ -25,18 +26,18 @@ def by_parts(polynomial: Any, ladder: Callable[[int], Any], u: Any) -> Any:
     return total
 
 
-def _log_ladder(x: Any, j: int) -> Any:
+def _log_ladder(x: Expr, j: int) -> Expr:
     return x**j / sp.factorial(j) * (sp.log(x) - sp.harmonic(j))
 
 
-def _atan_ladder(x: Any, j: int) -> Any:
+def _atan_ladder(x: Expr, j: int) -> Expr:
     """Imaginary part of the ladder of log(1 + i x)."""
     real, imaginary = sp.expand((x - sp.I) ** j).as_real_imag()
     log_part = sp.log(1 + x**2) / 2 - sp.harmonic(j)
     return (real * sp.atan(x) + imaginary * log_part) / sp.factorial(j)
 
 
-def asinh_ladder(x: Any, j: int) -> Any:
+def asinh_ladder(x: Expr, j: int) -> Expr:
     """j^2 g_j = (2 j - 1) x g_{j-1} - (1 + x^2) g_{j-2}, from (1 + x^2) g_0'' + x g_0' = 0."""
     before, last = 1 / sp.sqrt(1 + x**2), sp.asinh(x)
     for k in range(1, j + 1):
@@ -44,7 +45,7 @@ def asinh_ladder(x: Any, j: int) -> Any:
     return sp.collect(last, (sp.asinh(x), sp.sqrt(1 + x**2)))
 
 
-def erf_ladder(x: Any, j: int) -> Any:
+def erf_ladder(x: Expr, j: int) -> Expr:
     """2 j g_j = g_{j-2} + 2 x g_{j-1}: repeated integrals of the error function."""
     before, last = 2 / sp.sqrt(sp.pi) * sp.exp(-(x**2)), sp.erf(x)
     for k in range(1, j + 1):
@@ -52,20 +53,20 @@ def erf_ladder(x: Any, j: int) -> Any:
     return sp.collect(last, (sp.erf(x), sp.exp(-(x**2))))
 
 
-def _tanh_ladder(x: Any, j: int) -> Any:
+def _tanh_ladder(x: Expr, j: int) -> Expr:
     """tanh(x) = 1 + 2 Li_0(-exp(-2 x)), and Li_s integrates to Li_{s+1}."""
     z = -sp.exp(-2 * x)
     polylog = -sp.log(1 - z) if j == 1 else sp.polylog(j, z)
     return x**j / sp.factorial(j) + 2 * sp.Rational(-1, 2) ** j * polylog
 
 
-def _sech_ladder(x: Any, j: int) -> Any:
+def _sech_ladder(x: Expr, j: int) -> Expr:
     """sech(x) = 2 Ti_0(exp(-x)), Ti_j(y) = Im Li_j(i y) the inverse tangent integral."""
     y = sp.exp(-x)
     return 2 * (-1) ** j * (sp.atan(y) if j == 1 else sp.im(sp.polylog(j, sp.I * y)))
 
 
-def _tanh_power_ladder(x: Any, n: int, j: int) -> Any:
+def _tanh_power_ladder(x: Expr, n: int, j: int) -> Expr:
     """tanh^n = tanh^(n-2) - (tanh^(n-1))' / (n - 1)."""
     if j == 0 or n == 0:
         return sp.tanh(x) ** n * x**j / sp.factorial(j)
@@ -74,7 +75,7 @@ def _tanh_power_ladder(x: Any, n: int, j: int) -> Any:
     return _tanh_power_ladder(x, n - 2, j) - _tanh_power_ladder(x, n - 1, j - 1) / (n - 1)
 
 
-def _sech_power_ladder(x: Any, n: int, j: int) -> Any:
+def _sech_power_ladder(x: Expr, n: int, j: int) -> Expr:
     """(n - 1) sech^n = (n - 2) sech^(n-2) - (sech^(n-2))'' / (n - 2); sech^2 = tanh'."""
     if j <= 0:
         return sp.diff(sp.sech(x) ** n, x, -j)
@@ -86,7 +87,7 @@ def _sech_power_ladder(x: Any, n: int, j: int) -> Any:
     return lower / (n - 1)
 
 
-LADDERS: dict[Any, Callable[[Any, int], Any]] = {
+LADDERS: dict[Expr, Callable[[Expr, int], Expr]] = {
     sp.exp: lambda x, j: sp.exp(x),
     sp.sin: lambda x, j: sp.sin(x - j * sp.pi / 2),
     sp.cos: lambda x, j: sp.cos(x - j * sp.pi / 2),
@@ -98,13 +99,13 @@ LADDERS: dict[Any, Callable[[Any, int], Any]] = {
     sp.sech: _sech_ladder,
 }
 
-POWER_LADDERS: dict[Any, Callable[[Any, int, int], Any]] = {
+POWER_LADDERS: dict[Expr, Callable[[Expr, int, int], Expr]] = {
     sp.tanh: _tanh_power_ladder,
     sp.sech: _sech_power_ladder,
 }
 
 
-def climb(polynomial: Any, ladder: Callable[[Any, int], Any], argument: Any, u: Any) -> Any:
+def climb(polynomial: Expr, ladder: Callable[[Expr, int], Expr], argument: Expr, u: Expr) -> Expr:
     """Integrate polynomial * g(argument), argument = rate * u + shift, g_j = ladder(x, j)."""
     x = sp.Dummy("x", real=True)
     rate = sp.diff(argument, u)

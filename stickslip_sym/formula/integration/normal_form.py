@@ -1,15 +1,15 @@
 """The normal form in which equal expressions become the same expression."""
 
-from typing import Any
-
 import sympy as sp
+
+from stickslip_sym.core.aliases import Expr
 
 __all__ = ["eta_by_zeta", "expand_above", "normal_form", "single_limit"]
 
 _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
 
 
-def single_limit(integral: Any) -> tuple[Any, Any, Any]:
+def single_limit(integral: Expr) -> tuple[Expr, Expr, Expr]:
     """Return the variable and the limits of a definite integral over one variable.
 
     Raises
@@ -23,7 +23,7 @@ def single_limit(integral: Any) -> tuple[Any, Any, Any]:
     return variable, low, high
 
 
-def expand_above(expr: Any) -> Any:
+def expand_above(expr: Expr) -> Expr:
     """Multiply out a product of sums but leave denominators whole: 1/(u + w)^2 stays what it is."""
     if expr.is_Add:
         return sp.Add(*[expand_above(term) for term in expr.args])
@@ -39,7 +39,7 @@ def expand_above(expr: Any) -> Any:
     return sp.Add(*terms)
 
 
-def normal_form(expr: Any) -> Any:
+def normal_form(expr: Expr) -> Expr:
     """Reduce an expression so that zero becomes 0.
 
     Integrals are split by linearity, and done where their integrand is a polynomial. Hyperbolic
@@ -60,12 +60,12 @@ def normal_form(expr: Any) -> Any:
     return sp.expand(sp.powsimp(sp.expand(numerator)))
 
 
-def eta_by_zeta(order: Any) -> Any:
+def eta_by_zeta(order: Expr) -> Expr:
     """Write Dirichlet's eta of a number by Riemann's zeta, which readers know."""
     return sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
 
 
-def _exponentials_as_symbols(expr: Any) -> Any:
+def _exponentials_as_symbols(expr: Expr) -> Expr:
     """Give each exponential a symbol of its own, where none stands in a denominator.
 
     Expanding merges the exponentials of every product first, so no relation between them is lost. To SymPy
@@ -78,20 +78,20 @@ def _exponentials_as_symbols(expr: Any) -> Any:
     return expr.xreplace({node: sp.Dummy(positive=True) for node in expr.atoms(sp.exp)})
 
 
-def _opaque(node: Any) -> Any:
+def _opaque(node: Expr) -> Expr:
     return sp.Symbol(f"[{sp.srepr(node)}]", nonnegative=node.is_nonnegative, positive=node.is_positive)
 
 
-def _is_root(node: Any) -> bool:
+def _is_root(node: Expr) -> bool:
     return bool(node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer)
 
 
-def _is_tangent_integral(node: Any) -> bool:
+def _is_tangent_integral(node: Expr) -> bool:
     """Tell whether it is Im Li_1(i y), the arctangent of y."""
     return isinstance(node, sp.im) and isinstance(node.args[0], sp.polylog) and node.args[0].args[0] == 1
 
 
-def _split(integral: Any) -> Any:
+def _split(integral: Expr) -> Expr:
     """Split an integral over its sum, do the polynomial parts, and give the others one notation.
 
     That is: limits from low to high, and one name for the variable of integration.

@@ -11,9 +11,10 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
+
+from stickslip_sym.core.aliases import Expr
 
 __all__ = ["Found", "Nothing", "antiderivative", "definite_integral", "limit"]
 
@@ -27,7 +28,7 @@ class Found:
     """What came out, and the name of the rule that gave it."""
 
     rule: str
-    value: Any
+    value: Expr
 
 
 @dataclass(frozen=True)
@@ -37,17 +38,17 @@ class Nothing:
     reason: str
 
 
-def antiderivative(f: Any, x: Any, deadline: float, progress: Callable[[str], None]) -> Found | Nothing:
+def antiderivative(f: Expr, x: Expr, deadline: float, progress: Callable[[str], None]) -> Found | Nothing:
     """Return an antiderivative of f(x), or why none came by the deadline."""
     return _ask(sp.Integral(f, x), deadline, progress)
 
 
-def definite_integral(integral: Any, deadline: float, progress: Callable[[str], None]) -> Found | Nothing:
+def definite_integral(integral: Expr, deadline: float, progress: Callable[[str], None]) -> Found | Nothing:
     """Return the value of an integral, or why none came by the deadline."""
     return _ask(integral, deadline, progress)
 
 
-def limit(expr: Any, variable: Any, place: Any, deadline: float) -> Any | None:
+def limit(expr: Expr, variable: Expr, place: Expr, deadline: float) -> Expr | None:
     """Return the finite limit of an expression from above, or from below at infinity; None if none came."""
     found = _done(sp.Limit(expr, variable, place, "-" if place == sp.oo else "+"), deadline)
     unfinished = isinstance(found, Nothing) or found.has(
@@ -56,7 +57,7 @@ def limit(expr: Any, variable: Any, place: Any, deadline: float) -> Any | None:
     return None if unfinished else found
 
 
-def _ask(integral: Any, deadline: float, progress: Callable[[str], None]) -> Found | Nothing:
+def _ask(integral: Expr, deadline: float, progress: Callable[[str], None]) -> Found | Nothing:
     start = time.monotonic()
     if deadline - start >= _LEAST:
         progress(f"{_RULE} for at most {deadline - start:.0f} s: {integral.function}")
@@ -68,7 +69,7 @@ def _ask(integral: Any, deadline: float, progress: Callable[[str], None]) -> Fou
     return Found(_RULE, result)
 
 
-def _done(expr: Any, deadline: float) -> Any:
+def _done(expr: Expr, deadline: float) -> Expr:
     """Carry out an integral or a limit by SymPy, or return `Nothing`."""
     left = deadline - time.monotonic()
     if left < _LEAST:
@@ -91,9 +92,9 @@ def _done(expr: Any, deadline: float) -> Any:
     return pickle.loads(done.stdout)
 
 
-def _carried_out(expr: Any) -> Any:
+def _carried_out(expr: Expr) -> Expr:
     """Carry out an integral or a limit, or say how that ended."""
-    # Refuse to outlive the parent's patience by memory; only Unix can tell a process so.
+    # A limit on memory beside the one on time; only Unix has it.
     with contextlib.suppress(ImportError, ValueError, OSError):
         import resource
 
@@ -102,7 +103,7 @@ def _carried_out(expr: Any) -> Any:
         return expr.doit()
     except MemoryError:
         return Nothing(f"needed more than {_MEMORY} GB")
-    except Exception as error:  # SymPy raises whatever it stumbles over
+    except Exception as error:  # SymPy raises many kinds
         return Nothing(f"gave up with {type(error).__name__}: {str(error)[:200]}")
 
 

@@ -5,26 +5,19 @@ the slip speed, nonnegative; parameters are positive.
 """
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import sympy as sp
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.formula.integration.normal_form import expand_above
 
 __all__ = [
-    "as_function",
-    "as_linear",
-    "as_power",
-    "as_stretched",
-    "first_rule",
-    "grouped",
-    "minus_discriminant",
-    "partial_fractions",
-    "split_polynomial",
-]
+    "as_function", "as_linear", "as_power", "as_single", "as_stretched", "first_rule", "grouped",
+    "minus_discriminant", "partial_fractions", "split_polynomial",
+]  # fmt: skip
 
 
-def first_rule(rules: Mapping[str, Callable[..., Any]], *arguments: Any) -> tuple[str, Any] | None:
+def first_rule(rules: Mapping[str, Callable[..., Expr]], *arguments: Expr) -> tuple[str, Expr] | None:
     """Return the name of the first rule that applies and its result, or None."""
     for name, rule in rules.items():
         result = rule(*arguments)
@@ -33,13 +26,13 @@ def first_rule(rules: Mapping[str, Callable[..., Any]], *arguments: Any) -> tupl
     return None
 
 
-def grouped(f: Any, u: Any) -> dict[Any, Any]:
+def grouped(f: Expr, u: Expr) -> dict[Expr, Expr]:
     """Split a sum into functions of `u` and their constant factors, f = sum of constant times function.
 
     Products are expanded, denominators are not, and fractions over one denominator stay together.
     """
-    constants: dict[Any, Any] = {}
-    fractions: dict[Any, list[Any]] = {}
+    constants: dict[Expr, Expr] = {}
+    fractions: dict[Expr, list[Expr]] = {}
     for term in sp.Add.make_args(expand_above(f)):
         constant, rest = _merge_exponentials(term, u).as_independent(u, as_Add=False)
         numerator, denominator = sp.fraction(rest)
@@ -54,7 +47,7 @@ def grouped(f: Any, u: Any) -> dict[Any, Any]:
     return {rest: constant for rest, constant in factored.items() if constant != 0}
 
 
-def _merge_exponentials(term: Any, u: Any) -> Any:
+def _merge_exponentials(term: Expr, u: Expr) -> Expr:
     """Write a product with one exponential of `u` at most; SymPy leaves exp(-v) exp(-p v) as it is."""
     exponentials, others = sp.sift(
         sp.Mul.make_args(term), lambda factor: isinstance(factor, sp.exp) and factor.has(u), binary=True
@@ -64,14 +57,20 @@ def _merge_exponentials(term: Any, u: Any) -> Any:
     return sp.Mul(*others, sp.exp(sp.Add(*[factor.exp for factor in exponentials])))
 
 
-def split_polynomial(rest: Any, u: Any) -> tuple[Any, list[Any]]:
+def split_polynomial(rest: Expr, u: Expr) -> tuple[Expr, list[Expr]]:
     """Split a product into its polynomial in u and its other factors."""
     factors = sp.Mul.make_args(rest)
     others = [factor for factor in factors if not factor.is_polynomial(u)]
     return sp.Mul(*[factor for factor in factors if factor.is_polynomial(u)]), others
 
 
-def as_linear(expr: Any, u: Any) -> tuple[Any, Any] | None:
+def as_single(rest: Expr, u: Expr) -> tuple[Expr, Expr] | None:
+    """Match polynomial * factor, one factor that is no polynomial; return both."""
+    polynomial, others = split_polynomial(rest, u)
+    return (polynomial, others[0]) if len(others) == 1 else None
+
+
+def as_linear(expr: Expr, u: Expr) -> tuple[Expr, Expr] | None:
     """Return (rate, shift) of rate * u + shift with rate != 0, or None."""
     if not expr.is_polynomial(u) or sp.degree(expr, u) != 1:
         return None
@@ -79,29 +78,29 @@ def as_linear(expr: Any, u: Any) -> tuple[Any, Any] | None:
     return rate, shift
 
 
-def as_function(rest: Any, u: Any, function: Any) -> tuple[Any, Any, Any, Any] | None:
+def as_function(rest: Expr, u: Expr, function: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
     """Match polynomial * function(rate * u + shift); return polynomial, argument, rate, shift."""
-    polynomial, others = split_polynomial(rest, u)
-    if len(others) != 1 or not isinstance(others[0], function):
+    single = as_single(rest, u)
+    if single is None or not isinstance(single[1], function):
         return None
-    argument = others[0].args[0]
+    argument = single[1].args[0]
     linear = as_linear(argument, u)
-    return None if linear is None else (polynomial, argument, *linear)
+    return None if linear is None else (single[0], argument, *linear)
 
 
-def as_power(rest: Any, u: Any) -> tuple[Any, Any, Any, Any, Any] | None:
+def as_power(rest: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr, Expr] | None:
     """Match polynomial * (rate * u + shift)**p, p no integer; return polynomial, base, rate, shift, p."""
-    polynomial, others = split_polynomial(rest, u)
-    if len(others) != 1 or not others[0].is_Pow:
+    single = as_single(rest, u)
+    if single is None or not single[1].is_Pow:
         return None
-    base, exponent = others[0].as_base_exp()
+    polynomial, (base, exponent) = single[0], single[1].as_base_exp()
     linear = as_linear(base, u)
     if linear is None or exponent.has(u) or exponent.is_integer:
         return None
     return (polynomial, base, *linear, exponent)
 
 
-def as_stretched(rest: Any, u: Any) -> tuple[Any, Any, Any, Any] | None:
+def as_stretched(rest: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
     """Match p(u) * u**q * exp(-k u**d + b); return p * exp(b), q, k, d."""
     polynomial, others = split_polynomial(rest, u)
     exponentials = [factor for factor in others if isinstance(factor, sp.exp)]
@@ -118,7 +117,7 @@ def as_stretched(rest: Any, u: Any) -> tuple[Any, Any, Any, Any] | None:
     return polynomial * sp.exp(constant), q, -factor, d
 
 
-def partial_fractions(rest: Any, u: Any) -> tuple[Any, list[tuple[Any, Any, int]]] | None:
+def partial_fractions(rest: Expr, u: Expr) -> tuple[Expr, list[tuple[Expr, Expr, int]]] | None:
     """Split a rational function into a polynomial and fractions (numerator, base, power).
 
     Bases have degree 1 or 2 and leading coefficient 1; None for a factor of higher degree, or one that is
@@ -146,7 +145,7 @@ def partial_fractions(rest: Any, u: Any) -> tuple[Any, list[tuple[Any, Any, int]
     return polynomial, fractions
 
 
-def _is_positive(coefficients: list[Any]) -> bool:
+def _is_positive(coefficients: list[Expr]) -> bool:
     """Tell whether a monic polynomial of degree 1 or 2 is known to be positive for all u >= 0."""
     *middle, c = coefficients[1:]
     if not c.is_positive:
@@ -154,6 +153,6 @@ def _is_positive(coefficients: list[Any]) -> bool:
     return all(b.is_nonnegative or minus_discriminant(b, c).is_positive for b in middle)
 
 
-def minus_discriminant(b: Any, c: Any) -> Any:
+def minus_discriminant(b: Expr, c: Expr) -> Expr:
     """Return minus the discriminant of u^2 + b u + c."""
     return sp.factor(4 * c - b**2)

@@ -1,76 +1,75 @@
 """The theorems of calculus that proofs use; each checks its hypotheses before it applies."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import sympy as sp
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.lerch import Lerch
 from stickslip_sym.formula.integration.normal_form import normal_form, single_limit
 
 __all__ = [
-    "Antiderivative",
-    "By",
-    "ChangeOfVariable",
-    "PieceByPiece",
-    "ends_of_pieces",
-    "is_positive",
-    "is_smooth",
+    "Antiderivative", "By", "ChangeOfVariable", "PieceByPiece", "ends_of_pieces", "is_positive", "is_smooth",
     "value_at",
-]
+]  # fmt: skip
 
 
 class By(Protocol):
     """A theorem applied to the left side of an equation; raises ValueError where it does not apply."""
 
-    def __call__(self, expr: Any) -> Any:
+    def __call__(self, expr: Expr) -> Expr:
         """Return an expression equal to `expr`."""
+
+
+def _in_integrals_over(variable: Expr, expr: Expr, change: Callable[..., Expr]) -> Expr:
+    """Replace every integral over a variable; `change` takes it and its limits."""
+
+    def changed(integral: Expr) -> Expr:
+        found, low, high = single_limit(integral)
+        return change(integral, low, high) if found == variable else integral
+
+    return expr.replace(lambda node: isinstance(node, sp.Integral), changed)
 
 
 @dataclass(frozen=True)
 class ChangeOfVariable:
     """Substitute ``old = image(new)``, with `image` linear, in every integral over `old`."""
 
-    old: Any
-    new: Any
-    image: Any
+    old: Expr
+    new: Expr
+    image: Expr
 
-    def __call__(self, expr: Any) -> Any:
+    def __call__(self, expr: Expr) -> Expr:
         """Apply integration by substitution; a linear image is one to one and smooth."""
         slope = sp.diff(self.image, self.new)
         if slope.has(self.new) or not slope.is_nonzero:
             raise ValueError(f"{self.old} = {self.image} is not linear in {self.new}")
 
-        def substitute(integral: Any) -> Any:
-            variable, *limits = single_limit(integral)
-            if variable != self.old:
-                return integral
+        def substitute(integral: Expr, *limits: Expr) -> Expr:
             if integral.has(self.new):
                 raise ValueError(f"{self.new} already means something in {integral}")
             low, high = (sp.expand((limit - self.image.subs(self.new, 0)) / slope) for limit in limits)
             return sp.Integral(integral.function.subs(self.old, self.image) * slope, (self.new, low, high))
 
-        return expr.replace(lambda node: isinstance(node, sp.Integral), substitute)
+        return _in_integrals_over(self.old, expr, substitute)
 
 
 @dataclass(frozen=True)
 class Antiderivative:
     """Evaluate every integral over `variable` whose integrand is the derivative of `primitive`."""
 
-    primitive: Any
-    variable: Any
+    primitive: Expr
+    variable: Expr
 
-    def __call__(self, expr: Any) -> Any:
+    def __call__(self, expr: Expr) -> Expr:
         """Apply the fundamental theorem of calculus, after differentiating the primitive."""
 
-        def evaluate(integral: Any) -> Any:
-            variable, low, high = single_limit(integral)
-            if variable != self.variable:
-                return integral
-            return _difference(self.primitive, integral.function, variable, low, high)
+        def evaluate(integral: Expr, low: Expr, high: Expr) -> Expr:
+            return _difference(self.primitive, integral.function, self.variable, low, high)
 
-        return expr.replace(lambda node: isinstance(node, sp.Integral), evaluate)
+        return _in_integrals_over(self.variable, expr, evaluate)
 
 
 @dataclass(frozen=True)
@@ -81,17 +80,14 @@ class PieceByPiece:
     lie within the limits is left open: each end is taken at most as far as the upper limit.
     """
 
-    primitives: Sequence[Any]
-    variable: Any
-    places: Sequence[Any]
+    primitives: Sequence[Expr]
+    variable: Expr
+    places: Sequence[Expr]
 
-    def __call__(self, expr: Any) -> Any:
+    def __call__(self, expr: Expr) -> Expr:
         """Apply the fundamental theorem of calculus on each piece."""
 
-        def evaluate(integral: Any) -> Any:
-            variable, low, high = single_limit(integral)
-            if variable != self.variable:
-                return integral
+        def evaluate(integral: Expr, low: Expr, high: Expr) -> Expr:
             if low != 0:
                 raise ValueError(f"the pieces start at 0, the integral at {low}")
             pieces = _branches(integral.function)
@@ -100,24 +96,24 @@ class PieceByPiece:
                 raise ValueError(f"{len(self.primitives)} antiderivatives for {len(pieces)} pieces")
             return sp.Add(
                 *[
-                    _difference(primitive, piece, variable, left, right)
+                    _difference(primitive, piece, self.variable, left, right)
                     for primitive, piece, left, right in zip(self.primitives, pieces, ends, ends[1:], strict=False)
                 ]
             )
 
-        return expr.replace(lambda node: isinstance(node, sp.Integral), evaluate)
+        return _in_integrals_over(self.variable, expr, evaluate)
 
 
-def ends_of_pieces(places: Sequence[Any], high: Any) -> list[Any]:
+def ends_of_pieces(places: Sequence[Expr], high: Expr) -> list[Expr]:
     """Return the ends of the pieces within [0, high], in order whatever the places are."""
-    ends: list[Any] = [sp.Integer(0)]
+    ends: list[Expr] = [sp.Integer(0)]
     for place in places:
         after = place if place.is_positive and ends[-1] == 0 else sp.Max(place, ends[-1])
         ends.append(sp.Min(after, high))
     return [*ends, high]
 
 
-def _branches(integrand: Any) -> list[Any]:
+def _branches(integrand: Expr) -> list[Expr]:
     nodes = integrand.atoms(sp.Piecewise)
     if not nodes:
         return [integrand]
@@ -127,7 +123,7 @@ def _branches(integrand: Any) -> list[Any]:
     return [integrand.xreplace({node: branch}) for branch, _ in node.args]
 
 
-def _difference(primitive: Any, integrand: Any, x: Any, low: Any, high: Any) -> Any:
+def _difference(primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr) -> Expr:
     """Return primitive(high) - primitive(low), once it is known to be the integral."""
     if normal_form(sp.diff(primitive, x) - integrand) != 0:
         raise ValueError(f"{primitive} is not known to be an antiderivative of {integrand}")
@@ -141,7 +137,7 @@ def _difference(primitive: Any, integrand: Any, x: Any, low: Any, high: Any) -> 
     return value_at(primitive, x, high) - value_at(primitive, x, low)
 
 
-def value_at(primitive: Any, x: Any, place: Any) -> Any:
+def value_at(primitive: Expr, x: Expr, place: Expr) -> Expr:
     """Return a primitive at a place, or its limit from above at 0 where powers outweigh logarithms.
 
     Raises
@@ -157,7 +153,7 @@ def value_at(primitive: Any, x: Any, place: Any) -> Any:
     return value
 
 
-def _limit_of_term(term: Any, x: Any) -> Any:
+def _limit_of_term(term: Expr, x: Expr) -> Expr:
     """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0."""
     power, singular, rest = sp.Integer(0), False, sp.Integer(1)
     for factor in sp.Mul.make_args(term):
@@ -174,23 +170,11 @@ def _limit_of_term(term: Any, x: Any) -> Any:
 
 
 _ENTIRE = (
-    sp.Add,
-    sp.Mul,
-    sp.im,
-    sp.exp,
-    sp.sin,
-    sp.cos,
-    sp.sinh,
-    sp.cosh,
-    sp.tanh,
-    sp.sech,
-    sp.asinh,
-    sp.atan,
-    sp.erf,
-)
+    sp.Add, sp.Mul, sp.im, sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.asinh, sp.atan, sp.erf,
+)  # fmt: skip
 
 
-def is_smooth(expr: Any, x: Any) -> bool:
+def is_smooth(expr: Expr, x: Expr) -> bool:
     """Tell whether an expression is known to be continuous for all x that the assumptions of x allow.
 
     So an integral over [-1, 1] whose variable is nonnegative would be misjudged: the limits are compared with
@@ -224,7 +208,7 @@ def is_smooth(expr: Any, x: Any) -> bool:
     return fine and all(is_smooth(argument, x) for argument in expr.args)
 
 
-def is_positive(expr: Any, x: Any) -> bool:
+def is_positive(expr: Expr, x: Expr) -> bool:
     """Tell whether an expression is known to be positive: by its signs, or as a quadratic without real roots."""
     if expr.is_positive:
         return True

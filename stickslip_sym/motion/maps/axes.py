@@ -2,40 +2,32 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_array, real, suggestion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 
-__all__ = ["SCENE", "Axis", "fixed_values", "read_axes", "read_axis", "read_values", "require_few"]
+__all__ = ["SCENE", "Axis", "AxisValues", "fixed_values", "read_axes", "read_axis", "read_values", "require_few"]
 
+AxisValues = tuple[str, ArrayLike]
+"""The name of an axis, and its values."""
 SCENE = ("V", "N", "m", "k", "c")
 _MOST_CELLS = 1_000_000
 
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis of a map.
+    """An axis of a map."""
 
-    Attributes
-    ----------
-    name : str
-        As in formulas.
-    values : numpy.ndarray
-        Ascending.
-    unit : str
-        SI, "1" for a pure number, and empty where it is not known.
-    meaning : str
-    """
-
-    name: str
-    values: Any
-    unit: str
+    name: str  # as in formulas
+    values: FloatArray  # ascending
+    unit: str  # SI, "1" for a pure number, and empty where it is not known
     meaning: str
 
     def __str__(self) -> str:
@@ -49,13 +41,10 @@ class Axis:
         return f"{self.meaning or 'parameter'} {self.name}{unit}"
 
 
-def read_values(name: str, values: Any) -> Any:
+def read_values(name: str, values: ArrayLike) -> FloatArray:
     """Return the values of an axis as an array.
 
-    Raises
-    ------
-    InputError
-        If they are not finite numbers in ascending order.
+    Raises `InputError` if they are not finite numbers in ascending order.
     """
     array = np.array(read_array(name, values), dtype=np.float64)
     if array.ndim != 1 or not array.size:
@@ -65,13 +54,10 @@ def read_values(name: str, values: Any) -> Any:
     return array
 
 
-def read_axes(law: FrictionLaw, x: Any, y: Any) -> tuple[Axis, Axis]:
+def read_axes(law: FrictionLaw, x: AxisValues, y: AxisValues) -> tuple[Axis, Axis]:
     """Return the two axes of a map.
 
-    Raises
-    ------
-    InputError
-        For an unknown name, the same one twice, unusable values, or too many cells.
+    Raises `InputError` for an unknown name, the same one twice, unusable values, or too many cells.
     """
     axes = read_axis(law, "x", x), read_axis(law, "y", y)
     if axes[0].name == axes[1].name:
@@ -86,13 +72,10 @@ def require_few(columns: int, rows: int) -> None:
         raise InputError(f"{columns} x {rows} cells are more than {_MOST_CELLS}; take fewer values on an axis")
 
 
-def read_axis(law: FrictionLaw, side: str, given: Any) -> Axis:
+def read_axis(law: FrictionLaw, side: str, given: AxisValues) -> Axis:
     """Return an axis given as a name and its values; `side` is how an error calls it.
 
-    Raises
-    ------
-    InputError
-        For an unknown name, or unusable values.
+    Raises `InputError` for an unknown name, or unusable values.
     """
     if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != 2 or not isinstance(given[0], str):
         raise InputError(
@@ -113,14 +96,11 @@ def read_axis(law: FrictionLaw, side: str, given: Any) -> Axis:
 
 
 def fixed_values(
-    law: FrictionLaw, axes: tuple[Axis, ...], given: Mapping[str, Any]
+    law: FrictionLaw, axes: tuple[Axis, ...], given: Mapping[str, float | None]
 ) -> tuple[FrictionLaw, dict[str, float]]:
     """Return the law with a value for each parameter, and the quantities that are no axis.
 
-    Raises
-    ------
-    InputError
-        For a quantity that is missing, given twice, or has the wrong sign anywhere on the map.
+    Raises `InputError` for a quantity that is missing, given twice, or has the wrong sign anywhere on the map.
     """
     on_axis = {axis.name: axis for axis in axes}
     values = {}

@@ -1,28 +1,31 @@
 """`basin_map`: which motion each start leads to."""
 
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import read_rtol
-from stickslip_sym.core.types import BoolArray, FloatArray, IntArray
 from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, read_values, require_few
 from stickslip_sym.motion.maps.cells import MOTIONS
-from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Progress, collect
+from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Plain, Progress, collect
 from stickslip_sym.motion.maps.shares import Share, counted_shares, shares_of
 from stickslip_sym.motion.maps.sides import FINEST, sides_of
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify
 from stickslip_sym.output import drawing, files, markup
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["BasinMap", "basin_map"]
 
@@ -59,7 +62,7 @@ class BasinMap(drawing.Drawn):
     v0: FloatArray
     law: FrictionLaw
     oscillator: Oscillator
-    motion: Any
+    motion: ObjectArray
     regime: Regime
     share: dict[Motion, Share]
     simulated: int
@@ -111,7 +114,7 @@ class BasinMap(drawing.Drawn):
         arrays |= {name: np.array(value) for name, value in asdict(self.oscillator).items()}
         files.write_npz(Path(path), arrays)
 
-    def _figure(self) -> Any:
+    def _figure(self) -> "Figure":
         from stickslip_sym.motion.maps.drawing import draw_basins
 
         return draw_basins(self)
@@ -121,8 +124,8 @@ def basin_map(
     law: FrictionLaw,
     osc: Oscillator,
     *,
-    x0: Iterable[float],
-    v0: Iterable[float],
+    x0: ArrayLike,
+    v0: ArrayLike,
     rtol: float = 1e-10,
     workers: Workers = 1,
     checkpoint: str | Path | None = None,
@@ -211,7 +214,7 @@ def _sample(settled: IntArray) -> BoolArray:
     return chosen
 
 
-def classify_line(task: dict[str, Any]) -> dict[str, Any]:
+def classify_line(task: Plain) -> Plain:
     """Classify starts of one line of a basin map: plain content in, plain content out."""
     law, osc = law_of_text(task["law"]), Oscillator(**task["oscillator"])
     motion, notes, unfinished = [], [], False

@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
+from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import NotConverged
-from stickslip_sym.core.types import FloatArray, IntArray
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase

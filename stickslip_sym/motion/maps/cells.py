@@ -38,27 +38,15 @@ REASONS = tuple(Reason)
 
 @dataclass
 class Cells:
-    """What is known of the cells of one scene, one for each damping.
+    """What is known of the cells of one scene, one for each damping."""
 
-    Attributes
-    ----------
-    motion, reason : list of int
-        Places in `MOTIONS` and `REASONS`.
-    attractors : list of int
-        Values of `Attractor`.
-    equilibrium, least_squares, exact : float or None
-        Thresholds in kg/s, as `MotionMap` has them; None where one was not found.
-    notes : dict of int to str
-        Of cells that failed or stayed undecided: why.
-    """
-
-    motion: list[int]
-    attractors: list[int]
-    reason: list[int]
+    motion: list[int]  # places in `MOTIONS`
+    attractors: list[int]  # values of `Attractor`
+    reason: list[int]  # places in `REASONS`
     equilibrium: float | None = None
     least_squares: float | None = None
-    exact: float | None = None
-    notes: dict[int, str] = field(default_factory=dict)
+    exact: float | None = None  # all three in kg/s, as `MotionMap` has them; None where one was not found
+    notes: dict[int, str] = field(default_factory=dict)  # of cells that failed or stayed undecided: why
 
     @classmethod
     def failed(cls, count: int, error: StickSlipError) -> "Cells":

@@ -21,44 +21,37 @@ from stickslip_sym.core.version import __version__
 from stickslip_sym.motion.maps.workers import Workers, check_workers, run
 from stickslip_sym.output.files import require_name
 
-__all__ = ["UNFINISHED", "Progress", "collect"]
+__all__ = ["UNFINISHED", "Plain", "Progress", "collect", "limited"]
 
 UNFINISHED = "unfinished"
 """The key of a result that says whether the time was up before it was whole; such a one is not kept."""
 
 _FORMAT = "stickslip_sym checkpoint"
 Progress = Callable[[int, int], None]
+Plain = Any
+"""What JSON holds."""
+Function = Callable[[Plain], Plain]
 
 
 def collect(
-    function: Callable[[Any], Any],
-    tasks: Sequence[Any],
+    function: Function,
+    tasks: Sequence[Plain],
     *,
     workers: Workers = 1,
     checkpoint: str | Path | None = None,
     progress: Progress | None = None,
-) -> list[Any]:
+) -> list[Plain]:
     """Return the results of all tasks, in order.
 
-    Parameters
-    ----------
-    function : callable
-        At the top level of a module; takes a task, and returns what JSON holds.
-    tasks : sequence
-        What JSON holds; together they are the request.
-    workers : int or map-like callable
-    checkpoint : str or Path, optional
-        A file of an earlier run of the same request, or a new one.
-    progress : callable, optional
-        Called with the number of finished tasks and of all.
+    - `function`: at the top level of a module; takes a task, and returns what JSON holds.
+    - `tasks`: what JSON holds; together they are the request.
+    - `checkpoint`: a file of an earlier run of the same request, or a new one.
+    - `progress`: called with the number of finished tasks and of all.
 
-    Raises
-    ------
-    InputError
-        For unusable workers, or a file that cannot be used.
+    Raises `InputError` for unusable workers, or a file that cannot be used.
     """
     check_workers(workers)
-    found: dict[int, Any] = {}
+    found: dict[int, Plain] = {}
     told = progress or (lambda done, total: None)
     with nullcontext() if checkpoint is None else _opened(Path(checkpoint)) as file:
         if file is not None:
@@ -66,7 +59,7 @@ def collect(
             found = file.resume(request, len(tasks))
         told(len(found), len(tasks))
         left = [index for index in range(len(tasks)) if index not in found]
-        for place, result in run(_limited(function), [tasks[index] for index in left], workers):
+        for place, result in run(limited(function), [tasks[index] for index in left], workers):
             if file is not None and not (isinstance(result, dict) and result.get(UNFINISHED)):
                 file.keep(left[place], result)
             found[left[place]] = result
@@ -74,19 +67,19 @@ def collect(
     return [found[index] for index in range(len(tasks))]
 
 
-def _limited(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+def limited(function: Function) -> Function:
     """Let a function heed in other processes, too, what is left of the time here."""
     left = time_left()
     return function if math.isinf(left) else partial(_until, time.time() + left, function)
 
 
-def _until(end: float, function: Callable[[Any], Any], task: Any) -> Any:
+def _until(end: float, function: Function, task: Plain) -> Plain:
     """Carry out a task with the time until a given one, in seconds of the clock that all processes have."""
     with time_limit(min(max(end - time.time(), 0.0), LONGEST)):
         return function(task)
 
 
-def _digest(function: Callable[[Any], Any], tasks: Iterable[Any]) -> str:
+def _digest(function: Function, tasks: Iterable[Plain]) -> str:
     """Return what tells one request from another; another version of the package may compute otherwise."""
     digest = hashlib.sha256(f"{__version__} {function.__module__}.{function.__name__}".encode())
     for task in tasks:
@@ -119,11 +112,11 @@ class _File:
     path: Path
     stream: BinaryIO
 
-    def keep(self, index: int, result: Any) -> None:
+    def keep(self, index: int, result: Plain) -> None:
         with _explained(self.path):
             self.stream.write(_line([index, result]))
 
-    def resume(self, request: dict[str, Any], count: int) -> dict[int, Any]:
+    def resume(self, request: dict[str, Plain], count: int) -> dict[int, Plain]:
         """Read what is done, and leave the file ready for the next line."""
         name, head = str(self.path), _line(request)
         with _explained(self.path):
@@ -153,5 +146,5 @@ class _File:
         return found
 
 
-def _line(content: Any) -> bytes:
+def _line(content: Plain) -> bytes:
     return (json.dumps(content) + "\n").encode()

@@ -15,12 +15,13 @@ from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
-from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
+from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
@@ -44,24 +45,15 @@ _TIGHTEST = 1e-13
 _BESIDE_REST = 1e-3  # velocity over the belt's of a motion that begins beside rest
 
 
-def decide(law: FrictionLaw, osc: Oscillator, c: Any, *, rtol: float) -> Cells:
+def decide(law: FrictionLaw, osc: Oscillator, c: ArrayLike, *, rtol: float) -> Cells:
     """Return the motion from x = 0, x' = V, and every attractor, for each damping.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound.
-    osc : Oscillator
-        Its own c is not used.
-    c : array_like
-        In kg/s.
-    rtol : float
-        A damping that is closer to a threshold or a fold, relative to the largest of them, is not decided.
+    - `law`: with all parameters bound.
+    - `osc`: its own c is not used.
+    - `c`: in kg/s.
+    - `rtol`: a damping that is closer to a threshold or a fold, relative to the largest of them, is not decided.
 
-    Raises
-    ------
-    InputError
-        For a law that no oscillator can have.
+    Raises `InputError` for a law that no oscillator can have.
     """
     return _Column(law, osc, np.asarray(c, dtype=np.float64), rtol).cells()
 
@@ -69,7 +61,7 @@ def decide(law: FrictionLaw, osc: Oscillator, c: Any, *, rtol: float) -> Cells:
 class _Column:
     """All dampings in one scene."""
 
-    def __init__(self, law: FrictionLaw, osc: Oscillator, c: Any, rtol: float) -> None:
+    def __init__(self, law: FrictionLaw, osc: Oscillator, c: FloatArray, rtol: float) -> None:
         self.law, self.osc, self.c, self.rtol = law, osc, c, rtol
         self.fine = max(rtol * _FINER, _TIGHTEST)
         self.static = Scene.of(law, osc).static
@@ -95,7 +87,7 @@ class _Column:
             return None
         return float(found.d[0] * self.osc.impedance)
 
-    def _turns(self) -> Any | None:
+    def _turns(self) -> FloatArray | None:
         """Return the damping that orbits need at rest, at each fold and at the graze; None if unknown."""
         if self.graze is None:
             return None
@@ -126,9 +118,7 @@ class _Column:
             if self.smooth:
                 return float(numerical_averages(scenes)[least_squares.name][0])
             return float(average(scenes, least_squares)[0])
-        except OutOfTime:
-            raise
-        except StickSlipError:
+        except NO_RESULT:
             return None
 
     # -- cells -------------------------------------------------------------------------------------
@@ -170,7 +160,7 @@ class _Column:
     def _folded(self) -> tuple[float, ...]:
         return () if self.turns is None else tuple(self.turns.tolist())
 
-    def _cycles(self) -> tuple[Any, Any]:
+    def _cycles(self) -> tuple[BoolArray, BoolArray]:
         """Tell where there are slip cycles, and where stable ones."""
         c = self.c
         slips, stable = np.zeros(c.shape, dtype=bool), np.zeros(c.shape, dtype=bool)
@@ -180,7 +170,7 @@ class _Column:
             stable |= falls
         return slips, stable
 
-    def _comparable(self, clear: Any) -> Any:
+    def _comparable(self, clear: BoolArray) -> BoolArray:
         """Tell which cells, of those clear of thresholds, comparisons decide."""
         c = self.c
         if self.static == 0 or self.equilibrium is None or np.isnan(self.exact):
@@ -202,9 +192,7 @@ class _Column:
         """Tell whether the slip from P ends in stick, and not beyond what static friction holds."""
         try:
             cycle = stick_slip_cycle(self.law, replace(self.osc, c=c), rtol=self.fine)
-        except OutOfTime:
-            raise
-        except StickSlipError:
+        except NO_RESULT:
             return False
         return cycle is not None and cycle.v_max <= self.osc.V
 
@@ -218,9 +206,7 @@ class _Column:
     def _motion(self, c: float, x0: float, v0: float) -> Motion:
         try:
             found: Motion = classify(self.law, replace(self.osc, c=c), x0=x0, v0=v0, rtol=self.fine)
-        except OutOfTime:
-            raise
-        except StickSlipError:
+        except NO_RESULT:
             return Motion.UNDECIDED
         return found
 
@@ -258,7 +244,7 @@ def _only(found: Regime) -> Motion | None:
     return Motion.DAMPED_SLIP if found.rest.stable else Motion.PURE_SLIP
 
 
-def _first(values: Any, holds: Callable[[float], bool]) -> int:
+def _first(values: FloatArray, holds: Callable[[float], bool]) -> int:
     """Return the place of the first of ascending values for which something holds, as it does for all after it."""
     if values.size and holds(float(values[0])):
         return 0

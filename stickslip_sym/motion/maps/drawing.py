@@ -1,17 +1,24 @@
 """Drawings of maps: regions told apart by colour and hatching, and thresholds as curves."""
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.maps.cells import Reason
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output.drawing import require_matplotlib
 
-__all__ = ["Region", "draw_basins", "draw_map", "draw_sweep", "regions_of"]
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.path import Path
+
+__all__ = ["Region", "draw_basins", "draw_map", "draw_sweep", "edges", "regions_of"]
 
 
 @dataclass(frozen=True)
@@ -55,7 +62,7 @@ _CHANGES = {"Hopf": ":", "graze": "-", "fold": "--"}
 _LOGARITHMIC = 30.0  # ratio of an axis's ends from which equal ratios are drawn as equal steps
 
 
-def regions_of(found: Any) -> tuple[Any, list[Region]]:
+def regions_of(found: Any) -> tuple[IntArray, list[Region]]:
     """Return for each cell the place of its region in a list of those that occur."""
     kinds = [*_REGIONS.values(), _UNBOUNDED, _UNDECIDED, _FAILED]
     index = np.full(found.motion.shape, kinds.index(_UNDECIDED))
@@ -69,7 +76,7 @@ def regions_of(found: Any) -> tuple[Any, list[Region]]:
     return places.reshape(index.shape), [kinds[i] for i in present]
 
 
-def draw_map(found: Any) -> Any:
+def draw_map(found: Any) -> "Figure":
     """Return the figure of a map of motions."""
     figure, axes = _figure()
     place, kinds = regions_of(found)
@@ -80,7 +87,7 @@ def draw_map(found: Any) -> Any:
     return _with_legend(figure, handles)
 
 
-def draw_basins(found: Any) -> Any:
+def draw_basins(found: Any) -> "Figure":
     """Return the figure of the motions that starts lead to."""
     from matplotlib.lines import Line2D
 
@@ -101,7 +108,7 @@ def draw_basins(found: Any) -> Any:
     return _with_legend(figure, handles)
 
 
-def draw_sweep(found: Any) -> Any:
+def draw_sweep(found: Any) -> "Figure":
     """Return the figure of the shares of a box of starts over a quantity, with the places of birth and death."""
     figure, axes = _figure()
     present = [motion for motion in _MOTIONS if motion in found.share]
@@ -112,11 +119,15 @@ def draw_sweep(found: Any) -> Any:
         values = np.insert(values, place, [change.value] * 2)
         shares = np.insert(shares, [place, place], sides, axis=1)
     edges = np.vstack([np.zeros(shares.shape[1]), np.cumsum(shares, axis=0)])
-    handles = []
+    handles: list[Artist] = []
     for motion, low, high in zip(present, edges, edges[1:], strict=False):
         kind = _MOTIONS[motion]
-        look = {"facecolor": kind.color, "hatch": kind.hatch, "edgecolor": "0.25", "linewidth": 0.5}
-        handles.append(axes.fill_between(values, low, high, label=kind.name, **look))
+        handles.append(
+            axes.fill_between(
+                values, low, high, label=kind.name, facecolor=kind.color, hatch=kind.hatch, edgecolor="0.25",
+                linewidth=0.5,
+            )
+        )  # fmt: skip
     for change in found.changes:
         axes.axvline(change.value, color="black", linestyle=_CHANGES[change.kind], linewidth=1.4)
         axes.annotate(
@@ -128,12 +139,12 @@ def draw_sweep(found: Any) -> Any:
     return _with_legend(figure, handles)
 
 
-def _title(axes: Any, law: FrictionLaw, values: dict[str, float]) -> None:
+def _title(axes: "Axes", law: FrictionLaw, values: dict[str, float]) -> None:
     scene = ", ".join(f"{name} = {value:g} {QUANTITIES[name].unit}" for name, value in values.items())
     axes.set_title(f"{law.name or 'friction law'}: {scene}", fontsize=10)
 
 
-def _figure() -> tuple[Any, Any]:
+def _figure() -> "tuple[Figure, Axes]":
     require_matplotlib()
     from matplotlib.figure import Figure
 
@@ -141,12 +152,12 @@ def _figure() -> tuple[Any, Any]:
     return figure, figure.add_subplot()
 
 
-def _paint(axes: Any, x: Any, y: Any, place: Any, kinds: list[Region]) -> list[Any]:
+def _paint(axes: "Axes", x: FloatArray, y: FloatArray, place: IntArray, kinds: list[Region]) -> "list[Artist]":
     """Fill cells with colours and hatching; return the handles of the legend."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch, PathPatch
 
-    x_edges, y_edges = _edges(x), _edges(y)
+    x_edges, y_edges = edges(x), edges(y)
     axes.pcolormesh(
         x_edges, y_edges, place, cmap=ListedColormap([kind.color for kind in kinds]),
         vmin=-0.5, vmax=len(kinds) - 0.5, rasterized=True,
@@ -165,7 +176,7 @@ def _paint(axes: Any, x: Any, y: Any, place: Any, kinds: list[Region]) -> list[A
     ]
 
 
-def _outline(x_edges: Any, y_edges: Any, chosen: Any) -> Any:
+def _outline(x_edges: FloatArray, y_edges: FloatArray, chosen: BoolArray) -> "Path":
     """Return the path round cells: a rectangle for each run of neighbours in a row."""
     from matplotlib.path import Path
 
@@ -177,27 +188,27 @@ def _outline(x_edges: Any, y_edges: Any, chosen: Any) -> Any:
     return Path(corners.transpose(2, 0, 1).reshape(-1, 2), np.tile(codes, rows.size))
 
 
-def _is_logarithmic(values: Any) -> bool:
+def _is_logarithmic(values: FloatArray) -> bool:
     """Whether the values are spread by equal ratios rather than equal steps."""
     if values.size < 3 or values[0] <= 0 or values[-1] / values[0] < _LOGARITHMIC:
         return False
     return bool(np.ptp(np.diff(np.log(values))) < 0.1 * np.diff(np.log(values)).mean())
 
 
-def _edges(values: Any) -> Any:
+def edges(values: FloatArray) -> FloatArray:
     """Return the places half way between the values, and as far beyond the first and the last."""
     if values.size == 1:
-        return values[0] + np.array([-0.5, 0.5]) * (abs(values[0]) or 1.0) * 0.1
+        return values + np.array([-0.5, 0.5]) * (abs(float(values[0])) or 1.0) * 0.1
     if _is_logarithmic(values):
-        return np.exp(_edges(np.log(values)))
+        return np.exp(edges(np.log(values)))
     middle = (values[1:] + values[:-1]) / 2
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
-def _draw_curves(axes: Any, found: Any) -> list[Any]:
+def _draw_curves(axes: "Axes", found: Any) -> "list[Artist]":
     from matplotlib.lines import Line2D
 
-    handles = []
+    handles: list[Artist] = []
     for name, (label, style, color) in _CURVES.items():
         curve = found.thresholds[name]
         if not np.isfinite(curve).any():
@@ -219,7 +230,7 @@ def _draw_curves(axes: Any, found: Any) -> list[Any]:
     return handles
 
 
-def _with_legend(figure: Any, handles: list[Any]) -> Any:
+def _with_legend(figure: "Figure", handles: "list[Artist]") -> "Figure":
     figure.legend(
         handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6
     )

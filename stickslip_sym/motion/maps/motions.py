@@ -4,23 +4,27 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
 from stickslip_sym.core.errors import NotConverged, StickSlipError
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.maps.axes import Axis, fixed_values, read_axes
+from stickslip_sym.motion.maps.axes import Axis, AxisValues, fixed_values, read_axes
 from stickslip_sym.motion.maps.cells import MOTIONS, REASONS, Attractor, Cells, Reason
-from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Progress, collect
+from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Plain, Progress, collect
 from stickslip_sym.motion.maps.columns import decide
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output import drawing, files, markup
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["MotionMap", "motion_map"]
 
@@ -57,16 +61,16 @@ class MotionMap(drawing.Drawn):
     y: Axis
     law: FrictionLaw
     fixed: dict[str, float]
-    motion: Any
-    stick_slip: Any
-    rest: Any
-    pure_slip: Any
-    reason: Any
-    thresholds: dict[str, Any]
+    motion: ObjectArray
+    stick_slip: BoolArray
+    rest: BoolArray
+    pure_slip: BoolArray
+    reason: ObjectArray
+    thresholds: dict[str, FloatArray]
     notes: dict[tuple[int, int], str]
 
     @property
-    def coexist(self) -> Any:
+    def coexist(self) -> BoolArray:
         """Where more than one attractor exists, as an array of bool."""
         return self.stick_slip.astype(int) + self.rest + self.pure_slip > 1
 
@@ -130,7 +134,7 @@ class MotionMap(drawing.Drawn):
             arrays |= {side: axis.values, f"{side}_name": np.array(axis.name), f"{side}_unit": np.array(axis.unit)}
         files.write_npz(Path(path), arrays)
 
-    def _figure(self) -> Any:
+    def _figure(self) -> "Figure":
         from stickslip_sym.motion.maps.drawing import draw_map
 
         return draw_map(self)
@@ -139,8 +143,8 @@ class MotionMap(drawing.Drawn):
 def motion_map(
     law: FrictionLaw,
     *,
-    x: tuple[str, Any],
-    y: tuple[str, Any],
+    x: AxisValues,
+    y: AxisValues,
     V: float | None = None,
     N: float | None = None,
     m: float | None = None,
@@ -229,26 +233,20 @@ def motion_map(
     return found
 
 
-def decide_line(task: dict[str, Any]) -> dict[str, Any]:
+def decide_line(task: Plain) -> Plain:
     """Decide the cells along one line of a map: plain content in, plain content out.
 
-    Parameters
-    ----------
-    task : dict
-        "law": a law as text; "fixed": values of quantities and parameters; "along": the name of another one, and
-        its "values"; "rtol".
+    - `task`: "law": a law as text; "fixed": values of quantities and parameters; "along": the name of another one,
+      and its "values"; "rtol".
 
-    Returns
-    -------
-    dict
-        Lists by the names in `Cells`; thresholds have one entry if the line is along c, else one a cell.
+    Returns lists by the names in `Cells`; thresholds have one entry if the line is along c, else one a cell.
     """
     along, values = task["along"], task["values"]
     if along == "c":
         parts = [_decided(task, task["fixed"], values)]
     else:
         parts = [_decided(task, task["fixed"] | {along: value}, [task["fixed"]["c"]]) for value in values]
-    line: dict[str, Any] = {
+    line: Plain = {
         name: [entry for cells in parts for entry in getattr(cells, name)]
         for name in ("motion", "attractors", "reason")
     }
@@ -262,7 +260,7 @@ def decide_line(task: dict[str, Any]) -> dict[str, Any]:
     return line
 
 
-def _decided(task: dict[str, Any], values: dict[str, float], c: list[float]) -> Cells:
+def _decided(task: Plain, values: dict[str, float], c: list[float]) -> Cells:
     """Decide the cells of one scene."""
     V, N, m, k = (values[name] for name in "VNmk")
     try:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip_sym.core.types import IntArray
+from stickslip_sym.core.aliases import IntArray
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.cells import MOTIONS

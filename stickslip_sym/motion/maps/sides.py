@@ -11,8 +11,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import StickSlipError
-from stickslip_sym.core.types import FloatArray, IntArray
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.maps.boundaries import Boundary, Box, touching_orbit
@@ -125,5 +125,5 @@ def _motion_of(fate: LimitCycle | float) -> Motion:
 
 def _jumps(scene: Scene) -> bool:
     """Whether mu jumps: motions may then slide at a constant slip speed, and are no longer parted by curves."""
-    ends = [(before.mu(after.low), after.mu(after.low)) for before, after in pairwise(scene.branches)]
-    return any(abs(after - before) > _JUMP * max(abs(before), abs(after)) for before, after in ends)
+    ends = [(before.rise(after.low), after.rise(after.low)) for before, after in pairwise(scene.branches)]
+    return any(abs(after - before) > _JUMP * (abs(scene.onset) + abs(before)) for before, after in ends)

@@ -6,21 +6,21 @@ that slip orbits need has an extremum (fold). Each is a root, and is found as on
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from scipy.optimize import brentq
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.core.types import FloatArray
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
-from stickslip_sym.motion.maps.axes import SCENE, Axis, read_axis, read_values
+from stickslip_sym.motion.maps.axes import SCENE, Axis, AxisValues, read_axis, read_values
 from stickslip_sym.motion.maps.cells import MOTIONS
 from stickslip_sym.motion.maps.shares import shares_of
 from stickslip_sym.motion.maps.sides import FINEST, sides_of
@@ -28,6 +28,9 @@ from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.regimes.attractors import Regime, graze, regime
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output import drawing, markup
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["BasinSweep", "Change", "basin_sweep"]
 
@@ -93,7 +96,7 @@ class BasinSweep(drawing.Drawn):
         )
         return markup.block(drawing.picture(self.plot, str(self.axis)), table)
 
-    def _figure(self) -> object:
+    def _figure(self) -> "Figure":
         from stickslip_sym.motion.maps.drawing import draw_sweep
 
         return draw_sweep(self)
@@ -102,7 +105,7 @@ class BasinSweep(drawing.Drawn):
 def basin_sweep(
     law: FrictionLaw,
     osc: Oscillator,
-    over: tuple[str, Iterable[float]],
+    over: AxisValues,
     *,
     x0: tuple[float, float],
     v0: tuple[float, float],

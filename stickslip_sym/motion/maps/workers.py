@@ -41,21 +41,12 @@ def run(
 ) -> Iterator[tuple[int, Result]]:
     """Yield the index of each task and its result, as they come.
 
-    Parameters
-    ----------
-    function : callable
-        At the top level of a module, so that other processes find it.
-    tasks : sequence
-        Plain arguments, for the same reason.
-    workers : int or map-like callable
-        A callable's results are taken in the order of the tasks, each as soon as it is given.
+    - `function`: at the top level of a module, so that other processes find it.
+    - `tasks`: plain arguments, for the same reason.
+    - `workers`: a callable's results are taken in the order of the tasks, each as soon as it is given.
 
-    Raises
-    ------
-    InputError
-        For unusable workers, or a map that returns too few or too many results.
-    NotConverged
-        When processes of ours end again and again.
+    Raises `InputError` for unusable workers, or a map that returns too few or too many results.
+    Raises `NotConverged` when processes of ours end again and again.
     """
     check_workers(workers)
     if callable(workers):

@@ -5,15 +5,16 @@ z from the second harmonic on, the frequency, and d.
 """
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
+from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray, Rows
 from stickslip_sym.core.deadline import check_time
 
 __all__ = [
     "CLOSE", "GRIDS", "ROUNDING", "Problem", "State", "Work", "close", "frequency", "grid", "largest_slope",
-    "refined", "values",
+    "refined", "solved", "values",
 ]  # fmt: skip
 
 GRIDS = (32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)  # points a period
@@ -29,26 +30,26 @@ class Problem(Protocol):
     """Orbits of given heights A, one a row, and the slope of friction on them."""
 
     @property
-    def A(self) -> Any: ...  # noqa: D102
+    def A(self) -> FloatArray: ...  # noqa: D102
 
-    def rows(self, chosen: Any) -> "Problem": ...  # noqa: D102
+    def rows(self, chosen: Rows) -> "Problem": ...  # noqa: D102
 
-    def g(self, z: Any) -> Any: ...  # noqa: D102
+    def g(self, z: FloatArray) -> FloatArray: ...  # noqa: D102
 
 
 @dataclass
 class State:
     """Iterates, one a row: z_n for n = 0 to K (z_1 is set by A), d, and sigma = frequency - 1/frequency."""
 
-    z: Any
-    d: Any
-    sigma: Any
+    z: ComplexArray
+    d: FloatArray
+    sigma: FloatArray
 
-    def rows(self, chosen: Any) -> "State":
+    def rows(self, chosen: Rows) -> "State":
         """Return some of the iterates."""
         return State(self.z[chosen], self.d[chosen], self.sigma[chosen])
 
-    def put(self, chosen: Any, other: "State") -> None:
+    def put(self, chosen: Rows, other: "State") -> None:
         """Replace some of the iterates."""
         self.z[chosen], self.d[chosen], self.sigma[chosen] = other.z, other.d, other.sigma
 
@@ -63,31 +64,32 @@ def grid(state: State) -> int:
     return 2 * int(state.z.shape[1])
 
 
-def values(z: Any, size: int) -> Any:
+def values(z: ComplexArray, size: int) -> FloatArray:
     """Return a real function at the midpoints of cells of the phase from its coefficients."""
     n = np.arange(z.shape[1])
     return np.fft.irfft(z * np.exp(1j * np.pi / size * n), size, axis=1) * size
 
 
-def _coefficients(values: Any) -> Any:
-    size = values.shape[1]
+def _coefficients(function: FloatArray) -> ComplexArray:
+    size = function.shape[1]
     n = np.arange(size // 2)
-    return np.fft.rfft(values, axis=1)[:, : size // 2] * (np.exp(-1j * np.pi / size * n) / size)
+    turn: ComplexArray = np.exp(-1j * np.pi / size * n) / size
+    return np.fft.rfft(function, axis=1)[:, : size // 2] * turn
 
 
-def close(state: State, A: Any) -> None:
+def close(state: State, A: FloatArray) -> None:
     """Set the fundamental so that z(0) = A is an extremum."""
     n = np.arange(2, state.z.shape[1])
     state.z[:, 1] = A / 2 - state.z[:, 2:].real.sum(axis=1) - 1j * (n * state.z[:, 2:].imag).sum(axis=1)
 
 
-def frequency(sigma: Any) -> Any:
+def frequency(sigma: FloatArray) -> FloatArray:
     """Return the positive root of frequency - 1/frequency = sigma."""
     root = np.sqrt(1 + sigma**2 / 4)
     return np.where(sigma >= 0, root + sigma / 2, 1 / (root - np.minimum(sigma, 0) / 2))
 
 
-def _step(problem: Problem, state: State) -> tuple[Any, Any]:
+def _step(problem: Problem, state: State) -> tuple[FloatArray, FloatArray]:
     """Take one Newton step in place; return its size, and the sizes of the coefficients of (g - d) dz/dtheta.
 
     Both are relative to what friction does to an orbit of this height.
@@ -120,7 +122,7 @@ def _step(problem: Problem, state: State) -> tuple[Any, Any]:
     diagonal = np.arange(1, K)
     matrix = np.empty((count, 2 * K, 2 * K))
 
-    def enter(columns: slice, part: Any) -> None:
+    def enter(columns: slice, part: ComplexArray) -> None:
         matrix[:, :K, columns], matrix[:, K:, columns] = part.real, part.imag
 
     cosine = rate * (by_cosine[:, :, 1:] - by_cosine[:, :, :1])
@@ -136,7 +138,7 @@ def _step(problem: Problem, state: State) -> tuple[Any, Any]:
     by_sigma = ((d_fast - 1)[:, None] / n**2 - d_fast[:, None]) * state.z[:, 1:]
     enter(slice(2 * K - 1, 2 * K), by_sigma[:, :, None])
     right = -np.concatenate([residual.real, residual.imag], axis=1)
-    change = _solved(matrix, right)
+    change = solved(matrix, right)
     state.z[:, 2:] += (change[:, : K - 1] - 1j * change[:, K - 1 : 2 * K - 2]) / 2
     state.d += change[:, -2]
     state.sigma += change[:, -1]
@@ -144,7 +146,7 @@ def _step(problem: Problem, state: State) -> tuple[Any, Any]:
     return np.abs(change).max(axis=1) / np.minimum(1.0, strength), np.abs(push) / strength[:, None]
 
 
-def _solved(matrix: Any, right: Any) -> Any:
+def solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
     """Solve the equations of a Newton step, by blocks that BLAS and LAPACK take by one thread.
 
     For matrices of this size several threads wait for each other longer than they work, more so where other
@@ -194,7 +196,7 @@ class Work:
         return self.most - self.done
 
 
-def _newton(problem: Problem, state: State, work: Work) -> tuple[Any, Any]:
+def _newton(problem: Problem, state: State, work: Work) -> tuple[BoolArray, FloatArray]:
     """Iterate in place; return which rows converged, and the size of the unresolved tail of each."""
     count = len(state.d)
     converged, tail = np.zeros(count, dtype=bool), np.full(count, np.inf)
@@ -220,7 +222,7 @@ def _newton(problem: Problem, state: State, work: Work) -> tuple[Any, Any]:
     return converged, tail
 
 
-def _tail(size: Any) -> Any:
+def _tail(size: FloatArray) -> FloatArray:
     """Estimate the size of the coefficients that fold back into the first.
 
     From the decay over the last octave: right for a power of the order, too large for a geometric decay.
@@ -231,7 +233,7 @@ def _tail(size: Any) -> Any:
     return np.where(last == 0, 0.0, last * np.minimum(1.0, last / before))
 
 
-def refined(problem: Problem, state: State, rtol: float, work: Work) -> tuple[State, Any]:
+def refined(problem: Problem, state: State, rtol: float, work: Work) -> tuple[State, FloatArray]:
     """Solve on finer and finer grids; return the iterates and their tails, infinite where Newton failed."""
     tail = np.full(len(state.d), np.inf)
     found = state
@@ -254,7 +256,7 @@ def refined(problem: Problem, state: State, rtol: float, work: Work) -> tuple[St
     return found, tail
 
 
-def largest_slope(problem: Problem, state: State) -> Any:
+def largest_slope(problem: Problem, state: State) -> FloatArray:
     """Return the largest slope on each orbit, and 1 where there is no friction."""
     scale = np.abs(problem.g(values(state.z, grid(state)))).max(axis=1)
     return np.where(scale == 0, 1.0, scale)

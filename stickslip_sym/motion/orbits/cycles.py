@@ -11,13 +11,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike
 from scipy.fft import dct
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
@@ -76,30 +77,24 @@ class LimitCycle:
 
 @dataclass(frozen=True)
 class NeededDamping:
-    """The damping d(A) that a slip orbit needs, over sqrt(k m), as a function of its amplitude A V.
+    """The damping d(A) that a slip orbit needs, over sqrt(k m), as a function of its amplitude A V."""
 
-    Attributes
-    ----------
-    series : numpy.ndarray
-        Chebyshev coefficients of d on 0 <= A <= 1; one coefficient if d does not vary.
-    """
+    series: FloatArray  # Chebyshev coefficients of d on 0 <= A <= 1; one coefficient if d does not vary
 
-    series: Any
-
-    def at(self, amplitude: Any) -> Any:
+    def at(self, amplitude: ArrayLike) -> FloatArray:
         """Return d at amplitudes over the belt speed; d(0) is the Hopf bifurcation, d(1) the graze."""
         return chebyshev.chebval(2 * np.asarray(amplitude) - 1, self.series)
 
-    def slope(self, amplitude: Any) -> Any:
+    def slope(self, amplitude: ArrayLike) -> FloatArray:
         """Return d'(A): an orbit is stable where it is negative."""
         return chebyshev.chebval(2 * np.asarray(amplitude) - 1, chebyshev.chebder(self.series)) * 2
 
-    def amplitudes(self, damping: float) -> Any:
+    def amplitudes(self, damping: float) -> FloatArray:
         """Return the amplitudes, over the belt speed, ascending, of all orbits with a damping over sqrt(k m)."""
         return _roots(chebyshev.chebsub(self.series, [damping]))
 
     @property
-    def folds(self) -> Any:
+    def folds(self) -> FloatArray:
         """The amplitudes at which d turns: a stable and an unstable orbit meet there."""
         return _roots(chebyshev.chebder(self.series))
 
@@ -107,19 +102,10 @@ class NeededDamping:
 def needed_damping(law: FrictionLaw, osc: Oscillator, *, most_work: float = math.inf) -> NeededDamping:
     """Return the damping that slip orbits need, as a function of their amplitude; the oscillator's c is not used.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-    osc : Oscillator
-    most_work : float
-        As for `orbits`, of all orbits together.
+    - `most_work`: as for `orbits`, of all orbits together.
 
-    Raises
-    ------
-    InputError, NotConverged
-        As `limit_cycles` does.
-    OutOfTime
-        When the time of a `time_limit` around it is up.
+    Raises `InputError` or `NotConverged` as `limit_cycles` does.
+    Raises `OutOfTime` when the time of a `time_limit` around it is up.
     """
     found = _needed(law, osc.V, osc.N / osc.impedance, most_work)
     if isinstance(found, NeededDamping):
@@ -182,22 +168,24 @@ def cycles_among(need: NeededDamping, law: FrictionLaw, osc: Oscillator) -> tupl
 
 
 @lru_cache(maxsize=64)
-def _needed(law: FrictionLaw, V: float, e: float, most_work: float) -> NeededDamping | InputError | NotConverged:
+def _needed(
+    law: FrictionLaw, V: float, strength: float, most_work: float
+) -> NeededDamping | InputError | NotConverged:
     """Return the damping that orbits need, or why it is not found: either takes long, and is asked for again."""
     work = Work(most_work)
     try:
-        return NeededDamping(_interpolated(_solver(law, V, e, work), work))
+        return NeededDamping(_interpolated(_solver(law, V, strength, work), work))
     except (InputError, NotConverged) as error:
         return error.with_traceback(None)
 
 
-def _solver(law: FrictionLaw, V: float, e: float, work: Work) -> Callable[[Any], Orbits]:
+def _solver(law: FrictionLaw, V: float, strength: float, work: Work) -> Callable[[FloatArray], Orbits]:
     """Return the function that finds the orbits of given amplitudes, within a bound on the work."""
     if reason := obstacle(law, V, jump=False):
         raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
 
-    def solve(A: Any) -> Orbits:
-        found = orbits(law, V, e, A, most_work=work.left)
+    def solve(A: FloatArray) -> Orbits:
+        found = orbits(law, V, strength, A, most_work=work.left)
         work.done += found.work
         if not np.isfinite(found.error).all():
             lost = np.atleast_1d(A)[~np.isfinite(found.error)][0]
@@ -212,7 +200,7 @@ def _solver(law: FrictionLaw, V: float, e: float, work: Work) -> Callable[[Any],
     return solve
 
 
-def _interpolated(solve: Callable[[Any], Orbits], work: Work) -> Any:
+def _interpolated(solve: Callable[[FloatArray], Orbits], work: Work) -> FloatArray:
     """Return Chebyshev coefficients of d(A) on [0, 1]."""
     for degree in _DEGREES:
         if 2 * work.done > work.left:  # twice as many orbits take twice as much again, or more
@@ -220,7 +208,7 @@ def _interpolated(solve: Callable[[Any], Orbits], work: Work) -> Any:
         # Nodes of the first kind: A = 0, where there is no orbit, is none of them.
         nodes = chebyshev.chebpts1(degree + 1)
         found = solve((1 + nodes) / 2)
-        need = dct(found.d[::-1]) / (degree + 1)
+        need: FloatArray = dct(found.d[::-1]) / (degree + 1)
         need[0] /= 2
         variation = np.ptp(found.d)
         if variation <= _FLAT * found.scale.max():
@@ -233,7 +221,7 @@ def _interpolated(solve: Callable[[Any], Orbits], work: Work) -> Any:
     )
 
 
-def _roots(coefficients: Any) -> Any:
+def _roots(coefficients: FloatArray) -> FloatArray:
     """Return the roots in (0, 1] of a Chebyshev series on it, ascending."""
     if len(coefficients) < 2:
         return np.empty(0)

@@ -12,12 +12,13 @@ slope of mu enters, never mu itself: nothing cancels at small belt speeds.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache, lru_cache
-from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike
 from scipy.fft import dct, dst, idct, idst
 
+from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.criteria.gauss import weight_of
@@ -25,6 +26,8 @@ from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["LARGEST_GRID", "Expansion", "averages", "expand", "slopes"]
 
+Slope = Callable[[FloatArray], FloatArray]
+"""mu' at slip speeds."""
 SMALLEST_GRID = 16
 LARGEST_GRID = 1024
 _TAIL = 1e-14  # of the highest quarter of the Fourier coefficients, relative: the rounding of a sum of them
@@ -32,11 +35,11 @@ _OCTAVES = 40  # of the phase, to which panels shrink towards the graze
 _NODES = 16
 
 
-def slopes(law: FrictionLaw) -> Callable[[Any], Any]:
+def slopes(law: FrictionLaw) -> Slope:
     """Return mu'(v) as a function of arrays; NaN where it has no finite real value."""
     compiled = law.function("numpy", derivative=True)
 
-    def slope(v: Any) -> Any:
+    def slope(v: FloatArray) -> FloatArray:
         with np.errstate(all="ignore"):
             try:
                 value = np.asarray(compiled(v))
@@ -53,31 +56,22 @@ def slopes(law: FrictionLaw) -> Callable[[Any], Any]:
 class Expansion:
     """The slip orbit with the highest velocity A V, for weak friction; one row for each belt speed.
 
-    In z = A cos(theta) + sum of a_n cos(n theta) + b_n sin(n theta), and with e = N/sqrt(k m), the coefficients
-    are b_n = e `sines`, a_n = e^2 `cosines`, the frequency is 1 - e^2 `slowing`, and c/N = `harmonic` +
-    e^2 `second`.
-
-    Attributes
-    ----------
-    harmonic, second, slowing : numpy.ndarray, shape (n,)
-        In s/m, (s/m)^3 and (s/m)^2.
-    cosines, sines : numpy.ndarray, shape (n, H)
-        Column n belongs to the harmonic n.
-    largest : numpy.ndarray, shape (n,)
-        Largest slope on the orbit, in s/m.
-    tail : numpy.ndarray, shape (n,)
-        Size of the highest coefficients of friction, relative: above 1e-14 the grid did not resolve the law.
+    In z = A cos(theta) + sum of a_n cos(n theta) + b_n sin(n theta), and with f = N/sqrt(k m), the coefficients
+    are b_n = f `sines`, a_n = f^2 `cosines`, the frequency is 1 - f^2 `slowing`, and c/N = `harmonic` +
+    f^2 `second`.
     """
 
-    harmonic: Any
-    second: Any
-    slowing: Any
-    cosines: Any
-    sines: Any
-    largest: Any
-    tail: Any
+    harmonic: FloatArray  # in s/m, shape (n,)
+    second: FloatArray  # in (s/m)^3, shape (n,)
+    slowing: FloatArray  # in (s/m)^2, shape (n,)
+    cosines: FloatArray  # shape (n, H): column j belongs to the harmonic j
+    sines: FloatArray  # the same
+    largest: FloatArray  # largest slope on the orbit, in s/m, shape (n,)
+    tail: FloatArray
+    """Size of the highest coefficients of friction, relative: above 1e-14 the grid did not resolve the law, shape
+    (n,)."""
 
-    def refined(self, rows: Any, finer: "Expansion") -> "Expansion":
+    def refined(self, rows: BoolArray, finer: "Expansion") -> "Expansion":
         """Return the expansion with some rows replaced by those from a finer grid."""
         size = finer.sines.shape[1]
         columns = {}
@@ -89,22 +83,17 @@ class Expansion:
         return Expansion(**columns)
 
     @property
-    def resolved(self) -> Any:
+    def resolved(self) -> BoolArray:
         """Whether the grid resolved the law."""
         return self.tail <= _TAIL
 
 
-def expand(law: FrictionLaw, V: Any, A: Any = 1.0, *, grid: int | None = None) -> Expansion:
+def expand(law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, grid: int | None = None) -> Expansion:
     """Expand slip orbits for weak friction.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound, smooth on the speeds of the orbit.
-    V, A : array_like, shape (n,)
-        Belt speeds in m/s, and highest velocities as parts of them.
-    grid : int, optional
-        Number of phases in half a period; found for each speed if not given.
+    - `law`: with all parameters bound, smooth on the speeds of the orbit.
+    - `V, A`: belt speeds in m/s, and highest velocities as parts of them.
+    - `grid`: number of phases in half a period; found for each speed if not given.
     """
     V, A = (np.ravel(array) for array in np.broadcast_arrays(np.asarray(V, np.float64), A))
     if grid is not None:
@@ -119,7 +108,7 @@ def expand(law: FrictionLaw, V: Any, A: Any = 1.0, *, grid: int | None = None) -
     return found
 
 
-def _expand(law: FrictionLaw, V: Any, A: Any, size: int) -> Expansion:
+def _expand(law: FrictionLaw, V: FloatArray, A: FloatArray, size: int) -> Expansion:
     """Expand on one grid; the midpoints of cells of the phase, so that v = 0 itself is never met."""
     theta = (np.arange(size) + 0.5) * (np.pi / size)
     sine = np.sin(theta)
@@ -149,31 +138,35 @@ def _expand(law: FrictionLaw, V: Any, A: Any, size: int) -> Expansion:
     return Expansion(harmonic, second, slowing, a, b, largest, np.where(np.isnan(tail), np.inf, tail))
 
 
-def _sines(values: Any) -> Any:
+def _sines(values: FloatArray) -> FloatArray:
     """Return coefficients of sin(n theta), n = 0 to size - 1."""
     size = values.shape[1]
     return np.pad(dst(values, 2, axis=1)[:, : size - 1] / size, ((0, 0), (1, 0)))
 
 
-def _cosines(values: Any) -> Any:
+def _cosines(values: FloatArray) -> FloatArray:
     """Return coefficients of cos(n theta), n = 0 to size - 1, the mean as it is."""
-    result = dct(values, 2, axis=1) / values.shape[1]
+    result: FloatArray = dct(values, 2, axis=1) / values.shape[1]
     result[:, 0] /= 2
     return result
 
 
-def _from_sines(coefficients: Any) -> Any:
+def _from_sines(coefficients: FloatArray) -> FloatArray:
     size = coefficients.shape[1]
-    return idst(np.pad(coefficients[:, 1:], ((0, 0), (0, 1))) * size, 2, axis=1)
+    result: FloatArray = idst(np.pad(coefficients[:, 1:], ((0, 0), (0, 1))) * size, 2, axis=1)
+    return result
 
 
-def _from_cosines(coefficients: Any) -> Any:
+def _from_cosines(coefficients: FloatArray) -> FloatArray:
     scaled = coefficients * coefficients.shape[1]
     scaled[:, 0] *= 2
-    return idct(scaled, 2, axis=1)
+    result: FloatArray = idct(scaled, 2, axis=1)
+    return result
 
 
-def averages(law: FrictionLaw, V: Any, A: Any = 1.0, *, criteria: Sequence[Criterion] = (harmonic,)) -> list[Any]:
+def averages(
+    law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, criteria: Sequence[Criterion] = (harmonic,)
+) -> list[FloatArray]:
     """Return the averages of -mu' at belt speeds V by the weights of criteria, in s/m.
 
     Over the slip speeds V (1 - A) to V (1 + A) of a harmonic motion of velocity amplitude A V.
@@ -189,19 +182,20 @@ def averages(law: FrictionLaw, V: Any, A: Any = 1.0, *, criteria: Sequence[Crite
 
 
 @lru_cache(maxsize=32)
-def _shares(criterion: Criterion) -> Any:
+def _shares(criterion: Criterion) -> FloatArray:
     """Return what each node contributes to an average."""
     theta, weight = _graded()
-    sine = np.sin(theta)
+    sine: FloatArray = np.sin(theta)
     if criterion == harmonic:
         return weight * (2 / np.pi) * sine**2
     m, p, q = sp.symbols("m p q", positive=True)
     value = function_of([m, p, q], weight_of(criterion, m, p, q), "numpy")
-    return weight * value(sine**2, 2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2) * sine
+    shares: FloatArray = weight * value(sine**2, 2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2) * sine
+    return shares
 
 
 @cache
-def _graded() -> tuple[Any, Any]:
+def _graded() -> tuple[FloatArray, FloatArray]:
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     ends = np.pi * np.append(0.0, 2.0 ** np.arange(-_OCTAVES, 1))
     half = np.diff(ends)[:, None] / 2

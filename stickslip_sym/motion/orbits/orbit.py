@@ -14,13 +14,12 @@ the belt's speed, and d is the pure-slip threshold.
 Every term with friction enters as a small one, so weak friction loses no digits; nothing here knows a closed form.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from stickslip_sym.core.types import IntArray
+from stickslip_sym.core.aliases import FloatArray, IntArray, Rows
 from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 from stickslip_sym.motion.orbits.collocation import (
     GRIDS,
@@ -33,7 +32,7 @@ from stickslip_sym.motion.orbits.collocation import (
     refined,
     values,
 )
-from stickslip_sym.motion.orbits.expansion import averages, expand, slopes
+from stickslip_sym.motion.orbits.expansion import Slope, averages, expand, slopes
 from stickslip_sym.motion.orbits.shooting import Shots, shoot
 
 __all__ = ["Orbits", "obstacle", "orbits"]
@@ -45,38 +44,21 @@ _NEAREST = 1e-12  # slip speed over belt speed that an iterate may come down to;
 
 @dataclass(frozen=True)
 class Orbits:
-    """Slip orbits, one row for each scene.
+    """Slip orbits, one row for each scene."""
 
-    Attributes
-    ----------
-    d : numpy.ndarray, shape (n,)
-        Damping over sqrt(k m).
-    frequency : numpy.ndarray, shape (n,)
-        Over omega.
-    error : numpy.ndarray, shape (n,)
-        Estimated error of d, as a part of the largest slope g on the orbit.
-    scale : numpy.ndarray, shape (n,)
-        That largest slope.
-    exponent : numpy.ndarray, shape (n,)
-        Floquet exponent, the mean of g(z) - d, over omega: the orbit is stable if it is negative.
-    lowest : numpy.ndarray, shape (n,)
-        Lowest velocity z of the orbit.
-    work : float
-        Cubes of grids, summed over Newton steps and rows.
-    """
-
-    d: Any
-    frequency: Any
-    error: Any
-    scale: Any
-    exponent: Any
-    lowest: Any
-    work: float = 0.0
+    d: FloatArray  # damping over sqrt(k m), shape (n,)
+    frequency: FloatArray  # over omega, shape (n,)
+    error: FloatArray  # estimated error of d, as a part of the largest slope g on the orbit, shape (n,)
+    scale: FloatArray  # that largest slope, shape (n,)
+    exponent: FloatArray
+    """Floquet exponent, the mean of g(z) - d, over omega: the orbit is stable if it is negative, shape (n,)."""
+    lowest: FloatArray  # lowest velocity z of the orbit, shape (n,)
+    work: float = 0.0  # cubes of grids, summed over Newton steps and rows
 
     def take(self, rows: IntArray, shot: Shots) -> None:
         """Take some of the orbits from shooting."""
         known = np.isfinite(shot.d)
-        for column, values in (
+        for column, value in (
             (self.d, shot.d),
             (self.frequency, 2 * np.pi / shot.period),
             (self.error, shot.error / shot.scale),
@@ -84,10 +66,10 @@ class Orbits:
             (self.exponent, shot.exponent),
             (self.lowest, 1 - shot.highest),
         ):
-            column[rows[known]] = values[known]
+            column[rows[known]] = value[known]
 
     @property
-    def relative_error(self) -> Any:
+    def relative_error(self) -> FloatArray:
         """Estimated error of d, relative; infinite where d was not found, or is 0 but need not be."""
         with np.errstate(divide="ignore", invalid="ignore"):
             relative = np.where(self.error == 0, 0.0, self.error * self.scale / np.abs(self.d))
@@ -98,42 +80,36 @@ class Orbits:
 class _Problem:
     """Scenes of one law: the slope of mu, belt speeds, frictions over impedance N/sqrt(k m), and heights."""
 
-    slope: Callable[[Any], Any]
-    V: Any
-    e: Any
-    A: Any
+    slope: Slope
+    V: FloatArray
+    strength: FloatArray
+    A: FloatArray
 
-    def rows(self, chosen: Any) -> "_Problem":
-        return _Problem(self.slope, self.V[chosen], self.e[chosen], self.A[chosen])
+    def rows(self, chosen: Rows) -> "_Problem":
+        return _Problem(self.slope, self.V[chosen], self.strength[chosen], self.A[chosen])
 
-    def g(self, z: Any) -> Any:
+    def g(self, z: FloatArray) -> FloatArray:
         slip = np.maximum(1 - z, _NEAREST)
-        return -self.e[:, None] * self.slope(self.V[:, None] * slip)
+        return -self.strength[:, None] * self.slope(self.V[:, None] * slip)
 
 
 def _start(law: FrictionLaw, problem: _Problem, size: int) -> State:
     """Return the second-order orbits, their phase shifted so that the highest velocity is at 0."""
     weak = expand(law, problem.V, problem.A, grid=size // 2)
-    e, n = problem.e[:, None], np.arange(size // 2)
-    shift = problem.e * (n * weak.sines).sum(axis=1) / problem.A
-    z = (e**2 * weak.cosines - 1j * e * weak.sines) / 2 * np.exp(1j * n * shift[:, None])
-    d = problem.e * weak.harmonic + problem.e**3 * weak.second
-    state = State(z, d, -2 * problem.e**2 * weak.slowing)
+    strength, n = problem.strength[:, None], np.arange(size // 2)
+    shift = problem.strength * (n * weak.sines).sum(axis=1) / problem.A
+    z = (strength**2 * weak.cosines - 1j * strength * weak.sines) / 2 * np.exp(1j * n * shift[:, None])
+    d = problem.strength * weak.harmonic + problem.strength**3 * weak.second
+    state = State(z, d, -2 * problem.strength**2 * weak.slowing)
     close(state, problem.A)
     return state
 
 
-def obstacle(law: FrictionLaw, V: Any, lowest: float = -1.0, *, jump: bool = True) -> str | None:
+def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool = True) -> str | None:
     """Say why slip orbits of a law are not smooth at belt speeds V, or return None.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-    V : array_like
-    lowest : float
-        The lowest velocity of the orbits over the belt speed.
-    jump : bool
-        Whether a static coefficient matters, as it does where orbits touch the belt's speed.
+    - `lowest`: the lowest velocity of the orbits over the belt speed.
+    - `jump`: whether a static coefficient matters, as it does where orbits touch the belt's speed.
     """
     if jump and law.static is not None:
         static, onset = float(law.substitute(law.static)), limit_at_rest(law.substitute(law.expr))
@@ -144,38 +120,34 @@ def obstacle(law: FrictionLaw, V: Any, lowest: float = -1.0, *, jump: bool = Tru
     return f"it has a kink at v = {kinks[0]:g}, which the orbit passes" if kinks else None
 
 
-def _harmonics(law: FrictionLaw, problem: _Problem, size: int) -> tuple[Any, Any]:
+def _harmonics(law: FrictionLaw, problem: _Problem, size: int) -> tuple[FloatArray, FloatArray]:
     """Return the harmonic damping over impedance, from the slopes on a grid and from slopes at every scale."""
     on_grid = expand(law, problem.V, problem.A, grid=size // 2).harmonic
-    return problem.e * on_grid, problem.e * averages(law, problem.V, problem.A)[0]
+    return problem.strength * on_grid, problem.strength * averages(law, problem.V, problem.A)[0]
 
 
 def orbits(
-    law: FrictionLaw, V: Any, e: Any, A: Any = 1.0, *, rtol: float = 1e-13, most_work: float = np.inf
+    law: FrictionLaw,
+    V: ArrayLike,
+    strength: ArrayLike,
+    A: ArrayLike = 1.0,
+    *,
+    rtol: float = 1e-13,
+    most_work: float = np.inf,
 ) -> Orbits:
     """Return the pure-slip orbits of given height.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound, smooth on the speeds of the orbit.
-    V : array_like
-        Belt speeds in m/s.
-    e : array_like
-        N/sqrt(k m) in m/s.
-    A : array_like
-        Highest velocity over belt speed, at most 1.
-    rtol : float
-        Relative error of d at which the grid is fine enough, where rounding allows.
-    most_work : float
-        Cubes of grids, summed over Newton steps and rows, after which what is not found yet is given up.
+    - `law`: with all parameters bound, smooth on the speeds of the orbit.
+    - `V`: belt speeds in m/s.
+    - `strength`: N/sqrt(k m) in m/s.
+    - `A`: highest velocity over belt speed, at most 1.
+    - `rtol`: relative error of d at which the grid is fine enough, where rounding allows.
+    - `most_work`: cubes of grids, summed over Newton steps and rows, after which what is not found yet is given
+      up.
 
-    Returns
-    -------
-    Orbits
-        An orbit that was not found has an infinite error, and no number for d.
+    An orbit that was not found has an infinite error, and no number for d.
     """
-    columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in (V, e, A)))
+    columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in (V, strength, A)))
     problem = _Problem(slopes(law), *(np.ravel(column) for column in columns))
     with np.errstate(all="ignore"):  # iterates that run away are given up
         work = Work(most_work)
@@ -202,7 +174,7 @@ def orbits(
     if work.left >= _SHOT * strong.size > 0:
         with np.errstate(all="ignore"):
             shot = shoot(
-                problem.slope, problem.V[strong], problem.e[strong], problem.A[strong], all_there_is[strong]
+                problem.slope, problem.V[strong], problem.strength[strong], problem.A[strong], all_there_is[strong]
             )
         found.take(strong, shot)
     return found

@@ -4,21 +4,21 @@ With w = 1 - x'/V, u = w' and time in 1/omega an orbit obeys
 
     w' = u,    u' = (g - d) u + 1 - w,    g = -N mu'(V w)/sqrt(k m),    d = c/sqrt(k m).
 
-From its lowest slip speed, w = 1 - A and u = 0, it is followed to the next one, w = 1 - a; where it meets the belt's
-speed before, a = 1 + u^2/2. Damping rotates the field of directions one way, so a falls with d, and log(a/A), which
-for weak friction is a straight line, has one root. Its slope follows along: a small deviation across the orbit obeys
-M' = (g - d) M + u^2, and -da/dd is M/u' at the end, or M at the belt's speed. The steps are those of DOP853, the explicit
-Runge-Kutta method of order 8.
+From its lowest slip speed, w = 1 - A and u = 0, it is followed to the next one, w = 1 - a; where it meets the
+belt's speed before, a = 1 + u^2/2. Damping rotates the field of directions one way, so a falls with d, and the
+growth log(a/A), a straight line for weak friction, has one root. Its slope follows along: a small deviation across
+the orbit obeys M' = (g - d) M + u^2, and -da/dd is M/u' at the end, or M at the belt's speed. The steps are those
+of DOP853, the explicit Runge-Kutta method of order 8.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 import numpy as np
 from scipy.integrate import DOP853
 
+from stickslip_sym.core.aliases import FloatArray, Rows
 from stickslip_sym.core.deadline import check_time
-from stickslip_sym.core.types import BoolArray, FloatArray
+from stickslip_sym.motion.orbits.expansion import Slope
 
 __all__ = ["Shots", "shoot"]
 
@@ -27,9 +27,9 @@ _ERRORS = np.array(DOP853.E5[:-1]), np.array(DOP853.E3[:-1])  # the rates at the
 _EXPONENT = -1 / (DOP853.error_estimator_order + 1)
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 5.0
 _FIRST, _LONGEST = 1e-4, 0.25  # steps, in 1/omega; at the longest one no extremum of w is passed over
-_STAGES = ((1e-5, 3e-2), (1e-9, 1e-4), (1e-13, 1e-8))
-"""Tolerances of a step, one after another on the way to the root, and for each the log(a/A) at which the next one is
-taken: Newton's method squares it."""
+_STAGES = ((1e-5, 3e-2), (1e-9, 1e-4), (1e-13, 1e-10))
+"""Tolerances of a step, one after another on the way to the root, and for each the log(a/A) at which the next one
+is taken: Newton's method squares it."""
 _LEFT = 1e-3  # of the last change of d, which the last tolerance makes: errors go as the tolerance, 1e-4 here
 _ROUNDING = 1e-14  # of d, as a part of the largest slope
 _TINY = 1e-30  # error of a step, below which it is none
@@ -41,8 +41,6 @@ _CREEPS = 40.0  # time after which an orbit that has not turned creeps to rest
 _SHORTEST = 1e-12  # step, in 1/omega, below which mu is too rough
 _FIRST_REACH = 0.05  # relative change of d that is tried where Newton's method does not help; doubled each time
 _PLACES = 5  # Newton steps to the time at which w has its minimum
-
-Slope = Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -87,14 +85,14 @@ class _Transit:
 class _Scenes:
     slope: Slope
     V: FloatArray
-    e: FloatArray
+    strength: FloatArray  # N/sqrt(k m) in m/s
     A: FloatArray
 
-    def rows(self, chosen: FloatArray) -> "_Scenes":
-        return _Scenes(self.slope, self.V[chosen], self.e[chosen], self.A[chosen])
+    def rows(self, chosen: Rows) -> "_Scenes":
+        return _Scenes(self.slope, self.V[chosen], self.strength[chosen], self.A[chosen])
 
     def g(self, w: FloatArray) -> FloatArray:
-        return -self.e * self.slope(self.V * np.maximum(w, _NEAREST))
+        return -self.strength * self.slope(self.V * np.maximum(w, _NEAREST))
 
     def rates(self, state: FloatArray, d: FloatArray) -> FloatArray:
         w, u, across, _ = state
@@ -102,9 +100,9 @@ class _Scenes:
         return np.array([u, (g - d) * u + 1 - w, (g - d) * across + u * u, g])
 
 
-def shoot(slope: Slope, V: FloatArray, e: FloatArray, A: FloatArray, d: FloatArray) -> Shots:
+def shoot(slope: Slope, V: FloatArray, strength: FloatArray, A: FloatArray, d: FloatArray) -> Shots:
     """Return the slip orbits of highest velocities A V, near a first guess of d."""
-    scenes, count = _Scenes(slope, V, e, A), len(d)
+    scenes, count = _Scenes(slope, V, strength, A), len(d)
     found = Shots(*np.full((len(fields(Shots)), count), np.nan))
     found.d[:] = d
     for tolerance, settled in _STAGES:
@@ -144,7 +142,7 @@ def _settle(scenes: _Scenes, found: Shots, tolerance: float, settled: float) -> 
 
 
 def _within(now: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray, reach: FloatArray) -> FloatArray:
-    """Return Newton's next d, or one that halves the bracket where that lies outside it; NaN where nothing helps."""
+    """Return Newton's next d, or one that halves the bracket where it lies outside; NaN where nothing helps."""
     known = np.isfinite(low) & np.isfinite(high)
     middle = np.where(known, (low + high) / 2, np.where(np.isfinite(low), now + reach, now - reach))
     ahead = now + step
@@ -158,7 +156,8 @@ def _transit(scenes: _Scenes, d: FloatArray, rtol: float) -> _Transit:
     state = np.zeros((4, count))
     state[0] = 1 - scenes.A
     time, length = np.zeros(count), np.full(count, _FIRST)
-    highest, scale = state[0].copy(), np.abs(scenes.g(state[0]))
+    scale = np.abs(scenes.g(state[0]))
+    crest, before_crest = state.copy(), np.zeros(count)  # the states before the highest w, and the step to it
     turns, meets, creeps = np.zeros((3, count), dtype=bool)
     active = np.arange(count)
     for _ in range(_MOST_STEPS):
@@ -169,29 +168,40 @@ def _transit(scenes: _Scenes, d: FloatArray, rtol: float) -> _Transit:
         turns[active] = sound & (before[1] < 0) & (after[1] >= 0)
         meets[active] = sound & (before[0] > 0) & (after[0] <= 0) & ~turns[active]
         ended = turns[active] | meets[active]  # within this step
+        passes = sound & (before[1] >= 0) & (after[1] < 0)
+        crest[:, active[passes]], before_crest[active[passes]] = before[:, passes], h[passes]
         length[active] = np.where(ended, h, np.minimum(h * factor, _LONGEST))
         on = sound & ~ended
         kept = active[on]
         state[:, kept] = after[:, on]
         time[kept] += h[on]
-        highest[kept] = np.maximum(highest[kept], after[0, on])
         scale[kept] = np.maximum(scale[kept], np.abs(some.g(after[0]))[on])
         creeps[kept] = time[kept] > _CREEPS
         active = active[~ended & ~creeps[active] & (length[active] > _SHORTEST)]
         if not active.size:
             break
+    highest, _ = _arrival(scenes, crest, d, before_crest, rtol, 1)
     growth, slope = np.where(creeps, -np.inf, np.nan), np.full(count, np.nan)
-    for rows, row in ((np.flatnonzero(turns), 1), (np.flatnonzero(meets), 0)):
-        some, part = scenes.rows(rows), length[rows]
-        for _ in range(_PLACES):
-            after, _ = _step(some, state[:, rows], d[rows], part, rtol)
-            part = np.clip(part - after[row] / some.rates(after, d[rows])[row], 0, length[rows])
-        after, _ = _step(some, state[:, rows], d[rows], part, rtol)
-        w, u, across, _ = state[:, rows] = after
+    for chosen, row in ((turns, 1), (meets, 0)):
+        rows = np.flatnonzero(chosen)
+        some = scenes.rows(rows)
+        state[:, rows], part = _arrival(some, state[:, rows], d[rows], length[rows], rtol, row)
+        w, u, across, _ = state[:, rows]
         time[rows] += part
-        height, steep = (1 - w, some.rates(after, d[rows])[1]) if row else (1 + u * u / 2, 1.0)
+        height, steep = (1 - w, some.rates(state[:, rows], d[rows])[1]) if row else (1 + u * u / 2, 1.0)
         growth[rows], slope[rows] = np.log(height / some.A), -across / steep / height
-    return _Transit(growth, slope, time, state[3], highest, scale)
+    return _Transit(growth, slope, time, state[3], highest[0], scale)
+
+
+def _arrival(
+    scenes: _Scenes, state: FloatArray, d: FloatArray, longest: FloatArray, rtol: float, row: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the states where w (row 0) or u (row 1) comes to 0 within a step, and the time to there."""
+    part = longest
+    for _ in range(_PLACES):
+        after, _ = _step(scenes, state, d, part, rtol)
+        part = np.clip(part - after[row] / scenes.rates(after, d)[row], 0, longest)
+    return _step(scenes, state, d, part, rtol)[0], part
 
 
 def _step(

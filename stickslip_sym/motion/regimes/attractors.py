@@ -10,11 +10,12 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
@@ -27,7 +28,10 @@ from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.simulation.transit import StickSlipCycle, lowest_slip_speed, stick_slip_cycle
 from stickslip_sym.output import drawing, markup
 
-__all__ = ["Regime", "Rest", "Separatrix", "graze", "grows_far_out", "regime"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Regime", "Rest", "Separatrix", "graze", "grows_far_out", "regime", "swing"]
 
 _SAMPLES = 257  # of a separatrix
 _LONGEST = 1e3  # of dimensionless time, for a separatrix
@@ -79,11 +83,11 @@ class Separatrix:
         Displacement in m and velocity in m/s along it.
     kind : str
         "limit cycle": an unstable one, closed; "graze": the orbit that just touches the belt's speed, closed by
-        the piece of the line v = V between its ends.
+        the part of the line v = V between its ends.
     """
 
-    x: Any
-    v: Any
+    x: FloatArray
+    v: FloatArray
     kind: SeparatrixKind
 
     def __repr__(self) -> str:
@@ -150,7 +154,7 @@ class Regime(drawing.Drawn):
         table = markup.table(["motion", "neighbours"], rows, caption="motions")
         return markup.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *notes)
 
-    def _figure(self) -> Any:
+    def _figure(self) -> "Figure":
         from stickslip_sym.motion.regimes.drawing import draw_regime
 
         return draw_regime(self)
@@ -250,10 +254,10 @@ def _rest(law: FrictionLaw, osc: Oscillator, scene: Scene) -> Rest:
     x = osc.N * float(law.mu(osc.V)) / osc.k
     kink = next((i for i, branch in enumerate(scene.branches) if abs(branch.low - 1) <= _SAME), None)
     if kink is None:
-        rate, _ = _swing(osc, law.slope(osc.V))
+        rate, _ = swing(osc, law.slope(osc.V))
         return Rest(x, rate, rate < 0)
     before, after = (scene.onset + scene.branches[i].rise(1.0) for i in (kink - 1, kink))
-    sides = [_swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
+    sides = [swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
     ends_here = any(rate < 0 and math.isinf(time) for rate, time in sides)
     if abs(after - before) > _SAME * max(abs(before), abs(after)) and osc.N > 0:
         # Where mu jumps up it holds the mass as static friction does; where it jumps down it drives it off.
@@ -266,7 +270,7 @@ def _rest(law: FrictionLaw, osc: Oscillator, scene: Scene) -> Rest:
     return Rest(x, rate, rate < 0)
 
 
-def _swing(osc: Oscillator, slope: float) -> tuple[float, float]:
+def swing(osc: Oscillator, slope: float) -> tuple[float, float]:
     """Return the growth rate of small motions where mu has a slope, and how long half a swing takes."""
     growth = -(osc.c + osc.N * slope) / (2 * osc.m)
     excess = (growth - osc.omega) * (growth + osc.omega)
@@ -290,7 +294,7 @@ def _separatrices(
     onset = osc.onset(law)
 
     def curve(slip: SlipPhase, kind: SeparatrixKind, forward: int = 1) -> Separatrix:
-        q, w = slip.at(np.linspace(slip.pieces[0].start.tau, slip.last.tau, _SAMPLES))
+        q, w = slip.at(np.linspace(slip.interpolants[0].start.tau, slip.last.tau, _SAMPLES))
         return Separatrix(onset + osc.length * forward * q, osc.V * (1 - w), kind)
 
     for cycle in orbits.cycles:

@@ -1,7 +1,7 @@
 """The phase plane of a regime: rest, every periodic motion, and the curves that part their basins."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,27 +9,28 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.automaton import simulate
-from stickslip_sym.output.drawing import require_matplotlib
+from stickslip_sym.motion.simulation.trajectory import Trajectory
+from stickslip_sym.output.drawing import dense, require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["draw_regime"]
 
+Style = dict[str, Any]
 _SECONDS = 2.0  # of computation, for a curve that is a period of a motion
 _RTOL = 1e-8
-_DENSE = 8  # points drawn for each step of the integration
-_STICK_SLIP: dict[str, Any] = {"color": "black", "linewidth": 2.2}
-_STABLE: dict[str, Any] = {"color": "#009E73", "linewidth": 2.2}
-_UNSTABLE: dict[str, Any] = {"color": "#D55E00", "linewidth": 1.2, "linestyle": "--"}
-_SEPARATRIX: dict[str, Any] = {"color": "0.45", "linewidth": 1.2, "linestyle": "-."}
-_BELT: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": ":"}
+_STICK_SLIP: Style = {"color": "black", "linewidth": 2.2}
+_STABLE: Style = {"color": "#009E73", "linewidth": 2.2}
+_UNSTABLE: Style = {"color": "#D55E00", "linewidth": 1.2, "linestyle": "--"}
+_SEPARATRIX: Style = {"color": "0.45", "linewidth": 1.2, "linestyle": "-."}
+_BELT: Style = {"color": "black", "linewidth": 0.8, "linestyle": ":"}
 
 
-def draw_regime(found: Any) -> Any:
+def draw_regime(found: Any) -> "Figure":
     """Return the figure of a regime.
 
-    Raises
-    ------
-    InputError
-        If matplotlib is not installed, or the regime does not know its law and its oscillator.
+    Raises `InputError` if matplotlib is not installed, or the regime does not know its law and its oscillator.
     """
     require_matplotlib()
     from matplotlib.figure import Figure
@@ -39,7 +40,7 @@ def draw_regime(found: Any) -> Any:
     figure = Figure(figsize=(5.6, 4.6), layout="constrained")
     axes = figure.add_subplot()
     for motion, label, style in _periodic(found, found.law, found.oscillator):
-        state = motion.at(_times(motion))
+        state = motion.at(dense(np.unique(motion.t)))
         axes.plot(state.x, state.v, label=label, **style)
     for curve in found.separatrices:
         if curve.kind != "limit cycle":  # which is drawn as the cycle that it is
@@ -57,10 +58,10 @@ def draw_regime(found: Any) -> Any:
     return figure
 
 
-def _periodic(found: Any, law: FrictionLaw, osc: Oscillator) -> Iterator[tuple[Any, str, dict[str, Any]]]:
+def _periodic(found: Any, law: FrictionLaw, osc: Oscillator) -> Iterator[tuple[Trajectory, str, Style]]:
     """Yield a period of each periodic motion, its name and its look."""
 
-    def period(x0: float, v0: float, seconds: float) -> Any:
+    def period(x0: float, v0: float, seconds: float) -> Trajectory:
         return simulate(law, osc, t_end=seconds, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
 
     if found.stick_slip is not None:
@@ -73,9 +74,3 @@ def _periodic(found: Any, law: FrictionLaw, osc: Oscillator) -> Iterator[tuple[A
         style = _STABLE if cycle.stable else _UNSTABLE
         name = "pure-slip cycle" if cycle.stable else "pure-slip cycle, unstable"
         yield period(start, cycle.amplitude, cycle.period), name, style
-
-
-def _times(motion: Any) -> Any:
-    """Return times dense enough for a smooth curve."""
-    ends = np.unique(motion.t)
-    return np.interp(np.arange(_DENSE * (ends.size - 1) + 1) / _DENSE, np.arange(ends.size), ends)

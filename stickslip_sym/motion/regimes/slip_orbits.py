@@ -42,19 +42,12 @@ _STRONGEST = 1e-300  # contraction of a round that can still be told from 0
 
 @dataclass(frozen=True)
 class SlipOrbits:
-    """The limit cycles in slip, and the way between them.
+    """The limit cycles in slip, and the way between them."""
 
-    Attributes
-    ----------
-    cycles : tuple of LimitCycle
-        By ascending amplitude.
-    growth : tuple of int
-        1 where orbits grow, -1 where they shrink, 0 where all are periodic: below the first cycle, between two,
-        and above the last.
-    """
-
-    cycles: tuple[LimitCycle, ...]
+    cycles: tuple[LimitCycle, ...]  # by ascending amplitude
     growth: tuple[int, ...]
+    """1 where orbits grow, -1 where they shrink, 0 where all are periodic: below the first cycle, between two, and
+    above the last."""
 
     def fate(self, peak: float) -> LimitCycle | float:
         """Return the limit cycle to which an orbit with a peak velocity in m/s tends, else 0 (rest) or infinity.
@@ -73,12 +66,8 @@ class SlipOrbits:
 def slip_orbits(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> SlipOrbits:
     """Return the limit cycles of an oscillator in slip, up to the belt's speed.
 
-    Raises
-    ------
-    InputError
-        For an unbound law.
-    NotConverged
-        When the bound on the work is reached.
+    Raises `InputError` for an unbound law.
+    Raises `NotConverged` when the bound on the work is reached.
     """
     peaks = _Peaks(Scene.of(law, osc), rtol)
     lone = peaks.lone_growth
@@ -206,12 +195,9 @@ def overtaking_cycle(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> Limit
 def round_from(scene: Scene, q: float, rtol: float) -> tuple[float, float, float]:
     """Follow a round that leaves the belt's speed at q >= 0, to slower motion first.
 
-    Returns
-    -------
-    q, tau, speed : float
-        Where slip slower than the belt begins again, the time it took, and the highest velocity above the belt's,
-        over V. If the mass sticks q is NaN; if it stays slower than the belt, 0; if it moves away
-        for ever, infinity.
+    Returns `q, tau, speed`: where slip slower than the belt begins again, the time it took, and the highest
+      velocity above the belt's, over V. If the mass sticks q is NaN; if it stays slower than the belt, 0; if it
+      moves away for ever, infinity.
     """
     slow = _phase(scene, q, 1, rtol)
     if slow.end is End.UNBOUNDED:

@@ -7,10 +7,10 @@ Three states: stick, slip slower than the belt, slip faster than the belt. Slip 
 import math
 import time
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
@@ -20,7 +20,15 @@ from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.simulation.tendency import tendency
-from stickslip_sym.motion.simulation.trajectory import Event, EventKind, Outcome, Phase, Stretch, Trajectory
+from stickslip_sym.motion.simulation.trajectory import (
+    Course,
+    Event,
+    EventKind,
+    Outcome,
+    Phase,
+    Stretch,
+    Trajectory,
+)
 
 __all__ = ["simulate"]
 
@@ -121,7 +129,7 @@ def simulate(
         if phase.end in _ENDS:
             note = str(phase.error or "") if phase.end is not End.UNBOUNDED else _GROWS
             return recorder.trajectory(_ENDS[phase.end], note)
-        steps += len(phase.pieces)
+        steps += len(phase.interpolants)
         tau, q, w = phase.last.tau, phase.last.q, phase.last.w
     return recorder.trajectory(Outcome.FINISHED)
 
@@ -134,7 +142,7 @@ class _Straight:
     x: float
     v: float
 
-    def __call__(self, t: Any) -> tuple[Any, Any]:
+    def __call__(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         return self.x + self.v * (t - self.start), np.full(t.shape, self.v)
 
 
@@ -146,7 +154,7 @@ class _Slip:
     osc: Oscillator
     x_onset: float
 
-    def __call__(self, t: Any) -> tuple[Any, Any]:
+    def __call__(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         q, w = self.phase.at(t * self.osc.omega)
         return self.x_onset + self.osc.length * q, self.osc.V * (1 - self.phase.side * w)
 
@@ -158,7 +166,7 @@ class _Recorder:
         self.osc, self.rtol = osc, rtol
         self.length = osc.length
         self.x_onset = osc.onset(law)
-        self.samples: list[tuple[Any, Any, Any]] = []
+        self.samples: list[tuple[FloatArray, FloatArray, FloatArray]] = []
         self.events: list[Event] = []
         self.stretches: list[Stretch] = []
 
@@ -168,7 +176,7 @@ class _Recorder:
     def stick(self, tau: float, q: float, end: float) -> None:
         # Two samples hold all there is to a straight line.
         times = np.array([tau, end])
-        course = _Straight(tau / self.osc.omega, self._x(q), self.osc.V)
+        course = _Straight(tau / self.osc.omega, self.x_onset + self.length * q, self.osc.V)
         self._add(times, q + times - tau, np.zeros(2), 1, Phase.STICK, course)
 
     def slip(self, phase: SlipPhase) -> None:
@@ -184,14 +192,8 @@ class _Recorder:
         self.samples.append((t, np.array([x]), np.zeros(1)))
         self.stretches.append(Stretch(before.phase, before.end, float(t[0]), _Straight(before.end, x, 0.0)))
 
-    def _x(self, q: Any) -> Any:
-        return self.x_onset + self.length * q
-
-    def _v(self, w: Any, side: int) -> Any:
-        return self.osc.V * (1 - side * w)
-
-    def _add(self, tau: Any, q: Any, w: Any, side: int, phase: Phase, course: Any) -> None:
-        t, x, v = tau / self.osc.omega, self._x(q), self._v(w, side)
+    def _add(self, tau: FloatArray, q: FloatArray, w: FloatArray, side: int, phase: Phase, course: Course) -> None:
+        t, x, v = tau / self.osc.omega, self.x_onset + self.length * q, self.osc.V * (1 - side * w)
         kind = EventKind.START
         if self.events:
             slipped = self.events[-1].begins is not Phase.STICK

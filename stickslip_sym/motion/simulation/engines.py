@@ -40,9 +40,6 @@ ENGINES: dict[str, Engine] = {"scipy": Steps, "heyoka": TaylorSteps}
 def find(name: str) -> Engine:
     """Return the engine of a name.
 
-    Raises
-    ------
-    InputError
-        If there is none by this name.
+    Raises `InputError` if there is none by this name.
     """
     return lookup("engine", name, ENGINES)

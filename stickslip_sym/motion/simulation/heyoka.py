@@ -2,14 +2,19 @@
 
 from functools import lru_cache
 from threading import local
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.oscillator import Scene
+
+if TYPE_CHECKING:
+    from heyoka import expression, taylor_adaptive
 
 __all__ = ["EXTREMUM", "OTHERWISE", "integrator_of"]
 
@@ -20,7 +25,7 @@ _MOST_COMPILED = 32  # laws whose integrators are kept
 _OWN = 5  # runtime parameters of the oscillator, before those of the law
 
 
-def integrator_of(scene: Scene, side: int) -> Any:
+def integrator_of(scene: Scene, side: int) -> "taylor_adaptive":
     """Return the compiled integrator of a scene's law with the scene's numbers in it."""
     law = scene.law
     # A power of 0 has a Taylor series only if its exponent is known to be whole.
@@ -43,13 +48,13 @@ def integrator_of(scene: Scene, side: int) -> Any:
 
 
 @lru_cache
-def _exponents(expr: Any) -> frozenset[Any]:
+def _exponents(expr: Expr) -> frozenset[Expr]:
     """Return the symbols in exponents of v."""
     powers = [power for power in expr.atoms(sp.Pow) if power.base.has(symbols.v)]
     return frozenset().union(*(power.exp.free_symbols for power in powers))
 
 
-def _compile(expr: Any, parameters: tuple[Any, ...]) -> Any:
+def _compile(expr: Expr, parameters: tuple[Expr, ...]) -> "taylor_adaptive":
     heyoka = _heyoka()
     q, w = heyoka.make_vars("q", "w")
     eta, zeta, static, side, speed = (heyoka.par[i] for i in range(_OWN))
@@ -57,10 +62,7 @@ def _compile(expr: Any, parameters: tuple[Any, ...]) -> Any:
     mu = _translated(expr, leaves | {symbols.v: speed * w}, heyoka)
     rate = eta * (side * static - mu) + side * q - 2.0 * zeta * w
     return heyoka.taylor_adaptive(
-        [(q, 1.0 - side * w), (w, rate)],
-        [0.0, 0.0],
-        t_events=[heyoka.t_event(rate)],
-        compact_mode=True,
+        [(q, 1.0 - side * w), (w, rate)], [0.0, 0.0], t_events=[heyoka.t_event(rate)], compact_mode=True
     )
 
 
@@ -74,7 +76,7 @@ class _Compiled(local):
 _compiled = _Compiled()
 
 
-def _heyoka() -> Any:
+def _heyoka() -> ModuleType:
     try:
         import heyoka
     except ImportError:
@@ -82,14 +84,14 @@ def _heyoka() -> Any:
             f"engine=\"heyoka\" needs the package heyoka: pip install 'stickslip_sym[fast]', or {OTHERWISE}"
         ) from None
     heyoka.set_logger_level_error()  # it warns of values that are not finite, which here are exceptions
-    return heyoka
+    return cast(ModuleType, heyoka)
 
 
 _FUNCTIONS = frozenset({"exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "asinh", "atan", "erf"})
 """What heyoka has by the same name."""
 
 
-def _translated(expr: Any, leaves: dict[Any, Any], heyoka: Any) -> Any:
+def _translated(expr: Expr, leaves: "dict[Expr, expression]", heyoka: ModuleType) -> "expression":
     """Return a SymPy expression as heyoka's."""
     if expr in leaves:
         return leaves[expr]
@@ -106,15 +108,12 @@ def _translated(expr: Any, leaves: dict[Any, Any], heyoka: Any) -> Any:
     if isinstance(expr, sp.Mul):
         return heyoka.prod(arguments)
     if isinstance(expr, sp.Pow):
-        return _power(arguments[0], int(expr.exp)) if _is_whole(expr.exp) else arguments[0] ** arguments[1]
+        whole = expr.exp.is_Integer and expr.exp > 0
+        return _power(arguments[0], int(expr.exp)) if whole else arguments[0] ** arguments[1]
     return 1.0 / heyoka.cosh(*arguments) if name == "sech" else getattr(heyoka, name)(*arguments)
 
 
-def _is_whole(exponent: Any) -> bool:
-    return bool(exponent.is_Integer and exponent > 0)
-
-
-def _power(base: Any, exponent: int) -> Any:
+def _power(base: "expression", exponent: int) -> "expression":
     """Return a power by products: heyoka's own series of a power, but for squares, divides by its base."""
     if exponent == 1:
         return base

@@ -1,4 +1,4 @@
-"""Steps of a slip phase, piece of mu by piece: explicit ones, or implicit ones in a fast decay.
+"""Steps of a slip phase, segment of mu by segment: explicit ones, or implicit ones in a fast decay.
 
 A return to the belt's speed may graze it: w touches 0 and turns within one step, and no sign change
 of w is left to see. So the extrema of w are located first, as simple roots of w'; between two of them
@@ -7,9 +7,9 @@ w is monotone and can cross 0 only once, and where it does is then a simple root
 The ends of a step are enough to see the extrema: from a minimum of w, which lies below w = 1, to a maximum,
 which lies above, the motion takes about half a period, longer than any explicit step.
 
-Where mu has a kink, each of its smooth pieces is integrated as if it held everywhere. Where w leaves the piece
-is located as a return is, which is the same thing at w = 0, and the integration begins anew on the next piece.
-So no step has a kink in it. Where mu jumps up, the rates on both sides may point at each other: the mass then
+Where mu has a kink, each of its smooth segments is integrated as if it held everywhere. Where w leaves the segment
+is located as a return is, which is the same thing at w = 0, and the integration begins anew on the next segment.
+So no step has a kink in it. Where mu jumps up, the rates on both sides may both lead to the jump: the mass then
 slides at the slip speed of the jump, w is constant, and q a straight line, until one of them turns (Filippov).
 """
 
@@ -17,8 +17,8 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
+from stickslip_sym.core.aliases import Numbers
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.simulation.slip_phase import (
@@ -30,13 +30,13 @@ from stickslip_sym.motion.simulation.slip_phase import (
     passage,
     root,
 )
-from stickslip_sym.motion.simulation.steppers import Explicit, Implicit, Piece, Point, Rates
+from stickslip_sym.motion.simulation.steppers import Explicit, Implicit, Interpolant, Point, Rates
 
 __all__ = ["Steps"]
 
 _LONGEST_STEP = 0.25  # explicit, of dimensionless time; at twice that what a step is off shows in thresholds
 _MOST_STEPS = 10_000
-_STEPS = 20  # more for every unit of time and piece of mu, on the way to a given horizon
+_STEPS = 20  # more for every unit of time and segment of mu, on the way to a given horizon
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _SOFT = _STIFF / 3  # below which they are taken again; less, so that the method does not change to and fro
 _STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
@@ -56,7 +56,7 @@ class _Slide:
     t: float
     rate: float
 
-    def __call__(self, tau: Any) -> Any:
+    def __call__(self, tau: Numbers) -> tuple[Numbers, Numbers]:
         return self.start.q + self.rate * (tau - self.start.tau), self.start.w + 0 * tau
 
 
@@ -67,7 +67,7 @@ class Steps:
         self.scene, self.phase, self.side = scene, phase, phase.side
         self.horizon, self.rtol, self.until = horizon, rtol, until
         self.start = phase.last.tau
-        self.pieces = [replace(scene, rise=branch.rise) for branch in scene.branches]
+        self.segments = [replace(scene, rise=branch.rise) for branch in scene.branches]
         self.stiff = False
         self.held = 0
         self.rests = attracted_to_rest(scene, self.side, rtol)
@@ -76,8 +76,8 @@ class Steps:
 
     def check_work(self, *, bounded: bool) -> None:
         """Refuse to go on after far more steps than a slip phase takes, unless there is another bound on them."""
-        steps, elapsed = len(self.phase.pieces), self.phase.last.tau - self.start
-        more = _STEPS * len(self.pieces) * elapsed if self.until is End.RETURN else 0
+        steps, elapsed = len(self.phase.interpolants), self.phase.last.tau - self.start
+        more = _STEPS * len(self.segments) * elapsed if self.until is End.RETURN else 0
         if not bounded and steps >= _MOST_STEPS + more:
             raise NotConverged(
                 f"one slip phase took over {steps} steps up to {elapsed:.3g}/omega: mu may be too rough, with "
@@ -85,21 +85,21 @@ class Steps:
             )
 
     def advance(self) -> None:
-        """Take a step, up to where w leaves the piece of mu or the phase ends."""
+        """Take a step, up to where w leaves the segment of mu or the phase ends."""
         phase, before = self.phase, self.phase.last
-        piece, last = self._step(), self.solver.now
+        interpolant, last = self._step(), self.solver.now
         if not max(abs(last.q), abs(last.w)) < RUNAWAY:
             phase.end = End.UNBOUNDED
             return
-        turn = self._turn(piece)
-        left = self._leaves(piece, before, last if turn is None else turn)
-        phase.pieces.append(piece)
+        turn = self._turn(interpolant)
+        left = self._leaves(interpolant, before, last if turn is None else turn)
+        phase.interpolants.append(interpolant)
         phase.last = last
         if left is None and turn is not None:
             self.rising = not self.rising
             if phase.turns(turn, self.rising, self.until):
                 return
-            left = self._leaves(piece, turn, last)
+            left = self._leaves(interpolant, turn, last)
         if left is None and self.rests(phase.last):
             phase.end = End.REST
         elif left is None:
@@ -113,10 +113,10 @@ class Steps:
             if self.until is End.MINIMUM and self.rising and not rose and phase.end is not End.REST:
                 phase.end = End.MINIMUM
 
-    # -- pieces of mu --------------------------------------------------------------------------------
+    # -- segments of mu ----------------------------------------------------------------------------------
 
     def _begin(self) -> bool:
-        """Choose the piece of mu at the start, and return whether w rises."""
+        """Choose the segment of mu at the start, and return whether w rises."""
         start, branches = self.phase.last, self.scene.branches
         self._require_known(start.w)
         self.index = bisect_right([branch.low for branch in branches], start.w) - 1
@@ -135,21 +135,21 @@ class Steps:
     def _enter(self, rising: bool) -> bool:
         """Go on from a level at which mu has a kink, and return whether w rises there."""
         phase = self.phase
-        step = self.solver.length if phase.pieces else None
+        step = self.solver.length if phase.interpolants else None
         now, beyond = phase.last, self.index + (1 if rising else -1)
         onward = (self._slope(beyond, now) >= 0) == rising
         if onward or not self._jumps(now.w, self.index, beyond):
             self.index = beyond
         else:
             rising = self._slide(min(self.index, beyond))
-        if self.stiff and self.pieces[self.index].decay(now.w) <= _SOFT:
+        if self.stiff and self.segments[self.index].decay(now.w) <= _SOFT:
             self.stiff, step = False, None  # where w grows, a long implicit step would take it for a decay
         if phase.last.tau < self.horizon:
             self.solver = self._solver(phase.last, self.horizon, step=step)
         return rising
 
     def _slope(self, index: int, now: Point) -> float:
-        return self.pieces[index].acceleration(now.q, now.w, self.side)
+        return self.segments[index].acceleration(now.q, now.w, self.side)
 
     def _jumps(self, w: float, *indices: int) -> bool:
         onset = self.scene.onset
@@ -168,7 +168,7 @@ class Steps:
         # Where the slope of w on the side of the exit is 0.
         distance = -side * self._slope(self.index, start) / rate
         tau = min(self.horizon, start.tau + max(distance, 0.0))
-        phase.pieces.append(_Slide(start, tau, rate))
+        phase.interpolants.append(_Slide(start, tau, rate))
         phase.last = Point(tau, start.q + rate * (tau - start.tau), start.w)
         return upward
 
@@ -176,27 +176,27 @@ class Steps:
 
     @property
     def _rates(self) -> Rates:
-        # Of this piece for good: an interpolant may ask for more of them when the mass is on another one.
-        scene, side = self.pieces[self.index], self.side
+        # Of this segment for good: an interpolant may ask for more of them when the mass is on another one.
+        scene, side = self.segments[self.index], self.side
         return lambda q, w: (1 - side * w, scene.acceleration(q, w, side))
 
     def _solver(self, start: Point, end: float, *, step: float | None = None) -> Explicit | Implicit:
         if self.stiff:
-            decay = self.pieces[self.index].decay
+            decay = self.segments[self.index].decay
             return Implicit(self._rates, start, end, self.rtol, side=self.side, decay=decay, step=step)
         return Explicit(self._rates, start, end, self.rtol, step=step, longest=_LONGEST_STEP)
 
-    def _step(self) -> Piece:
+    def _step(self) -> Interpolant:
         """Take one step and return its interpolant."""
-        piece = self.solver.step()
+        interpolant = self.solver.step()
         w = self.solver.now.w
         self._require_known(w)
-        if piece is None:
+        if interpolant is None:
             raise NotConverged(
                 f"the slip phase cannot be integrated at rtol = {self.rtol:g} beyond a slip speed of {w:.6g} V: "
                 "mu may have no finite value there; try a larger rtol or another law"
             )
-        return piece
+        return interpolant
 
     def _require_known(self, w: float) -> None:
         """Refuse a slip speed beyond the last measured one."""
@@ -206,56 +206,64 @@ class Steps:
                 f"{self.scene.w_max:.6g} V; measure further, or hold the last coefficient: extrapolate=True"
             )
 
-    def _turn(self, piece: Piece) -> Point | None:
+    def _turn(self, interpolant: Interpolant) -> Point | None:
         """Locate an extremum of w within one step."""
-        start, now, rising = piece.start, self.solver.now, self.rising
+        start, now, rising = interpolant.start, self.solver.now, self.rising
         # In a fast decay w' is a small difference, and its sign the sign of an error of w.
-        noise = self.rtol ** (2 / 3) * self.pieces[self.index].decay(max(now.w, 0.0)) if self.stiff else 0.0
+        noise = self.rtol ** (2 / 3) * self.segments[self.index].decay(max(now.w, 0.0)) if self.stiff else 0.0
         if (self.solver.slope >= -noise) if rising else (self.solver.slope <= noise):
             return None
 
         rates = self._rates
 
         def slope(tau: float) -> float:
-            return rates(*map(float, piece(tau)))[1]
+            return rates(*map(float, interpolant(tau)))[1]
 
         # Right at an onset or an extremum the slope at the beginning may have either sign, and so may that at the
         # end on the interpolant.
-        before, after = ((slope(tau) > 0) == rising for tau in (start.tau, piece.t))
+        before, after = ((slope(tau) > 0) == rising for tau in (start.tau, interpolant.t))
         try:
-            tau = root(slope, start.tau, piece.t) if before and not after else piece.t if before else start.tau
+            tau = (
+                root(slope, start.tau, interpolant.t)
+                if before and not after
+                else interpolant.t
+                if before
+                else start.tau
+            )
         except ValueError as error:  # within the step an interpolant may leave where mu can be computed
             raise NotConverged(
                 f"the slip phase cannot be followed at rtol = {self.rtol:g} from a slip speed of "
                 f"{start.w:.6g} V on: {error}; try another rtol"
             ) from None
         # Where w' = 0, w'' = side - w whatever mu is: any other turn is an error of the integration.
-        if (float(piece(tau)[1]) < self.side) == rising:
+        if (float(interpolant(tau)[1]) < self.side) == rising:
             return None
-        return self._refined(piece, tau, lambda q, w: (self._rates(q, w)[1], self.side - w))
+        return self._refined(interpolant, tau, lambda q, w: (self._rates(q, w)[1], self.side - w))
 
-    def _leaves(self, piece: Piece, first: Point, last: Point) -> Point | None:
-        """Locate where w leaves the range of the piece of mu in a monotone stretch of one step."""
+    def _leaves(self, interpolant: Interpolant, first: Point, last: Point) -> Point | None:
+        """Locate where w leaves the range of the segment of mu in a monotone stretch of one step."""
         branch, rising = self.scene.branches[self.index], self.rising
         level = branch.high if rising else branch.low
         if (last.w < level) if rising else (last.w > level):
             return None
-        height = [float(piece(point.tau)[1]) - level for point in (first, last)]
+        height = [float(interpolant(point.tau)[1]) - level for point in (first, last)]
         if (height[0] < 0) != rising:
             tau = first.tau
         elif (height[1] < 0) == rising:
             tau = last.tau
         else:
-            tau = passage(piece, level, first.tau, last.tau)
-        end = self._refined(piece, tau, lambda q, w: (w - level, self._rates(q, w)[1]))
+            tau = passage(interpolant, level, first.tau, last.tau)
+        end = self._refined(interpolant, tau, lambda q, w: (w - level, self._rates(q, w)[1]))
         return Point(end.tau, end.q, level)
 
-    def _refined(self, piece: Piece, tau: float, value: Callable[[float, float], tuple[float, float]]) -> Point:
+    def _refined(
+        self, interpolant: Interpolant, tau: float, value: Callable[[float, float], tuple[float, float]]
+    ) -> Point:
         """Improve a root near tau, found on an interpolant, to the accuracy of the integration itself.
 
         `value` gives what vanishes at the root, and its rate.
         """
-        before, now = piece.start, self._state(piece.start, tau)
+        before, now = interpolant.start, self._state(interpolant.start, tau)
         for _ in range(2):
             if now is None:
                 break
@@ -267,7 +275,7 @@ class Steps:
                 dq, dw = self._rates(now.q, now.w)
                 return Point(now.tau + shift, now.q + shift * dq, now.w + shift * dw)
             now = self._state(before, now.tau + shift)
-        return now or Point(tau, *map(float, piece(tau)))
+        return now or Point(tau, *map(float, interpolant(tau)))
 
     def _state(self, before: Point, tau: float) -> Point | None:
         """Integrate afresh from the beginning of the step; None where that takes many steps for this one."""
@@ -282,7 +290,7 @@ class Steps:
 
     def _choose(self, now: Point, step: float) -> None:
         """Choose the method of the next step."""
-        decay = self.pieces[self.index].decay(now.w)
+        decay = self.segments[self.index].decay(now.w)
         if self.stiff:
             self.held = 0
             stiff = decay > _SOFT

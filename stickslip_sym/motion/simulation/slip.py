@@ -27,43 +27,28 @@ def follow(
 ) -> SlipPhase:
     """Integrate a slip phase from `start`.
 
-    Parameters
-    ----------
-    scene : Scene
-    start : Point
-        With w >= 0; at w = 0 the phase is leaving, whatever rounding says of w'.
-    side : int
-        See `SlipPhase`.
-    horizon : float
-        Time at which to stop in any case.
-    rtol : float
-        Relative tolerance of a step.
-    until : End
-        `End.MINIMUM`: stop also at a minimum of w above 0.
-    max_steps : int, optional
-        A number of steps after which the phase ends as it is, as it then does where mu has no value. Without it
-        either is an error.
-    deadline : float
-        Of `time.monotonic`, after which the phase ends as it is.
-    engine : Engine
-        What takes the steps.
+    - `start`: with w >= 0; at w = 0 the phase is leaving, whatever rounding says of w'.
+    - `side`: see `SlipPhase`.
+    - `horizon`: time at which to stop in any case.
+    - `rtol`: relative tolerance of a step.
+    - `until`: `End.MINIMUM`: stop also at a minimum of w above 0.
+    - `max_steps`: a number of steps after which the phase ends as it is, as it then does where mu has no value.
+      Without it either is an error.
+    - `deadline`: of `time.monotonic`, after which the phase ends as it is.
+    - `engine`: what takes the steps.
 
-    Raises
-    ------
-    InputError
-        If mu cannot be computed at the start, or is measured up to a lower slip speed than the motion's, or the
-        engine is not there or cannot take the law.
-    NotConverged
-        When the number of steps runs out, or mu cannot be computed on the motion.
-    OutOfTime
-        Without `max_steps`, when the time of a `time_limit` is up; with it the phase ends then as at its deadline.
+    Raises `InputError` if mu cannot be computed at the start, or is measured up to a lower slip speed than the
+      motion's, or the engine is not there or cannot take the law.
+    Raises `NotConverged` when the number of steps runs out, or mu cannot be computed on the motion.
+    Raises `OutOfTime` without `max_steps`, when the time of a `time_limit` is up; with it the phase ends then as
+      at its deadline.
     """
     phase = SlipPhase(side, start)
     method = engine(scene, phase, horizon=horizon, rtol=rtol, until=until)
     while phase.end is End.HORIZON and phase.last.tau < horizon:
         if max_steps is None:
             check_time()
-        elif len(phase.pieces) >= max_steps:
+        elif len(phase.interpolants) >= max_steps:
             phase.end = End.STEPS
             break
         if (max_steps is not None and time_left() < 0) or time.monotonic() > deadline:

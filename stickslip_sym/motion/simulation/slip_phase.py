@@ -4,14 +4,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.oscillator import Scene
-from stickslip_sym.motion.simulation.steppers import Piece, Point
+from stickslip_sym.motion.simulation.steppers import Interpolant, Point
 
 __all__ = ["RUNAWAY", "End", "SlipPhase", "Until", "attracted_to_rest", "passage", "root"]
 
@@ -45,34 +47,19 @@ Until = Literal[End.RETURN, End.MINIMUM]
 
 @dataclass
 class SlipPhase:
-    """The course of one slip phase.
+    """The course of one slip phase."""
 
-    Attributes
-    ----------
-    side : int
-        1 where the mass is slower than the belt, -1 where it is faster.
-    last : Point
-        The state at the end.
-    end : End
-    extrema : list of Point
-        The maxima and minima of w, in order.
-    pieces : list of Piece
-        Interpolants of (q, w), one a step.
-    error : StickSlipError or None
-        Why mu has no value where the phase ended.
-    """
-
-    side: int
-    last: Point
+    side: int  # 1 where the mass is slower than the belt, -1 where it is faster
+    last: Point  # the state at the end
     end: End = End.HORIZON
-    extrema: list[Point] = field(default_factory=list)
-    pieces: list[Piece] = field(default_factory=list)
-    error: StickSlipError | None = None
+    extrema: list[Point] = field(default_factory=list)  # the maxima and minima of w, in order
+    interpolants: list[Interpolant] = field(default_factory=list)  # of (q, w), one a step
+    error: StickSlipError | None = None  # why mu has no value where the phase ended
 
     @property
     def points(self) -> list[Point]:
         """The states at the ends of the steps, from the beginning of the phase to its end."""
-        return [*(piece.start for piece in self.pieces), self.last]
+        return [*(interpolant.start for interpolant in self.interpolants), self.last]
 
     def turns(self, extremum: Point, rising: bool, until: Until) -> bool:
         """Note an extremum of w after which it rises or falls, and return whether the phase ends there."""
@@ -81,26 +68,28 @@ class SlipPhase:
             self.end, self.last = End.MINIMUM, extremum
         return self.end is End.MINIMUM
 
-    def at(self, tau: Any) -> Any:
+    def at(self, tau: ArrayLike) -> FloatArray:
         """Return the rows q and w at times within the phase."""
         tau = np.asarray(tau, dtype=np.float64)
-        index = np.searchsorted([piece.start.tau for piece in self.pieces[1:]], tau, side="right")
+        index = np.searchsorted(
+            [interpolant.start.tau for interpolant in self.interpolants[1:]], tau, side="right"
+        )
         result = np.empty((2, *tau.shape))
         result[0], result[1] = self.last.q, self.last.w  # all there is of a phase without steps
-        for i in np.unique(index) if self.pieces else ():
+        for i in np.unique(index) if self.interpolants else ():
             chosen = index == i
-            result[:, chosen] = self.pieces[i](tau[chosen])
+            result[:, chosen] = self.interpolants[i](tau[chosen])
         return result
 
     def crossings(self, level: float) -> list[Point]:
         """Return the points where w comes to a level or passes it between the ends of two steps."""
         found = []
-        for piece, (before, after) in zip(self.pieces, pairwise(self.points), strict=True):
+        for interpolant, (before, after) in zip(self.interpolants, pairwise(self.points), strict=True):
             if after.w == level:  # as where mu has a kink there
                 found.append(after)
             elif (before.w - level) * (after.w - level) < 0:
-                tau = passage(piece, level, before.tau, after.tau)
-                found.append(Point(tau, *map(float, piece(tau))))
+                tau = passage(interpolant, level, before.tau, after.tau)
+                found.append(Point(tau, *map(float, interpolant(tau))))
         return found
 
 
@@ -118,6 +107,6 @@ def root(function: Callable[[float], float], low: float, high: float) -> float:
     return float(brentq(function, low, high))
 
 
-def passage(piece: Piece, level: float, low: float, high: float) -> float:
+def passage(interpolant: Interpolant, level: float, low: float, high: float) -> float:
     """Return when w passes a level between two times of a step."""
-    return root(lambda tau: float(piece(tau)[1]) - level, low, high)
+    return root(lambda tau: float(interpolant(tau)[1]) - level, low, high)

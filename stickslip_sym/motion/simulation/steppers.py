@@ -10,13 +10,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from operator import mul
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from scipy.integrate import DOP853, Radau
 
-__all__ = ["Explicit", "Implicit", "Piece", "Point", "Rates"]
+from stickslip_sym.core.aliases import FloatArray, Numbers
 
+__all__ = ["Explicit", "Implicit", "Interpolant", "Pair", "Point", "Rates"]
+
+Pair = tuple[Numbers, Numbers] | FloatArray
+"""q and w: two numbers, or two arrays."""
 Rates = Callable[[float, float], tuple[float, float]]
 """q' and w' at (q, w)."""
 
@@ -38,7 +42,7 @@ class Point:
     w: float
 
 
-class Piece(Protocol):
+class Interpolant(Protocol):
     """The interpolant of one step: rows q and w at times from that of `start` to `t`."""
 
     @property
@@ -47,32 +51,19 @@ class Piece(Protocol):
     @property
     def t(self) -> float: ...  # noqa: D102
 
-    def __call__(self, tau: Any) -> Any: ...  # noqa: D102
+    def __call__(self, tau: Numbers) -> Pair: ...  # noqa: D102
 
 
 class Explicit:
     """Steps of DOP853.
 
-    Parameters
-    ----------
-    rates : callable
-    start : Point
-    end : float
-        Time that no step passes.
-    rtol : float
-        Relative tolerance of a step; the absolute one is a hundredth of it, all states being of order one.
-    step : float, optional
-        Length of the first step.
-    longest : float
-        Of a step.
+    - `end`: time that no step passes.
+    - `rtol`: relative tolerance of a step; the absolute one is a hundredth of it, all states being of order one.
+    - `step`: length of the first step.
+    - `longest`: of a step.
 
-    Attributes
-    ----------
-    now : Point
-    slope : float
-        w' there.
-    length : float
-        Of the next step, as far as it is foreseen.
+    - `slope`: w' there.
+    - `length`: of the next step, as far as it is foreseen.
     """
 
     def __init__(
@@ -92,7 +83,7 @@ class Explicit:
         """The rate w' now."""
         return self._first[1]
 
-    def step(self) -> Piece | None:
+    def step(self) -> Interpolant | None:
         """Take one step; None if none is short enough for the tolerance."""
         now, shortened = self.now, False
         while True:
@@ -151,7 +142,7 @@ class _Course:
         self.rates, self.start, self.length, self.dq, self.dw, self.last = rates, start, length, dq, dw, last
         self.t = last.tau
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         # The rates cannot be pickled, and are for the rows only.
         return {"start": self.start, "length": self.length, "t": self.t, "_rows": self._rows}
 
@@ -171,17 +162,14 @@ class _Course:
 
         return row_of(dq, last.q - start.q), row_of(dw, last.w - start.w)
 
-    def __call__(self, tau: Any) -> Any:
-        forward = (tau - self.start.tau) / self.length
-        return tuple(
-            _nested(row, forward, origin)
-            for row, origin in zip(self._rows, (self.start.q, self.start.w), strict=True)
-        )
+    def __call__(self, tau: Numbers) -> Pair:
+        forward, (of_q, of_w) = (tau - self.start.tau) / self.length, self._rows
+        return _nested(of_q, forward, self.start.q), _nested(of_w, forward, self.start.w)
 
 
-def _nested(row: list[float], forward: Any, origin: float) -> Any:
+def _nested(row: list[float], forward: Numbers, origin: float) -> Numbers:
     """Evaluate a polynomial whose nested factors are by turns the distances to the end and from the start."""
-    value: Any = 0.0
+    value: Numbers = 0.0
     for i, coefficient in enumerate(row):
         value = (value + coefficient) * (1 - forward if i % 2 else forward)
     return origin + value
@@ -219,7 +207,7 @@ class Implicit:
         """Of the next step, as far as it is foreseen."""
         return float(self._solver.h_abs)
 
-    def step(self) -> Piece | None:
+    def step(self) -> Interpolant | None:
         """Take one step; None if none is short enough for the tolerance, or the linear algebra fails."""
         start = self.now
         try:
@@ -238,7 +226,7 @@ class _Implicit:
 
     start: Point
     t: float
-    course: Callable[[Any], Any]
+    course: Callable[[Numbers], Pair]
 
-    def __call__(self, tau: Any) -> Any:
+    def __call__(self, tau: Numbers) -> Pair:
         return self.course(tau)

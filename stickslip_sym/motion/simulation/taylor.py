@@ -11,11 +11,11 @@ would have to tell a graze from a miss.
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
+from stickslip_sym.core.aliases import FloatArray, Numbers
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.simulation.heyoka import EXTREMUM, OTHERWISE, integrator_of
@@ -32,29 +32,22 @@ _DEFECT = 1e-13  # how far a step may miss, in units of its state
 
 @dataclass(frozen=True)
 class Series:
-    """The Taylor series of (q, w) about the beginning of a step.
+    """The Taylor series of (q, w) about the beginning of a step."""
 
-    Attributes
-    ----------
-    t_old, t : float
-        Dimensionless times of the beginning and the end.
-    coefficients : numpy.ndarray of shape (order + 1, 2)
-    """
-
-    t_old: float
-    t: float
-    coefficients: Any
+    t_old: float  # dimensionless time of the beginning
+    t: float  # and of the end
+    coefficients: FloatArray  # shape (order + 1, 2)
 
     @property
     def start(self) -> Point:
         """The state at the beginning."""
         return Point(self.t_old, *self.coefficients[0].tolist())
 
-    def __call__(self, tau: Any) -> Any:
+    def __call__(self, tau: Numbers) -> FloatArray:
         """Return (q, w) at a time, or rows of q and w at several."""
         return self._sum(np.asarray(tau) - self.t_old)
 
-    def _sum(self, time: Any) -> Any:
+    def _sum(self, time: Numbers) -> FloatArray:
         return (np.power.outer(time, np.arange(len(self.coefficients))) @ self.coefficients).T
 
     def rate(self, time: float) -> float:
@@ -81,10 +74,8 @@ class Series:
 class TaylorSteps:
     """Steps of Taylor series: an `Engine`, whose tolerance is only how close to a rest the mass is at rest.
 
-    Raises
-    ------
-    InputError
-        If heyoka is not installed, the law is not one that it can expand, or mu cannot be computed at the start.
+    Raises `InputError` if heyoka is not installed, the law is not one that it can expand, or mu cannot be computed
+      at the start.
     """
 
     def __init__(self, scene: Scene, phase: SlipPhase, *, horizon: float, rtol: float, until: Until) -> None:
@@ -117,19 +108,19 @@ class TaylorSteps:
         if not max(abs(now.q), abs(now.w)) < RUNAWAY:
             phase.end = _lost(before)
             return
-        piece = Series(before.tau, now.tau, integrator.tc.T.copy())
+        interpolant = Series(before.tau, now.tau, integrator.tc.T.copy())
         crosses = now.w <= 0 and not self.rising
         if crosses:
-            length, now = piece.crossing(length)
+            length, now = interpolant.crossing(length)
         advanced = now.tau > before.tau  # not to an extremum right here, which a step tried again may find again
-        if advanced and not _holds(self.scene, piece, length, now, phase.side):
+        if advanced and not _holds(self.scene, interpolant, length, now, phase.side):
             self.longest = length / 4
             return
         phase.last = now
         if advanced:
             self.longest = math.inf
-        if advanced or not phase.pieces:
-            phase.pieces.append(piece)
+        if advanced or not phase.interpolants:
+            phase.interpolants.append(interpolant)
         if crosses:
             phase.end = End.RETURN
             return
@@ -142,13 +133,13 @@ class TaylorSteps:
             phase.end = End.REST
 
 
-def _holds(scene: Scene, piece: Series, length: float, now: Point, side: int) -> bool:
+def _holds(scene: Scene, interpolant: Series, length: float, now: Point, side: int) -> bool:
     """Whether the rates at the end of a step are those that its series has there.
 
     The length of a step follows from its last coefficients, and they do not see a layer of the law ahead: of
     tanh(v/v_0) nothing is left in them at v = 20 v_0, and a step could pass from there to v = 0.
     """
-    error = length * abs(piece.rate(length) - scene.acceleration(now.q, now.w, side))
+    error = length * abs(interpolant.rate(length) - scene.acceleration(now.q, now.w, side))
     return error <= _DEFECT * max(1.0, abs(now.q), abs(now.w), length * scene.eta)
 
 

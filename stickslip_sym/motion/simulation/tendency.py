@@ -19,13 +19,8 @@ _STILL = 1e-9  # m for each m that the belt moves in 1/omega: a smaller swing is
 def tendency(motion: Trajectory, *, length: float, rtol: float) -> tuple[Tendency, float | None]:
     """Return what a motion has come to, and for slip alone the relative change of its swing in a round.
 
-    Parameters
-    ----------
-    motion : Trajectory
-    length : float
-        V / omega in m, the size of displacements.
-    rtol : float
-        The relative tolerance of a step that it was integrated with.
+    - `length`: V / omega in m, the size of displacements.
+    - `rtol`: the relative tolerance of a step that it was integrated with.
     """
     if motion.outcome is Outcome.AT_REST:
         return Tendency.REST, None

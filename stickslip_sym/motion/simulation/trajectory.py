@@ -4,17 +4,21 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from stickslip_sym.core.aliases import FloatArray, ObjectArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output import drawing, files, markup
 
-__all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Tendency", "Trajectory"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Course", "Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Tendency", "Trajectory"]
 
 _ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
-_DRAWN = 8  # points drawn for each step of the integration
 _SHOWN = 3000  # steps in the picture of a notebook, some hundred rounds; more take seconds to draw
 
 
@@ -74,9 +78,13 @@ class Event:
 class State(NamedTuple):
     """Displacement in m, velocity in m/s and phase, each an array of the shape of the times."""
 
-    x: Any
-    v: Any
-    phase: Any
+    x: FloatArray
+    v: FloatArray
+    phase: ObjectArray
+
+
+Course = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+"""x and v as functions of time."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +94,7 @@ class Stretch:
     phase: Phase
     start: float
     end: float
-    course: Callable[[Any], tuple[Any, Any]]
+    course: Course
 
 
 @dataclass(frozen=True)
@@ -114,10 +122,10 @@ class Trajectory:
         Where it only slips: the relative change of the swing of x in its last round.
     """
 
-    t: Any
-    x: Any
-    v: Any
-    phase: Any
+    t: FloatArray
+    x: FloatArray
+    v: FloatArray
+    phase: ObjectArray
     events: tuple[Event, ...]
     outcome: Outcome
     stretches: tuple[Stretch, ...]
@@ -154,11 +162,11 @@ class Trajectory:
         table = markup.table(["t in s", "x in m", "v in m/s", "begins"], rows)
         return markup.block(repr(self), picture, *cut, table)
 
-    def starts_of(self, phase: Phase) -> Any:
+    def starts_of(self, phase: Phase) -> FloatArray:
         """Return the times at which a phase began."""
         return np.array([event.t for event in self.events if event.begins is phase])
 
-    def at(self, t: Any) -> State:
+    def at(self, t: ArrayLike) -> State:
         """Return the state at any times of the motion.
 
         Stick is exact, and slip as accurate as the samples; only where a fast decay called for the implicit
@@ -196,7 +204,7 @@ class Trajectory:
             phase[chosen] = self.stretches[i].phase
         return State(x, v, phase)
 
-    def to_csv(self, path: str | Path, t: Any = None) -> None:
+    def to_csv(self, path: str | Path, t: ArrayLike | None = None) -> None:
         """Write times, displacements, velocities and phases to a file, with units in its header.
 
         Parameters
@@ -216,7 +224,7 @@ class Trajectory:
         phases = np.array([phase.name.lower() for phase in state.phase])
         files.write_csv(Path(path), numbers | {"phase": phases})
 
-    def plot(self, path: str | Path | None = None, *, since: float | None = None) -> Any:
+    def plot(self, path: str | Path | None = None, *, since: float | None = None) -> "Figure":
         """Draw the time history and the phase plane, stick and slip told apart.
 
         Parameters
@@ -260,7 +268,7 @@ class Trajectory:
             drawing.save(figure, Path(path))
         return figure
 
-    def _drawn(self, phase: Phase, since: float) -> tuple[Any, Any, Any]:
+    def _drawn(self, phase: Phase, since: float) -> FloatArray:
         """Return t, x and v of all stretches of a phase that end after a time, with NaN between two of them."""
         parts = [np.empty((3, 0))]
         for stretch in self.stretches:
@@ -268,9 +276,9 @@ class Trajectory:
                 first = np.searchsorted(self.t, max(stretch.start, since), side="right")
                 inner = self.t[first : np.searchsorted(self.t, stretch.end)]
                 ends = np.array([max(stretch.start, since), *inner, stretch.end])
-                t = np.interp(np.arange(_DRAWN * (ends.size - 1) + 1) / _DRAWN, np.arange(ends.size), ends)
+                t = drawing.dense(ends)
                 parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]
-        return tuple(np.concatenate(parts, axis=1))
+        return np.concatenate(parts, axis=1)
 
 
 _STYLES: dict[Phase, dict[str, Any]] = {

@@ -152,13 +152,8 @@ def peak_velocity(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, eng
 
     Parameters
     ----------
-    law : FrictionLaw
-        With all parameters bound.
-    osc : Oscillator
-    rtol : float
-        Relative tolerance of an integration step, 1e-13 to 1e-3.
-    engine : {"scipy", "heyoka"}
-        What integrates the slip, as for `simulate`.
+    law, osc, rtol, engine
+        As for `stick_slip_cycle`.
 
     Raises
     ------

@@ -1,12 +1,12 @@
 """A law and an oscillator in exact numbers, and its field in balls, segment by segment of mu."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 from flint import arb
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.balls import ball, ball_function, series_function
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.law import FrictionLaw
@@ -19,43 +19,35 @@ _W = sp.Symbol("w")
 
 @dataclass(frozen=True)
 class BoxScene:
-    """A law and an oscillator without damping, in exact numbers.
+    """A law and an oscillator without damping, in exact numbers."""
 
-    Attributes
-    ----------
-    law : FrictionLaw
-        Bound.
-    V, N, m, k : sympy.Rational
-        In SI units.
-    """
-
-    law: FrictionLaw
-    V: Any
-    N: Any
-    m: Any
-    k: Any
+    law: FrictionLaw  # bound
+    V: Rational
+    N: Rational
+    m: Rational
+    k: Rational  # all four in SI units
 
     @property
-    def point(self) -> dict[Any, Any]:
+    def point(self) -> dict[Expr, Rational]:
         """Return the values of the law's parameters."""
         return {self.law.parameters[name].symbol: value for name, value in self.law.values.items()}
 
     @property
-    def values(self) -> dict[str, Any]:
+    def values(self) -> dict[str, Rational]:
         """Return all that was given, by name."""
         return {"V": self.V, "N": self.N, "m": self.m, "k": self.k, **self.law.values}
 
     @property
-    def at_rest(self) -> Any:
+    def at_rest(self) -> Expr:
         """The coefficient mu(0+), by the first segment at v = 0."""
         return branch_from(self.law.expr, self.point, sp.Integer(0)).xreplace({symbols.v: sp.Integer(0)})
 
     @property
-    def static(self) -> Any:
+    def static(self) -> Expr:
         """The coefficient that limits sticking."""
         return self.at_rest if self.law.static is None else self.law.static
 
-    def segments(self, c: Any) -> list["Segment"]:
+    def segments(self, c: Rational) -> list["Segment"]:
         """Return the smooth segments of the field, ascending, at the working precision."""
         point, law, static = self.point, self.law, self.static
         starts = [sp.Integer(0), *law.kinks()]

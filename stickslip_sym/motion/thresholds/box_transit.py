@@ -7,11 +7,12 @@ is not negative, so that nothing leaves what the orbit and this line enclose. As
 itself: at w = 0, w' = eta (static - mu(0+)) + q is positive.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from flint import acb, arb
 
+from stickslip_sym.core.aliases import Rational
 from stickslip_sym.core.balls import working_precision
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError
@@ -20,6 +21,7 @@ from stickslip_sym.motion.thresholds.taylor_boxes import Flow, Undecided, flow
 
 __all__ = ["Transit", "transit"]
 
+Event = Callable[[arb, arb], bool]
 _MOST_STEPS = 20_000
 _CUTS = 60  # halvings of a time at which something changes sign
 _SHORTER = 0.7  # of a step that ends too close to a kink
@@ -30,39 +32,21 @@ _START_SHARE = 3  # the first step from a point where mu is not analytic is 2^-(
 
 @dataclass(frozen=True)
 class Transit:
-    """What was shown of the slip from P.
-
-    Attributes
-    ----------
-    returns : bool
-    lowest : arb
-        The first minimum of w, or what stands for it where it returns.
-    turned : bool
-        Whether `lowest` is that minimum, also where the slip returns and mu goes on smoothly for w < 0.
-    highest : arb
-        A ball that holds the largest w on the way.
-    steps, bits : int
-        Taylor steps, and the working precision.
-    width : float
-        Of the last box.
-    """
+    """What was shown of the slip from P."""
 
     returns: bool
-    lowest: arb
-    turned: bool
-    highest: arb
-    steps: int
-    bits: int
-    width: float
+    lowest: arb  # the first minimum of w, or what stands for it where it returns
+    turned: bool  # whether `lowest` is that minimum, also where the slip returns and mu goes on smoothly for w < 0
+    highest: arb  # a ball that holds the largest w on the way
+    steps: int  # Taylor steps
+    bits: int  # the working precision
+    width: float  # of the last box
 
 
-def transit(scene: BoxScene, c: Any, bits: int) -> Transit:
+def transit(scene: BoxScene, c: Rational, bits: int) -> Transit:
     """Decide whether the slip from P returns at a damping c in kg/s, an exact rational.
 
-    Raises
-    ------
-    Undecided
-        With the words where the boxes grew too wide to tell.
+    Raises `Undecided` with the words where the boxes grew too wide to tell.
     """
     with working_precision(bits):
         return _Walk(scene, c, bits).run()
@@ -71,7 +55,7 @@ def transit(scene: BoxScene, c: Any, bits: int) -> Transit:
 class _Walk:
     """A box on its way from P."""
 
-    def __init__(self, scene: BoxScene, c: Any, bits: int) -> None:
+    def __init__(self, scene: BoxScene, c: Rational, bits: int) -> None:
         self.segments = scene.segments(c)
         self.gentle = scene.starts_gently
         self.bits, self.terms = bits, bits // 2
@@ -195,7 +179,7 @@ class _Walk:
                 middle = arb(((start + stop) / 2).mid())
                 waiting += [(middle, stop, depth + 1), (start, middle, depth + 1)]
 
-    def _bracket(self, step: Flow, end: arb, is_before: Any, is_after: Any) -> tuple[arb, arb]:
+    def _bracket(self, step: Flow, end: arb, is_before: Event, is_after: Event) -> tuple[arb, arb]:
         """Return two times as close as the box allows, one certainly before and one certainly after an event."""
         start, stop = arb(0), end
         for _ in range(2 * self.bits):

@@ -1,13 +1,13 @@
 """The way up the ladder: the cheapest rung that is known to be good enough, or the error of one that was named."""
 
-from typing import Any
-
 import numpy as np
 
-from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
+from stickslip_sym.core.errors import NO_RESULT, NotConverged, OutOfTime
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.thresholds.rungs import Rung, average, ladder, numerical_averages, rungs
 from stickslip_sym.motion.thresholds.scenes import Scenes
+from stickslip_sym.motion.thresholds.theorem import Theorem
 
 __all__ = ["accuracy", "by_name", "climb"]
 
@@ -20,7 +20,7 @@ def accuracy(error: float | None) -> str:
     return "unknown" if error is None or not np.isfinite(error) else f"{error:.0e}"
 
 
-def by_name(scenes: Scenes, rung: Rung, rtol: float) -> tuple[Any, Any, tuple[Any, ...]]:
+def by_name(scenes: Scenes, rung: Rung, rtol: float) -> tuple[FloatArray, FloatArray, tuple[Theorem, ...]]:
     """Return the value of one rung, its error, and what was proved."""
     rung.require_smooth(scenes.law, scenes.V)
     found = rung.compute(scenes, rtol)
@@ -31,7 +31,7 @@ def by_name(scenes: Scenes, rung: Rung, rtol: float) -> tuple[Any, Any, tuple[An
     return found.value, _distance(found.value, reference) + doubt + found.error, ()
 
 
-def _best(scenes: Scenes, rtol: float) -> tuple[Any, Any]:
+def _best(scenes: Scenes, rtol: float) -> tuple[FloatArray, FloatArray]:
     """Return the best value known of each scene, and its error, infinite where there is none."""
     smooth = obstacle(scenes.law, scenes.V) is None
     value, error = np.zeros(len(scenes)), np.full(len(scenes), np.inf)
@@ -43,10 +43,8 @@ def _best(scenes: Scenes, rtol: float) -> tuple[Any, Any]:
             continue
         for row in np.flatnonzero(~(error <= max(rtol, _GOOD))):
             try:
-                found = rung.compute(scenes.rows([row]), max(rtol, _GOOD))
-            except OutOfTime:
-                raise
-            except StickSlipError:
+                found = rung.compute(scenes.rows([int(row)]), max(rtol, _GOOD))
+            except NO_RESULT:
                 continue
             if found.error[0] < error[row]:
                 value[row], error[row] = found.value[0], found.error[0]
@@ -58,15 +56,11 @@ def _exact(smooth: bool) -> list[Rung]:
     return [rung for rung in ladder(smooth) if rung.knows_its_error]
 
 
-def climb(scenes: Scenes, rtol: float) -> tuple[Any, Any, Any]:
+def climb(scenes: Scenes, rtol: float) -> tuple[FloatArray, ObjectArray, FloatArray]:
     """Return for each scene the cheapest rung that is known to be good enough: value, name and error.
 
-    Raises
-    ------
-    NotConverged
-        If the error of a scene is above `rtol` on the highest rung.
-    OutOfTime
-        With the best value so far.
+    Raises `NotConverged` if the error of a scene is above `rtol` on the highest rung.
+    Raises `OutOfTime` with the best value so far.
     """
     chosen = _Choice(len(scenes), rtol)
     smooth = obstacle(scenes.law, scenes.V) is None
@@ -102,7 +96,7 @@ def climb(scenes: Scenes, rtol: float) -> tuple[Any, Any, Any]:
     return chosen.value, chosen.method, chosen.error
 
 
-def _settle(scenes: Scenes, rows: Any, rung: Rung, columns: dict[str, Any], chosen: "_Choice") -> str:
+def _settle(scenes: Scenes, rows: IntArray, rung: Rung, columns: dict[str, FloatArray], chosen: "_Choice") -> str:
     """Choose rungs for scenes by a value that knows its error; say why one is left without."""
     reason = ""
     for tolerance in rung.attempts(chosen.rtol):  # tighter and tighter: a kink costs an integrator its order
@@ -121,7 +115,7 @@ def _settle(scenes: Scenes, rows: Any, rung: Rung, columns: dict[str, Any], chos
     return reason
 
 
-def _so_far(stop: OutOfTime, scenes: Scenes, row: int, value: Any, error: Any) -> str:
+def _so_far(stop: OutOfTime, scenes: Scenes, row: int, value: FloatArray, error: FloatArray) -> str:
     """Say what is known of the first scene that is not settled."""
     best = f"{value[row]:.10g} kg/s, relative error {accuracy(error[row])}"
     return f"{stop}; the best value found for {scenes.label(row)} is {best}"
@@ -136,16 +130,18 @@ class _Choice:
         self.method = np.full(count, "", dtype=object)  # texts of one width would cut longer ones
 
     @property
-    def open(self) -> Any:
+    def open(self) -> IntArray:
         """Scenes without a rung."""
         return np.flatnonzero(self.method == "")
 
-    def settle(self, rows: Any, rungs: dict[str, Any], reference: Any, doubt: Any) -> None:
+    def settle(
+        self, rows: IntArray, values: dict[str, FloatArray], reference: FloatArray, doubt: FloatArray
+    ) -> None:
         """Choose the first rung close enough to a reference that is itself in doubt by `doubt`.
 
-        Columns of rungs belong to all scenes, or like the reference to `rows` only.
+        The values of rungs belong to all scenes, or like the reference to `rows` only.
         """
-        for name, column in rungs.items():
+        for name, column in values.items():
             value = column if len(column) == len(rows) else column[rows]
             error = _distance(value, reference) + doubt
             fits = (self.method[rows] == "") & (error <= self.rtol)
@@ -153,14 +149,14 @@ class _Choice:
             self.method[rows[fits]] = name
 
 
-def _distance(value: Any, reference: Any) -> Any:
+def _distance(value: FloatArray, reference: FloatArray) -> FloatArray:
     """Return the relative difference, infinite where one of the two is no number."""
     with np.errstate(all="ignore"):
         difference = np.where(value == reference, 0.0, np.abs(value - reference) / np.abs(reference))
     return np.where(np.isnan(difference), np.inf, difference)
 
 
-def _require(scenes: Scenes, good: Any, reason: str, error: Any) -> None:
+def _require(scenes: Scenes, good: BoolArray, reason: str, error: FloatArray) -> None:
     """Refuse what has not the accuracy that was asked for."""
     bad = np.flatnonzero(~np.asarray(good))
     if bad.size:

@@ -30,34 +30,20 @@ def grazing_damping(
 ) -> tuple[float, float]:
     """Return the damping c in kg/s at which the orbit from P comes down to w = 0 and no further.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound.
-    osc : Oscillator
-        Its own c is not used.
-    rtol : float
-        Relative tolerance of the root, 1e-13 to 1e-3; the steps of the integration are held to a tenth of it,
-        or of 1e-6.
-    engine : {"scipy", "heyoka"}
-        What integrates the slip, as for `simulate`.
+    - `law`: with all parameters bound.
+    - `osc`: its own c is not used.
+    - `rtol`: relative tolerance of the root, 1e-13 to 1e-3; the steps of the integration are held to a tenth of
+      it, or of 1e-6.
+    - `engine`: what integrates the slip, as for `simulate`.
 
-    Returns
-    -------
-    value, error : float
-        The damping, and its estimated relative error.
+    Returns `value, error`: the damping, and its estimated relative error.
 
-    Raises
-    ------
-    InputError
-        For an unbound law, one measured up to less than 2 V, an unusable tolerance, or an engine that is not there
-        or cannot take the law.
-    NoThreshold
-        If the orbit from P never returns, for any c >= 0.
-    NotConverged
-        When the bound on the work is reached.
-    OutOfTime
-        When the time of a `time_limit` around it is up; it says between which dampings the threshold lies.
+    Raises `InputError` for an unbound law, one measured up to less than 2 V, an unusable tolerance, or an engine
+      that is not there or cannot take the law.
+    Raises `NoThreshold` if the orbit from P never returns, for any c >= 0.
+    Raises `NotConverged` when the bound on the work is reached.
+    Raises `OutOfTime` when the time of a `time_limit` around it is up; it says between which dampings the
+      threshold lies.
     """
     rtol = read_rtol(rtol)
     sides = {False: -math.inf, True: math.inf}  # the dampings next to the threshold that return, and do not

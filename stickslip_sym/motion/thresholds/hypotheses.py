@@ -2,17 +2,17 @@
 
 The nodes of a formula are analytic functions but for a few: a fraction at a zero of its denominator, a root or a
 logarithm where its argument is not positive, a tangent at its poles. So it is enough to show that each of these
-arguments is positive for v > 0, and that pieces meet without a jump.
+arguments is positive for v > 0, and that segments of mu meet without a jump.
 """
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Any
 
 import sympy as sp
 from flint import acb
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.balls import ball, ball_function, ball_value, working_precision
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.expression.pieces import branch_from, jumps
@@ -22,19 +22,8 @@ from stickslip_sym.motion.thresholds.box_scene import BoxScene
 __all__ = ["checked_hypotheses", "lipschitz_evidence"]
 
 _ANALYTIC = (
-    sp.exp,
-    sp.sin,
-    sp.cos,
-    sp.sinh,
-    sp.cosh,
-    sp.tanh,
-    sp.sech,
-    sp.atan,
-    sp.asinh,
-    sp.erf,
-    sp.erfc,
-    sp.erfi,
-)
+    sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.atan, sp.asinh, sp.erf, sp.erfc, sp.erfi,
+)  # fmt: skip
 _BITS = 64
 _MOST_CUTS = 400  # of a range on which a sign is shown
 _speed = sp.Symbol("v", positive=True)
@@ -43,10 +32,7 @@ _speed = sp.Symbol("v", positive=True)
 def checked_hypotheses(scene: BoxScene) -> tuple[tuple[str, str], ...]:
     """Return what the lemma needs, and how it was checked for a law and its static coefficient.
 
-    Raises
-    ------
-    InputError
-        If a hypothesis was not shown; the message says which, and why.
+    Raises `InputError` if a hypothesis was not shown; the message says which, and why.
     """
     smooth, how = lipschitz_evidence(scene.law)
     if not smooth:
@@ -65,19 +51,16 @@ def checked_hypotheses(scene: BoxScene) -> tuple[tuple[str, str], ...]:
 def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
     """Return whether mu was shown to be locally Lipschitz for v > 0, and how, or what stands against it.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound.
+    - `law`: with all parameters bound.
     """
     point = {law.parameters[name].symbol: value for name, value in law.values.items()}
     kinks = law.kinks()
     ends = [sp.Integer(0), *kinks, law.v_max]
     for start, end in pairwise(ends):
-        piece = branch_from(law.expr, point, start)
-        for argument in _must_be_positive(piece.xreplace({symbols.v: _speed})):
+        segment = branch_from(law.expr, point, start)
+        for argument in _must_be_positive(segment.xreplace({symbols.v: _speed})):
             if argument is None:
-                return False, f"mu holds a function that is not analytic, in {piece}"
+                return False, f"mu holds a function that is not analytic, in {segment}"
             if not _is_positive(argument.xreplace(point), start, end):
                 return (
                     False,
@@ -91,7 +74,7 @@ def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
     return True, "mu is analytic for v > 0"
 
 
-def _must_be_positive(expr: Any) -> Iterator[Any]:
+def _must_be_positive(expr: Expr) -> Iterator[Expr | None]:
     """Yield what has to be positive for an expression to be analytic; None for an unknown function."""
     for node in sp.preorder_traversal(expr):
         if not node.has(_speed) or node.is_Symbol or node.is_Add or node.is_Mul:
@@ -107,7 +90,7 @@ def _must_be_positive(expr: Any) -> Iterator[Any]:
             yield None
 
 
-def _is_positive(expr: Any, start: Any, end: Any | None) -> bool:
+def _is_positive(expr: Expr, start: Rational, end: Rational | None) -> bool:
     """Whether an expression of v is shown to be positive: by its signs, or by balls on a bounded range."""
     if expr.is_positive:
         return True

@@ -6,10 +6,11 @@ at which it does not enclose the threshold.
 
 import math
 from fractions import Fraction
-from typing import Any
 
 import sympy as sp
+from flint import arb
 
+from stickslip_sym.core.aliases import Rational
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.box_scene import BoxScene
@@ -35,10 +36,10 @@ class _Search:
 
     def __init__(self, scene: BoxScene) -> None:
         self.scene = scene
-        self.found: dict[Any, Transit] = {}
+        self.found: dict[Rational, Transit] = {}
         self.bits = list(_BITS)
 
-    def decide(self, c: Any, distance: float) -> Transit:
+    def decide(self, c: Rational, distance: float) -> Transit:
         """Return the transit at a damping, at a precision that suits its relative distance from the threshold."""
         close = int(1.25 * max(0.0, -math.log2(distance)))
         while True:
@@ -55,16 +56,16 @@ class _Search:
                 return self.found[c]
 
     @property
-    def low(self) -> Any:
+    def low(self) -> Rational:
         """The largest damping at which the slip returns."""
         return max((c for c, found in self.found.items() if found.returns), default=None)
 
     @property
-    def high(self) -> Any:
+    def high(self) -> Rational:
         """The smallest damping at which it does not."""
         return min((c for c, found in self.found.items() if not found.returns), default=None)
 
-    def enclose(self, center: Any, width: Any) -> None:
+    def enclose(self, center: Rational, width: Rational) -> None:
         """Find a damping at which the slip returns and one at which it does not, on both sides of a guess."""
         for side in (-1, 1):
             step = width
@@ -74,7 +75,7 @@ class _Search:
                 if not 0 < step < center:
                     raise NotConverged(f"the guess {float(center):g} kg/s is not near the threshold")
 
-    def narrow(self, half: Any, rtol: Any) -> None:
+    def narrow(self, half: Rational, rtol: Rational) -> None:
         """Bring both dampings within a relative distance, by the secant where it serves, else by halves."""
         while self.high - self.low > rtol * self.low:
             low, high = self.low, self.high
@@ -86,7 +87,7 @@ class _Search:
                 if self.low < c < self.high:
                     self.decide(c, float(grain / low))
 
-    def estimate(self) -> Any | None:
+    def estimate(self) -> Rational | None:
         """Return where the lowest slip speed vanishes by the secant through two decisions close to it."""
         points = sorted(
             ((c, found.lowest.mid()) for c, found in self.found.items() if found.turned),
@@ -98,12 +99,12 @@ class _Search:
         return c1 - (c2 - c1) * _rational(w1 / (w2 - w1))
 
 
-def _rational(value: Any) -> Any:
+def _rational(value: arb) -> Rational:
     mantissa, exponent = value.mid().man_exp()
     return sp.Rational(int(mantissa)) * sp.Integer(2) ** int(exponent)
 
 
-def _rounded(c: Any, width: Any) -> Any:
+def _rounded(c: Rational, width: Rational) -> Rational:
     """Return the nearest decimal number with no more digits than a width calls for."""
     places = max(0, math.ceil(-math.log10(float(width) / _FINE))) if float(width) else 50
     # By integers: SymPy's rounding evaluates, and takes as long as some steps of a slip.
@@ -113,14 +114,9 @@ def _rounded(c: Any, width: Any) -> Any:
 def theorems(scenes: Scenes, rtol: float) -> list[Theorem]:
     """Prove the threshold of every scene; simulation guesses where it lies.
 
-    Raises
-    ------
-    InputError
-        If the law does not meet a hypothesis of the lemma.
-    NoThreshold
-        If the slip returns for no damping c >= 0.
-    NotConverged
-        If a decision does not fall; it says where the boxes grew.
+    Raises `InputError` if the law does not meet a hypothesis of the lemma.
+    Raises `NoThreshold` if the slip returns for no damping c >= 0.
+    Raises `NotConverged` if a decision does not fall; it says where the boxes grew.
     """
     found = []
     for row in range(len(scenes)):
@@ -134,20 +130,11 @@ def theorems(scenes: Scenes, rtol: float) -> list[Theorem]:
 def prove_threshold(scene: BoxScene, guess: float, error: float, rtol: float) -> Theorem:
     """Prove two dampings that enclose the threshold.
 
-    Parameters
-    ----------
-    scene : BoxScene
-    guess, error : float
-        A value of the threshold in kg/s, and its relative error as far as known.
-    rtol : float
-        The width of the enclosure, relative.
+    - `guess, error`: a value of the threshold in kg/s, and its relative error as far as known.
+    - `rtol`: the width of the enclosure, relative.
 
-    Raises
-    ------
-    InputError
-        If the law does not meet a hypothesis of the lemma.
-    NotConverged
-        If a decision does not fall; it says where the boxes grew.
+    Raises `InputError` if the law does not meet a hypothesis of the lemma.
+    Raises `NotConverged` if a decision does not fall; it says where the boxes grew.
     """
     hypotheses = checked_hypotheses(scene)
     search = _Search(scene)

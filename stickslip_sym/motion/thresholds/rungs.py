@@ -7,10 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
@@ -22,6 +24,9 @@ from stickslip_sym.motion.orbits.expansion import averages, expand
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from stickslip_sym.motion.thresholds.scenes import Scenes
+
+if TYPE_CHECKING:
+    from stickslip_sym.motion.thresholds.theorem import Theorem
 
 __all__ = [
     "Basis",
@@ -69,11 +74,11 @@ class Found:
         What was proved of each scene, if anything was.
     """
 
-    value: Any
-    error: Any
+    value: FloatArray
+    error: FloatArray
     reason: str = ""
-    doubt: Any = None
-    theorems: tuple[Any, ...] = ()
+    doubt: FloatArray | None = None
+    theorems: "tuple[Theorem, ...]" = ()
 
 
 def _one_attempt(rtol: float) -> tuple[float, ...]:
@@ -129,7 +134,7 @@ class Rung:
         """Whether its error needs no other rung."""
         return self.rests_on is not Basis.DIFFERENCE
 
-    def require_oscillator(self, m: Any) -> None:
+    def require_oscillator(self, m: FloatArray | None) -> None:
         """Refuse to do without m and k where they are needed.
 
         Raises
@@ -139,7 +144,7 @@ class Rung:
         if self.oscillator and m is None:
             raise InputError(f'method="{self.name}" needs the mass m and the stiffness k')
 
-    def require_smooth(self, law: FrictionLaw, V: Any) -> None:
+    def require_smooth(self, law: FrictionLaw, V: ArrayLike) -> None:
         """Refuse a law that is not smooth where it has to be.
 
         Raises
@@ -209,8 +214,8 @@ def _average_rung(criterion: Criterion) -> Rung:
 class _Shape:
     """A law up to the values of its parameters; equal for equal formulas."""
 
-    expr: Any
-    static: Any
+    expr: Expr
+    static: Expr | None
     law: FrictionLaw = field(compare=False)
 
 
@@ -219,14 +224,14 @@ def _slope_average(shape: _Shape, criterion: Criterion) -> SlopeAverage:
     return slope_average(shape.law, criterion)
 
 
-def average(scenes: Scenes, criterion: Criterion) -> Any:
+def average(scenes: Scenes, criterion: Criterion) -> FloatArray:
     """Return a criterion's damping; no closed form is derived for it."""
     values: dict[str, Any] = {name: float(value) for name, value in scenes.law.values.items()}
     compiled = _slope_average(_Shape(scenes.law.expr, scenes.law.static, scenes.law), criterion)
     return np.atleast_1d(compiled(V=scenes.V, N=scenes.N, **values))
 
 
-def numerical_averages(scenes: Scenes) -> dict[str, Any]:
+def numerical_averages(scenes: Scenes) -> dict[str, FloatArray]:
     """Return the dampings of the catalogue's criteria for a smooth law without any derivation."""
     law, N = scenes.law, scenes.N
     chosen = list(criteria.catalogue.values())
@@ -242,24 +247,24 @@ def numerical_averages(scenes: Scenes) -> dict[str, Any]:
 # -- the rungs that need m and k -------------------------------------------------------------------
 
 
-def second_order(scenes: Scenes) -> tuple[Any, Any, Any]:
+def second_order(scenes: Scenes) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the damping to second order in the friction, its resolution, and what the next order may add.
 
     Both are relative errors. The resolution is that of the grid. The expansion goes by the square of the orbit's
     distortion, the amplitudes of the overtones times their orders: friction changes along an orbit as fast as its
     highest overtones do. It is one of the largest slope, not of the average, in which slopes may cancel.
     """
-    e = scenes.N / scenes.impedance
+    strength = scenes.N / scenes.impedance
     with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
         weak = expand(scenes.law, scenes.V)
-        value = scenes.N * (weak.harmonic + e**2 * weak.second)
+        value = scenes.N * (weak.harmonic + strength**2 * weak.second)
         # `tail` is relative to the largest slope.
         resolution = np.where(weak.tail == 0, 0.0, weak.tail * weak.largest / np.abs(weak.harmonic))
         # A layer of the law between v = 0 and the first phase would pass unseen.
         (everything,) = averages(scenes.law, scenes.V)
         unseen = np.abs(weak.harmonic - everything)
         resolution += np.where(unseen == 0, 0.0, unseen / np.abs(weak.harmonic))
-        distortion = e * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
+        distortion = strength * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
         size = scenes.N * np.maximum(weak.largest, np.abs(everything))
         next_order = np.where(distortion == 0, 0.0, distortion**4 * size / np.abs(value))
     resolution = np.where(np.isfinite(value), resolution, np.inf)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import FloatArray, Rational, Rows
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact, read_array
 from stickslip_sym.model.law import FrictionLaw
@@ -23,22 +24,19 @@ class Scenes:
     """
 
     law: FrictionLaw
-    V: Any
-    N: Any
+    V: FloatArray
+    N: FloatArray
     m: Any
     k: Any
     shape: tuple[int, ...]
-    exact: Mapping[str, Any] = field(default_factory=dict)
+    exact: Mapping[str, Rational] = field(default_factory=dict)
 
     @classmethod
     def of(cls, law: FrictionLaw, **values: ArrayLike | None) -> "Scenes":
         """Broadcast V, N, m and k.
 
-        Raises
-        ------
-        InputError
-            For numbers that are not finite or have the wrong sign, shapes that do not broadcast, or only one
-            of m and k.
+        Raises `InputError` for numbers that are not finite or have the wrong sign, shapes that do not broadcast,
+          or only one of m and k.
         """
         exactly = {name: exact(value, name) for name, value in values.items() if isinstance(value, str)}
         numbers = values | {name: float(value) for name, value in exactly.items()}
@@ -56,20 +54,21 @@ class Scenes:
     def __len__(self) -> int:
         return len(self.V)
 
-    def rows(self, chosen: Any) -> "Scenes":
+    def rows(self, chosen: Rows) -> "Scenes":
         """Return some of the scenes."""
         m, k = (None if column is None else column[chosen] for column in (self.m, self.k))
         return Scenes(self.law, self.V[chosen], self.N[chosen], m, k, self.V[chosen].shape, self.exact)
 
-    def exact_row(self, row: int) -> dict[str, Any]:
+    def exact_row(self, row: int) -> dict[str, Rational]:
         """Return V, N, m and k of one scene exactly: text as the decimal it says, a float as the binary it is."""
         columns = {"V": self.V, "N": self.N, "m": self.m, "k": self.k}
         return {name: self.exact.get(name, exact(column[row], name)) for name, column in columns.items()}
 
     @property
-    def impedance(self) -> Any:
+    def impedance(self) -> FloatArray:
         """The unit of damping, sqrt(k m) in kg/s."""
-        return np.sqrt(self.k) * np.sqrt(self.m)
+        found: FloatArray = np.sqrt(self.k) * np.sqrt(self.m)
+        return found
 
     def label(self, row: int) -> str:
         """Say which scene it is."""
@@ -77,10 +76,10 @@ class Scenes:
         return ", ".join(f"{name} = {column[row]:g}" for name, column in columns if column is not None)
 
 
-def _column(name: str, value: ArrayLike) -> Any:
+def _column(name: str, value: ArrayLike) -> FloatArray:
     if np.ma.is_masked(value):
         raise InputError(f"{name} has masked entries; drop them, or fill them with a number")
-    array = read_array(name, value).astype(np.float64, copy=False)
+    array: FloatArray = read_array(name, value).astype(np.float64, copy=False)
     lowest = array.min(initial=np.inf)
     if lowest < 0 or (lowest == 0 and name != "N"):
         required = "not be negative" if name == "N" else "be positive"

@@ -25,19 +25,11 @@ class Undecided(Exception):
 
 @dataclass(frozen=True)
 class Field:
-    """The field q' = 1 - w, w' = eta (static - mu(V w)) + q - 2 zeta w, on one smooth segment of mu.
+    """The field q' = 1 - w, w' = eta (static - mu(V w)) + q - 2 zeta w, on one smooth segment of mu."""
 
-    Attributes
-    ----------
-    push : callable
-        eta (static - mu(V w)) - 2 zeta w, of a ball w and the flag.
-    push_series, slope_series : callable
-        The same, and its derivative to w, of a power series w.
-    """
-
-    push: BallFunction
-    push_series: Callable[[arb_series], arb_series]
-    slope_series: Callable[[arb_series], arb_series]
+    push: BallFunction  # eta (static - mu(V w)) - 2 zeta w, of a ball w and the flag
+    push_series: Callable[[arb_series], arb_series]  # the same of a power series w
+    slope_series: Callable[[arb_series], arb_series]  # its derivative to w, of a power series w
 
     def rate(self, q: arb, w: arb) -> arb:
         """Return w' over real balls."""
@@ -46,23 +38,13 @@ class Field:
 
 @dataclass(frozen=True)
 class Flow:
-    """All solutions from a box, over a time.
-
-    Attributes
-    ----------
-    q, w : list of arb
-        Coefficients of their Taylor polynomials.
-    time : arb
-        How long they hold, exact.
-    rest_q, rest_w : arb
-        Bounds of what the polynomials leave over, at that time.
-    """
+    """All solutions from a box, over a time."""
 
     q: list[arb]
-    w: list[arb]
-    time: arb
+    w: list[arb]  # both: coefficients of their Taylor polynomials
+    time: arb  # how long they hold, exact
     rest_q: arb
-    rest_w: arb
+    rest_w: arb  # both: bounds of what the polynomials leave over, at that time
 
     def at(self, t: arb) -> tuple[arb, arb]:
         """Return q and w over a ball of times."""
@@ -143,15 +125,9 @@ def _series(field: Field, q: arb, w: arb, terms: int, start: bool) -> tuple[list
 def flow(field: Field, q: arb, w: arb, terms: int, *, start: bool = False) -> Flow:
     """Follow all solutions from a box for one step.
 
-    Parameters
-    ----------
-    field : Field
-    q, w : arb
-        The box.
-    terms : int
-        Of the Taylor polynomial.
-    start : bool
-        Whether the box is P with w' = 0 there exactly, since mu(0+) is the static coefficient.
+    - `q, w`: the box.
+    - `terms`: of the Taylor polynomial.
+    - `start`: whether the box is P with w' = 0 there exactly, since mu(0+) is the static coefficient.
     """
     rho, radius_q, radius_w = _reach(field, q, w)
     before = ctx.cap

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
-from typing import Any
 
+from stickslip_sym.core.aliases import Rational
 from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.thresholds.box_transit import Transit
@@ -18,32 +18,18 @@ __all__ = ["Theorem"]
 
 @dataclass(frozen=True)
 class Theorem:
-    """Two dampings that enclose the threshold, and what the statement rests on.
-
-    Attributes
-    ----------
-    law : FrictionLaw
-    scene : mapping of str to sympy.Rational
-        V, N, m and k, and the law's parameters.
-    low, high : fractions.Fraction
-        The dampings in kg/s.
-    below, above : Transit
-        The slips from P at these.
-    undamped : Transit or None
-        The slip at c = 0, where it was shown to return. Then all slips for c >= 0 lie inside it; otherwise the
-        statement is for c >= `low` only.
-    hypotheses : tuple of (str, str)
-        What the lemma needs of the law, and how that was checked.
-    """
+    """Two dampings that enclose the threshold, and what the statement rests on."""
 
     law: FrictionLaw
-    scene: Mapping[str, Any]
-    low: Fraction
-    high: Fraction
-    below: Transit
-    above: Transit
+    scene: Mapping[str, Rational]  # V, N, m and k, and the law's parameters
+    low: Fraction  # a damping in kg/s at which the slip from P returns
+    high: Fraction  # one at which it does not
+    below: Transit  # the slip from P at `low`
+    above: Transit  # and at `high`
     undamped: Transit | None
-    hypotheses: tuple[tuple[str, str], ...]
+    """The slip at c = 0, where it was shown to return. Then all slips for c >= 0 lie inside it; otherwise the
+    statement is for c >= `low` only."""
+    hypotheses: tuple[tuple[str, str], ...]  # what the lemma needs of the law, and how that was checked
 
     @property
     def enclosure(self) -> Enclosure:

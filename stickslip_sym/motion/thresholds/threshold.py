@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline, symbols
+from stickslip_sym.core.aliases import FloatArray, ObjectArray
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.criteria.criterion import Criterion, equilibrium, harmonic
 from stickslip_sym.criteria.enclosure import Enclosure
@@ -66,7 +67,7 @@ class Threshold:
         if not np.size(self.value):
             return "0 thresholds"
         low, high, methods = np.min(self.value), np.max(self.value), ", ".join(np.unique(self.method))
-        worst = accuracy(None if self.error is None else np.max(self.error))
+        worst = accuracy(None if self.error is None else float(np.max(self.error)))
         return (
             f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s ({methods}, relative error {worst}, "
             f"{self.status})"
@@ -85,7 +86,7 @@ class Threshold:
                 ", ".join(map(str, place)),
                 f"{value[place]:.10g}",
                 str(method[place]),
-                accuracy(error[place]),
+                accuracy(float(error[place])),
                 self.status,
             ]
             for place in markup.shortened(list(np.ndindex(value.shape)))
@@ -93,6 +94,10 @@ class Threshold:
         header = ["scene", "c in kg/s", "method", "relative error", "status"]
         start = 0 if np.ndim(self.value) else 1
         return markup.table(header[start:], [row[start:] for row in rows], caption="pure-slip damping")
+
+
+_Found = tuple[FloatArray, ObjectArray, FloatArray | None, tuple[Theorem, ...]]
+"""Values, methods, errors, and what was proved."""
 
 
 def pure_slip_damping(
@@ -166,21 +171,21 @@ def pure_slip_damping(
     if scenes.shape != ():
         error = None if error is None else error.reshape(scenes.shape)
         return Threshold(value.reshape(scenes.shape), names.reshape(scenes.shape), error, theorems)
-    known = error is not None and np.isfinite(error[0])
-    return Threshold(float(value[0]), str(names[0]), float(error[0]) if known else None, theorems)
+    known = float(error[0]) if error is not None and np.isfinite(error[0]) else None
+    return Threshold(float(value[0]), str(names[0]), known, theorems)
 
 
-def _found(scenes: Scenes, rung: Rung | None, rtol: float) -> tuple[Any, Any, Any, tuple[Theorem, ...]]:
+def _found(scenes: Scenes, rung: Rung | None, rtol: float) -> _Found:
     deadline.check_time()
     if scenes.m is None and (rung is None or not rung.oscillator):
-        return (*_without_oscillator(scenes, rung, rtol), ())
+        return _without_oscillator(scenes, rung, rtol)
     if rung is None:
         return (*climb(scenes, rtol), ())
     value, error, theorems = by_name(scenes, rung, rtol)
     return value, np.full(len(scenes), rung.name), error, theorems
 
 
-def _without_oscillator(scenes: Scenes, rung: Rung | None, rtol: float) -> tuple[Any, Any, Any]:
+def _without_oscillator(scenes: Scenes, rung: Rung | None, rtol: float) -> _Found:
     """Return what can be said without m and k."""
     reason = obstacle(scenes.law, scenes.V)
     straight = reason is None and not scenes.law.slope_expr.has(symbols.v)
@@ -190,4 +195,5 @@ def _without_oscillator(scenes: Scenes, rung: Rung | None, rtol: float) -> tuple
         value = rungs.numerical_averages(scenes)[chosen.name]
     else:
         value = chosen.compute(scenes, rtol).value
-    return value, np.full(len(scenes), chosen.name), np.full(len(scenes), rungs.ROUNDING) if straight else None
+    error = np.full(len(scenes), rungs.ROUNDING) if straight else None
+    return value, np.full(len(scenes), chosen.name), error, ()

@@ -7,13 +7,13 @@ minus c, and every extremum that comes close to one, is followed.
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import sympy as sp
 from scipy.optimize import brentq, minimize_scalar
 
 from stickslip_sym.core import deadline, symbols
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.core.numbers import exact, read_rtol, real
 from stickslip_sym.criteria.criterion import Criterion, harmonic
@@ -135,15 +135,12 @@ class _Search:
         self.law, self.c, self.scene = law, c, scene
         self.so_far = "no belt speed was found yet"
 
-    def scenes(self, V: Any) -> Scenes:
+    def scenes(self, V: FloatArray) -> Scenes:
         """Return the scene at other belt speeds."""
-        N, m, k = (
-            None if column is None else np.full(V.shape, column[0])
-            for column in (self.scene.N, self.scene.m, self.scene.k)
-        )  # fmt: skip
-        return Scenes(self.law, V, N, m, k, V.shape)
+        m, k = (None if one is None else np.full(V.shape, one[0]) for one in (self.scene.m, self.scene.k))
+        return Scenes(self.law, V, np.full(V.shape, self.scene.N[0]), m, k, V.shape)
 
-    def excess(self, rung: Rung, V: Any, orbit_rtol: float = _TIGHT) -> Any:
+    def excess(self, rung: Rung, V: FloatArray, orbit_rtol: float = _TIGHT) -> FloatArray:
         """Return threshold minus c at belt speeds; NaN where there is none."""
         deadline.check_time()
         if rung.criterion is not None:
@@ -159,13 +156,14 @@ class _Search:
             value[fine] = weak[fine]
         return value - self.c
 
-    def _by_slopes(self, criterion: Criterion, V: Any) -> Any:
+    def _by_slopes(self, criterion: Criterion, V: FloatArray) -> FloatArray:
         if self.law.kinks():
             return average(self.scenes(V), criterion)
         if criterion.weight is None:
-            return self.scene.N[0] * -slopes(self.law)(V)
-        (found,) = averages(self.law, V, criteria=[criterion])
-        return self.scene.N[0] * found
+            found = -slopes(self.law)(V)
+        else:
+            (found,) = averages(self.law, V, criteria=[criterion])
+        return float(self.scene.N[0]) * found
 
     def _single(self, rung: Rung, scenes: Scenes) -> float:
         try:
@@ -175,17 +173,17 @@ class _Search:
         except NotConverged:
             return math.nan
 
-    def roots(self, rung: Rung) -> Any:
+    def roots(self, rung: Rung) -> FloatArray:
         """Return the roots of a rung, ascending."""
         found = self._roots(rung)
         speeds = ", ".join(f"{V:.6g}" for V in found) or "none"
         self.so_far = f"by {rung.name} the speeds are, to an unknown error, {speeds} m/s"
         return found
 
-    def _roots(self, rung: Rung) -> Any:
+    def _roots(self, rung: Rung) -> FloatArray:
         if rung.criterion is not None and self.law.expr.is_polynomial(symbols.v):
             return self._of_polynomial(rung.criterion)
-        V = 10.0 ** np.linspace(*_DECADES, (_DECADES[1] - _DECADES[0]) * _PER_DECADE + 1)
+        V: FloatArray = 10.0 ** np.linspace(*_DECADES, (_DECADES[1] - _DECADES[0]) * _PER_DECADE + 1)
         smooth = obstacle(self.law, np.inf) is None
         if not smooth:  # each value takes a quadrature or a simulation
             V = _COARSE_GRID
@@ -198,7 +196,7 @@ class _Search:
             V = np.array([V * (1 + sign * _SINGLE_NEAR) for V in self.roots(orbit) for sign in (-1, 1)])
         return np.array(sorted(self._crossings(rung, V)))
 
-    def _of_polynomial(self, criterion: Criterion) -> Any:
+    def _of_polynomial(self, criterion: Criterion) -> FloatArray:
         """Return the roots of c(V), for which the slope is averaged term by term of its expansion about V."""
         V, v = symbols.V, symbols.v
         slope, N = sp.Poly(self.law.substitute(self.law.expr), v).diff(), exact(self.scene.N[0], "N")
@@ -212,7 +210,7 @@ class _Search:
         found = {float(root.evalf(20)) for root in polynomial.real_roots()}
         return np.array(sorted(root for root in found if root > 0))
 
-    def _near(self, V: Any) -> Any:
+    def _near(self, V: FloatArray) -> FloatArray:
         """Return a finer grid, near where the harmonic threshold comes close to c."""
         with np.errstate(all="ignore"):
             off = self.excess(_WEAK, V)
@@ -223,7 +221,7 @@ class _Search:
         fine = np.linspace(exponents[0], exponents[-1], _FINER * (V.size - 1) + 1)
         return 10.0 ** fine[np.interp(fine, exponents, near) > 0]
 
-    def _crossings(self, rung: Rung, V: Any) -> list[float]:
+    def _crossings(self, rung: Rung, V: FloatArray) -> list[float]:
         """Return the places where a rung's excess changes sign, also between two points of a grid."""
 
         def single(logarithm: float) -> float:
@@ -288,7 +286,7 @@ class _Search:
                     return _speeds(V, rung, error)
         raise NotConverged(f"the belt speeds are known to {error.max():.1e} relative only, not to rtol = {rtol:g}")
 
-    def _distance(self, V: Any, rtol: float) -> Any:
+    def _distance(self, V: FloatArray, rtol: float) -> FloatArray:
         """Return how far speeds are from the exact ones, by a step of Newton's method on the orbit."""
         if not V.size:
             return V
@@ -300,16 +298,17 @@ class _Search:
             distance = off * 2 * _BESIDE / np.abs(above - below)
         return np.where(np.isnan(distance), np.inf, distance)
 
-    def _doubt(self, rung: Rung, V: Any) -> Any:
+    def _doubt(self, rung: Rung, V: FloatArray) -> FloatArray:
         """Return the relative error of roots, from the error of the threshold and its slope beside them."""
         below, above = (self.excess(rung, V * (1 + shift)) for shift in (-_BESIDE, _BESIDE))
-        error = np.full(V.size, _SINGLE)
+        error: FloatArray = np.full(V.size, _SINGLE)
         if not rung.singly:
             error = rung.compute(self.scenes(V * (1 + _BESIDE)), _TIGHT).error
         with np.errstate(divide="ignore"):
-            return error * np.abs(above + self.c) * 2 * _BESIDE / np.abs(above - below) + _ROOT
+            doubt: FloatArray = error * np.abs(above + self.c) * 2 * _BESIDE / np.abs(above - below) + _ROOT
+        return doubt
 
 
-def _speeds(V: Any, rung: Rung, error: Any) -> tuple[TransitionSpeed, ...]:
+def _speeds(V: FloatArray, rung: Rung, error: FloatArray | None) -> tuple[TransitionSpeed, ...]:
     errors = [None] * len(V) if error is None else error.tolist()
     return tuple(TransitionSpeed(value, rung.name, doubt) for value, doubt in zip(V.tolist(), errors, strict=True))

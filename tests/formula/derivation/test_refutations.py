@@ -9,13 +9,14 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
+from stickslip_sym.core.balls import working_precision
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.core.symbols import N, V, u
 from stickslip_sym.formula.derivation import gate
 from stickslip_sym.formula.derivation.proving import prove_equal
-from stickslip_sym.formula.evaluation.exact import to_digits
+from stickslip_sym.formula.evaluation.exact import formula_ball, from_mpmath, to_digits
 
 W = sp.Symbol("w", positive=True)
 
@@ -101,6 +102,31 @@ def test_every_digit_is_right_at_extremes(digits):
         got = to_digits(expr, point, digits)
         with mpmath.workdps(digits + 5):
             assert abs(got - expected) <= abs(expected) * mpmath.mpf(10) ** (1 - digits)
+
+
+@pytest.mark.parametrize("kind", ["hypergeometric", "digamma", "besselk"])
+def test_what_mpmath_evaluates_is_within_its_ball(kind):
+    """Functions that Arb does not enclose there, of arguments that carry an error; a wrong value is outside."""
+    x, y = sp.symbols("x y", positive=True)
+    node = {
+        "hypergeometric": lambda z: sp.hyper((sp.Rational(3, 4), sp.Rational(5, 4)), (sp.Rational(3, 2), 2), z),
+        "digamma": sp.digamma,
+        "besselk": lambda z: sp.besselk(1, z),
+    }[kind]
+    rng = random.Random(41)
+    for _ in range(4):
+        point = {x: sp.Rational(f"{10 ** rng.uniform(2, 3):.4g}"), y: sp.Rational(f"{rng.uniform(0.1, 1):.4g}")}
+        sign = -1 if kind == "hypergeometric" else 1
+        expr = node(sign * sp.sqrt(x) * (x if kind == "hypergeometric" else 1)) * sp.exp(-y) - y
+        with mpmath.workdps(60):
+            right = function_of([x, y], expr, "mpmath")(*map(to_mpf, point.values()))
+        with working_precision(120):
+            value, alone = formula_ball(expr, point)
+            assert not alone
+            assert from_mpmath(right, 0).real in value.real
+            assert from_mpmath(right * (1 + mpmath.mpf("1e-25")), 0).real not in value.real
+        with mpmath.workdps(30):
+            assert abs(to_digits(expr, point, 20) - right) <= abs(right) * mpmath.mpf("1e-20")
 
 
 @pytest.mark.parametrize("error", [InputError, NotConverged])

@@ -184,13 +184,13 @@ def test_a_series_is_what_it_says(variable, shift, stretch, decay):
     coefficients = tuple(rng.uniform(0.1, 1, 4))
     branch = branches.Series(0.0, coefficients, decay, variable, shift, stretch)
     r = 10 ** rng.uniform(-2, 2, 20)
-    for one, got in zip(r, branch.array(r), strict=True):
+    for one, got in zip(r, branch(r), strict=True):
         terms = [c * ((mpmath.mpf(one) ** variable - shift) * stretch) ** k for k, c in enumerate(coefficients)]
         factor = mpmath.exp(-decay * one)
         allowed = 16 * EPSILON * float(factor * (1 + decay * one) * sum(map(abs, terms)))
         # A shift cancels, and takes the rounding of what it is taken from with it.
         allowed *= 1 + abs(shift / (one**variable - shift))
-        for value in (got, branch.scalar(one)):
+        for value in (got, branch(one)):
             assert abs(value - factor * mpmath.fsum(terms)) <= allowed
 
 
@@ -222,8 +222,8 @@ def test_every_branch_serves_its_whole_range(mu, criterion):
         )
         assert (error <= EPSILON * size).all()
         over = extended**-branch.power
-        assert (np.abs(branch.array(r) + value * over) <= MOST_UNITS_OF_THE_PAPER * EPSILON * size * over).all()
-        got = [branch.scalar(float(one)) for one in r]
+        assert (np.abs(branch(r) + value * over) <= MOST_UNITS_OF_THE_PAPER * EPSILON * size * over).all()
+        got = [branch(float(one)) for one in r]
         assert (np.abs(np.array(got) + value * over) <= MOST_UNITS_OF_THE_PAPER * EPSILON * size * over).all()
 
 
@@ -237,7 +237,7 @@ def test_a_closed_form_serves_only_where_its_terms_do_not_cancel():
     slope = slope_with_bound(sp.diff(sp.exp(-v), v), [v])
     extended = r.astype(np.longdouble)
     value, size, _ = gauss.average(slope, extended, [], least_squares, scale=np.ones_like(extended))
-    off = np.abs(branch.array(r) * extended**branch.power + value)
+    off = np.abs(branch(r) * extended**branch.power + value)
     assert (off <= MOST_UNITS_OF_THE_PAPER * EPSILON * size).all()
 
 
@@ -250,12 +250,12 @@ def test_a_power_series_is_none_or_right_wherever_the_pole_is(criterion):
         slope = -pole / (v + pole) ** 2
         series = fitting.taylor(slope, criterion, 0.0)
         assert series is not None or distance < 1
-        assert series is None or distance > 0.25  # inside, the circle encloses the pole
+        assert series is None or distance > 0.25  # a pole that is nearer leaves too short a range
         if series is None:
             continue
         found += 1
         coefficients, radius = series
-        exactly = [fitting.moment(criterion, k) * (-1) ** k * (k + 1) / pole ** (k + 1) for k in range(20)]
+        exactly = [criterion.mean_power(k) * (-1) ** k * (k + 1) / pole ** (k + 1) for k in range(20)]
         with mpmath.workdps(40):
             reach = mpmath.mpf(radius) / 4  # as far as a series is used
             right = [to_mpf(c) * reach**k for k, c in enumerate(exactly)]
@@ -303,5 +303,5 @@ def test_no_coefficient_of_an_entire_function_is_cut_off():
     coefficients, radius = fitting.taylor(-sp.exp(-v), harmonic, 0.0)
     assert radius == 24
     for k, coefficient in enumerate(coefficients):
-        right = to_mpf(fitting.moment(harmonic, k) * (-1) ** k / sp.factorial(k))
+        right = to_mpf(harmonic.mean_power(k) * (-1) ** k / sp.factorial(k))
         assert abs(coefficient - right) <= mpmath.mpf("1e-12") * abs(right)

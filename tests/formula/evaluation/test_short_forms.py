@@ -8,7 +8,6 @@ import sympy as sp
 
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria.criterion import harmonic, least_squares
-from stickslip_sym.formula.evaluation import fitting
 from stickslip_sym.formula.evaluation.conditioning import speed_scales
 from stickslip_sym.formula.evaluation.profile import profile_of
 
@@ -20,7 +19,7 @@ def test_the_average_of_a_polynomial_is_the_sum_of_its_moments(criterion):
     for coefficients in product((-1, 0, 1), repeat=3):
         if not any(coefficients):
             continue
-        moments = [fitting.moment(criterion, k) for k in range(3)]
+        moments = [criterion.mean_power(k) for k in range(3)]
         law = sum(
             c / moment * v ** (k + 1) / (k + 1)
             for k, (c, moment) in enumerate(zip(coefficients, moments, strict=True))
@@ -29,7 +28,7 @@ def test_the_average_of_a_polynomial_is_the_sum_of_its_moments(criterion):
         for one in r:
             branch = profile.branches[int(np.searchsorted(profile.starts, one, side="right")) - 1]
             expected = -sum(c * one**k for k, c in enumerate(coefficients))
-            assert branch.scalar(one) * one**branch.power == pytest.approx(expected, rel=1e-14, abs=1e-14)
+            assert branch(one) * one**branch.power == pytest.approx(expected, rel=1e-14, abs=1e-14)
 
 
 def test_scales_of_functions_are_where_their_arguments_are_one():

@@ -2,6 +2,7 @@
 
 import csv
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -9,7 +10,6 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
-from stickslip_sym.motion.maps import drawing
 
 SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}
 V, C = np.linspace(0.05, 0.95, 7), np.linspace(0.02, 6, 8)
@@ -61,13 +61,16 @@ def test_drawings_tell_regions_apart_without_colour(tmp_path, law):
 
 def test_the_legend_names_the_curves_that_are_drawn():
     """Over a single row of N there is no line along which c is a threshold."""
+    contour = pytest.importorskip("matplotlib.contour")
     law = ss.laws.exponential.typical()
     for rows in ([9.81], [5.0, 9.81]):
         found = ss.motion_map(law, x=("V", V), y=("N", rows), c=2.0, m=1.0, k=100.0)
-        _, axes = drawing._figure()
-        handles = drawing._draw_curves(axes, found)
-        drawn = [collection for collection in axes.collections if collection.get_paths()]
-        assert len(handles) == len(drawn) == (3 if len(rows) > 1 else 0)
+        figure = found.plot()
+        contours = [one for one in figure.axes[0].collections if isinstance(one, contour.ContourSet)]
+        drawn = [one for one in contours if one.get_paths()]
+        texts = [text.get_text() for text in figure.legends[0].get_texts()]
+        named = [text for text in texts if re.search("threshold|criterion", text)]
+        assert len(named) == len(drawn) == (3 if len(rows) > 1 else 0)
 
 
 def test_hatching_fills_its_cells_and_no_others():

@@ -213,7 +213,7 @@ def test_the_command_prints_a_picture_and_writes_files(run, tmp_path):
 )
 def test_axes_that_cannot_be_read_are_refused(text, message):
     with pytest.raises(ss.InputError, match=re.escape(message)):
-        map._axis("--x", text)
+        map.read_axis("--x", text)
 
 
 @pytest.mark.parametrize("turns", [None, np.empty(0)])
@@ -234,4 +234,4 @@ def test_no_comparison_calls_motions_damped_below_the_threshold(turns):
 @pytest.mark.parametrize("given", [(1, [0.1, 0.2]), (["V"], [0.1]), ("V", [0.1], [0.2]), ("V",), "Vc", 3, ()])
 def test_what_is_no_name_with_values_is_no_axis(given):
     with pytest.raises(ss.InputError, match="x is a name and its values"):
-        axes._axis(JUMP, "x", given)
+        axes.read_axes(JUMP, given, ("c", [1.0]))

@@ -206,7 +206,7 @@ def test_a_run_killed_midway_goes_on_to_the_same_output(run, tmp_path):
     whole.to_npz(tmp_path / "whole.npz")
     for kind in ("csv", "npz"):
         assert (tmp_path / f"resumed.{kind}").read_bytes() == (tmp_path / f"whole.{kind}").read_bytes()
-    assert out == map._report(whole) + "\n"
+    assert out == map.report(whole) + "\n"
     assert file.read_bytes().count(b"\n") == 31  # nothing was computed twice
 
 

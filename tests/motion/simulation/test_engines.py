@@ -169,11 +169,11 @@ def test_threads_do_not_mix_their_motions(law):
 def test_dense_output_is_continuous_and_extrema_end_steps(law):
     scene = Scene.of(law, paper_oscillator(1.0))
     slip = follow(scene, P, 1, horizon=100.0, rtol=1e-13, engine=HEYOKA)
-    for left, right in pairwise(slip.pieces):
+    for left, right in pairwise(slip.interpolants):
         assert left.t == right.t_old
         assert left(left.t) == pytest.approx(right(right.t_old), abs=1e-14)
     (maximum,) = slip.extrema
-    assert maximum.tau in [piece.t for piece in slip.pieces]
+    assert maximum.tau in [piece.t for piece in slip.interpolants]
     assert scene.acceleration(maximum.q, maximum.w, 1) == pytest.approx(0.0, abs=1e-14)
     times = [0.0, 0.3, maximum.tau, slip.last.tau]
     assert slip.at(times)[1, [2, 3]] == pytest.approx([maximum.w, 0.0], abs=1e-14)
@@ -266,7 +266,7 @@ class RungeKutta:
         d = np.array(self.rates(*(y + h * c)))
         last = Point(before.tau + h, *(y + h / 6 * (a + 2 * b + 2 * c + d)).tolist())
         piece = Cubic(before, last, self.rates)
-        phase.pieces.append(piece)
+        phase.interpolants.append(piece)
         phase.last = last
         if (d[1] > 0) != self.rising:
             self.rising = not self.rising

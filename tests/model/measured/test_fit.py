@@ -1,0 +1,223 @@
+"""Fits held against known truth, lmfit with numerical derivatives, and propagation by uncertainties."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+import stickslip_sym as ss
+
+TRUE = {"mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
+NOISE = 0.01
+RIVALS = [
+    "coulomb_viscous",
+    "exponential",
+    "gaussian",
+    "hyperbolic",
+    "logarithmic",
+    "polynomial",
+    "tanh",
+    "bengisu_akay",
+]
+
+
+def data(law=ss.laws.exponential, *, seed=0, count=60, low=2e-3, noise=NOISE):
+    """Speeds, spread over decades, and coefficients with seeded noise."""
+    rng = np.random.default_rng(seed)
+    v = np.exp(rng.uniform(np.log(low), np.log(2.0), count))
+    return v, law.typical().mu(v) + noise * rng.normal(size=count)
+
+
+@pytest.fixture(scope="module")
+def fits():
+    return ss.fit(*data(), laws=["exponential", "gaussian", "coulomb", "stribeck"])
+
+
+@pytest.mark.parametrize(("known", "sets", "within"), [(False, 200, 0.0), (True, 60, 0.02)])
+def test_intervals_hold_the_truth_as_often_as_they_say(known, sets, within):
+    """At 80 % they must be too narrow for 92 %, or nothing would be measured; fewer sets scatter more."""
+    held = {0.95: [], 0.8: []}
+    for seed in range(sets):
+        v, mu = data(seed=seed, count=40)
+        best = ss.fit(v, mu, NOISE if known else None, laws="exponential").best
+        for level, found in held.items():
+            intervals = best.confidence(level)
+            found += [low <= TRUE[name] <= high for name, (low, high) in intervals.items()]
+    assert 0.92 - within <= np.mean(held[0.95]) <= 0.97 + within
+    assert 0.74 <= np.mean(held[0.8]) <= 0.86
+
+
+def test_every_law_is_found_again_from_data_without_noise():
+    """From starts that know nothing of the values; where a law is not determined, that is said."""
+    lost = {}
+    for name, law in ss.laws.catalogue.items():
+        v, mu = data(law, low=1e-4, noise=1e-9, count=120)
+        found = ss.fit(v, mu, laws=law).best.values
+        wrong = [key for key, value in law.typical().values.items() if abs(found[key] / float(value) - 1) > 1e-4]
+        if wrong:
+            lost[name] = found
+    assert lost == {}
+
+
+def test_the_generating_law_is_among_the_best_two():
+    first = []
+    for name in RIVALS:
+        v, mu = data(ss.laws.catalogue[name], count=100, low=1e-4, noise=0.002)
+        fits = ss.fit(v, mu, laws=RIVALS)
+        assert sum(fit.weight for fit in fits) == pytest.approx(1)
+        assert [fit.aicc for fit in fits] == sorted(fit.aicc for fit in fits)
+        first.append([fit.name for fit in fits].index(name))
+    assert np.mean(np.array(first) < 2) >= 0.9
+
+
+@pytest.mark.parametrize("sigma", [None, 0.02])
+def test_lmfit_with_numerical_derivatives_finds_the_same(fits, sigma):
+    import lmfit
+
+    v, mu = data()
+    fit = ss.fit(v, mu, sigma, laws="exponential").best
+
+    def residual(p):
+        return (p["mu_m"] + (p["mu_s"] - p["mu_m"]) * np.exp(-p["alpha"] * v) - mu) / (sigma or 1)
+
+    parameters = lmfit.Parameters()
+    for name in TRUE:
+        parameters.add(name, value=1.0)
+    other = lmfit.minimize(residual, parameters, scale_covar=sigma is None)
+    for name, parameter in other.params.items():
+        assert fit.values[name] == pytest.approx(parameter.value, rel=1e-6)
+        assert fit.standard_errors[name] == pytest.approx(parameter.stderr, rel=1e-4)
+    assert fit.chi_squared == pytest.approx(other.chisqr)
+    if sigma is None:
+        k, n = 4, len(v)
+        assert fit.aicc == pytest.approx(other.aic + 2 + 2 * k * (k + 1) / (n - k - 1))
+        assert fit.sigma == pytest.approx(np.sqrt(other.redchi))
+
+
+def test_the_band_is_what_uncertainties_propagates(fits):
+    from uncertainties import umath
+
+    fit = fits["exponential"]
+    p = fit.uncertain
+    for v in (0.01, 0.3, 1.5):
+        mu = p["mu_m"] + (p["mu_s"] - p["mu_m"]) * umath.exp(-p["alpha"] * v)
+        low, high = fit.band([v], level=0.6826894921370859)
+        one_sided = fit._quantile(0.6826894921370859)
+        assert (low[0] + high[0]) / 2 == pytest.approx(mu.nominal_value)
+        assert (high[0] - low[0]) / 2 == pytest.approx(one_sided * mu.std_dev, rel=1e-6)
+    assert fit.law.mu(0.3) == pytest.approx((p["mu_m"] + (p["mu_s"] - p["mu_m"]) * umath.exp(-p["alpha"] * 0.3)).n)
+
+
+def test_profiles_agree_with_standard_errors_where_the_law_bends_little(fits):
+    fit = fits["exponential"]
+    profile, plain = fit.confidence(profile=True), fit.confidence()
+    for name, error in fit.standard_errors.items():
+        assert profile[name] == pytest.approx(plain[name], abs=0.15 * error)
+    assert profile["alpha"][1] - fit.values["alpha"] > fit.values["alpha"] - profile["alpha"][0]  # it is skew
+
+
+def test_a_value_that_would_be_negative_is_held_at_its_bound():
+    v, mu = data(noise=0.001)
+    fit = ss.fit(v, mu - 0.02 * v, laws="exponential_viscous").best
+    assert fit.values["mu_v"] == 0
+    assert any("mu_v is held at its bound 0" in text and "law.bind(mu_v=0)" in text for text in fit.warnings)
+    free = ss.FrictionLaw("a + b*exp(-alpha*v) - d*v")
+    assert ss.fit(v, mu - 0.02 * v, laws=free).best.values["d"] == pytest.approx(0.02, abs=0.004)
+
+
+def test_laws_without_a_jump_need_speeds_below_the_one_where_friction_has_built_up():
+    law = ss.laws.bengisu_akay
+    v, mu = data(law, low=1e-3, noise=0.002)
+    assert ss.fit(v, mu, laws=law).best.values["v_0"] == pytest.approx(0.01, rel=0.1)
+    above = v > 0.08
+    with pytest.raises(ss.InputError, match=r"say nothing of v_0|builds up below|do not tell .*v_0"):
+        ss.fit(v[above], mu[above], laws=law)
+
+
+def test_what_cannot_be_told_apart_is_said_with_what_to_fix():
+    v, mu = data(ss.laws.stribeck, noise=0.003)
+    with pytest.raises(ss.InputError, match=r"do not tell a and b apart; fix one: law\.bind\([ab]=\.\.\.\)"):
+        ss.fit(v, mu, laws="a*b/(1 + v)")
+    with pytest.raises(ss.InputError, match=r"4 free parameters, and 5 rows at 5 speeds are too few"):
+        ss.fit(v[:5], mu[:5], laws="stribeck")
+    fixed = ss.fit(v, mu, laws=ss.laws.stribeck.bind(delta=1.5)).best
+    assert set(fixed.values) == {"mu_s", "mu_m", "v_s"}
+    assert float(fixed.law.values["delta"]) == 1.5
+    assert not fixed.warnings
+    loose = ss.fit(v[v < 0.1], mu[v < 0.1], laws="stribeck").best
+    assert any("hardly" in text and "law.bind(" in text for text in loose.warnings)
+
+
+def test_a_sigma_that_is_too_small_is_warned_of():
+    v, mu = data()
+    assert not ss.fit(v, mu, NOISE, laws="exponential").best.warnings
+    said = ss.fit(v, mu, NOISE / 3, laws="exponential").best.warnings
+    assert any("times sigma" in text for text in said)
+
+
+def test_a_fit_reports_itself(fits):
+    assert "exponential" in str(fits)
+    assert "AICc above" in str(fits)
+    assert "+/-" in str(fits.best)
+    content = json.loads(fits.to_json())
+    assert [one["law"] for one in content["fits"]] == [fit.name for fit in fits]
+    one = json.loads(fits["gaussian"].to_json())
+    assert one["parameters"]["v_s"]["unit"] == "m/s"
+    assert one["covariance"][0][1] == one["covariance"][1][0]
+    assert "<table>" in fits._repr_html_()
+    assert "<table>" in fits.best._repr_html_()
+    with pytest.raises(ss.InputError, match="did you mean 'gaussian'"):
+        _ = fits["gausian"]
+
+
+def test_a_fit_draws_points_curve_band_and_residuals(fits, tmp_path):
+    pytest.importorskip("matplotlib")
+    figure = fits.plot(tmp_path / "fit.svg")
+    above, below = figure.axes
+    assert len(above.lines[-1].get_xdata()) == len(below.lines[0].get_xdata()) == 60
+    assert (tmp_path / "fit.svg").stat().st_size > 5000
+
+
+def test_data_of_any_scale_are_fitted():
+    """A Stribeck speed of a micrometre a second, and 10 km/s."""
+    for scale in (1e-6, 1e4):
+        v, mu = data()
+        best = ss.fit(v * scale, mu, laws="exponential").best
+        assert best.values["alpha"] * scale == pytest.approx(3.0, rel=0.15)
+
+
+def test_without_lmfit_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "lmfit", None)
+    with pytest.raises(ss.InputError, match=r'fits need lmfit: pip install "stickslip_sym\[fit\]"'):
+        ss.fit([1, 2, 3, 4], [1, 1, 1, 1])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([1, 2],), "mu is missing"),
+        ((ss.Measurements.of([1, 2], [1, 1]), [1, 1]), "given twice"),
+        (([1, 2], [1, 1], None, []), "there is no law to fit"),
+        (([1, 2], [1, 1], None, 3.0), "'float' object is not iterable|a law is a name"),
+        (([1, 2], [1, 1], None, [3.0]), "a law is a name, a formula or a FrictionLaw, got float"),
+        (([1, 2], [1, 1], None, ["linear", "linear"]), "the law linear is given twice"),
+        (([1, 2], [1, 1], None, "lineer"), "did you mean 'linear'"),
+        (([1, 2], [1, 1], None, ss.laws.linear.typical()), "it has no parameter without a value"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused(arguments, message):
+    with pytest.raises(ss.InputError, match=message):
+        ss.fit(*arguments)
+
+
+def test_measured_points_are_no_law_to_fit():
+    curve = ss.FrictionLaw.from_samples([0, 1, 2, 3], [0.5, 0.4, 0.3, 0.2])
+    with pytest.raises(ss.InputError, match="goes through measured points, and has nothing to fit"):
+        ss.fit(*data(), laws=curve)
+
+
+def test_progress_is_told():
+    told = []
+    ss.fit(*data(), laws=["linear", "coulomb"], progress=lambda *steps: told.append(steps))
+    assert told == [(0, 2), (1, 2), (2, 2)]
