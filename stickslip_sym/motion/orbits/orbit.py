@@ -176,5 +176,5 @@ def orbits(
             shot = shoot(
                 problem.slope, problem.V[strong], problem.strength[strong], problem.A[strong], all_there_is[strong]
             )
-        found.take(strong, shot)
+            found.take(strong, shot)
     return found
