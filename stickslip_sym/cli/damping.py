@@ -45,6 +45,7 @@ def damping(
 
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
+    from stickslip_sym.core.uncertain import nominal_text
     from stickslip_sym.motion.thresholds.rungs import rungs
     from stickslip_sym.output.tables import duration, table
 
@@ -52,7 +53,7 @@ def damping(
     bound = friction.typical(**assignments(parameter or []))
     options = {"V": speed, "N": force, "m": mass, "k": stiffness}
     given = {name: text for name, text in options.items() if text is not None}
-    read_numbers(given)  # refuses what is no number
+    read_numbers({name: nominal_text(text, name) for name, text in given.items()})  # refuses what is no number
     scene = given
     limit = read_numbers({"time_limit": time_limit}).get("time_limit")
     if everything:

@@ -46,10 +46,19 @@ def missing(unit: str, reason: str) -> dict[str, Any]:
 
 
 def values(given: Mapping[str, str]) -> dict[str, Any]:
-    """Return V, N, m and k with their units, and as they were given."""
+    """Return V, N, m and k with their units and standard errors, and as they were given."""
     from stickslip_sym.core.numbers import exact
+    from stickslip_sym.core.uncertain import separated
 
-    return {name: quantity(float(exact(text, name)), UNITS[name], text=text) for name, text in given.items()}
+    numbers, errors = separated(given)
+    return {
+        name: quantity(float(exact(number, name)), UNITS[name], text=given[name]) | _standard_error(errors, name)
+        for name, number in numbers.items()
+    }
+
+
+def _standard_error(errors: Mapping[str, Any], name: str) -> dict[str, float]:
+    return {"standard_error": float(errors[name].std_dev)} if name in errors else {}
 
 
 def law(friction: Any) -> dict[str, Any]:
@@ -64,6 +73,7 @@ def law(friction: Any) -> dict[str, Any]:
             "unit": parameter.unit,
             "meaning": parameter.meaning,
         }
+        | _standard_error(friction.uncertain, name)
         for name, parameter in friction.parameters.items()
     }
     static = None if friction.static is None else printing.text(friction.static)
