@@ -1,6 +1,8 @@
 """`pure_slip_damping`: the damping that separates stick-slip from slip, by the cheapest method good enough."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,6 +19,7 @@ from stickslip_sym.motion.thresholds import rungs
 from stickslip_sym.motion.thresholds.climb import accuracy, by_name, climb
 from stickslip_sym.motion.thresholds.rungs import Rung
 from stickslip_sym.motion.thresholds.scenes import Scenes
+from stickslip_sym.motion.thresholds.sensitivity import sensitivities
 from stickslip_sym.motion.thresholds.theorem import Theorem
 from stickslip_sym.output import markup
 
@@ -36,12 +39,46 @@ class Threshold:
         Error against the exact threshold, relative: an estimate, with "proof" a bound; None if nothing is known.
     theorems : tuple of Theorem
         With "proof": what was proved of each scene, and how.
+    scenes : Scenes, optional
+        Where they are the thresholds; what they depend on follows from it.
     """
 
     value: Any
     method: Any
     error: Any
     theorems: tuple[Theorem, ...] = ()
+    scenes: Scenes | None = field(default=None, repr=False, compare=False)
+    rung: Rung | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def sensitivity(self) -> Mapping[str, Any]:
+        """How the threshold changes with each quantity and parameter, alone: name to dc/dname, exact.
+
+        In kg/m for V, s/m for N, 1/s for m, s for k, and kg/s over its unit for a parameter of the law; floats, or
+        arrays as `value` is one. It is the derivative of the value that the method gives: that of an average is
+        the average of the derivative, and m and k do nothing to it; for the grazing orbit it follows from one
+        linear solve, by simulation and for a proved threshold from the variational equation along the slip. The
+        coefficients of measured points are no parameters.
+
+        Raises
+        ------
+        InputError
+            For a method of one's own, of which only its values are known.
+        """
+        assert self.scenes is not None
+        error = np.full(len(self.scenes), np.inf) if self.error is None else np.ravel(self.error)
+        value, method = np.ravel(self.value), np.ravel(self.method)
+        names = ["V", "N", *(["m", "k"] if self.scenes.m is not None else []), *self.scenes.law.parameters]
+        columns = {name: np.empty(len(self.scenes)) for name in names}
+        for chosen in np.unique(method):
+            rows = np.flatnonzero(method == chosen)
+            rung = self.rung or rungs.rungs()[str(chosen)]
+            found = sensitivities(self.scenes.rows(rows), rung, value[rows], error[rows])
+            for name, column in columns.items():
+                column[rows] = found[name]
+        if self.scenes.shape != ():
+            return {name: column.reshape(self.scenes.shape) for name, column in columns.items()}
+        return {name: float(column[0]) for name, column in columns.items()}
 
     @property
     def theorem(self) -> Theorem | None:
@@ -161,11 +198,15 @@ def pure_slip_damping(
         value, names, error, theorems = _found(scenes, rung, rtol)
     value = value + 0.0  # -0.0 becomes 0.0
     names = np.array(names.tolist(), dtype=str)
+    own = None if rung is None or rungs.rungs().get(rung.name) is rung else rung
     if scenes.shape != ():
         error = None if error is None else error.reshape(scenes.shape)
-        return Threshold(value.reshape(scenes.shape), names.reshape(scenes.shape), error, theorems)
+        return Threshold(
+            value.reshape(scenes.shape), names.reshape(scenes.shape), error, theorems, scenes=scenes, rung=own
+        )
     known = error is not None and np.isfinite(error[0])
-    return Threshold(float(value[0]), str(names[0]), float(error[0]) if known else None, theorems)
+    own_error = float(error[0]) if known else None
+    return Threshold(float(value[0]), str(names[0]), own_error, theorems, scenes=scenes, rung=own)
 
 
 def _found(scenes: Scenes, rung: Rung | None, rtol: float) -> tuple[Any, Any, Any, tuple[Theorem, ...]]:
