@@ -11,7 +11,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["UFloat", "nominal_text", "separated", "split"]
+__all__ = ["UFloat", "nominal_text", "separated", "split", "with_error"]
 
 _WITH_ERROR = re.compile(r"\+/-|±|\(")
 _EXAMPLES = "write it like 0.50+/-0.02 or 0.50(2)"
@@ -76,6 +76,15 @@ def separated(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, UFlo
 def nominal_text(text: str, name: str) -> str:
     """Return the number in a text without its standard error, as text."""
     return str(split(text, name)[0])
+
+
+def with_error(value: float, error: float) -> str:
+    """Return a number with its standard error as text, to two digits of that."""
+    if not error > 0 or not math.isfinite(error):
+        return f"{value:.10g} +/- {error:g}"
+    from uncertainties import ufloat
+
+    return f"{ufloat(value, error):.2u}".replace("+/-", " +/- ")
 
 
 def _from_text(text: str, name: str) -> UFloat:

@@ -60,25 +60,20 @@ def sensitivities(scenes: Scenes, rung: Rung, value: Any, error: Any) -> dict[st
 
 def _of_average(scenes: Scenes, criterion: Criterion) -> dict[str, Any]:
     law, N, V = scenes.law, scenes.N, scenes.V
-    smooth = not law.kinks()
-    each = Scenes(law, V, np.ones_like(V), None, None, V.shape)  # for N = 1
+
+    def mean(part: FrictionLaw) -> Any:
+        """Return the average of minus the slope of a law."""
+        if not part.expr.has(symbols.v):
+            return np.zeros_like(V)
+        if law.kinks():
+            return average(Scenes(part, V, np.ones_like(V), None, None, V.shape), criterion)
+        return -slopes(part)(V) if criterion.weight is None else averages(part, V, criteria=[criterion])[0]
 
     def changed(name: str) -> Any:
-        part = law.partial(name)
-        if not part.expr.has(symbols.v):
-            found = np.zeros_like(V)
-        elif not smooth:
-            found = average(Scenes(part, V, each.N, None, None, V.shape), criterion)
-            found = found + _of_jumps(law, criterion, V, name)
-        elif criterion.weight is None:
-            found = -slopes(part)(V)
-        else:
-            (found,) = averages(part, V, criteria=[criterion])
-        return N * found
+        return N * (mean(law.partial(name)) + _of_jumps(law, criterion, V, name))
 
     nothing = {} if scenes.m is None else {"m": np.zeros_like(V), "k": np.zeros_like(V)}
-    by_force = average(each, criterion)
-    return {"V": changed("V") / V, "N": by_force} | nothing | {name: changed(name) for name in law.parameters}
+    return {"V": changed("V") / V, "N": mean(law)} | nothing | {name: changed(name) for name in law.parameters}
 
 
 def _of_jumps(law: FrictionLaw, criterion: Criterion, V: Any, name: str) -> Any:

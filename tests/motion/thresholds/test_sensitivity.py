@@ -127,7 +127,7 @@ def test_averages_against_differences_of_quadratures(text, criterion):
 
 @pytest.mark.parametrize("method", ["equilibrium", "least_squares", "harmonic", "second_order", "orbit"])
 def test_eulers_identities(method):
-    """N c_N + m c_m + k c_k = c, m c_m = k c_k, and what has a speed in its unit adds to 0, with N like one speed."""
+    """N c_N + m c_m + k c_k = c, m c_m = k c_k, and all with a speed in its unit adds to 0, N as one."""
     count = (
         3 if method in ("least_squares", "harmonic") else len(SMOOTH)
     )  # the first call of a law makes its function
