@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from stickslip_sym.cli.critical import critical
 from stickslip_sym.cli.damping import damping
 from stickslip_sym.cli.derive import derive
 from stickslip_sym.cli.export import export
@@ -58,6 +59,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "laws": laws,
     "derive": derive,
     "damping": damping,
+    "critical": critical,
     "simulate": simulate,
     "map": motion_map,
     "tradeoff": tradeoff,

@@ -21,6 +21,7 @@ COMMANDS = {
     "laws": ["--json"],
     "derive": ["coulomb"],
     "damping": ["linear", "--json"],
+    "critical": ["mu_s", "exponential", "-c", "2"],
     "simulate": ["linear", "--t-end", "1"],
     "map": ["linear", "--x", "V=1:1:1", "--y", "c=1:1:1"],
     "tradeoff": ["coulomb_viscous", "--criterion", "equilibrium"],

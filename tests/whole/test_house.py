@@ -18,7 +18,7 @@ FOLDERS = ["core", "output", "model", "criteria", "formula", "motion", "comparis
 ROOMS = {
     "model": ["expression"],
     "formula": ["integration", "evaluation", "code", "derivation", "export"],
-    "motion": ["simulation", "orbits", "thresholds", "regimes", "maps"],
+    "motion": ["simulation", "orbits", "thresholds", "margins", "regimes", "maps"],
 }
 """The rooms inside a folder, in the same sense; what stands in the folder itself comes after them."""
 LONGEST = 320

@@ -24,7 +24,7 @@ from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from stickslip_sym.motion.thresholds.rungs import Rung, average
 from stickslip_sym.motion.thresholds.scenes import Scenes
 
-__all__ = ["sensitivities"]
+__all__ = ["sensitivities", "slope_mean"]
 
 _SHARP = 1e-11  # relative error of a threshold at which the simulated slip may be differentiated
 
@@ -58,22 +58,27 @@ def sensitivities(scenes: Scenes, rung: Rung, value: Any, error: Any) -> dict[st
 # -- averages --------------------------------------------------------------------------------------
 
 
+def slope_mean(law: FrictionLaw, criterion: Criterion, V: Any) -> Any:
+    """Return the average of minus the slope of a law with all its values, at belt speeds V."""
+    if not law.expr.has(symbols.v):
+        return np.zeros_like(V)
+    if law.kinks():
+        return average(Scenes(law, V, np.ones_like(V), None, None, V.shape), criterion)
+    return -slopes(law)(V) if criterion.weight is None else averages(law, V, criteria=[criterion])[0]
+
+
 def _of_average(scenes: Scenes, criterion: Criterion) -> dict[str, Any]:
     law, N, V = scenes.law, scenes.N, scenes.V
 
-    def mean(part: FrictionLaw) -> Any:
-        """Return the average of minus the slope of a law."""
-        if not part.expr.has(symbols.v):
-            return np.zeros_like(V)
-        if law.kinks():
-            return average(Scenes(part, V, np.ones_like(V), None, None, V.shape), criterion)
-        return -slopes(part)(V) if criterion.weight is None else averages(part, V, criteria=[criterion])[0]
-
     def changed(name: str) -> Any:
-        return N * (mean(law.partial(name)) + _of_jumps(law, criterion, V, name))
+        return N * (slope_mean(law.partial(name), criterion, V) + _of_jumps(law, criterion, V, name))
 
     nothing = {} if scenes.m is None else {"m": np.zeros_like(V), "k": np.zeros_like(V)}
-    return {"V": changed("V") / V, "N": mean(law)} | nothing | {name: changed(name) for name in law.parameters}
+    return (
+        {"V": changed("V") / V, "N": slope_mean(law, criterion, V)}
+        | nothing
+        | {name: changed(name) for name in law.parameters}
+    )
 
 
 def _of_jumps(law: FrictionLaw, criterion: Criterion, V: Any, name: str) -> Any:
