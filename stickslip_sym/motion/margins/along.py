@@ -33,6 +33,7 @@ _AROUND = 100.0  # times a parameter's value, and its inverse: where it is sough
 _WEAKEST, _STRONGEST = 1e-3, 1e2  # N/(V sqrt(k m)) between which N, m and k are sought
 _LOOSE, _TIGHT, _SINGLE = 1e-6, 1e-12, 1e-9  # relative errors on a grid, at a root, and by simulation
 _ROUNDING = float(4 * np.finfo(np.float64).eps)
+_HALVINGS = 8  # of an interval of the grid, to the last value whose motions stay within the measured speeds
 _NEWTON = 1e-6  # relative size of a last step that is a correction
 
 
@@ -86,6 +87,10 @@ class Along(Search):
             return np.full(len(scenes), -1.0 - abs(self.c))  # it lies below 0, nobody knows how far
         except NotConverged:
             return np.full(len(scenes), np.nan)
+        except InputError:
+            if scenes.law.v_max is None:
+                raise
+            return np.full(len(scenes), np.nan)  # the motion goes beyond the last measured speed
         return np.where(np.isfinite(found.error), found.value, np.nan)
 
     def found(self, rung: Rung | None, rtol: float) -> tuple[Critical, ...]:
@@ -108,6 +113,23 @@ class Along(Search):
         roots = sorted(self.sign * x for x in self.crossings(sought, sizes))
         results = [self._result(x, rung, rtol, automatic) for x in roots]
         return tuple(self._proved(one, rtol) for one in results) if proof else tuple(results)
+
+    def crossings(self, rung: Rung, V: Any) -> list[float]:
+        """Return the sizes at which the excess changes sign, up to where motions leave the measured speeds."""
+        if self.law.v_max is None:
+            return super().crossings(rung, V)
+        known = np.isfinite(self.excess(rung, V, _LOOSE))
+        edges = []
+        for place in np.flatnonzero(known[1:] != known[:-1]):
+            inside, outside = (V[place], V[place + 1]) if known[place] else (V[place + 1], V[place])
+            for _ in range(_HALVINGS):
+                middle = math.sqrt(inside * outside)
+                if np.isfinite(self.excess(rung, np.array([middle]), _LOOSE)[0]):
+                    inside = middle
+                else:
+                    outside = middle
+            edges.append(inside)
+        return super().crossings(rung, np.sort(np.append(V[known], edges)))
 
     def _automatic(self) -> Rung:
         if not self.has_oscillator:
@@ -186,7 +208,9 @@ class Along(Search):
             while self.of in part.parameters:  # Taylor's expansion at 0 ends
                 part, order = part.partial(self.of), order + 1
                 coefficients.append(self._mean(part, criterion, V) / math.factorial(order))
-        roots: Any = np.polynomial.Polynomial(coefficients).trim().roots() if len(coefficients) > 1 else np.empty(0)
+        roots: Any = (
+            np.polynomial.Polynomial(coefficients).trim().roots() if len(coefficients) > 1 else np.empty(0)
+        )
         real_roots = sorted(float(x.real) for x in roots if abs(x.imag) <= 1e-9 * abs(x))
         low, high = (-math.inf, math.inf) if self.within is None else self.within
         positive = self.of in symbols.QUANTITIES or self.law.parameters[self.of].positive

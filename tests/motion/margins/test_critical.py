@@ -55,6 +55,33 @@ def test_put_back_they_give_the_damping(method):
     assert tried >= 4
 
 
+def test_laws_with_kinks_and_measured_points_by_simulation():
+    """Where a motion goes beyond the last measured speed there is no threshold, and others are found."""
+    kink = ss.FrictionLaw("Piecewise((mu_s - a*v, v < v_1), (mu_s - a*v_1 + b*(v - v_1), True))")
+    points = ss.FrictionLaw.from_samples(
+        [0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.2], [0.5, 0.44, 0.4, 0.34, 0.29, 0.27, 0.26]
+    )
+    for law, of, c, within in (
+        (kink.bind(mu_s=0.5, a=0.4, b=0.1, v_1=0.3), "v_1", 0.3, (0.2, 0.4)),
+        (points, "N", 2.0, (8.0, 100.0)),
+    ):
+        (one,) = ss.critical(of, law, c=c, **without(SCENE, of), within=within)
+        assert one.method == "simulation"
+        there, scene = put_back(law, SCENE, of, one.value)
+        assert ss.pure_slip_damping(there, **scene, method="simulation", rtol=1e-10).value == (
+            pytest.approx(c, rel=1e-8)
+        )
+
+
+def test_a_value_of_the_other_sign_is_found_on_its_side():
+    law = ss.FrictionLaw("mu_s + b*v + a*v^3", parameters=[ss.Parameter("b", positive=False)])
+    law = law.bind(mu_s=0.5, b=-0.2, a=0.1)
+    (by_orbit,) = ss.critical("b", law, c=1.0, **SCENE, method="orbit")
+    (average,) = ss.critical("b", law, c=1.0, V=0.5, N=9.81, method="harmonic")
+    assert by_orbit.value == pytest.approx(average.value, rel=1e-3)
+    assert average.value == pytest.approx(-1.0 / 9.81 - 3 * 0.1 * 0.5**2 * 1.25, rel=1e-12)
+
+
 def test_all_that_a_dense_scan_finds():
     """By averages over four decades of a parameter, on seeded laws that have up to three."""
     rng = np.random.default_rng(9)
