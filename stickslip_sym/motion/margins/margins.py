@@ -15,6 +15,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.margins.value import Critical
+from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.thresholds.cubature import shifted
 from stickslip_sym.motion.thresholds.rungs import Rung, rungs
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
@@ -198,8 +199,6 @@ def margins(
 
 
 def _method(law: FrictionLaw, osc: Oscillator, method: Any) -> Any:
-    from stickslip_sym.motion.orbits.orbit import obstacle
-
     if method != "auto":
         return method
     return "orbit" if obstacle(law, osc.V) is None else "simulation"
