@@ -19,6 +19,7 @@ from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import NoClosedForm
 
 if TYPE_CHECKING:
+    from stickslip_sym.core.uncertain import UFloat
     from stickslip_sym.formula.derivation.closed_form import ClosedForm
     from stickslip_sym.model.law import FrictionLaw
 
@@ -56,10 +57,19 @@ def missing(unit: str, reason: str) -> Json:
 
 
 def values(given: Mapping[str, str]) -> Json:
-    """Return V, N, m and k with their units, and as they were given."""
+    """Return V, N, m and k with their units and standard errors, and as they were given."""
     from stickslip_sym.core.numbers import exact
+    from stickslip_sym.core.uncertain import separated
 
-    return {name: quantity(float(exact(text, name)), UNITS[name], text=text) for name, text in given.items()}
+    numbers, errors = separated(given)
+    return {
+        name: quantity(float(exact(number, name)), UNITS[name], text=given[name]) | _standard_error(errors, name)
+        for name, number in numbers.items()
+    }
+
+
+def _standard_error(errors: "Mapping[str, UFloat]", name: str) -> Json:
+    return {"standard_error": float(errors[name].std_dev)} if name in errors else {}
 
 
 def form(found: "ClosedForm | NoClosedForm") -> Json:
@@ -83,6 +93,7 @@ def law(friction: "FrictionLaw") -> Json:
             "unit": parameter.unit,
             "meaning": parameter.meaning,
         }
+        | _standard_error(friction.uncertain, name)
         for name, parameter in friction.parameters.items()
     }
     static = None if friction.static is None else printing.text(friction.static)

@@ -14,7 +14,8 @@ the belt's speed, and d is the pure-slip threshold.
 Every term with friction enters as a small one, so weak friction loses no digits; nothing here knows a closed form.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,18 +28,25 @@ from stickslip_sym.motion.orbits.collocation import (
     State,
     Work,
     close,
+    coefficients,
+    equations,
     frequency,
     grid,
+    parts,
     refined,
     values,
 )
 from stickslip_sym.motion.orbits.expansion import Slope, averages, expand, slopes
 from stickslip_sym.motion.orbits.shooting import Shots, shoot
 
-__all__ = ["Orbits", "obstacle", "orbits"]
+__all__ = ["Orbits", "derivatives", "obstacle", "orbits"]
 
+_MOST_WORK = 3e9  # cubes of grids, summed over the Newton steps on the way from weak friction to all of it
 _SHOT = 3e6  # cubes of grids: as long as shooting takes for one orbit
 _SAME = 1e-12  # relative; a static coefficient that exceeds mu(0+) by less does not
+_WEAKEST = 1e-3  # part of the friction with which the way to all of it begins
+_TIGHT = 1e-13  # relative error of d where it is differentiated
+_LOOSE = 1e-3  # relative error of d on that way
 _NEAREST = 1e-12  # slip speed over belt speed that an iterate may come down to; it may overshoot the belt
 
 
@@ -105,6 +113,45 @@ def _start(law: FrictionLaw, problem: _Problem, size: int) -> State:
     return state
 
 
+def _continued(law: FrictionLaw, problem: _Problem, rtol: float, work: Work) -> tuple[State, FloatArray]:
+    """Follow one orbit from weak friction to all of it."""
+    part, growth = 1.0, 1.5
+    tail = np.array([np.inf])
+    while not np.isfinite(tail[0]) and part > _WEAKEST and not work.spent:
+        part /= 2
+        weak = _scaled(problem, part)
+        state, tail = refined(weak, _start(law, weak, GRIDS[0]), _LOOSE, work)
+    before = last = (part, state)
+    while np.isfinite(tail[0]) and growth > 1 + 1e-4 and not work.spent:
+        if last[0] == 1.0:
+            return state, tail
+        part = min(1.0, last[0] * growth)
+        guess = _extrapolated(before, last, part)
+        new, new_tail = refined(_scaled(problem, part), guess, _LOOSE if part < 1 else rtol, work)
+        if np.isfinite(new_tail[0]):
+            before, last, state, tail = last, (part, new), new, new_tail
+            growth = min(2.0, 1 + 1.5 * (growth - 1))
+        else:
+            growth = 1 + (growth - 1) / 3
+    return state, np.array([np.inf])
+
+
+def _scaled(problem: _Problem, part: float) -> _Problem:
+    return _Problem(problem.slope, problem.V, problem.strength * part, problem.A)
+
+
+def _extrapolated(before: tuple[float, State], last: tuple[float, State], part: float) -> State:
+    """Continue two orbits along the secant through them, in the logarithm of the friction."""
+    state = last[1].on(grid(last[1]))
+    if before[0] < last[0]:
+        ahead = np.log(part / last[0]) / np.log(last[0] / before[0])
+        old = before[1].on(grid(state))
+        state.z += ahead * (state.z - old.z)
+        state.d += ahead * (state.d - old.d)
+        state.sigma += ahead * (state.sigma - old.sigma)
+    return state
+
+
 def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool = True) -> str | None:
     """Say why slip orbits of a law are not smooth at belt speeds V, or return None.
 
@@ -124,6 +171,66 @@ def _harmonics(law: FrictionLaw, problem: _Problem, size: int) -> tuple[FloatArr
     """Return the harmonic damping over impedance, from the slopes on a grid and from slopes at every scale."""
     on_grid = expand(law, problem.V, problem.A, grid=size // 2).harmonic
     return problem.strength * on_grid, problem.strength * averages(law, problem.V, problem.A)[0]
+
+
+def _solution(
+    law: FrictionLaw, given: Sequence[ArrayLike], rtol: float, work: Work
+) -> tuple[_Problem, State, FloatArray]:
+    """Solve for the orbits of belt speeds, frictions over impedance, and heights; return their tails too."""
+    columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in given))
+    problem = _Problem(slopes(law), *(np.ravel(column) for column in columns))
+    return problem, *refined(problem, _start(law, problem, GRIDS[0]), rtol, work)
+
+
+def _followed(law: FrictionLaw, problem: _Problem, state: State, tail: FloatArray, rtol: float) -> State:
+    """Follow the orbits that were not found from weak friction to all of it, and enter them and their tails."""
+    for row in np.flatnonzero(~np.isfinite(tail)).tolist():
+        single, tail[[row]] = _continued(law, problem.rows([row]), rtol, Work(_MOST_WORK))
+        size = max(grid(state), grid(single))
+        state = state.on(size)
+        state.put([row], single.on(size))
+    return state
+
+
+def derivatives(law: FrictionLaw, V: ArrayLike, strength: ArrayLike) -> dict[str, FloatArray]:
+    """Return the derivatives of d of grazing orbits, from one linear solve an orbit.
+
+    With F(u, d; p) = 0 the balance of the harmonics, and l the vector with l^T F_u = 0 and l^T F_d = 1,
+    dd/dp = -l^T F_p. Along the orbit F_p is the spectrum of -(dg/dp) dz/dtheta, over the squares of the orders.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound, smooth on the speeds of the orbit.
+    V, strength : array_like, shape (n,)
+        As for `orbits`.
+
+    Returns
+    -------
+    dict of str to numpy.ndarray, shape (n,)
+        "d" itself; "V" and "strength", derivatives by the logarithms of these; and each parameter of the law. NaN
+        where there is no orbit.
+    """
+    with np.errstate(all="ignore"):
+        problem, state, tail = _solution(law, (V, strength, 1.0), _TIGHT, Work(np.inf))
+        state = _followed(law, problem, state, tail, _TIGHT)
+        size, K = grid(state), state.z.shape[1] - 1
+        n = np.arange(K + 1)
+        z, z_theta = values(state.z, size), values(1j * n * state.z, size)
+        unit = np.zeros((len(state.d), 2 * K, 1))
+        unit[:, -2] = 1.0
+        found = np.isfinite(tail)
+        left = np.full(unit.shape[:2], np.nan)
+        matrix = equations(problem, state).matrix[found]
+        left[found] = np.linalg.solve(matrix.transpose(0, 2, 1), unit[found])[:, :, 0]
+        result = {"d": np.where(found, state.d, np.nan)}
+        changes = {name: slopes(law.partial(name)) for name in ("V", *law.parameters)}
+        changes["strength"] = problem.slope
+        for name, slope in changes.items():
+            change = replace(problem, slope=slope).g(z)
+            by_name = coefficients(change * z_theta)[:, 1:] / n[1:] ** 2
+            result[name] = (left * parts(by_name)).sum(axis=1)
+    return result
 
 
 def orbits(
@@ -147,11 +254,9 @@ def orbits(
 
     An orbit that was not found has an infinite error, and no number for d.
     """
-    columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in (V, strength, A)))
-    problem = _Problem(slopes(law), *(np.ravel(column) for column in columns))
+    work = Work(most_work)
     with np.errstate(all="ignore"):  # iterates that run away are given up
-        work = Work(most_work)
-        state, tail = refined(problem, _start(law, problem, GRIDS[0]), rtol, work)
+        problem, state, tail = _solution(law, (V, strength, A), rtol, work)
         z = values(state.z, grid(state))
         g = problem.g(z)
         scale = np.abs(g).max(axis=1)

@@ -221,7 +221,7 @@ class _Shape:
 
 @lru_cache(maxsize=128)
 def _slope_average(shape: _Shape, criterion: Criterion) -> SlopeAverage:
-    return slope_average(shape.law, criterion)
+    return slope_average(shape.law.with_static(None), criterion)  # no slope average sees it, nor its parameters
 
 
 def average(scenes: Scenes, criterion: Criterion) -> FloatArray:
