@@ -215,7 +215,6 @@ class _Shape:
     """A law up to the values of its parameters; equal for equal formulas."""
 
     expr: Expr
-    static: Expr | None
     law: FrictionLaw = field(compare=False)
 
 
@@ -226,8 +225,10 @@ def _slope_average(shape: _Shape, criterion: Criterion) -> SlopeAverage:
 
 def average(scenes: Scenes, criterion: Criterion) -> FloatArray:
     """Return a criterion's damping; no closed form is derived for it."""
-    values: dict[str, Any] = {name: float(value) for name, value in scenes.law.values.items()}
-    compiled = _slope_average(_Shape(scenes.law.expr, scenes.law.static, scenes.law), criterion)
+    compiled = _slope_average(_Shape(scenes.law.expr, scenes.law), criterion)
+    values: dict[str, Any] = {
+        name: float(value) for name, value in scenes.law.values.items() if name in compiled.arguments
+    }
     return np.atleast_1d(compiled(V=scenes.V, N=scenes.N, **values))
 
 
