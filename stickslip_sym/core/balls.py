@@ -1,8 +1,8 @@
 """SymPy expressions as functions of balls: complex numbers with a radius, in Arb's arithmetic.
-A ball function returns a ball that holds every value which the expression takes on its argument. Only the nodes
-of a closed list are translated. Where Arb integrates it asks whether a function is analytic on a whole ball: a
-branch cut that is not reported gives a tight ball around a wrong number, so each function that has one looks for
-it.
+
+A ball function returns a ball that holds every value which the expression takes on its argument. Only the nodes of a
+closed list are translated. Where Arb integrates it asks whether a function is analytic on a whole ball: a branch cut
+that is not reported gives a tight ball around a wrong number, so each function that has one looks for it.
 """
 
 import operator
@@ -152,10 +152,8 @@ class _Arithmetic(Generic[Z]):
         kind = sp.exp if expr.is_Pow else type(expr)
         if kind not in self.functions:
             raise InputError(f"{kind.__name__} is not among the functions that are enclosed")
-        function, inner = (
-            self.functions[kind],
-            self.translated(expr.exp if expr.is_Pow else expr.args[0], variable, values),
-        )
+        function, argument = self.functions[kind], expr.exp if expr.is_Pow else expr.args[0]
+        inner = self.translated(argument, variable, values)
         return lambda z, analytic: function(inner(z, analytic), analytic)
 
     def _folded(self, expr: Expr, variable: Expr, values: Mapping[Expr, acb]) -> Callable[[Z, bool], Z]:

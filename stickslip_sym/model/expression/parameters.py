@@ -1,7 +1,7 @@
 """`Parameter`: a named number of a friction law, with its meaning, unit and typical value."""
 
 import keyword
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import sympy as sp
@@ -15,7 +15,7 @@ from stickslip_sym.model.expression.units import parse_unit
 from stickslip_sym.output import markup
 from stickslip_sym.output.notation import notation_of
 
-__all__ = ["Parameter", "parameter_table"]
+__all__ = ["Parameter", "described_by", "parameter_table"]
 
 
 class Parameter:
@@ -99,3 +99,9 @@ def _check_name(name: str) -> None:
         )
     if any(name in names for names in (FUNCTIONS, KINKED, CONSTANTS, ALIASES, INSTEAD, ("Piecewise",))):
         raise InputError(f"{name!r} is the name of a function or a constant; rename the parameter")
+
+
+def described_by(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:
+    """Return the parameters that a user describes, by name."""
+    described = {parameter.name: parameter for parameter in parameters}
+    return described | {key: Parameter(key, unit=unit) for key, unit in (units or {}).items()}
