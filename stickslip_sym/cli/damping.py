@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING, Annotated, Union, cast
 
 import typer
 
-from stickslip_sym.cli import json_output
-from stickslip_sym.cli.completion import complete_method
-from stickslip_sym.cli.law import LawOptions
-from stickslip_sym.cli.options import AsJson, MaybeOscillator
-from stickslip_sym.cli.reading import read_numbers
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.cli.shared import json_output
+from stickslip_sym.cli.shared.completion import complete_method
+from stickslip_sym.cli.shared.law import LawOptions
+from stickslip_sym.cli.shared.options import AsJson, MaybeOscillator
+from stickslip_sym.cli.shared.reading import read_numbers
+from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.operating_point import PAPER
 

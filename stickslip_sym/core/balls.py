@@ -1,8 +1,8 @@
 """SymPy expressions as functions of balls: complex numbers with a radius, in Arb's arithmetic.
 
-A ball function returns a ball that holds every value which the expression takes on its argument. Only the nodes of a
-closed list are translated. Where Arb integrates it asks whether a function is analytic on a whole ball: a branch cut
-that is not reported gives a tight ball around a wrong number, so each function that has one looks for it.
+A ball function returns a ball that holds every value which the expression takes on its argument. Only the nodes
+of a closed list are translated. Where Arb integrates it asks whether a function is analytic on a whole ball: a
+branch cut that is not reported gives a tight ball around a wrong number, so each function with one looks for it.
 """
 
 import operator

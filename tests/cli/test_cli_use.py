@@ -15,8 +15,9 @@ from commands import read_json, run, shell
 from systems import WINDOWS, needs_posix_shell
 
 import stickslip_sym as ss
-from stickslip_sym.cli import completion, json_output, options, program, reading, tradeoff
-from stickslip_sym.cli.law import Description, LawOptions
+from stickslip_sym.cli import program, tradeoff
+from stickslip_sym.cli.shared import completion, json_output, options, reading
+from stickslip_sym.cli.shared.law import Description, LawOptions
 from stickslip_sym.comparison.tradeoff import Way
 from stickslip_sym.motion.thresholds import rungs
 

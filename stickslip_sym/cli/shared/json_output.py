@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.core.errors import NoClosedForm
 
 if TYPE_CHECKING:
