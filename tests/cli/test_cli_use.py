@@ -217,7 +217,7 @@ def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys, tmp_path):
 
     monkeypatch.chdir(tmp_path)
     (tmp_path / "disc.csv").write_text(DISC)
-    for function in ("cli.json_output.echo", "core.numbers.exact", "model.law.FrictionLaw.typical"):
+    for function in ("cli.shared.json_output.echo", "core.numbers.exact", "model.law.FrictionLaw.typical"):
         monkeypatch.setattr(f"stickslip_sym.{function}", interrupt)
     code, out, err = run(monkeypatch, capsys, name, *COMMANDS[name])
     assert (code, out, err.strip()) == (130, "", "")
