@@ -73,6 +73,16 @@ def check_lienard():
     assert sp.simplify(((motion - friction) / (k * V) - lienard).doit()) == 0
 
 
+def check_slip_speed():
+    """Lienard's equation in w = 1 - z."""
+    tau, d = sp.symbols("tau d")
+    w, g = sp.Function("w")(tau), sp.Function("g")
+    u, z = w.diff(tau), 1 - w
+    lienard = z.diff(tau, 2) + (d - g(z)) * z.diff(tau) + z
+    assert sp.simplify(lienard.doit() + u.diff(tau) - ((g(z) - d) * u + 1 - w)) == 0
+    check_lienard()
+
+
 def check_scene():
     """The rates of q and w are those of the equation of motion, in units."""
     osc, rng = paper_oscillator(1.3), np.random.default_rng(8)
@@ -94,6 +104,7 @@ CHECKS = {
         check_gauss_substitution,
     "z'' + (d - g(z)) z' + z = 0,    g(z) = -N mu'(V(1 - z))/sqrt(k m),    d = c/sqrt(k m).": check_lienard,
     "z'' + (d - g(z)) z' + z = 0,    d = c/sqrt(k m).": check_lienard,
+    "w' = u,    u' = (g - d) u + 1 - w,    g = -N mu'(V w)/sqrt(k m),    d = c/sqrt(k m).": check_slip_speed,
     "q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.": check_scene,
 }  # fmt: skip
 

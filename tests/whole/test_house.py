@@ -19,6 +19,7 @@ ROOMS = {
     "model": ["expression", "measured"],
     "formula": ["integration", "evaluation", "code", "derivation", "export"],
     "motion": ["simulation", "orbits", "thresholds", "margins", "regimes", "maps"],
+    "cli": ["shared"],
 }
 """The rooms inside a folder, in the same sense; what stands in the folder itself comes after them."""
 LONGEST = 320

@@ -193,10 +193,11 @@ def test_a_piece_goes_on_with_its_last_value():
     law = ss.FrictionLaw("Piecewise((0.5 - 0.1*sqrt(v), v < 0.5), 0.4 + 0.1*sqrt(v - 0.5))")
     scene = Scene.of(law, paper_oscillator(V=0.5))
     before, after = scene.branches
-    assert [before.mu(w) for w in (-1.0, 0.0)] == [0.5, 0.5]
-    assert [after.mu(w) for w in (0.25, 0.5, 1.0)] == [0.4, 0.4, 0.4]
-    assert after.mu(3.0) == pytest.approx(0.5)
-    assert scene.mu(-1.0) == 0.5
+    assert scene.onset == 0.5
+    assert [before.rise(w) for w in (-1.0, 0.0)] == [0.0, 0.0]
+    assert [after.rise(w) for w in (0.25, 0.5, 1.0)] == pytest.approx([-0.1, -0.1, -0.1], rel=1e-15)
+    assert after.rise(3.0) == pytest.approx(0.0, abs=1e-16)
+    assert scene.rise(-1.0) == 0.0
 
 
 @pytest.mark.parametrize("name", ["exponential", "polynomial"])

@@ -51,6 +51,7 @@ class Reciprocal:
 class C(Reciprocal, C99CodePrinter):  # type: ignore[misc]  # SymPy is untyped
     """Formulas as C writes them, and languages that took its operators."""
 
+    absolute = "fabs"
     math_macros: ClassVar[dict[Expr, str]] = {}  # M_SQRT2 and the like are neither C99's nor Octave's
 
     def _print_Float(self, expr: Expr) -> str:
@@ -73,7 +74,7 @@ class C(Reciprocal, C99CodePrinter):  # type: ignore[misc]  # SymPy is untyped
         return f"(1.0*{above} - {below})"
 
     def _print_Abs(self, expr: Expr) -> str:
-        return f"fabs({self._print(expr.args[0])})"
+        return f"{self.absolute}({self._print(expr.args[0])})"
 
     def _print_Symbol(self, expr: Expr) -> str:
         return str(expr.name)  # `Dialect.name` has seen to the words of the language, which C's are not in Octave
