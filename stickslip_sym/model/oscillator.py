@@ -130,13 +130,13 @@ def _of_w(rise: Callable[[float], float], speed: float, low: float, high: float)
 
     def value(w: float) -> float:
         try:
-            return float(rise(speed * max(w, -1.0)))
+            return float(rise(speed * w))
         except (ArithmeticError, TypeError, ValueError):  # a TypeError is a complex coefficient
             return math.nan
 
     def continued(w: float) -> float:
-        found = value(w)
-        if math.isfinite(found) or low < w < high:
+        found = value(w if w > -1.0 else -1.0)
+        if low < w < high or math.isfinite(found):
             return found
         # A piece such as sqrt(v) has no value beyond its end: it goes on with its last one.
         return value(min(max(w, low), high)) if w > 0 else 0.0

@@ -6,9 +6,10 @@ exact threshold. The damping d(A) that a slip orbit of amplitude A V needs (`cyc
 root of d(A) = c, stable where d falls; d(0) is the equilibrium's threshold, below which rest is unstable. Which of
 these c lies above and which below tells all attractors, for all c at once.
 
-Where the law is not smooth, d is not known. But it has one value for each A. So where the motion from P comes to
-rest there is no slip cycle, nor is there with more damping; and where the motion from beside rest comes to
-stick-slip, there is none with less. That leaves few cells, and these are simulated one by one.
+Where the law is not smooth, d is found at some amplitudes (`needed`), as closely as the cells of the column ask.
+Where that fails too, d still has one value for each A. So where the motion from P comes to rest there is no slip
+cycle, nor is there with more damping; and where the motion from beside rest comes to stick-slip, there is none with
+less. That leaves few cells, and these are simulated one by one.
 """
 
 from bisect import bisect_left
@@ -30,6 +31,9 @@ from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify
+from stickslip_sym.motion.regimes.needed import NeededAtNodes, needed_at_nodes
+from stickslip_sym.motion.simulation.levels import Levels
+from stickslip_sym.motion.simulation.slip_phase import End
 from stickslip_sym.motion.simulation.transit import stick_slip_cycle
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from stickslip_sym.motion.thresholds.rungs import average, numerical_averages
@@ -64,12 +68,15 @@ class _Column:
     def __init__(self, law: FrictionLaw, osc: Oscillator, c: FloatArray, rtol: float) -> None:
         self.law, self.osc, self.c, self.rtol = law, osc, c, rtol
         self.fine = max(rtol * _FINER, _TIGHTEST)
-        self.static = Scene.of(law, osc).static
+        self.scene = Scene.of(law, osc)
+        self.static = self.scene.static
+        self.levels = Levels(self.scene)
+        self.nodes: NeededAtNodes | None = None
         self.smooth = obstacle(law, osc.V, jump=False) is None
         self.equilibrium = self._equilibrium()
         self.graze = self._graze()
-        self.turns = self._turns()
         self.exact, self.doubt = self._exact()
+        self.turns = self._turns()
 
     # -- thresholds --------------------------------------------------------------------------------
 
@@ -88,15 +95,25 @@ class _Column:
         return float(found.d[0] * self.osc.impedance)
 
     def _turns(self) -> FloatArray | None:
-        """Return the damping that orbits need at rest, at each fold and at the graze; None if unknown."""
+        """Return the damping that orbits need at rest, at each fold and at the graze; None if unknown.
+
+        For a law that is not smooth they are those at amplitudes close to one another.
+        """
         if self.graze is None:
-            return None
+            return self._at_nodes()
         try:
             need = needed_damping(self.law, self.osc, most_work=_MOST_WORK)
         except (InputError, NotConverged):
             return None
         inner = need.at(need.folds) * self.osc.impedance
         return np.array([self.equilibrium, *inner, self.graze])
+
+    def _at_nodes(self) -> FloatArray | None:
+        if self.equilibrium is None or not np.isfinite(self.exact):
+            return None
+        ratio = 2 * self.osc.impedance
+        self.nodes = needed_at_nodes(self.levels, self.equilibrium / ratio, self.c / ratio, self.exact / ratio)
+        return None if self.nodes is None else self.nodes.zeta * ratio
 
     def _exact(self) -> tuple[float, float]:
         """Return the exact threshold and its error: -inf if no c >= 0 is one, NaN if it is not found."""
@@ -125,7 +142,9 @@ class _Column:
 
     def cells(self) -> Cells:
         c = self.c
-        edges = [self.exact, *([] if self.equilibrium is None else [self.equilibrium]), *self._folded()]
+        folded = [] if self.turns is None else self.turns.tolist()
+        edges = [self.exact, *([] if self.equilibrium is None else [self.equilibrium])]
+        edges += folded if self.nodes is None else folded[-1:]
         edges = [edge for edge in edges if np.isfinite(edge)]
         margin = max(self.rtol, _KNOWN) * max(map(abs, edges), default=0.0) + self.doubt
         near = (np.abs(c[:, None] - np.array(edges)) <= margin).any(axis=1)
@@ -134,10 +153,10 @@ class _Column:
         if self.turns is None:
             reason[:] = REASONS.index(Reason.ALONG)
         else:
-            reason[c > max(edges)] = REASONS.index(Reason.ABOVE)
-            reason[c < min(edges)] = REASONS.index(Reason.BELOW)
+            reason[c > max(edges + folded)] = REASONS.index(Reason.ABOVE)
+            reason[c < min(edges + folded)] = REASONS.index(Reason.BELOW)
         reason[near] = REASONS.index(Reason.TOLERANCE)
-        slips, stable = self._cycles()
+        slips, stable = self._cycles(folded)
         motion = np.select(
             [near, sticks, slips],
             [MOTIONS.index(one) for one in (Motion.UNDECIDED, Motion.STICK_SLIP, Motion.PURE_SLIP)],
@@ -157,14 +176,11 @@ class _Column:
             self._simulate(cells, int(i))
         return cells
 
-    def _folded(self) -> tuple[float, ...]:
-        return () if self.turns is None else tuple(self.turns.tolist())
-
-    def _cycles(self) -> tuple[BoolArray, BoolArray]:
+    def _cycles(self, folded: list[float]) -> tuple[BoolArray, BoolArray]:
         """Tell where there are slip cycles, and where stable ones."""
         c = self.c
         slips, stable = np.zeros(c.shape, dtype=bool), np.zeros(c.shape, dtype=bool)
-        for before, after in pairwise(self._folded()):
+        for before, after in pairwise(folded):
             falls = (after < c) & (c < before)
             slips |= falls | ((before < c) & (c < after))
             stable |= falls
@@ -176,6 +192,8 @@ class _Column:
         if self.static == 0 or self.equilibrium is None or np.isnan(self.exact):
             return np.zeros(c.shape, dtype=bool)
         held = np.abs(c) * self.osc.V <= self.static * self.osc.N
+        if self.nodes is not None:
+            clear = clear & ~self.nodes.undecided(c / (2 * self.osc.impedance))
         below = np.unique(c[clear & held & (c < self.exact)])
         # With less damping the slip from P returns further back: it is one side of one place.
         below = below[_first(below, self._sticks_at_once) :]
@@ -186,10 +204,13 @@ class _Column:
             below = below[: _first(below, lambda one: not self._leaves_rest(one))]
             above = above[above > self.equilibrium]
             above = above[_first(above, self._comes_to_rest) :]
-        return np.isin(c, below) | np.isin(c, above)
+        return clear & (np.isin(c, below) | np.isin(c, above))
 
     def _sticks_at_once(self, c: float) -> bool:
         """Tell whether the slip from P ends in stick, and not beyond what static friction holds."""
+        found = self.levels.arrive(c / (2 * self.osc.impedance), 0.0, 0.0, self.fine)
+        if found is not None:
+            return found.end is End.RETURN and self.scene.sticks(found.q)
         try:
             cycle = stick_slip_cycle(self.law, replace(self.osc, c=c), rtol=self.fine)
         except NO_RESULT:
