@@ -8,8 +8,8 @@ these c lies above and which below tells all attractors, for all c at once.
 
 Where the law is not smooth, d is found at some amplitudes (`needed`), as closely as the cells of the column ask.
 Where that fails too, d still has one value for each A. So where the motion from P comes to rest there is no slip
-cycle, nor is there with more damping; and where the motion from beside rest comes to stick-slip, there is none with
-less. That leaves few cells, and these are simulated one by one.
+cycle, nor is there with more damping; and where the motion from beside rest comes to stick-slip, there is none
+with less. That leaves few cells, and these are simulated one by one.
 """
 
 from bisect import bisect_left

@@ -1,8 +1,9 @@
 """The damping that slip orbits need, for laws that are not smooth: against which of some dampings it is more.
 
-`cycles` interpolates d(A), the damping at which the orbit of amplitude A V is periodic, by polynomials, which takes
-a smooth law. Here d is found by secants at some amplitudes, and to no more digits than tell on which side of every
-damping that is asked about it lies. So one damping has a cycle between two amplitudes where it lies between both d.
+`cycles` interpolates d(A), the damping at which the orbit of amplitude A V is periodic, by polynomials, which
+takes a smooth law. Here d is found by secants at some amplitudes, and to no more digits than tell on which side of
+every damping that is asked about it lies. A damping has a cycle between two amplitudes where it lies between the d
+of both.
 """
 
 import math
@@ -31,7 +32,7 @@ _FOLD = 3.0  # times what a parabola rises above three nodes, by which a fold ma
 
 @dataclass(frozen=True)
 class NeededAtNodes:
-    """Damping ratios that orbits of ascending amplitudes need, the first at rest, and by how much each may be off."""
+    """Damping ratios that orbits of ascending amplitudes need, the first at rest, and how far each may be off."""
 
     zeta: FloatArray
     error: FloatArray
@@ -40,9 +41,10 @@ class NeededAtNodes:
 
     def undecided(self, zeta: FloatArray) -> BoolArray:
         """Tell for which damping ratios the number of orbits is not known."""
-        beside: BoolArray = (np.abs(zeta[:, None] - self.zeta) <= self.error).any(axis=1)
-        beyond = (zeta[:, None] - self.zeta) / np.where(self.folds == 0, np.nan, self.folds)
-        return beside | ((beyond >= 0) & (beyond <= 1)).any(axis=1)
+        off = zeta[:, None] - self.zeta
+        beyond = off / np.where(self.folds == 0, np.nan, self.folds)
+        unknown: BoolArray = (np.abs(off) <= self.error) | ((beyond >= 0) & (beyond <= 1))
+        return np.asarray(unknown.any(axis=1))
 
 
 def needed_at_nodes(levels: Levels, at_rest: float, zeta: FloatArray, graze: float) -> NeededAtNodes | None:

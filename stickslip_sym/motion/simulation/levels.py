@@ -167,11 +167,10 @@ class _Orbit:
         """
         damping, positive = self.damping, self.rising
         levels = self.levels
-        crossing = levels.kept(start, end) if index is None else None
-        slope = crossing.friction[0] - damping * start + q if crossing else self._slope(index, q, start)
+        slope = self._slope(levels.index((start + end) / 2) if index is None else index, q, start)
         if (slope > 0) != positive or abs((1 - start) * (end - start)) > _BENT * slope * slope:
             return None
-        crossing = crossing or levels.crossing(start, end, index)
+        crossing = levels.kept(start, end) if index is None else levels.crossing(start, end, index)
         w, friction, rise = crossing.w, crossing.friction, crossing.rise
         rates = [rise[0] / slope]
         try:
@@ -192,8 +191,8 @@ class _Orbit:
         found: float | None = q
         for i in range(2**halvings):
             if found is not None:
-                parts = (start + (end - start) * part / 2**halvings for part in (i, i + 1))
-                found = self._cross(*parts, found, index=index, depth=depth + halvings)
+                low, high = (start + (end - start) * part / 2**halvings for part in (i, i + 1))
+                found = self._cross(low, high, found, index=index, depth=depth + halvings)
         return found
 
     # -- steps of time, where w turns ----------------------------------------------------------------------
@@ -222,9 +221,9 @@ class _Orbit:
                 length = now.tau - before.tau
                 # The tangents at the ends meet no nearer than this to the extremum between them.
                 reach = max(abs(slope), abs(solver.slope)) * length
-                if self.rising and max(before.w, now.w) + reach < high:
+                if self.rising and now.w > max(low, 1.0) and max(before.w, now.w) + reach < high:
                     self.rising = False
-                    return (now.q, now.w) if now.w > max(low, 1.0) else None
+                    return now.q, now.w
                 turn = self._turn(index, before, now)
                 if turn is None:
                     return None
@@ -232,8 +231,10 @@ class _Orbit:
                 if beyond <= (_GRAZE if level == 0 else _TOUCH):
                     if (turn.w > 1) != self.rising:
                         return None
-                    self.rising = not self.rising
-                    return (now.q, now.w) if not self.rising else Arrival(End.MINIMUM, turn.q, turn.w)
+                    if not self.rising:
+                        return Arrival(End.MINIMUM, turn.q, turn.w)
+                    self.rising, self.solver = False, None
+                    return turn.q, min(turn.w, high)
             elif (now.w < level) if self.rising else (now.w > level):
                 return now.q, now.w
             else:
@@ -255,22 +256,21 @@ class _Orbit:
     def _slope(self, index: int, q: float, w: float) -> float:
         return self._rates(index)(q, w)[1]
 
-    def _turn(self, index: int, before: Point, near: Point) -> Point | None:
-        """Locate the extremum of w in a step of time by Newton's method from its end."""
+    def _turn(self, index: int, before: Point, after: Point) -> Point | None:
+        """Locate the extremum of w in a step of time by Newton's method from the end nearer to it."""
         rates, rise, eta = self._rates(index), self.scene.branches[index].rise, self.scene.eta
+        near = min(before, after, key=lambda point: abs(self._slope(index, point.q, point.w)))
         for _ in range(_NEWTON):
             dq, slope = rates(near.q, near.w)
             decay = eta * (rise(near.w + _BESIDE) - rise(near.w - _BESIDE)) / (2 * _BESIDE) + self.damping
             bend = dq - decay * slope
-            if not bend:
-                return None
-            shift = -slope / bend
+            shift = -slope / bend if bend else math.inf
             if abs(shift) < _CLOSE:
                 return Point(near.tau + shift, near.q + shift * dq, near.w + shift * slope / 2)
-            if not before.tau < near.tau + shift < before.tau + 2 * _LONGEST_STEP:
+            length = near.tau + shift - before.tau
+            if not 0 < length < 2 * _LONGEST_STEP:
                 return None
-            again = Explicit(rates, before, near.tau + shift, math.inf)
-            again.length = near.tau + shift - before.tau
+            again = Explicit(rates, before, near.tau + shift, math.inf, step=length)
             again.step()
             near = again.now
         return None

@@ -125,8 +125,8 @@ def _by_secants(
     else:
         return None
     # How far the root moves with an integration ten times looser is more than it is off; twice that, since the
-    # errors of both may by chance agree. Where friction is weak the lowest slip speed hardly depends on c, and what
-    # an integration of its tolerance may be off by moves the root far.
+    # errors of both may by chance agree. Where friction is weak the lowest slip speed hardly depends on c, and
+    # what an integration of its tolerance may be off by moves the root far.
     error = max(2 * abs(lowest(c, loose) - height), _OFF * tight) / (slope * c)
     c -= height / slope
     return (c, error) if error < _SURE else None
