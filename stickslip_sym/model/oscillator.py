@@ -125,8 +125,15 @@ class Branch:
     rise: Callable[[float], float]
 
 
-def _of_w(rise: Callable[[float], float], speed: float, low: float, high: float) -> Callable[[float], float]:
-    """Return a rise as a function of w that a step may try anywhere; its piece holds from `low` to `high`."""
+def _of_w(
+    rise: Callable[[float], float], speed: float, low: float, high: float, *, everywhere: bool
+) -> Callable[[float], float]:
+    """Return a rise as a function of w that a step may try anywhere; its piece holds from `low` to `high`.
+
+    - `everywhere`: it has a value at every w, as a polynomial has.
+    """
+    if everywhere:
+        return lambda w: rise(speed * w)
 
     def value(w: float) -> float:
         try:
@@ -211,7 +218,7 @@ class Scene:
         pieces = law.rises()
         levels = [start / speed for start, _ in pieces] + [math.inf]
         branches = tuple(
-            Branch(low, high, _of_w(rise, speed, low, high))
+            Branch(low, high, _of_w(rise, speed, low, high, everywhere=law.curve is not None))
             for low, high, (_, rise) in zip(levels, levels[1:], pieces, strict=False)
         )
         return cls(osc.eta, osc.zeta, static, onset, _joined(branches), law, speed, w_max, branches)

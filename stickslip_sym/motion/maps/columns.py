@@ -65,13 +65,14 @@ def decide(law: FrictionLaw, osc: Oscillator, c: ArrayLike, *, rtol: float) -> C
 class _Column:
     """All dampings in one scene."""
 
+    nodes: NeededAtNodes | None = None
+
     def __init__(self, law: FrictionLaw, osc: Oscillator, c: FloatArray, rtol: float) -> None:
         self.law, self.osc, self.c, self.rtol = law, osc, c, rtol
         self.fine = max(rtol * _FINER, _TIGHTEST)
         self.scene = Scene.of(law, osc)
         self.static = self.scene.static
         self.levels = Levels(self.scene)
-        self.nodes: NeededAtNodes | None = None
         self.smooth = obstacle(law, osc.V, jump=False) is None
         self.equilibrium = self._equilibrium()
         self.graze = self._graze()

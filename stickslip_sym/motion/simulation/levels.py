@@ -31,8 +31,8 @@ __all__ = ["Arrival", "Levels"]
 _BENT = 0.35  # relative change of w' in a step between levels, above which w turns too soon
 _DEEPEST = 5  # halvings of such a step
 _ORDER, _SAFETY = 8, 0.15  # of its error in its length; halvings more than that asks for
-_LONGEST_STEP = 0.25  # of time
-_FIRST_STEP = 0.15  # of time, beside a level; from a steep onset it is shortened
+_LONGEST_STEP = 0.35  # of time
+_FIRST_STEP = 0.25  # of time, beside a level; from a steep onset it is shortened
 _MOST_STEPS = 80  # of time in one orbit, which takes about ten
 _TOUCH = 1e-10  # by which w may pass a kink and turn unnoticed: it is on the way for 1e-5
 _GRAZE = 1e-6  # depth below w = 0, within which a turn counts as the end rather than the return before it
@@ -115,10 +115,10 @@ class Levels:
             ([length * e for e in _ERROR_5], [length * e for e in _ERROR_3]),
         )
 
-    def kept(self, start: float, end: float) -> _Crossing:
-        """Return the same of a step that other orbits will take too, within one segment."""
+    def kept(self, start: float, end: float, index: int) -> _Crossing:
+        """Return the same of a step that other orbits will take too."""
         if (start, end) not in self.crossings:
-            self.crossings[start, end] = self.crossing(start, end, self.index((start + end) / 2))
+            self.crossings[start, end] = self.crossing(start, end, index)
         return self.crossings[start, end]
 
     def index(self, w: float) -> int:
@@ -133,6 +133,7 @@ class _Orbit:
         self.levels, self.scene, self.damping, self.rtol = levels, levels.scene, damping, rtol
         self.rising = True
         self.solver: Explicit | None = None  # of steps of time
+        self.rates: dict[int, Rates] = {}  # on the segments of mu
 
     def arrive(self, q: float, w: float) -> Arrival | None:
         steps, at_level = 0, False
@@ -140,7 +141,7 @@ class _Orbit:
             level = self._next(w)
             if level is None:
                 return None
-            found = self._cross(w, level, q, index=None if at_level else self.levels.index((w + level) / 2))
+            found = self._cross(w, level, q, self.levels.index((w + level) / 2), keep=at_level)
             if found is not None:
                 q, w, self.solver, at_level = found, level, None, True
             else:
@@ -159,18 +160,19 @@ class _Orbit:
         return levels[place] if 0 <= place < len(levels) else None
 
     def _cross(
-        self, start: float, end: float, q: float, *, index: int | None = None, depth: int = 0
+        self, start: float, end: float, q: float, index: int, *, keep: bool = False, depth: int = 0
     ) -> float | None:
         """Return q after a step from one slip speed to another; None where w turns, or nearly does.
 
-        - `index`: of the segment of mu, unless the step is one between levels.
+        - `index`: of the segment of mu.
+        - `keep`: what the step needs, since it is one between levels.
         """
-        damping, positive = self.damping, self.rising
-        levels = self.levels
-        slope = self._slope(levels.index((start + end) / 2) if index is None else index, q, start)
+        levels, damping, positive = self.levels, self.damping, self.rising
+        kept = levels.kept(start, end, index) if keep else None
+        slope = kept.friction[0] - damping * start + q if kept else self._rates(index)(q, start)[1]
         if (slope > 0) != positive or abs((1 - start) * (end - start)) > _BENT * slope * slope:
             return None
-        crossing = levels.kept(start, end) if index is None else levels.crossing(start, end, index)
+        crossing = kept or levels.crossing(start, end, index)
         w, friction, rise = crossing.w, crossing.friction, crossing.rise
         rates = [rise[0] / slope]
         try:
@@ -192,15 +194,17 @@ class _Orbit:
         for i in range(2**halvings):
             if found is not None:
                 low, high = (start + (end - start) * part / 2**halvings for part in (i, i + 1))
-                found = self._cross(low, high, found, index=index, depth=depth + halvings)
+                found = self._cross(low, high, found, index, keep=keep, depth=depth + halvings)
         return found
 
     # -- steps of time, where w turns ----------------------------------------------------------------------
 
     def _rates(self, index: int) -> Rates:
-        scene, damping, rise = self.scene, self.damping, self.scene.branches[index].rise
-        held, eta = scene.eta * (scene.static - scene.onset), scene.eta
-        return lambda q, w: (1 - w, held - eta * rise(w) + q - damping * w)
+        if index not in self.rates:
+            scene, damping, rise = self.scene, self.damping, self.scene.branches[index].rise
+            held, eta = scene.eta * (scene.static - scene.onset), scene.eta
+            self.rates[index] = lambda q, w: (1 - w, held - eta * rise(w) + q - damping * w)
+        return self.rates[index]
 
     def _step(self, q: float, w: float) -> tuple[float, float] | Arrival | None:
         """Take a step of time, to (q, w), or to the end of the orbit; None if there is none."""
@@ -208,6 +212,7 @@ class _Orbit:
         if not self.rising and w == lows[index]:
             index -= 1
         low, high = lows[index], [*lows, math.inf][index + 1]
+        rates = self._rates(index)
         if self.solver is None:
             self.solver = self._begin(index, Point(0.0, q, w), _FIRST_STEP)
         while True:
@@ -239,9 +244,9 @@ class _Orbit:
                 return now.q, now.w
             else:
                 # From the end that is further from a turn; beyond the level the segment goes on smoothly.
-                ends = sorted((before, now), key=lambda point: -abs(self._slope(index, point.q, point.w)))
+                ends = sorted((before, now), key=lambda point: -abs(rates(point.q, point.w)[1]))
                 for point in ends:
-                    q_level = self._cross(point.w, level, point.q, index=index)
+                    q_level = self._cross(point.w, level, point.q, index)
                     if q_level is not None:
                         self.solver = None
                         return q_level, level
@@ -253,13 +258,10 @@ class _Orbit:
     def _begin(self, index: int, start: Point, step: float) -> Explicit:
         return Explicit(self._rates(index), start, math.inf, self.rtol, step=step, longest=_LONGEST_STEP)
 
-    def _slope(self, index: int, q: float, w: float) -> float:
-        return self._rates(index)(q, w)[1]
-
     def _turn(self, index: int, before: Point, after: Point) -> Point | None:
         """Locate the extremum of w in a step of time by Newton's method from the end nearer to it."""
         rates, rise, eta = self._rates(index), self.scene.branches[index].rise, self.scene.eta
-        near = min(before, after, key=lambda point: abs(self._slope(index, point.q, point.w)))
+        near = min(before, after, key=lambda point: abs(rates(point.q, point.w)[1]))
         for _ in range(_NEWTON):
             dq, slope = rates(near.q, near.w)
             decay = eta * (rise(near.w + _BESIDE) - rise(near.w - _BESIDE)) / (2 * _BESIDE) + self.damping

@@ -14,6 +14,7 @@ __all__ = ["levels_between"]
 _WIDEST = 0.25  # distance of levels; an eighth of the range of w of an orbit
 _HIGHEST = 8.0  # level; orbits that go higher are those of strong friction
 _MOST = 160  # levels; with more it costs as much to follow an orbit in time
+_STRONGEST = 50.0  # friction N/(V sqrt(k m)), from which on motions decay too fast for explicit steps
 _NARROWEST = 1e-12  # distance of levels
 _TAIL = 1e-12  # of the last coefficients over the largest, of what is resolved
 _JUMP = 1e-12  # of mu, relative, below which it is rounding
@@ -26,10 +27,11 @@ _THIN = 16.0 ** -np.arange(1, 11) * _PLACES[1]  # where layers at w = 0 are look
 def levels_between(scene: Scene) -> list[float]:
     """Return ascending slip speeds over the belt's, from 0 on, every kink of mu among them.
 
-    Where mu is not known any more, or too rough above w = 1, they end; below they are none, as where mu jumps.
+    Where mu is not known any more, or too rough above w = 1, they end; if it is below, or jumps, or friction is strong,
+    there are none.
     """
     branches = scene.branches
-    if any(_jumps(scene, *pair) for pair in pairwise(branches)):
+    if scene.eta > _STRONGEST or any(_jumps(scene, *pair) for pair in pairwise(branches)):
         return []
     top = min(scene.w_max, _HIGHEST)
     levels = [0.0]

@@ -104,31 +104,34 @@ def _by_secants(
     - `slope`: of the lowest slip speed at the graze, as where friction is weak: one round at the amplitude V has
       its peak lowered by pi c/impedance.
     """
-    if not guess > 0:
-        return None
     loose, tolerance = 10 * tight, 10 * tight
-    c, height, moved = guess, lowest(guess, loose), math.inf
+    c = max(guess, 0.0)
+    height, bent = lowest(c, loose), math.inf
+    if c == 0 and height >= 0:
+        return None
     for _ in range(_MOST_SECANTS):
         step = -height / slope
-        # A secant leaves about the product of the last two moves.
-        if tolerance == tight and abs(step) * moved <= _LEFT * tight * c * c:
+        # A secant is off by as much as the one before it had another slope.
+        left = abs(step) * bent / c if c else math.inf
+        if tolerance == tight and left <= _LEFT * tight:
             break
         if abs(step) < _NEAR * c:
             tolerance = tight
-        ahead = c + max(min(step, c), -c / 2)
+        ahead = c + (max(min(step, c), -c / 2) if c else step)
         if not sides[False] <= ahead <= sides[True]:
             return None
-        risen, moved = lowest(ahead, tolerance), abs(ahead - c)
+        risen = lowest(ahead, tolerance)
         if not (risen - height) * (ahead - c) > 0:
             return None
-        slope, c, height = (risen - height) / (ahead - c), ahead, risen
+        rise = (risen - height) / (ahead - c)
+        slope, bent, c, height = rise, abs(rise / slope - 1), ahead, risen
     else:
         return None
     # How far the root moves with an integration ten times looser is more than it is off; twice that, since the
     # errors of both may by chance agree. Where friction is weak the lowest slip speed hardly depends on c, and
     # what an integration of its tolerance may be off by moves the root far.
-    error = max(2 * abs(lowest(c, loose) - height), _OFF * tight) / (slope * c)
-    c -= height / slope
+    error = max(2 * abs(lowest(c, loose) - height), _OFF * tight) / (slope * c) + left
+    c += step
     return (c, error) if error < _SURE else None
 
 
