@@ -27,8 +27,8 @@ _THIN = 16.0 ** -np.arange(1, 11) * _PLACES[1]  # where layers at w = 0 are look
 def levels_between(scene: Scene) -> list[float]:
     """Return ascending slip speeds over the belt's, from 0 on, every kink of mu among them.
 
-    Where mu is not known any more, or too rough above w = 1, they end; if it is below, or jumps, or friction is strong,
-    there are none.
+    Where mu is not known any more, or too rough above w = 1, they end. Where it is too rough below, or jumps, or
+    friction is strong, there are none.
     """
     branches = scene.branches
     if scene.eta > _STRONGEST or any(_jumps(scene, *pair) for pair in pairwise(branches)):

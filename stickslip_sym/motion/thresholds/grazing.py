@@ -24,7 +24,7 @@ _SLOPE_SAMPLES = 257
 _TIGHTEST = 1e-13
 _LOOSEST = 1e-6  # of a root: looser ones cost hardly less, and in stiff motions say little of what they are off
 _OFF = 10  # tolerances by which the lowest slip speed of an integration may be off
-_MOST_SECANTS = 12  # as many as a root takes where friction is strong; a canard takes more
+_MOST_SECANTS = 16  # as many as a root takes where friction is strong; a canard takes more
 _NEAR = 1e-3  # relative distance of a root from which on integrations are tight
 _LEFT = 1e-2  # of the tolerance, what the last secant may leave
 _SURE = 1e-2  # relative error; of a root that is less certain brackets say whether there is one
@@ -33,7 +33,7 @@ _COARSE = 1e-5  # tolerance of a first root, whose orbits cost little
 
 
 def grazing_damping(
-    law: FrictionLaw, osc: Oscillator, *, rtol: float, engine: str = "scipy", near: float | None = None
+    law: FrictionLaw, osc: Oscillator, *, rtol: float, engine: str = "scipy"
 ) -> tuple[float, float]:
     """Return the damping c in kg/s at which the orbit from P comes down to w = 0 and no further.
 
@@ -43,7 +43,6 @@ def grazing_damping(
       it, or of 1e-6.
     - `engine`: what integrates the slip, as for `simulate`; "scipy" is spared where steps from level to level of
       the slip speed do (`Levels`).
-    - `near`: a damping in kg/s near which it is looked for first.
 
     Returns `value, error`: the damping, and its estimated relative error.
 
@@ -57,7 +56,7 @@ def grazing_damping(
     rtol = read_rtol(rtol)
     sides = {False: -math.inf, True: math.inf}  # the dampings next to the threshold that return, and do not
     try:
-        return _root(law, osc, rtol, engine, near, sides)
+        return _root(law, osc, rtol, engine, sides)
     except OutOfTime:
         low, high = sides.values()
         raise OutOfTime(_best(low, high)) from None
@@ -73,7 +72,7 @@ def _best(low: float, high: float) -> str:
 
 
 def _root(
-    law: FrictionLaw, osc: Oscillator, rtol: float, engine: str, near: float | None, sides: dict[bool, float]
+    law: FrictionLaw, osc: Oscillator, rtol: float, engine: str, sides: dict[bool, float]
 ) -> tuple[float, float]:
     scene = Scene.of(law, osc)
     levels = Levels(scene) if engine == "scipy" else None
@@ -88,8 +87,7 @@ def _root(
         return found / (1 + abs(found)) if found > -math.inf else -1.0
 
     tight = max(min(rtol, _LOOSEST) / 10, _TIGHTEST)
-    guess = _harmonic(law, osc) if near is None else near
-    found = _by_secants(lowest, guess, math.pi / osc.impedance, tight, sides)
+    found = _by_secants(lowest, _harmonic(law, osc), math.pi / osc.impedance, tight, sides)
     if found is None:
         found = _by_brackets(lowest, _steep(law, osc, scene.static), tight, osc)
     value, error = found
@@ -112,16 +110,21 @@ def _by_secants(
     for _ in range(_MOST_SECANTS):
         step = -height / slope
         # A secant is off by as much as the one before it had another slope.
-        left = abs(step) * bent / c if c else math.inf
-        if tolerance == tight and left <= _LEFT * tight:
+        left = abs(step) * min(bent, 1.0) / c if c else math.inf
+        if tolerance == tight and (left <= _LEFT * tight or abs(height) <= tight):
             break
         if abs(step) < _NEAR * c:
             tolerance = tight
         ahead = c + (max(min(step, c), -c / 2) if c else step)
-        if not sides[False] <= ahead <= sides[True]:
+        low, high = sides.values()
+        if not low < ahead < high:  # a layer of mu at the belt's speed bends the lowest slip speed there
+            ahead = (low + high) / 2
+        if not math.isfinite(ahead) or ahead == c:
             return None
         risen = lowest(ahead, tolerance)
         if not (risen - height) * (ahead - c) > 0:
+            if tolerance == tight and abs(height) <= _OFF * tight:
+                break
             return None
         rise = (risen - height) / (ahead - c)
         slope, bent, c, height = rise, abs(rise / slope - 1), ahead, risen
