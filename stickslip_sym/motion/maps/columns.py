@@ -15,14 +15,17 @@ with less. That leaves few cells, and these are simulated one by one.
 from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
+from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
@@ -46,6 +49,7 @@ _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _FIRST, _BESIDE = 1e-6, 100  # tolerance of a simulated threshold, and how many errors away no finer one is needed
 _FINER = 1e-2  # tolerance of simulations over that of thresholds
 _TIGHTEST = 1e-13
+_GAUSS = np.polynomial.legendre.leggauss(4)  # exact to degree 7; a slope times the weight has degree 6
 _BESIDE_REST = 1e-3  # velocity over the belt's of a motion that begins beside rest
 
 
@@ -72,12 +76,16 @@ class _Column:
         self.fine = max(rtol * _FINER, _TIGHTEST)
         self.scene = Scene.of(law, osc)
         self.static = self.scene.static
-        self.levels = Levels(self.scene)
         self.smooth = obstacle(law, osc.V, jump=False) is None
         self.equilibrium = self._equilibrium()
         self.graze = self._graze()
         self.exact, self.doubt = self._exact()
         self.turns = self._turns()
+
+    @cached_property
+    def levels(self) -> Levels:
+        """The levels of the scene; smooth laws are decided without."""
+        return Levels(self.scene)
 
     # -- thresholds --------------------------------------------------------------------------------
 
@@ -135,6 +143,8 @@ class _Column:
         try:
             if self.smooth:
                 return float(numerical_averages(scenes)[least_squares.name][0])
+            if self.law.curve is not None:
+                return _through_points(self.law, self.osc)
             return float(average(scenes, least_squares)[0])
         except NO_RESULT:
             return None
@@ -209,7 +219,8 @@ class _Column:
 
     def _sticks_at_once(self, c: float) -> bool:
         """Tell whether the slip from P ends in stick, and not beyond what static friction holds."""
-        found = self.levels.arrive(c / (2 * self.osc.impedance), 0.0, 0.0, self.fine)
+        ratio = c / (2 * self.osc.impedance)
+        found = None if self.nodes is None else self.levels.arrive(ratio, 0.0, 0.0, self.fine)
         if found is not None:
             return found.end is End.RETURN and self.scene.sticks(found.q)
         try:
@@ -255,6 +266,18 @@ class _Column:
         if found.undecided or motion is Motion.UNDECIDED:
             cells.motion[i], cells.attractors[i] = MOTIONS.index(Motion.UNDECIDED), 0
             cells.notes[i] = "; ".join(found.undecided or ["the start is within tolerance of a separatrix"])
+
+
+def _through_points(law: FrictionLaw, osc: Oscillator) -> float:
+    """Return the least-squares damping of measured points: by Gauss, exact for the cubics between them."""
+    end = 2 * osc.V
+    law.require_speed(end)
+    places = [float(place) for place in law.kinks() if place < end]
+    edges = np.array([0.0, *places, end])
+    half = np.diff(edges)[:, None] / 2
+    v = edges[:-1, None] + half * (1 + _GAUSS[0])
+    weight = function_of([symbols.s], least_squares.weight, "numpy")(v / osc.V - 1)
+    return float(-osc.N / osc.V * (half * _GAUSS[1] * weight * law.slope(v)).sum())
 
 
 def _only(found: Regime) -> Motion | None:

@@ -59,3 +59,12 @@ def test_maps_of_laws_in_pieces_are_what_motions_give():
             assert found.rest[row, 0] == expected.rest.stable
             assert found.pure_slip[row, 0] == any(cycle.stable for cycle in expected.cycles)
             assert found.motion[row, 0] == ss.classify(law, osc)
+
+
+def test_the_least_squares_curve_of_measured_points_is_the_criterion():
+    rng = np.random.default_rng(5)
+    for law in laws_in_pieces(rng, 12)[::4]:
+        V = rng.uniform(0.05, 1.5, 3)
+        found = ss.motion_map(law, x=("V", np.sort(V)), y=("c", [50.0]), N=9.81, m=1, k=100)
+        expected = ss.pure_slip_damping(law, V=np.sort(V), N=9.81, method="least_squares").value
+        assert found.thresholds["least_squares"][0] == pytest.approx(expected, rel=1e-11)
