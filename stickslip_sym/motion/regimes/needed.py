@@ -24,6 +24,8 @@ NODES = sorted(
 """Amplitudes over the belt's speed; graded towards the belt's speed, where laws are steep."""
 _RTOL = 1e-7  # of integrations
 _MOST_SECANTS = 8
+_STRAIGHT = 0.1  # of a ratio, over which a secant is trusted at all
+_AHEAD = 2.0  # times the last distance of amplitudes, over which they are extrapolated: errors grow by as much
 _FARTHEST = 0.2  # that a damping ratio is moved at once
 _DOUBT = 0.5  # of a secant, which it may be off by
 _LEAST = 1e-7  # of a damping ratio, below which integrations say nothing of it; over the amplitude
@@ -60,7 +62,8 @@ def needed_at_nodes(levels: Levels, at_rest: float, zeta: FloatArray, graze: flo
     for A in reversed(NODES):
         if len(found) > 1:
             (one, _), (two, _) = found[-2:]
-            guess = two + (two - one) * (A - amplitudes[-1]) / (amplitudes[-1] - amplitudes[-2])
+            ahead = (A - amplitudes[-1]) / (amplitudes[-1] - amplitudes[-2])
+            guess = two + (two - one) * min(ahead, _AHEAD)
         node = _node(levels, A, guess, fall, zeta)
         if node is None:
             return None
@@ -82,7 +85,9 @@ def _node(
             return None
         step = -growth / fall
         error = _DOUBT * abs(step) + _LEAST / A
-        if not (np.abs(zeta - (ratio + step)) <= error).any() or abs(step) <= _LEAST / A:
+        clear = abs(step) <= _STRAIGHT * max(abs(ratio), _STRAIGHT)
+        clear = clear and not (np.abs(zeta - (ratio + step)) <= error).any()
+        if clear or abs(step) <= _LEAST / A:
             return ratio + step, error, fall
         ahead = ratio + max(min(step, _FARTHEST), -_FARTHEST)
         after = _growth(levels, A, ahead)
