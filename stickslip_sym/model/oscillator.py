@@ -125,18 +125,25 @@ class Branch:
     rise: Callable[[float], float]
 
 
-def _of_w(rise: Callable[[float], float], speed: float, low: float, high: float) -> Callable[[float], float]:
-    """Return a rise as a function of w that a step may try anywhere; its piece holds from `low` to `high`."""
+def _of_w(
+    rise: Callable[[float], float], speed: float, low: float, high: float, *, everywhere: bool
+) -> Callable[[float], float]:
+    """Return a rise as a function of w that a step may try anywhere; its piece holds from `low` to `high`.
+
+    - `everywhere`: it has a value at every w, as a polynomial has.
+    """
+    if everywhere:
+        return lambda w: rise(speed * w)
 
     def value(w: float) -> float:
         try:
-            return float(rise(speed * max(w, -1.0)))
+            return float(rise(speed * w))
         except (ArithmeticError, TypeError, ValueError):  # a TypeError is a complex coefficient
             return math.nan
 
     def continued(w: float) -> float:
-        found = value(w)
-        if math.isfinite(found) or low < w < high:
+        found = value(w if w > -1.0 else -1.0)
+        if low < w < high or math.isfinite(found):
             return found
         # A piece such as sqrt(v) has no value beyond its end: it goes on with its last one.
         return value(min(max(w, low), high)) if w > 0 else 0.0
@@ -211,7 +218,7 @@ class Scene:
         pieces = law.rises()
         levels = [start / speed for start, _ in pieces] + [math.inf]
         branches = tuple(
-            Branch(low, high, _of_w(rise, speed, low, high))
+            Branch(low, high, _of_w(rise, speed, low, high, everywhere=law.curve is not None))
             for low, high, (_, rise) in zip(levels, levels[1:], pieces, strict=False)
         )
         return cls(osc.eta, osc.zeta, static, onset, _joined(branches), law, speed, w_max, branches)

@@ -1,5 +1,7 @@
 """Scenes that several test files use."""
 
+import numpy as np
+
 import stickslip_sym as ss
 
 TWO = ss.FrictionLaw("0.4 - 0.3*(v - 0.5) - 2*(v - 0.5)^3 + 8*(v - 0.5)^5")  # mu' about V = 0.5 in even powers
@@ -8,3 +10,25 @@ TWO = ss.FrictionLaw("0.4 - 0.3*(v - 0.5) - 2*(v - 0.5)^3 + 8*(v - 0.5)^5")  # m
 def paper_oscillator(c=0.0, **changes):
     """Return the oscillator of the paper's section 3."""
     return ss.Oscillator(**({"m": 1.0, "k": 100.0, "c": c, "V": 0.5, "N": 9.81} | changes))
+
+
+def laws_in_pieces(rng, count):
+    """Return laws with kinks, through measured points, or with a static coefficient above mu(0+)."""
+
+    def measured():
+        v = np.r_[0, np.sort(rng.uniform(0.05, 2, int(rng.integers(4, 16)) - 1))]
+        mu = 0.2 + 0.3 * np.exp(-rng.uniform(1, 5) * v) + rng.uniform(0, 0.03) * rng.standard_normal(v.size)
+        return ss.FrictionLaw.from_samples(v.round(6), mu.round(6), extrapolate=True)
+
+    def kinked():
+        places, (fall, rise) = np.sort(rng.uniform(0.05, 1.2, 2)), rng.uniform((0.05, -0.1), (0.4, 0.2))
+        return ss.FrictionLaw(f"0.5 - {fall:.4f}*Min(v, {places[0]:.4f}) + {rise:.4f}*Max(v - {places[1]:.4f}, 0)")
+
+    def held():
+        return ss.laws.exponential.typical(alpha=rng.uniform(0.5, 6)).with_static(rng.uniform(0.5, 0.6))
+
+    def bent():
+        slope, place = rng.uniform((0.02, 0.05), (0.2, 0.9))
+        return ss.FrictionLaw(f"0.4 - {slope:.4f}*Abs(v - {place:.4f})", static="0.6")
+
+    return [(measured, kinked, held, bent)[i % 4]() for i in range(count)]

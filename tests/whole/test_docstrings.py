@@ -14,6 +14,8 @@ from sympy.parsing.sympy_parser import implicit_multiplication, parse_expr, stan
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.simulation.slip import follow
+from stickslip_sym.motion.simulation.steppers import Point
 
 PACKAGE = Path(ss.__file__).parent
 LAW = ss.laws.exponential.typical()
@@ -97,6 +99,19 @@ def check_scene():
         assert 1 - side * w == pytest.approx(v / (osc.length * osc.omega), rel=1e-12)
 
 
+def check_levels():
+    """The course of a slip phase that was followed in time."""
+    osc = paper_oscillator(1.3)
+    scene = Scene.of(LAW, osc)
+    phase = follow(scene, Point(0.0, 0.0, 0.0), 1, horizon=5.0, rtol=1e-12)
+    for tau in np.linspace(0.3, 4.7, 9):
+        (q, w), step = phase.at(tau), 1e-5
+        dq, dw = phase.at(tau + step) - phase.at(tau - step)
+        rate = scene.eta * (scene.static - LAW.mu(osc.V * w)) + q - 2 * osc.zeta * w
+        assert dq * rate == pytest.approx((1 - w) * dw, abs=1e-8 * step)
+        assert abs(dw) > 1e-8 * step
+
+
 CHECKS = {
     "c = N <-mu'(V(1 + s))>_w = -N * integral_{-1}^{1} w(s) mu'(V(1 + s)) ds,    integral of w = 1.":
         check_slope_average,
@@ -106,6 +121,7 @@ CHECKS = {
     "z'' + (d - g(z)) z' + z = 0,    d = c/sqrt(k m).": check_lienard,
     "w' = u,    u' = (g - d) u + 1 - w,    g = -N mu'(V w)/sqrt(k m),    d = c/sqrt(k m).": check_slip_speed,
     "q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.": check_scene,
+    "dq/dw = (1 - w)/w',    w' = eta (mu_static - mu(V w)) + q - 2 zeta w.": check_levels,
 }  # fmt: skip
 
 

@@ -17,6 +17,7 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.simulation import engines
+from stickslip_sym.motion.simulation.levels import Levels
 from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase
 from stickslip_sym.motion.simulation.steppers import Point
@@ -174,12 +175,19 @@ def peak_velocity(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, eng
     return osc.V * (1 - lowest)
 
 
-def lowest_slip_speed(scene: Scene, rtol: float, engine: str = "scipy") -> float | None:
+def lowest_slip_speed(
+    scene: Scene, rtol: float, engine: str = "scipy", levels: Levels | None = None
+) -> float | None:
     """Return the first minimum of w after P, or -w'^2/2 at a return; None if the mass creeps to rest.
+
+    - `levels`: of this scene at any damping, where they may be tried before the engine.
 
     Where it neither turns nor returns, but moves away for ever, it is -infinity, as after the hardest return.
     At a graze w'' = 1, so -w'^2/2 continues the minimum through 0 with its value and its slope.
     """
+    found = levels.lowest(scene.zeta, rtol) if levels else None
+    if found is not None:
+        return found
     slip = _from_onset(scene, rtol, engines.find(engine))
     if slip.end is End.RETURN:
         return -(scene.acceleration(slip.last.q, 0.0, 1) ** 2) / 2

@@ -4,6 +4,7 @@ Nothing here knows a closed form, so the threshold is a check of every criterion
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
@@ -14,6 +15,7 @@ from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
+from stickslip_sym.motion.simulation.levels import Levels
 from stickslip_sym.motion.simulation.transit import lowest_slip_speed
 
 __all__ = ["grazing_damping"]
@@ -22,6 +24,11 @@ _SLOPE_SAMPLES = 257
 _TIGHTEST = 1e-13
 _LOOSEST = 1e-6  # of a root: looser ones cost hardly less, and in stiff motions say little of what they are off
 _OFF = 10  # tolerances by which the lowest slip speed of an integration may be off
+_MOST_SECANTS = 16  # as many as a root takes where friction is strong; a canard takes more
+_NEAR = 1e-3  # relative distance of a root from which on integrations are tight
+_LEFT = 1e-2  # of the tolerance, what the last secant may leave
+_SURE = 1e-2  # relative error; of a root that is less certain brackets say whether there is one
+_PHASES = 128  # for the first guess
 _COARSE = 1e-5  # tolerance of a first root, whose orbits cost little
 
 
@@ -34,7 +41,8 @@ def grazing_damping(
     - `osc`: its own c is not used.
     - `rtol`: relative tolerance of the root, 1e-13 to 1e-3; the steps of the integration are held to a tenth of
       it, or of 1e-6.
-    - `engine`: what integrates the slip, as for `simulate`.
+    - `engine`: what integrates the slip, as for `simulate`; "scipy" is spared where steps from level to level of
+      the slip speed do (`Levels`).
 
     Returns `value, error`: the damping, and its estimated relative error.
 
@@ -67,12 +75,11 @@ def _root(
     law: FrictionLaw, osc: Oscillator, rtol: float, engine: str, sides: dict[bool, float]
 ) -> tuple[float, float]:
     scene = Scene.of(law, osc)
-
-    high = _steep(law, osc, scene.static)
+    levels = Levels(scene) if engine == "scipy" else None
 
     @cache
     def lowest(c: float, tolerance: float) -> float:
-        found = lowest_slip_speed(replace(scene, zeta=c / (2 * osc.impedance)), tolerance, engine)
+        found = lowest_slip_speed(replace(scene, zeta=c / (2 * osc.impedance)), tolerance, engine, levels)
         found = 1.0 if found is None else found  # creeping to rest, it does not return
         missed = found > 0
         sides[missed] = min(sides[True], c) if missed else max(sides[False], c)
@@ -80,6 +87,61 @@ def _root(
         return found / (1 + abs(found)) if found > -math.inf else -1.0
 
     tight = max(min(rtol, _LOOSEST) / 10, _TIGHTEST)
+    found = _by_secants(lowest, _harmonic(law, osc), math.pi / osc.impedance, tight, sides)
+    if found is None:
+        found = _by_brackets(lowest, _steep(law, osc, scene.static), tight, osc)
+    value, error = found
+    return value, max(error, rtol)
+
+
+def _by_secants(
+    lowest: Callable[[float, float], float], guess: float, slope: float, tight: float, sides: dict[bool, float]
+) -> tuple[float, float] | None:
+    """Return the root near a guess, and its error; None where secants do not find it at once.
+
+    - `slope`: of the lowest slip speed at the graze, as where friction is weak: one round at the amplitude V has
+      its peak lowered by pi c/impedance.
+    """
+    loose, tolerance = 10 * tight, 10 * tight
+    c = max(guess, 0.0)
+    height, bent = lowest(c, loose), math.inf
+    if c == 0 and height >= 0:
+        return None
+    for _ in range(_MOST_SECANTS):
+        step = -height / slope
+        # A secant is off by as much as the one before it had another slope.
+        left = abs(step) * min(bent, 1.0) / c if c else math.inf
+        if tolerance == tight and (left <= _LEFT * tight or abs(height) <= tight):
+            break
+        if abs(step) < _NEAR * c:
+            tolerance = tight
+        ahead = c + (max(min(step, c), -c / 2) if c else step)
+        low, high = sides.values()
+        if not low < ahead < high:  # a layer of mu at the belt's speed bends the lowest slip speed there
+            ahead = (low + high) / 2
+        if not math.isfinite(ahead) or ahead == c:
+            return None
+        risen = lowest(ahead, tolerance)
+        if not (risen - height) * (ahead - c) > 0:
+            if tolerance == tight and abs(height) <= _OFF * tight:
+                break
+            return None
+        rise = (risen - height) / (ahead - c)
+        slope, bent, c, height = rise, abs(rise / slope - 1), ahead, risen
+    else:
+        return None
+    # How far the root moves with an integration ten times looser is more than it is off; twice that, since the
+    # errors of both may by chance agree. Where friction is weak the lowest slip speed hardly depends on c, and
+    # what an integration of its tolerance may be off by moves the root far.
+    error = max(2 * abs(lowest(c, loose) - height), _OFF * tight) / (slope * c) + left
+    c += step
+    return (c, error) if error < _SURE else None
+
+
+def _by_brackets(
+    lowest: Callable[[float, float], float], high: float, tight: float, osc: Oscillator
+) -> tuple[float, float]:
+    """Return the root between 0 and a damping that is doubled until it is one, and its error."""
     if lowest(0.0, tight) >= 0:
         raise NoThreshold(
             "the slip that leaves P does not return to the belt's speed even without damping, "
@@ -119,7 +181,7 @@ def _root(
     _, before, value = values
     rise = lowest(value * (1 + 10 * width), tight) - lowest(value * max(1 - 10 * width, 0.0), tight)
     moved = _OFF * tight * 20 * width / rise if rise > 0 else math.inf
-    return value, max(2 * abs(value - before) / value, moved, rtol)
+    return value, max(2 * abs(value - before) / value, moved)
 
 
 def _steep(law: FrictionLaw, osc: Oscillator, static: float) -> float:
@@ -128,3 +190,10 @@ def _steep(law: FrictionLaw, osc: Oscillator, static: float) -> float:
     mu = law.mu(v)
     drop = max(static, mu.max()) - mu.min()
     return float(osc.N * max(np.max(-law.slope(v)), drop / osc.V))
+
+
+def _harmonic(law: FrictionLaw, osc: Oscillator) -> float:
+    """Return the damping by the harmonic criterion, as far as equal steps of the phase have it."""
+    phase = np.arange(1, 2 * _PHASES, 2) * math.pi / (2 * _PHASES)
+    mu = law.at_speeds(osc.V * (1 - np.cos(phase)))
+    return float(2 * osc.N / osc.V * np.mean(mu * np.cos(phase)))

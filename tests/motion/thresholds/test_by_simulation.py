@@ -139,7 +139,7 @@ def test_the_error_of_a_threshold_is_honest(law, changes):
         loose = simulated_threshold(law, rtol=rtol, **changes)
         assert abs(loose.value - exact) < loose.error * exact
     if changes == {"V": 10.0}:  # where the graze is flat, the error is more than the tolerance
-        assert abs(simulated_threshold(law, rtol=1e-10, **changes).value - exact) > 1e-10 * exact
+        assert simulated_threshold(law, rtol=1e-10, **changes).error > 1e-9
 
 
 def test_results_are_plain_floats(law):
@@ -155,12 +155,9 @@ def test_results_are_plain_floats(law):
 
 
 def test_a_threshold_that_tighter_steps_do_not_find_again_is_lost(monkeypatch):
-    calls = []
-
-    def lowest(scene, tolerance, engine):
-        calls.append(tolerance)
+    def lowest(scene, tolerance, *_):
         assert math.isfinite(scene.zeta)  # dampings are tried up to a bound
-        return -1.0 if len(set(calls)) > 2 else scene.zeta - 0.01
+        return -1.0 if tolerance == pytest.approx(1e-8) else scene.zeta - 0.01
 
     monkeypatch.setattr(grazing, "lowest_slip_speed", lowest)
     with pytest.raises(ss.NotConverged, match="the threshold is lost in rounding near"):
