@@ -43,6 +43,12 @@ from .motion.maps.basins import BasinMap as BasinMap
 from .motion.maps.basins import basin_map as basin_map
 from .motion.maps.motions import MotionMap as MotionMap
 from .motion.maps.motions import motion_map as motion_map
+from .motion.margins.critical import critical as critical
+from .motion.margins.margins import Margins as Margins
+from .motion.margins.margins import margins as margins
+from .motion.margins.transition import TransitionSpeed as TransitionSpeed
+from .motion.margins.transition import transition_speed as transition_speed
+from .motion.margins.value import Critical as Critical
 from .motion.orbits.cycles import LimitCycle as LimitCycle
 from .motion.orbits.cycles import limit_cycles as limit_cycles
 from .motion.regimes.attractors import Regime as Regime
@@ -63,5 +69,4 @@ from .motion.simulation.transit import peak_velocity as peak_velocity
 from .motion.simulation.transit import stick_slip_cycle as stick_slip_cycle
 from .motion.thresholds.threshold import Threshold as Threshold
 from .motion.thresholds.threshold import pure_slip_damping as pure_slip_damping
-from .motion.thresholds.transition import TransitionSpeed as TransitionSpeed
-from .motion.thresholds.transition import transition_speed as transition_speed
+from .motion.thresholds.uncertainty import Budget as Budget

@@ -32,7 +32,10 @@ def damping(
             "--method", metavar="NAME", help="A rung of the ladder, or auto.", autocompletion=complete_method
         ),
     ] = "auto",
-    rtol: Annotated[float, typer.Option("--rtol", help="Relative error that is good enough.")] = 1e-3,
+    rtol: Annotated[
+        float | None,
+        typer.Option("--rtol", help="Relative error that is good enough (0.001, or what the parameters deserve)."),
+    ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Print every rung of the ladder.")] = False,
     time_limit: Annotated[
         str | None, typer.Option("--time-limit", metavar="S", help="Seconds of computation, for each method.")
@@ -41,18 +44,22 @@ def damping(
 ) -> None:
     """Print the pure-slip damping, the method that gave it, and its error.
 
+    A value may carry a standard error, as in -p mu_s=0.50+/-0.02 or -V "0.50(1)"; then the standard error of the
+    damping and its budget are printed too.
+
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
+    from stickslip_sym.core.uncertain import nominal_text
     from stickslip_sym.motion.thresholds.rungs import rungs
     from stickslip_sym.output.tables import duration, table
 
     bound = law.bound()
     given = scene.texts({name: PAPER[name] for name in ("V", "N")})
-    read_numbers(given)  # refuses what is no number
+    read_numbers({name: nominal_text(text, name) for name, text in given.items()})  # refuses what is no number
     limit = read_numbers({"time_limit": time_limit}).get("time_limit")
     if everything:
         usable = [name for name, rung in rungs().items() if "m" in given or not rung.oscillator]
-        found = {name: _threshold(bound, given, name, min(rtol, 1e-10), limit) for name in usable}
+        found = {name: _threshold(bound, given, name, min(rtol or 1e-10, 1e-10), limit) for name in usable}
     else:
         found = {method: _threshold(bound, given, method, rtol, limit)}
         if isinstance(error := found[method][0], StickSlipError):
@@ -77,12 +84,15 @@ def damping(
         ]
         typer.echo(table(["method", "c in kg/s", "relative error", "status", "time"], rows))
     else:
-        theorem = getattr(found[method][0], "theorem", None)
-        typer.echo(f"{found[method][0]}" + (f"\n\n{theorem}" if theorem else ""))
+        threshold = found[method][0]
+        assert not isinstance(threshold, StickSlipError)
+        typer.echo(str(threshold) if threshold.budget is None else _with_budget(threshold))
+        if threshold.theorem is not None:
+            typer.echo(f"\n{threshold.theorem}")
 
 
 def _threshold(
-    law: "FrictionLaw", scene: dict[str, str], method: str, rtol: float, limit: float | None
+    law: "FrictionLaw", scene: dict[str, str], method: str, rtol: float | None, limit: float | None
 ) -> tuple[Found, float]:
     """Return a threshold, or the error that says why there is none, and the seconds it took."""
     import time
@@ -97,6 +107,42 @@ def _threshold(
     return found, time.perf_counter() - begin
 
 
+def _with_budget(threshold: "Threshold") -> str:
+    """Return a threshold with its standard error, and what that consists of."""
+    lines = [f"c = {threshold}"]
+    _ = threshold.uncertainty  # warns where the first order does not serve
+    if threshold.deserved is not None:
+        lines.append(
+            f"no more accurate a method than the parameters deserve: rtol = {threshold.deserved:.1e}, a tenth of "
+            "their relative standard error; give --rtol for more"
+        )
+    return "\n".join([*lines, "", str(threshold.budget)])
+
+
+def _uncertainty(threshold: "Threshold") -> json_output.Json:
+    """Return the standard error that the parameters give a threshold, and its budget, if they carry any."""
+    budget = threshold.budget
+    if budget is None:
+        return {}
+    shares = [
+        {
+            "name": name,
+            "standard_error": json_output.number(budget.deviations[name]),
+            "sensitivity": json_output.number(threshold.sensitivity[name]),
+            "alone": json_output.number(budget.alone[name]),
+            "share": json_output.number(budget.shares[name]),
+        }
+        for name in budget.names
+    ]
+    return {
+        "standard_error": json_output.quantity(threshold.uncertainty, "kg/s"),
+        "second_order_ratio": json_output.number(threshold.nonlinearity),
+        "budget": shares,
+        "correlations": [{"names": [one, other], "value": r} for one, other, r in budget.correlated],
+        "deserved_rtol": threshold.deserved,
+    }
+
+
 def _as_json(method: str, threshold: Found, seconds: float) -> json_output.Json:
     if isinstance(threshold, StickSlipError):
         return {"method": method, "c": json_output.missing("kg/s", in_options(str(threshold)))}
@@ -106,4 +152,4 @@ def _as_json(method: str, threshold: Found, seconds: float) -> json_output.Json:
         "relative_error": json_output.number(threshold.error),
         "status": threshold.status,
         "seconds": seconds,
-    }
+    } | _uncertainty(threshold)

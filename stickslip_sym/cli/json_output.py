@@ -19,8 +19,9 @@ from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import NoClosedForm
 
 if TYPE_CHECKING:
+    from stickslip_sym.core.uncertain import UFloat
     from stickslip_sym.formula.derivation.closed_form import ClosedForm
-    from stickslip_sym.model.law import FrictionLaw
+    from stickslip_sym.model.law import FrictionLaw, Parameter
 
 Json = dict[str, object]
 """What stands for an object of JSON."""
@@ -56,10 +57,19 @@ def missing(unit: str, reason: str) -> Json:
 
 
 def values(given: Mapping[str, str]) -> Json:
-    """Return V, N, m and k with their units, and as they were given."""
+    """Return V, N, m and k with their units and standard errors, and as they were given."""
     from stickslip_sym.core.numbers import exact
+    from stickslip_sym.core.uncertain import separated
 
-    return {name: quantity(float(exact(text, name)), UNITS[name], text=text) for name, text in given.items()}
+    numbers, errors = separated(given)
+    return {
+        name: quantity(float(exact(number, name)), UNITS[name], text=given[name]) | _standard_error(errors, name)
+        for name, number in numbers.items()
+    }
+
+
+def _standard_error(errors: "Mapping[str, UFloat]", name: str) -> Json:
+    return {"standard_error": float(errors[name].std_dev)} if name in errors else {}
 
 
 def form(found: "ClosedForm | NoClosedForm") -> Json:
@@ -75,16 +85,15 @@ def law(friction: "FrictionLaw") -> Json:
     """Return a law: its name, its formula, and its parameters with their bound values."""
     from stickslip_sym.output import printing
 
-    parameters = {
-        name: {
+    def described(name: str, parameter: "Parameter") -> Json:
+        bound: Json = {
             "value": number(float(friction.values[name])) if name in friction.values else None,
             "text": str(friction.values[name]) if name in friction.values else None,
-            "typical": parameter.typical,
-            "unit": parameter.unit,
-            "meaning": parameter.meaning,
         }
-        for name, parameter in friction.parameters.items()
-    }
+        about: Json = {"typical": parameter.typical, "unit": parameter.unit, "meaning": parameter.meaning}
+        return bound | about | _standard_error(friction.uncertain, name)
+
+    parameters = {name: described(name, parameter) for name, parameter in friction.parameters.items()}
     static = None if friction.static is None else printing.text(friction.static)
     known: Json = {"name": friction.name, "formula": friction.text, "static": static, "parameters": parameters}
     return known | {"validity": friction.validity, "source": friction.source}

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from stickslip_sym.cli.critical import critical
 from stickslip_sym.cli.damping import damping
 from stickslip_sym.cli.derive import derive
 from stickslip_sym.cli.export import export
@@ -57,6 +58,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "derive": derive,
     "fit": fit,
     "damping": damping,
+    "critical": critical,
     "simulate": simulate,
     "map": motion_map,
     "tradeoff": tradeoff,

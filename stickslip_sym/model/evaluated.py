@@ -1,7 +1,9 @@
 """`Evaluated`: what is computed of a friction law once its parameters have values, each answer checked."""
 
+import copy
 from collections.abc import Callable
-from typing import Any
+from functools import lru_cache
+from typing import Any, Self
 
 import numpy as np
 import sympy as sp
@@ -105,6 +107,26 @@ class Evaluated:
             example = ", ".join(f"{key}=..." for key in self.missing)
             raise InputError(f"{self._label()} has no value for {names}; bind them first: law.bind({example})")
 
+    def partial(self, name: str) -> Self:
+        """Return the law dmu/dp of a parameter p, or v mu' - mu for "V"; each piece by itself.
+
+        The slope of the second is v mu'': how slopes change as the belt's speed grows, relative to that.
+
+        Raises
+        ------
+        InputError
+            If there is no such parameter.
+        """
+        if name != "V" and name not in self._parameters:
+            raise InputError(f"{self._label()} has no parameter {name!r}; it has: {', '.join(self._parameters)}")
+        law = copy.copy(self)
+        symbol = symbols.V if name == "V" else self._parameters[name].symbol
+        law._coefficient = _partial(self.expr, symbol)
+        law.expr, law.static = law._coefficient.expr, None
+        law._parameters = {k: p for k, p in self._parameters.items() if p.symbol in law.expr.free_symbols}
+        law._values = {key: value for key, value in self._values.items() if key in law._parameters}
+        return law
+
     def mu(self, v: ArrayLike) -> Any:
         """Return the friction coefficient mu(v) at slip speeds v >= 0 (m/s), float or array.
 
@@ -182,6 +204,12 @@ class Evaluated:
 
     def _label(self) -> str:
         return f"the law {self.name!r}" if self.name else "the law"
+
+
+@lru_cache(maxsize=512)
+def _partial(expr: Any, symbol: Any) -> Coefficient:
+    partial = symbols.v * sp.diff(expr, symbols.v) - expr if symbol == symbols.V else sp.diff(expr, symbol)
+    return Coefficient(partial, sorted(partial.free_symbols - {symbols.v}, key=str))
 
 
 def _limit(expr: Any) -> Any | None:

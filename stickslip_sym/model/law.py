@@ -9,6 +9,7 @@ from typing import Any, Self
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, exact_values, suggestion
+from stickslip_sym.core.uncertain import UFloat, separated
 from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
 from stickslip_sym.model.evaluated import Evaluated
 from stickslip_sym.model.expression.parameters import Parameter, parameter_table
@@ -79,6 +80,7 @@ class FrictionLaw(Evaluated):
         self.validity = validity
         self.static = None if static is None else _read_static(static, table)
         self._values: dict[str, Any] = {}
+        self._uncertain: dict[str, UFloat] = {}
         self._parameters = self._used(table)
         for unused in described.keys() - self._parameters.keys():
             raise InputError(f"the parameter {unused!r} does not occur in the formula {printing.text(self.expr)}")
@@ -123,6 +125,7 @@ class FrictionLaw(Evaluated):
         for unused in described.keys() - law._parameters.keys():
             raise InputError(f"the parameter {unused!r} does not occur in the static coefficient or the law")
         law._values = {key: value for key, value in self.values.items() if key in law._parameters}
+        law._uncertain = {key: value for key, value in self.uncertain.items() if key in law._parameters}
         return law
 
     def _used(self, table: Mapping[str, Parameter]) -> dict[str, Parameter]:
@@ -226,16 +229,31 @@ class FrictionLaw(Evaluated):
         """The bound values by name, exact; read-only."""
         return MappingProxyType(self._values)
 
-    def bind(self, **values: Number) -> Self:
+    @property
+    def uncertain(self) -> Mapping[str, UFloat]:
+        """The bound values that carry a standard error, with it, by name; read-only."""
+        return MappingProxyType(self._uncertain)
+
+    def bind(self, **values: Number | UFloat) -> Self:
         """Return the law with values for some or all of its parameters.
+
+        A value may carry a standard error: text such as "0.50+/-0.02" or "0.50(2)", or a number of the library
+        `uncertainties`, whose correlations are kept.
 
         Raises
         ------
         InputError
             For an unknown name, a value that is no finite number, or a negative value of a parameter
             that was declared positive.
+
+        Examples
+        --------
+        >>> law = FrictionLaw("mu_m + (mu_s - mu_m)*exp(-alpha*v)").bind(mu_s="0.50+/-0.02", alpha="3.0(1)")
+        >>> float(law.values["mu_s"]), law.uncertain["mu_s"].std_dev
+        (0.5, 0.02)
         """
-        read = exact_values(values)
+        numbers, errors = separated(values)
+        read = exact_values(numbers)
         for key, value in read.items():
             if key not in self.parameters:
                 known = ", ".join(self.parameters) or "none"
@@ -249,18 +267,20 @@ class FrictionLaw(Evaluated):
                 )
         bound = copy.copy(self)
         bound._values = {**self.values, **read}
+        bound._uncertain = {key: self.uncertain[key] for key in self.uncertain.keys() - read.keys()} | errors
         if not bound.missing:
             bound.kinks()  # refuses values for which a kink has no place
         return bound
 
-    def typical(self, **values: Number) -> Self:
+    def typical(self, **values: Number | UFloat) -> Self:
         """Return the law with its typical values wherever neither `bind` nor `values` gives one."""
-        given = {key: p.typical for key, p in self.parameters.items() if p.typical is not None}
-        return self.bind(**{**given, **self.values, **values})
+        given = {key: self.parameters[key].typical for key in self.missing}
+        return self.bind(**{key: value for key, value in given.items() if value is not None} | values)
 
     def _content(self) -> tuple[Any, ...]:
         described = tuple((p.symbol, p.meaning, p.unit, p.typical) for p in self.parameters.values())
-        about = self.name, self.source, self.validity, self.curve
+        errors = frozenset((key, value.std_dev) for key, value in self.uncertain.items())
+        about = self.name, self.source, self.validity, self.curve, errors
         return self.expr, self.static, *about, described, frozenset(self.values.items())
 
     def __eq__(self, other: object) -> bool:
@@ -271,7 +291,8 @@ class FrictionLaw(Evaluated):
         return hash(self._content())
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{key}={float(value):g}" for key, value in self.values.items())
+        errors = {key: f"+/-{value.std_dev:.2g}" for key, value in self.uncertain.items()}
+        values = ", ".join(f"{key}={float(value):g}{errors.get(key, '')}" for key, value in self.values.items())
         return f"FrictionLaw({self.name or 'unnamed'}: {self.text}{'; ' + values if values else ''})"
 
     def _repr_latex_(self) -> str:

@@ -25,6 +25,7 @@ COMMANDS = {
     "derive": ["coulomb"],
     "fit": ["disc.csv", "linear"],
     "damping": ["linear", "--json"],
+    "critical": ["mu_s", "exponential", "-c", "2"],
     "simulate": ["linear", "--t-end", "1"],
     "map": ["linear", "--x", "V=1:1:1", "--y", "c=1:1:1"],
     "tradeoff": ["coulomb_viscous", "--criterion", "equilibrium"],

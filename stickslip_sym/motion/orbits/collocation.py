@@ -13,8 +13,8 @@ from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray, Rows
 from stickslip_sym.core.deadline import check_time
 
 __all__ = [
-    "CLOSE", "GRIDS", "ROUNDING", "Problem", "State", "Work", "close", "frequency", "grid", "largest_slope",
-    "refined", "solved", "values",
+    "CLOSE", "GRIDS", "ROUNDING", "Equations", "Problem", "State", "Work", "close", "coefficients", "equations",
+    "frequency", "grid", "largest_slope", "parts", "refined", "solved", "values",
 ]  # fmt: skip
 
 GRIDS = (32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)  # points a period
@@ -70,7 +70,8 @@ def values(z: ComplexArray, size: int) -> FloatArray:
     return np.fft.irfft(z * np.exp(1j * np.pi / size * n), size, axis=1) * size
 
 
-def _coefficients(function: FloatArray) -> ComplexArray:
+def coefficients(function: FloatArray) -> ComplexArray:
+    """Return the coefficients of a real function at the midpoints of cells of the phase."""
     size = function.shape[1]
     n = np.arange(size // 2)
     turn: ComplexArray = np.exp(-1j * np.pi / size * n) / size
@@ -89,11 +90,34 @@ def frequency(sigma: FloatArray) -> FloatArray:
     return np.where(sigma >= 0, root + sigma / 2, 1 / (root - np.minimum(sigma, 0) / 2))
 
 
-def _step(problem: Problem, state: State) -> tuple[FloatArray, FloatArray]:
-    """Take one Newton step in place; return its size, and the sizes of the coefficients of (g - d) dz/dtheta.
+@dataclass(frozen=True)
+class Equations:
+    """The balance of the harmonics at some iterates, one row each, and its derivative.
 
-    Both are relative to what friction does to an orbit of this height.
+    Attributes
+    ----------
+    matrix : numpy.ndarray, shape (rows, 2 K, 2 K)
+        Derivative of the residual by twice the real and minus twice the imaginary parts of z_2 to z_K, then d,
+        then sigma.
+    residual, push : numpy.ndarray, shape (rows, K)
+        Of the harmonics 1 to K, complex; and the coefficients of (g - d) dz/dtheta.
+    strength : numpy.ndarray, shape (rows,)
+        What friction does to an orbit of this height.
     """
+
+    matrix: FloatArray
+    residual: ComplexArray
+    push: ComplexArray
+    strength: FloatArray
+
+
+def parts(complex_rows: ComplexArray) -> FloatArray:
+    """Return real and then imaginary parts of rows, the order of the equations."""
+    return np.concatenate([complex_rows.real, complex_rows.imag], axis=1)
+
+
+def equations(problem: Problem, state: State) -> Equations:
+    """Return the balance of the harmonics at the iterates."""
     size = grid(state)
     K = state.z.shape[1] - 1
     count = len(state.d)
@@ -103,7 +127,7 @@ def _step(problem: Problem, state: State) -> tuple[FloatArray, FloatArray]:
     strength = problem.A * np.abs(g).max(axis=1)
     strength[strength == 0] = 1.0
     excess = g - state.d[:, None]
-    push = _coefficients(excess * z_theta)
+    push = coefficients(excess * z_theta)
     fast = frequency(state.sigma)
     slow = 1 / fast
     n = n[1:]
@@ -137,13 +161,23 @@ def _step(problem: Problem, state: State) -> tuple[FloatArray, FloatArray]:
     d_fast = 1 / (1 + slow**2)
     by_sigma = ((d_fast - 1)[:, None] / n**2 - d_fast[:, None]) * state.z[:, 1:]
     enter(slice(2 * K - 1, 2 * K), by_sigma[:, :, None])
-    right = -np.concatenate([residual.real, residual.imag], axis=1)
-    change = solved(matrix, right)
+    return Equations(matrix, residual, push, strength)
+
+
+def _step(problem: Problem, state: State) -> tuple[FloatArray, FloatArray]:
+    """Take one Newton step in place; return its size, and the sizes of the coefficients of (g - d) dz/dtheta.
+
+    Both are relative to what friction does to an orbit of this height.
+    """
+    here = equations(problem, state)
+    K = state.z.shape[1] - 1
+    change = solved(here.matrix, -parts(here.residual))
     state.z[:, 2:] += (change[:, : K - 1] - 1j * change[:, K - 1 : 2 * K - 2]) / 2
     state.d += change[:, -2]
     state.sigma += change[:, -1]
     close(state, problem.A)
-    return np.abs(change).max(axis=1) / np.minimum(1.0, strength), np.abs(push) / strength[:, None]
+    strength = here.strength
+    return np.abs(change).max(axis=1) / np.minimum(1.0, strength), np.abs(here.push) / strength[:, None]
 
 
 def solved(matrix: FloatArray, right: FloatArray) -> FloatArray:

@@ -24,7 +24,7 @@ from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.criteria.gauss import weight_of
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["LARGEST_GRID", "Expansion", "averages", "expand", "slopes"]
+__all__ = ["LARGEST_GRID", "Expansion", "Tangent", "averages", "expand", "slopes", "tangents"]
 
 Slope = Callable[[FloatArray], FloatArray]
 """mu' at slip speeds."""
@@ -200,3 +200,56 @@ def _graded() -> tuple[FloatArray, FloatArray]:
     ends = np.pi * np.append(0.0, 2.0 ** np.arange(-_OCTAVES, 1))
     half = np.diff(ends)[:, None] / 2
     return (ends[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """How `harmonic` and `second` of an `Expansion` at A = 1 change with a quantity.
+
+    Attributes
+    ----------
+    harmonic, second : numpy.ndarray, shape (n,)
+        In the units of these, over that of the quantity.
+    """
+
+    harmonic: FloatArray
+    second: FloatArray
+
+
+def tangents(law: FrictionLaw, V: FloatArray, names: Sequence[str]) -> tuple[Expansion, dict[str, Tangent]]:
+    """Return the expansion of grazing orbits, and its exact derivatives.
+
+    The expansion is a polynomial in the slopes on the grid, of the first and the third order; its differential is
+    that of each product in it.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+    V : array_like, shape (n,)
+    names : sequence of str
+        Parameters of the law, and "V", which stands for its logarithm.
+    """
+    weak = expand(law, V)
+    size = weak.sines.shape[1]
+    theta = (np.arange(size) + 0.5) * (np.pi / size)
+    sine, n = np.sin(theta), np.arange(size, dtype=np.float64)
+    off_resonance = n**2 - 1
+    off_resonance[1] = np.inf
+    v = np.asarray(V, np.float64)[:, None] * (2 * np.sin(theta / 2) ** 2)
+    g = -slopes(law)(v)
+    weak = _expand(law, np.ravel(V), np.ones(len(v)), size)
+    excess, bend = g - weak.harmonic[:, None], (n * weak.sines).sum(axis=1)
+    z1, z2 = _from_sines(weak.sines), _from_cosines(weak.cosines)
+    curvature = _from_sines(n * _cosines(g)) / sine
+    found = {}
+    for name in names:
+        dg = -slopes(law.partial(name))(v)
+        feed = _sines(dg * sine)
+        db = feed / off_resonance
+        dz1, d_excess = _from_sines(db), dg - feed[:, [1]]
+        da = -n * _sines(d_excess * z1 + excess * dz1) / off_resonance
+        da[:, 1] = -bend * (n * db).sum(axis=1) - da[:, 2:].sum(axis=1)
+        d_curvature = _from_sines(n * _cosines(dg)) / sine
+        change = d_excess * z2 + excess * _from_cosines(da) + d_curvature * z1**2 / 2 + curvature * z1 * dz1
+        found[name] = Tangent(feed[:, 1], 2 * (change * np.cos(theta)).mean(axis=1))
+    return weak, found

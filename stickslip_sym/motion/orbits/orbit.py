@@ -14,7 +14,9 @@ the belt's speed, and d is the pure-slip threshold.
 Every term with friction enters as a small one, so weak friction loses no digits; nothing here knows a closed form.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,18 +29,22 @@ from stickslip_sym.motion.orbits.collocation import (
     State,
     Work,
     close,
+    coefficients,
+    equations,
     frequency,
     grid,
+    parts,
     refined,
     values,
 )
 from stickslip_sym.motion.orbits.expansion import Slope, averages, expand, slopes
 
-__all__ = ["Orbits", "obstacle", "orbits"]
+__all__ = ["Orbits", "derivatives", "obstacle", "orbits"]
 
 _MOST_WORK = 3e9  # cubes of grids, summed over the Newton steps on the way from weak friction to all of it
 _SAME = 1e-12  # relative; a static coefficient that exceeds mu(0+) by less does not
 _WEAKEST = 1e-3  # part of the friction with which the way to all of it begins
+_TIGHT = 1e-13  # relative error of d where it is differentiated
 _LOOSE = 1e-3  # relative error of d on that way
 _NEAREST = 1e-12  # slip speed over belt speed that an iterate may come down to; it may overshoot the belt
 
@@ -153,6 +159,62 @@ def _harmonics(law: FrictionLaw, problem: _Problem, size: int) -> tuple[FloatArr
     return problem.strength * on_grid, problem.strength * averages(law, problem.V, problem.A)[0]
 
 
+def _solution(law: FrictionLaw, given: Sequence[Any], rtol: float, work: Work) -> tuple[_Problem, State, Any]:
+    """Solve for the orbits of belt speeds, frictions over impedance, and heights; return their tails too."""
+    columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in given))
+    problem = _Problem(slopes(law), *(np.ravel(column) for column in columns))
+    state, tail = refined(problem, _start(law, problem, GRIDS[0]), rtol, work)
+    for row in np.flatnonzero(~np.isfinite(tail)).tolist():
+        if work.spent:
+            break
+        own = Work(min(_MOST_WORK, work.left))
+        single, tail[[row]] = _continued(law, problem.rows([row]), rtol, own)
+        work.done += own.done
+        size = max(grid(state), grid(single))
+        state = state.on(size)
+        state.put([row], single.on(size))
+    return problem, state, tail
+
+
+def derivatives(law: FrictionLaw, V: Any, e: Any) -> dict[str, Any]:
+    """Return the derivatives of d of grazing orbits, from one linear solve an orbit.
+
+    With F(u, d; p) = 0 the balance of the harmonics, and l the vector with l^T F_u = 0 and l^T F_d = 1,
+    dd/dp = -l^T F_p. Along the orbit F_p is the spectrum of -(dg/dp) dz/dtheta, over the squares of the orders.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound, smooth on the speeds of the orbit.
+    V, e : array_like, shape (n,)
+        As for `orbits`.
+
+    Returns
+    -------
+    dict of str to numpy.ndarray, shape (n,)
+        "d" itself; "V" and "e", derivatives by the logarithms of these; and each parameter of the law. NaN where
+        there is no orbit.
+    """
+    with np.errstate(all="ignore"):
+        problem, state, tail = _solution(law, (V, e, 1.0), _TIGHT, Work(np.inf))
+        size, K = grid(state), state.z.shape[1] - 1
+        n = np.arange(K + 1)
+        z, z_theta = values(state.z, size), values(1j * n * state.z, size)
+        unit = np.zeros((len(state.d), 2 * K, 1))
+        unit[:, -2] = 1.0
+        found = np.isfinite(tail)
+        left = np.full(unit.shape[:2], np.nan)
+        matrix = equations(problem, state).matrix[found]
+        left[found] = np.linalg.solve(matrix.transpose(0, 2, 1), unit[found])[:, :, 0]
+        result = {"d": np.where(found, state.d, np.nan)}
+        changes = {"e": problem.slope} | {name: slopes(law.partial(name)) for name in ("V", *law.parameters)}
+        for name, slope in changes.items():
+            change = replace(problem, slope=slope).g(z)
+            by_name = coefficients(change * z_theta)[:, 1:] / n[1:] ** 2
+            result[name] = (left * parts(by_name)).sum(axis=1)
+    return result
+
+
 def orbits(
     law: FrictionLaw,
     V: ArrayLike,
@@ -174,20 +236,9 @@ def orbits(
 
     An orbit that was not found has an infinite error, and no number for d.
     """
-    columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in (V, strength, A)))
-    problem = _Problem(slopes(law), *(np.ravel(column) for column in columns))
+    work = Work(most_work)
     with np.errstate(all="ignore"):  # iterates that run away are given up
-        work = Work(most_work)
-        state, tail = refined(problem, _start(law, problem, GRIDS[0]), rtol, work)
-        for row in np.flatnonzero(~np.isfinite(tail)).tolist():
-            if work.spent:
-                break
-            own = Work(min(_MOST_WORK, work.left))
-            single, tail[[row]] = _continued(law, problem.rows([row]), rtol, own)
-            work.done += own.done
-            size = max(grid(state), grid(single))
-            state = state.on(size)
-            state.put([row], single.on(size))
+        problem, state, tail = _solution(law, (V, strength, A), rtol, work)
         z = values(state.z, grid(state))
         g = problem.g(z)
         scale = np.abs(g).max(axis=1)

@@ -220,13 +220,15 @@ class _Shape:
 
 @lru_cache(maxsize=128)
 def _slope_average(shape: _Shape, criterion: Criterion) -> SlopeAverage:
-    return slope_average(shape.law, criterion)
+    return slope_average(shape.law.with_static(None), criterion)  # no slope average sees it, nor its parameters
 
 
 def average(scenes: Scenes, criterion: Criterion) -> FloatArray:
     """Return a criterion's damping; no closed form is derived for it."""
-    values: dict[str, Any] = {name: float(value) for name, value in scenes.law.values.items()}
     compiled = _slope_average(_Shape(scenes.law.expr, scenes.law), criterion)
+    values: dict[str, Any] = {
+        name: float(value) for name, value in scenes.law.values.items() if name in compiled.arguments
+    }
     return np.atleast_1d(compiled(V=scenes.V, N=scenes.N, **values))
 
 

@@ -11,6 +11,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import FloatArray, Rational, Rows
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact, read_array
+from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["Scenes"]
@@ -20,7 +21,8 @@ __all__ = ["Scenes"]
 class Scenes:
     """Scenes of one law, flat arrays of one length; m and k are None where they were not given.
 
-    What was given as text is kept, exactly, in `exact`.
+    What was given as text is kept, exactly, in `exact`. What carries a standard error is kept with it in
+    `uncertain`: one number that all scenes have, or an array with one a scene.
     """
 
     law: FrictionLaw
@@ -30,6 +32,7 @@ class Scenes:
     k: Any
     shape: tuple[int, ...]
     exact: Mapping[str, Rational] = field(default_factory=dict)
+    uncertain: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, law: FrictionLaw, **values: ArrayLike | None) -> "Scenes":
@@ -38,6 +41,9 @@ class Scenes:
         Raises `InputError` for numbers that are not finite or have the wrong sign, shapes that do not broadcast,
           or only one of m and k.
         """
+        pairs = {name: _split(value, name) for name, value in values.items()}
+        values = {name: number for name, (number, _) in pairs.items()}
+        errors = {name: read for name, (_, read) in pairs.items() if read is not None}
         exactly = {name: exact(value, name) for name, value in values.items() if isinstance(value, str)}
         numbers = values | {name: float(value) for name, value in exactly.items()}
         given = {name: _column(name, value) for name, value in numbers.items() if value is not None}
@@ -49,7 +55,12 @@ class Scenes:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in given.items())
             raise InputError(f"the shapes do not broadcast: {shapes}") from None
         flat = {name: column.ravel() for name, column in columns.items()}
-        return cls(law, flat["V"], flat["N"], flat.get("m"), flat.get("k"), columns["V"].shape, exactly)
+        shape = columns["V"].shape
+        uncertain = {
+            name: read if isinstance(read, UFloat) else np.broadcast_to(read, shape).ravel()
+            for name, read in errors.items()
+        }
+        return cls(law, flat["V"], flat["N"], flat.get("m"), flat.get("k"), shape, exactly, uncertain)
 
     def __len__(self) -> int:
         return len(self.V)
@@ -57,7 +68,10 @@ class Scenes:
     def rows(self, chosen: Rows) -> "Scenes":
         """Return some of the scenes."""
         m, k = (None if column is None else column[chosen] for column in (self.m, self.k))
-        return Scenes(self.law, self.V[chosen], self.N[chosen], m, k, self.V[chosen].shape, self.exact)
+        uncertain = {
+            name: read if isinstance(read, UFloat) else read[chosen] for name, read in self.uncertain.items()
+        }
+        return Scenes(self.law, self.V[chosen], self.N[chosen], m, k, self.V[chosen].shape, self.exact, uncertain)
 
     def exact_row(self, row: int) -> dict[str, Rational]:
         """Return V, N, m and k of one scene exactly: text as the decimal it says, a float as the binary it is."""
@@ -74,6 +88,18 @@ class Scenes:
         """Say which scene it is."""
         columns = (("V", self.V), ("N", self.N), ("m", self.m), ("k", self.k))
         return ", ".join(f"{name} = {column[row]:g}" for name, column in columns if column is not None)
+
+
+def _split(value: Any, name: str) -> tuple[Any, Any]:
+    """Separate numbers from their standard errors, one by one in an array that has any."""
+    array = np.asarray(value, dtype=object) if isinstance(value, list | tuple | np.ndarray) else None
+    if array is None or not any(isinstance(item, UFloat) for item in array.flat):
+        return split(value, name)
+    pairs = [split(item, name) for item in array.flat]
+    numbers = np.array([float(number) for number, _ in pairs]).reshape(array.shape)
+    errors = np.empty(array.size, dtype=object)
+    errors[:] = [float(number) if read is None else read for number, read in pairs]
+    return numbers, errors.reshape(array.shape)
 
 
 def _column(name: str, value: ArrayLike) -> FloatArray:

@@ -1,6 +1,8 @@
 """`pure_slip_damping`: the damping that separates stick-slip from slip, by the cheapest method good enough."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray, ObjectArray
 from stickslip_sym.core.numbers import read_rtol
+from stickslip_sym.core.uncertain import with_error
 from stickslip_sym.criteria.criterion import Criterion, equilibrium, harmonic
 from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.doubts import warn_where_negative
@@ -16,12 +19,17 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.thresholds import rungs
 from stickslip_sym.motion.thresholds.climb import accuracy, by_name, climb
+from stickslip_sym.motion.thresholds.cubature import to_second_order, warn_of_ratio
 from stickslip_sym.motion.thresholds.rungs import Rung
 from stickslip_sym.motion.thresholds.scenes import Scenes
+from stickslip_sym.motion.thresholds.sensitivity import sensitivities
 from stickslip_sym.motion.thresholds.theorem import Theorem
+from stickslip_sym.motion.thresholds.uncertainty import Budget, deserved_tolerance, standard_errors
 from stickslip_sym.output import markup
 
 __all__ = ["Threshold", "pure_slip_damping"]
+
+_ENOUGH = 1e-3  # relative error of a threshold that is good enough where nothing else is said
 
 
 @dataclass(frozen=True)
@@ -37,12 +45,95 @@ class Threshold:
         Error against the exact threshold, relative: an estimate, with "proof" a bound; None if nothing is known.
     theorems : tuple of Theorem
         With "proof": what was proved of each scene, and how.
+    deserved : float, optional
+        The tolerance that "auto" took where none was given and the parameters' uncertainty deserves no less.
+    scenes : Scenes, optional
+        Where they are the thresholds; what they depend on follows from it.
+    rung : Rung, optional
+        That gave them, where it is not one of the ladder.
     """
 
     value: Any
     method: Any
     error: Any
     theorems: tuple[Theorem, ...] = ()
+    deserved: float | None = None
+    scenes: Scenes | None = field(default=None, repr=False, compare=False)
+    rung: Rung | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def sensitivity(self) -> Mapping[str, Any]:
+        """How the threshold changes with each quantity and parameter, alone: name to dc/dname, exact.
+
+        In kg/m for V, s/m for N, 1/s for m, s for k, and kg/s over its unit for a parameter of the law; floats, or
+        arrays as `value` is one. It is the derivative of the value that the method gives: that of an average is
+        the average of the derivative, and m and k do nothing to it; for the grazing orbit it follows from one
+        linear solve, by simulation and for a proved threshold from the variational equation along the slip. The
+        coefficients of measured points are no parameters.
+
+        Raises
+        ------
+        InputError
+            For a method of one's own, of which only its values are known.
+        """
+        assert self.scenes is not None
+        error = np.full(len(self.scenes), np.inf) if self.error is None else np.ravel(self.error)
+        value, method = np.ravel(self.value), np.ravel(self.method)
+        names = ["V", "N", *(["m", "k"] if self.scenes.m is not None else []), *self.scenes.law.parameters]
+        columns = {name: np.empty(len(self.scenes)) for name in names}
+        for chosen in np.unique(method):
+            rows = np.flatnonzero(method == chosen)
+            rung = self.rung or rungs.rungs()[str(chosen)]
+            found = sensitivities(self.scenes.rows(rows), rung, value[rows], error[rows])
+            for name, column in columns.items():
+                column[rows] = found[name]
+        if self.scenes.shape != ():
+            return {name: column.reshape(self.scenes.shape) for name, column in columns.items()}
+        return {name: float(column[0]) for name, column in columns.items()}
+
+    @cached_property
+    def budget(self) -> Budget | None:
+        """Which standard error brings how much of the threshold's; None where nothing carries one."""
+        assert self.scenes is not None
+        errors = standard_errors(self.scenes)
+        return None if errors is None else Budget.of(errors, self.sensitivity, self.scenes.shape)
+
+    @cached_property
+    def nonlinearity(self) -> Any:
+        """The standard error to second order over that to first order; 1.0 where nothing carries an error.
+
+        NaN where a threshold needed for it does not exist. It takes 2 n^2 + 1 thresholds for n errors.
+        """
+        return self._second_order[0]
+
+    @cached_property
+    def _second_order(self) -> tuple[Any, str]:
+        assert self.scenes is not None
+        errors, shape = standard_errors(self.scenes), self.scenes.shape
+        if self.budget is None or errors is None:
+            return (1.0 if shape == () else np.ones(shape)), ""
+        first = np.ravel(self.budget.uncertainty)
+        second, reason = to_second_order(self.scenes, np.ravel(self.method), errors, self.rung)
+        with np.errstate(all="ignore"):
+            ratio = np.where(second == first, 1.0, second / first)
+        return (float(ratio[0]) if shape == () else ratio.reshape(shape)), reason
+
+    @property
+    def uncertainty(self) -> Any:
+        """Standard error of the threshold in kg/s that comes from those of V, N, m, k and the parameters.
+
+        To first order, correlations included; `error` is the method's, and apart from it. None where nothing
+        carries a standard error.
+
+        Warns
+        -----
+        InputWarning
+            If to second order it differs by more than 10 %, or that could not be computed.
+        """
+        if self.budget is None:
+            return None
+        warn_of_ratio(*self._second_order)
+        return self.budget.uncertainty
 
     @property
     def theorem(self) -> Theorem | None:
@@ -62,6 +153,10 @@ class Threshold:
     def __str__(self) -> str:
         if self.theorem is not None:
             return f"{self.enclosure} kg/s ({self.method}, relative error at most {accuracy(self.error)}, PROVED)"
+        if not np.ndim(self.value) and self.scenes is not None and self.budget is not None:
+            off = "unknown" if self.error is None else f"{self.error * abs(self.value):.0e}"
+            value = with_error(self.value, self.budget.uncertainty)
+            return f"{value} kg/s (parameters) +/- {off} (method: {self.method})"
         if not np.ndim(self.value):
             return f"{self.value:.10g} kg/s ({self.method}, relative error {accuracy(self.error)}, {self.status})"
         if not np.size(self.value):
@@ -108,7 +203,7 @@ def pure_slip_damping(
     m: ArrayLike | None = None,
     k: ArrayLike | None = None,
     method: str | Criterion | Rung = "auto",
-    rtol: float = 1e-3,
+    rtol: float | None = None,
     time_limit: float | None = None,
 ) -> Threshold:
     """Return the pure-slip damping coefficient of a law in a scene.
@@ -119,7 +214,8 @@ def pure_slip_damping(
         With all parameters bound.
     V, N : float or array_like
         Belt speed in m/s and normal force in N. All four quantities broadcast. One number may be text, which
-        "proof" takes exactly: "9.81" is 9.81, and 9.81 the nearest binary number.
+        "proof" takes exactly: "9.81" is 9.81, and 9.81 the nearest binary number. Each may carry a standard
+        error, as in `law.bind`.
     m, k : float or array_like, optional
         Mass in kg and stiffness in N/m. Without them the error of an average of slopes is not known, unless
         mu is a straight line, which all methods treat exactly.
@@ -128,8 +224,10 @@ def pure_slip_damping(
         needed to know it. Without m and k it gives "harmonic", the limit of weak friction. Otherwise a rung: by
         name "equilibrium", "least_squares", "harmonic", "second_order", "orbit" or "simulation", or the average
         by a criterion of one's own. "proof" encloses the threshold, with every error bounded.
-    rtol : float
+    rtol : float, optional
         Relative error that is good enough, 1e-13 to 1; for "simulation" at most 1e-3; for "proof" 1e-40 to 1e-3.
+        If not given 1e-3, or with "auto" a tenth of the relative standard error that the parameters give c, if
+        that is more: no method makes up for what is not known of them.
     time_limit : float, optional
         Seconds of computation after which it is given up.
 
@@ -157,8 +255,14 @@ def pure_slip_damping(
     """
     rung = rungs.find(method)
     best, worst = (1e-13, 1.0) if rung is None else (rung.tightest, rung.loosest)
-    rtol = read_rtol(rtol, least=best, most=worst)
     scenes = Scenes.of(law, V=V, N=N, m=m, k=k)
+    deserved = None
+    if rtol is None:
+        law.function("numpy")
+        found = deserved_tolerance(scenes) if rung is None and scenes.m is not None else 0.0
+        deserved = found if found > _ENOUGH else None
+        rtol = max(found, _ENOUGH)
+    rtol = read_rtol(rtol, least=best, most=worst)
     if rung is not None:
         rung.require_oscillator(scenes.m)
     law.function("numpy")  # refuses a law with parameters that have no value
@@ -168,11 +272,14 @@ def pure_slip_damping(
         value, names, error, theorems = _found(scenes, rung, rtol)
     value = value + 0.0  # -0.0 becomes 0.0
     names = np.array(names.tolist(), dtype=str)
+    own = None if rung is None or rungs.rungs().get(rung.name) is rung else rung
     if scenes.shape != ():
         error = None if error is None else error.reshape(scenes.shape)
-        return Threshold(value.reshape(scenes.shape), names.reshape(scenes.shape), error, theorems)
+        return Threshold(
+            value.reshape(scenes.shape), names.reshape(scenes.shape), error, theorems, deserved, scenes, own
+        )
     known = float(error[0]) if error is not None and np.isfinite(error[0]) else None
-    return Threshold(float(value[0]), str(names[0]), known, theorems)
+    return Threshold(float(value[0]), str(names[0]), known, theorems, deserved, scenes, own)
 
 
 def _found(scenes: Scenes, rung: Rung | None, rtol: float) -> _Found:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym.motion.thresholds import transition
+from stickslip_sym.motion.margins import transition
 from stickslip_sym.motion.thresholds.rungs import rungs
 from stickslip_sym.motion.thresholds.scenes import Scenes
 
@@ -14,7 +14,7 @@ GRID = 10.0 ** np.linspace(-12, 12, 385)
 
 def search_of(threshold, c, law=None):
     """Return the search for the roots of threshold(V) - c."""
-    search = transition._Search(law or ss.laws.exponential.typical(), c, Scenes.of(None, V=1.0, N=1.0))
+    search = transition.Search(law or ss.laws.exponential.typical(), c, Scenes.of(None, V=1.0, N=1.0))
     search.excess = lambda rung, V, *_: threshold(V) - c
     return search
 
@@ -36,7 +36,7 @@ def test_crossings_are_changes_of_sign_and_lone_zeros():
         search = search_of(lambda V, x=x, off=off: np.interp(np.log(V), x, off), 0.0)
         expected = [x[i] + 0.5 for i in range(n - 1) if off[i] * off[i + 1] < 0]
         expected += [x[i] for i in range(1, n - 1) if off[i] == 0 and off[i - 1] != 0 and off[i + 1] != 0]
-        found = np.log(search._crossings(rungs()["orbit"], np.exp(x)))
+        found = np.log(search.crossings(rungs()["orbit"], np.exp(x)))
         assert sorted(found) == pytest.approx(sorted(expected), abs=1e-12)
 
 
@@ -49,7 +49,7 @@ def test_two_crossings_between_neighbours_of_a_grid_are_found():
             def threshold(V, i=i, sign=sign):
                 return 1.0 + sign * ((np.log(V) - i - 0.2) ** 2 - 0.01)
 
-            found = np.log(search_of(threshold, 1.0)._crossings(rungs()["orbit"], np.exp(x)))
+            found = np.log(search_of(threshold, 1.0).crossings(rungs()["orbit"], np.exp(x)))
             assert sorted(found) == pytest.approx([i + 0.1, i + 0.3], abs=1e-12)
 
 
@@ -61,7 +61,7 @@ def test_the_error_of_a_speed_is_known_where_the_threshold_is_zero():
 
 def test_how_far_a_speed_is_from_the_exact_one_is_told_by_a_step():
     law, c = ss.laws.polynomial.typical(), 2.0
-    search = transition._Search(law, c, Scenes.of(law, V=1.0, **SCENE))
+    search = transition.Search(law, c, Scenes.of(law, V=1.0, **SCENE))
     (exact,) = search.roots(rungs()["orbit"])
     for off in (-1e-2, 1e-3, 1e-4):
         assert search._distance(np.array([exact * (1 + off)]), 1e-6) == pytest.approx(abs(off), rel=0.1)

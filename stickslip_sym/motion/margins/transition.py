@@ -24,7 +24,7 @@ from stickslip_sym.motion.thresholds.rungs import Rung, average, find, ladder, r
 from stickslip_sym.motion.thresholds.scenes import Scenes
 from stickslip_sym.output import markup
 
-__all__ = ["TransitionSpeed", "transition_speed"]
+__all__ = ["Search", "TransitionSpeed", "transition_speed"]
 
 _DECADES = (-12, 12)
 _PER_DECADE = 16
@@ -117,7 +117,7 @@ def transition_speed(
     scene = Scenes.of(law, V=1.0, N=real("N", N), m=m, k=k)
     if rung is not None:
         rung.require_oscillator(scene.m)
-    search = _Search(law, c, scene)
+    search = Search(law, c, scene)
     with deadline.time_limit(time_limit):
         try:
             if scene.m is not None:
@@ -128,8 +128,11 @@ def transition_speed(
             raise OutOfTime(f"{stop}; {search.so_far}") from None
 
 
-class _Search:
-    """The search for the roots of threshold minus c, for one law and scene."""
+class Search:
+    """The search for the roots of threshold minus c, for one law and scene, along the belt speed."""
+
+    of = "V"
+    closest = 1e-15  # of the logarithm of a root
 
     def __init__(self, law: FrictionLaw, c: float, scene: Scenes) -> None:
         self.law, self.c, self.scene = law, c, scene
@@ -194,7 +197,7 @@ class _Search:
         elif rung.singly and smooth:
             orbit = rungs()["orbit"]
             V = np.array([V * (1 + sign * _SINGLE_NEAR) for V in self.roots(orbit) for sign in (-1, 1)])
-        return np.array(sorted(self._crossings(rung, V)))
+        return np.array(sorted(self.crossings(rung, V)))
 
     def _of_polynomial(self, criterion: Criterion) -> FloatArray:
         """Return the roots of c(V), for which the slope is averaged term by term of its expansion about V."""
@@ -221,14 +224,14 @@ class _Search:
         fine = np.linspace(exponents[0], exponents[-1], _FINER * (V.size - 1) + 1)
         return 10.0 ** fine[np.interp(fine, exponents, near) > 0]
 
-    def _crossings(self, rung: Rung, V: FloatArray) -> list[float]:
+    def crossings(self, rung: Rung, V: FloatArray) -> list[float]:
         """Return the places where a rung's excess changes sign, also between two points of a grid."""
 
         def single(logarithm: float) -> float:
             value = float(self.excess(rung, np.exp([logarithm]))[0])
             if np.isnan(value):
                 raise NotConverged(
-                    f"there is no {rung.name} threshold at V = {np.exp(logarithm):g}; try another method"
+                    f"there is no {rung.name} threshold at {self.of} = {np.exp(logarithm):g}; try another method"
                 )
             return value
 
@@ -237,7 +240,7 @@ class _Search:
             off = self.excess(rung, V, _LOOSE)
         V, off = V[np.isfinite(off)], off[np.isfinite(off)]
         if asked and not V.size:
-            raise NotConverged(f"there is no {rung.name} threshold at any belt speed; try another method")
+            raise NotConverged(f"there is no {rung.name} threshold at any {self.of}; try another method")
         if not V.size:
             return []
         x = np.log(V)
@@ -256,7 +259,7 @@ class _Search:
                 )
                 if dip.fun < 0:
                     brackets += [(x[i - 1], dip.x), (dip.x, x[i + 1])]
-        found = [float(np.exp(brentq(single, *bracket, xtol=1e-15, rtol=_ROOT))) for bracket in brackets]
+        found = [float(np.exp(brentq(single, *bracket, xtol=self.closest, rtol=_ROOT))) for bracket in brackets]
         # A zero beside zeros is a threshold too small for double precision, not one that changes sign.
         padded = np.concatenate(([0.0], off, [0.0]))
         crossed = (off == 0) & (padded[:-2] != 0) & (padded[2:] != 0)

@@ -1,0 +1,123 @@
+"""``stickslip critical``: values of one quantity at which the damping just suffices, or margins of all."""
+
+from typing import Annotated, Any
+
+import typer
+
+from stickslip_sym.cli import json_output
+from stickslip_sym.cli.completion import complete_method
+from stickslip_sym.cli.law import LawOptions
+from stickslip_sym.cli.options import AsJson, MaybeOscillator
+from stickslip_sym.cli.reading import read_numbers
+from stickslip_sym.model.operating_point import PAPER
+
+__all__ = ["critical"]
+
+
+def critical(
+    of: Annotated[
+        str,
+        typer.Argument(metavar="NAME", help="V, N, m, k, c or a parameter; all: the margins of each."),
+    ],
+    law: LawOptions,
+    scene: MaybeOscillator,
+    c: Annotated[str | None, typer.Option("-c", metavar="KG/S", help="Damping.")] = None,
+    method: Annotated[
+        str,
+        typer.Option(
+            "--method", metavar="NAME", help="A rung of the ladder, or auto.", autocompletion=complete_method
+        ),
+    ] = "auto",
+    rtol: Annotated[float, typer.Option("--rtol", help="Relative error that is good enough.")] = 1e-3,
+    within: Annotated[
+        str | None, typer.Option("--within", metavar="LOW:HIGH", help="Where to look, in SI units.")
+    ] = None,
+    time_limit: Annotated[
+        str | None, typer.Option("--time-limit", metavar="S", help="Seconds of computation.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Print every value of a quantity at which the damping is just the pure-slip damping.
+
+    With NAME all the damping may carry a standard error too, and the probability of stick-slip is printed.
+
+    Example: stickslip critical mu_s exponential -c 2 -V 0.5
+    """
+    from stickslip_sym.core.errors import InputError
+    from stickslip_sym.core.uncertain import nominal_text
+    from stickslip_sym.motion.margins.critical import critical as critical_values
+
+    bound = law.bound()
+    defaults = {"V": PAPER["V"], "N": PAPER["N"]} | (PAPER if of in ("m", "k", "all") else {})
+    given = scene.texts({name: text for name, text in defaults.items() if name != of})
+    texts = given if c is None else given | {"c": c}
+    numbers = read_numbers({key: nominal_text(text, key) for key, text in texts.items()})
+    if "c" not in numbers and of != "c":
+        raise InputError("the damping is what all but c is sought for; give -c ...")
+    limit = read_numbers({"time_limit": time_limit}).get("time_limit")
+    if of == "all":
+        _print_margins(bound, texts, numbers, method, rtol, limit, as_json)
+        return
+    ends: Any = None
+    if within is not None:
+        low, colon, high = within.partition(":")
+        if not colon:
+            raise InputError(f"--within {within} is not LOW:HIGH; write for example --within 0.1:10")
+        read = read_numbers({"within": low, "within to": high})
+        ends = read["within"], read["within to"]
+    found = critical_values(of, bound, **numbers, method=method, rtol=rtol, within=ends, time_limit=limit)
+    if as_json:
+        json_output.echo(
+            "critical",
+            law=json_output.law(bound),
+            scene=json_output.values(texts),
+            of=of,
+            values=[_as_json(one) for one in found],
+        )
+    else:
+        typer.echo("\n".join(map(str, found)) or f"there is no such value of {of}")
+
+
+def _as_json(one: Any) -> dict[str, Any]:
+    return {
+        "value": json_output.quantity(one.value, one.unit),
+        "method": one.method,
+        "relative_error": json_output.number(one.error),
+        "sensitivity": {name: json_output.number(value) for name, value in one.sensitivity.items()},
+        "proved": one.enclosure is not None,
+    }
+
+
+def _print_margins(
+    law: Any, texts: dict[str, str], numbers: dict[str, float], method: str, rtol: float, limit: Any, as_json: bool
+) -> None:
+    from stickslip_sym.model.oscillator import Oscillator
+    from stickslip_sym.motion.margins.margins import margins
+
+    osc = Oscillator(**numbers)
+    found = margins(law, osc, errors=texts, method=method, rtol=rtol, time_limit=limit)
+    if not as_json:
+        typer.echo(str(found))
+        return
+    rows = [
+        {
+            "name": row.name,
+            "value": row.value,
+            "below": None if row.below is None else _as_json(row.below),
+            "above": None if row.above is None else _as_json(row.above),
+            "change": json_output.number(row.change),
+        }
+        for row in found.rows
+    ]
+    json_output.echo(
+        "critical",
+        law=json_output.law(law),
+        scene=json_output.values(texts),
+        of="all",
+        stick_slip=found.stick_slip,
+        threshold=json_output.quantity(found.threshold.value, "kg/s"),
+        margins=rows,
+        probability=found.probability,
+        sampled=None if found.sampled is None else list(found.sampled),
+        refused=dict(found.refused),
+    )

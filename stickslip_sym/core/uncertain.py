@@ -1,0 +1,104 @@
+"""Numbers that carry a standard error, as users give them: text like "0.50+/-0.02", or `uncertainties.ufloat`.
+
+The library `uncertainties` reads the text, and keeps which numbers are correlated. It is imported when a number
+carries a standard error, and not before.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any, Protocol, runtime_checkable
+
+from stickslip_sym.core.errors import InputError
+
+__all__ = ["UFloat", "nominal_text", "separated", "split", "with_error"]
+
+_WITH_ERROR = re.compile(r"\+/-|±|\(")
+_EXAMPLES = "write it like 0.50+/-0.02 or 0.50(2)"
+
+
+@runtime_checkable
+class UFloat(Protocol):
+    """A number with a standard error, as `uncertainties.UFloat` is one."""
+
+    @property
+    def nominal_value(self) -> float:
+        """The number itself."""
+
+    @property
+    def std_dev(self) -> float:
+        """Its standard error."""
+
+
+def split(value: Any, name: str) -> tuple[Any, UFloat | None]:
+    """Return a number without its standard error, and with it; None where it has none.
+
+    Parameters
+    ----------
+    value : number, text or uncertainties.UFloat
+        Text with "+/-", "±" or brackets is read by `uncertainties.ufloat_fromstr`; its number is then the decimal
+        that it says. Anything else passes through.
+    name : str
+        What the number is, for the message.
+
+    Raises
+    ------
+    InputError
+        For text that cannot be read so, or a number or a standard error that is negative or not finite.
+    """
+    if isinstance(value, str):
+        if not _WITH_ERROR.search(value):
+            return value, None
+        read = _from_text(value, name)
+        number: Any = repr(read.nominal_value)
+    elif isinstance(value, UFloat):
+        read, number = value, value.nominal_value
+    else:
+        return value, None
+    if not (math.isfinite(read.nominal_value) and math.isfinite(read.std_dev)):
+        raise InputError(f"{name} = {str(value)[:60]!r} is not finite; {_EXAMPLES}")
+    return number, read if read.std_dev > 0 else None
+
+
+def separated(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, UFloat]]:
+    """Return numbers by name without their standard errors, and those that have one with it.
+
+    Raises
+    ------
+    InputError
+        As `split`.
+    """
+    pairs = {name: split(value, name) for name, value in values.items()}
+    numbers = {name: number for name, (number, _) in pairs.items()}
+    return numbers, {name: read for name, (_, read) in pairs.items() if read is not None}
+
+
+def nominal_text(text: str, name: str) -> str:
+    """Return the number in a text without its standard error, as text."""
+    return str(split(text, name)[0])
+
+
+def with_error(value: float, error: float) -> str:
+    """Return a number with its standard error as text, to two digits of that."""
+    if not error > 0 or not math.isfinite(error):
+        return f"{value:.10g} +/- {error:g}"
+    from uncertainties import ufloat
+
+    return f"{ufloat(value, error):.2u}".replace("+/-", " +/- ")
+
+
+def _from_text(text: str, name: str) -> UFloat:
+    import warnings
+
+    import uncertainties
+    from uncertainties.core import NegativeStdDev
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of a standard error that is 0, which is none here
+            read: UFloat = uncertainties.ufloat_fromstr(text)
+    except NegativeStdDev:
+        raise InputError(f"{name} = {text[:60]!r} has a negative standard error; {_EXAMPLES}") from None
+    except (ValueError, OverflowError):
+        raise InputError(f"{name} = {text[:60]!r} is not a number with a standard error; {_EXAMPLES}") from None
+    return read

@@ -1,0 +1,249 @@
+"""`margins`: how much each quantity and parameter may change, alone, before stick-slip sets in or ends."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from stickslip_sym.core import deadline
+from stickslip_sym.core.errors import OutOfTime, StickSlipError
+from stickslip_sym.core.uncertain import UFloat, split
+from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.margins.critical import critical
+from stickslip_sym.motion.margins.value import Critical
+from stickslip_sym.motion.orbits.orbit import obstacle
+from stickslip_sym.motion.thresholds.cubature import shifted
+from stickslip_sym.motion.thresholds.rungs import Rung, rungs
+from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
+from stickslip_sym.motion.thresholds.uncertainty import standard_errors
+from stickslip_sym.output import markup
+from stickslip_sym.output.tables import table
+
+__all__ = ["Margin", "Margins", "margins"]
+
+_RANGE = 10.0  # times a value, and its inverse: where a change is looked for
+_SEED = 20160428
+_LOOSE = 1e-6  # relative error of the threshold of a sample
+
+
+@dataclass(frozen=True)
+class Margin:
+    """How far one quantity is from where stick-slip sets in or ends, with all others as they are.
+
+    Attributes
+    ----------
+    name : str
+    value : float
+        As it is, in SI units.
+    below, above : Critical or None
+        The nearest critical values; None if there is none within a factor 10.
+    """
+
+    name: str
+    value: float
+    below: Critical | None
+    above: Critical | None
+
+    @property
+    def change(self) -> float:
+        """The smallest relative change that reaches a critical value, with its sign; infinite if there is none."""
+        changes = [one.value / self.value - 1 for one in (self.below, self.above) if one is not None]
+        return min(changes, key=abs, default=math.inf)
+
+
+@dataclass(frozen=True)
+class Margins:
+    """How far a scene is from where stick-slip sets in or ends.
+
+    Attributes
+    ----------
+    threshold : Threshold
+        The pure-slip damping of the scene.
+    c : float
+        Its damping, in kg/s.
+    rows : tuple of Margin
+        The smallest change first.
+    probability : float or None
+        That c lies below the threshold, from the standard errors to first order; None where there are none.
+    sampled : (float, float) or None
+        The same from seeded samples of the quantities, normal and correlated as they are, and its standard error.
+    refused : mapping of str to str
+        Quantities whose critical values could not be found, and why.
+    """
+
+    threshold: Threshold
+    c: float
+    rows: tuple[Margin, ...]
+    probability: float | None
+    sampled: tuple[float, float] | None
+    refused: Mapping[str, str]
+
+    @property
+    def stick_slip(self) -> bool:
+        """Whether there is stick-slip as things are."""
+        return bool(self.c < self.threshold.value)
+
+    @property
+    def _cells(self) -> tuple[list[str], list[list[str]]]:
+        def shown(one: Critical | None) -> str:
+            return "" if one is None else f"{one.value:.6g}"
+
+        rows = [
+            [
+                row.name,
+                f"{row.value:.6g}",
+                shown(row.below),
+                shown(row.above),
+                "none" if math.isinf(row.change) else f"{100 * row.change:+.3g} %",
+            ]
+            for row in self.rows
+        ]
+        return ["quantity", "value", "critical below", "critical above", "smallest change"], rows
+
+    @property
+    def _head(self) -> str:
+        state = "stick-slip" if self.stick_slip else "no stick-slip"
+        return f"{state}: c = {self.c:.6g} kg/s, pure-slip damping {self.threshold}"
+
+    @property
+    def _remarks(self) -> list[str]:
+        lines = [f"{name}: {why}" for name, why in self.refused.items()]
+        if self.probability is not None:
+            lines.append(f"probability of stick-slip: {self.probability:.3g} (first order)")
+        if self.sampled is not None:
+            lines[-1] += f", {self.sampled[0]:.3g} +/- {self.sampled[1]:.1g} (samples)"
+        return lines
+
+    def __str__(self) -> str:
+        return "\n".join([self._head, "", table(*self._cells), *([""] if self._remarks else []), *self._remarks])
+
+    def __repr__(self) -> str:
+        return f"Margins: {self._head}"
+
+    def _repr_html_(self) -> str:
+        header, rows = self._cells
+        return markup.table(header, rows, caption="; ".join([self._head, *self._remarks]))
+
+
+def margins(
+    law: FrictionLaw,
+    osc: Oscillator,
+    *,
+    errors: Mapping[str, Any] | None = None,
+    method: str | Criterion | Rung = "auto",
+    rtol: float = 1e-3,
+    samples: int = 200,
+    time_limit: float | None = None,
+) -> Margins:
+    """Return how much each quantity and parameter may change, alone, before stick-slip sets in or ends.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound; those that carry a standard error make a probability.
+    osc : Oscillator
+    errors : mapping of str to number with a standard error, optional
+        V, N, m, k or c with theirs, as in ``{"V": "0.50(1)"}``; their values are those of `osc`.
+    method, rtol
+        As for `critical`; "auto" takes the orbit, or simulation, for all.
+    samples : int
+        Seeded samples for the probability; each takes a threshold. Samples at which a parameter is negative that
+        may not be, or which have no threshold, are left out. 0 for none.
+    time_limit : float, optional
+        Seconds of computation after which it is given up.
+
+    Returns
+    -------
+    Margins
+        Critical values are sought from a tenth of each value to 10 times it.
+
+    Raises
+    ------
+    InputError
+        As `critical`, and for an error of what has none.
+    OutOfTime
+        When the time limit is reached.
+    """
+    given = {one.name: getattr(osc, one.name) for one in fields(osc)}
+    carried: dict[str, UFloat] = {}
+    for name, value in (errors or {}).items():
+        _, read = split(value, name)
+        if read is not None:
+            carried[name] = read
+    with deadline.time_limit(time_limit):
+        c = given.pop("c")
+        scene = {name: carried.get(name, value) for name, value in given.items()}
+        threshold = pure_slip_damping(law, **scene, method=_method(law, osc, method), rtol=rtol)
+        rows, refused = [], {}
+        for name, value in ({"c": c} | given | {p: float(v) for p, v in law.values.items()}).items():
+            others = {key: number for key, number in ({"c": c} | given).items() if key != name}
+            if value == 0:
+                continue
+            ends = sorted(value * factor for factor in (1 / _RANGE, _RANGE))
+            try:
+                found = critical(name, law, **others, method=method, rtol=rtol, within=(ends[0], ends[1]))
+            except OutOfTime:
+                raise
+            except StickSlipError as error:
+                refused[name] = str(error)
+                continue
+            rows.append(_margin(name, value, found))
+        probability, sampled = _probabilities(threshold, c, carried.get("c"), samples)
+    return Margins(
+        threshold, c, tuple(sorted(rows, key=lambda row: abs(row.change))), probability, sampled, refused
+    )
+
+
+def _method(law: FrictionLaw, osc: Oscillator, method: Any) -> Any:
+    if method != "auto":
+        return method
+    return "orbit" if obstacle(law, osc.V) is None else "simulation"
+
+
+def _margin(name: str, value: float, found: tuple[Critical, ...]) -> Margin:
+    below = [one for one in found if one.value <= value]
+    above = [one for one in found if one.value > value]
+    return Margin(name, value, below[-1] if below else None, above[0] if above else None)
+
+
+def _probabilities(
+    threshold: Threshold, c: float, own: UFloat | None, samples: int
+) -> tuple[float | None, tuple[float, float] | None]:
+    """Return the probability that c lies below the threshold, to first order and from samples."""
+    assert threshold.scenes is not None
+    errors = standard_errors(threshold.scenes)
+    spread = 0.0 if own is None else own.std_dev
+    first = 0.0 if threshold.budget is None else threshold.budget.uncertainty
+    whole = math.hypot(first, spread)
+    if whole == 0:
+        return None, None
+    probability = 0.5 * math.erfc((c - threshold.value) / (whole * math.sqrt(2)))
+    if not samples:
+        return probability, None
+    rng = np.random.default_rng(_SEED)
+    rung = threshold.rung or rungs()["simulation" if threshold.method == "proof" else threshold.method]
+    names, covariance = ((), np.zeros((0, 0))) if errors is None else (errors.names, errors.covariance[0])
+    stick = []
+    for _ in range(samples):
+        by = (
+            dict(zip(names, rng.multivariate_normal(np.zeros(len(names)), covariance), strict=True))
+            if names
+            else {}
+        )
+        damping = c + spread * rng.standard_normal()
+        try:
+            value = rung.compute(shifted(threshold.scenes, by), max(_LOOSE, rung.tightest)).value[0]
+        except OutOfTime:
+            raise
+        except StickSlipError:
+            continue
+        if np.isfinite(value):
+            stick.append(damping < value)
+    if not stick:
+        return probability, None
+    share = float(np.mean(stick))
+    return probability, (share, math.sqrt(max(share * (1 - share), 1 / len(stick)) / len(stick)))

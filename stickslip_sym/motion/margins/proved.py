@@ -1,0 +1,70 @@
+"""Two values of a quantity between which it is proved that the slip from P ceases to return."""
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.motion.thresholds.box_scene import BoxScene
+from stickslip_sym.motion.thresholds.box_transit import transit
+from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
+from stickslip_sym.motion.thresholds.taylor_boxes import Undecided
+
+__all__ = ["proved"]
+
+_BITS = (128, 256, 512)
+_WIDEST = 1e-2  # of half an enclosure, relative
+_WIDER = 4
+
+
+def proved(
+    at: Callable[[Any], tuple[FrictionLaw, dict[str, Any]]], c: float, value: float, error: float, rtol: float
+) -> tuple[Fraction, Fraction]:
+    """Return two values around one, at one of which the slip from P returns, and at the other not.
+
+    Parameters
+    ----------
+    at : callable
+        From a value to a law and V, N, m and k.
+    c : float
+        Damping in kg/s.
+    value, error : float
+        Where to look, and its relative error.
+    rtol : float
+        Width of the enclosure, relative.
+
+    Raises
+    ------
+    InputError
+        If the law does not meet a hypothesis of the lemma.
+    NotConverged
+        If no two such values are found within 1 %.
+    """
+    half = sp.Rational(max(rtol / 4, 2 * error, 1e-15))
+    center = sp.Rational(value)
+    words = "the slip returns at both ends, or at neither"
+    while half <= _WIDEST:
+        ends = [center * (1 - half), center * (1 + half)]
+        try:
+            if _returns(at, c, ends[0]) != _returns(at, c, ends[1]):
+                low, high = sorted(ends)
+                return Fraction(int(low.p), int(low.q)), Fraction(int(high.p), int(high.q))
+        except Undecided as undecided:
+            words = str(undecided)
+        half *= _WIDER
+    raise NotConverged(f"no two values within 1 % of {value:g} enclose a change: {words}")
+
+
+def _returns(at: Callable[[Any], tuple[FrictionLaw, dict[str, Any]]], c: float, x: Any) -> bool:
+    law, given = at(x)
+    scene = BoxScene(law, **{name: sp.Rational(number) for name, number in given.items()})
+    checked_hypotheses(scene)
+    for bits in _BITS:
+        try:
+            return transit(scene, sp.Rational(c), bits).returns
+        except Undecided as undecided:
+            last = undecided
+    raise last

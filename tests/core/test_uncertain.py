@@ -1,0 +1,77 @@
+"""Numbers with a standard error: read by `uncertainties`, kept with their correlations, refused where unusable."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import sympy as sp
+import uncertainties
+
+import stickslip_sym as ss
+
+FORMULA = "mu_m + (mu_s - mu_m)*exp(-alpha*v)"
+
+
+def test_every_way_to_write_one_is_the_same():
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        number, error = round(rng.uniform(0.1, 0.9), 2), int(rng.integers(1, 99))
+        texts = [
+            f"{number:.2f}({error})",
+            f"{number:.2f}+/-{error / 100:.2f}",
+            f"{number:.2f} ± {error / 100:.2f}",
+        ]
+        for value in (*texts, uncertainties.ufloat(number, error / 100)):
+            law = ss.FrictionLaw(FORMULA).bind(mu_s=value)
+            assert float(law.values["mu_s"]) == number
+            assert law.uncertain["mu_s"].std_dev == pytest.approx(error / 100, rel=1e-12)
+        decimal = ss.FrictionLaw(FORMULA).bind(mu_s=texts[0]).values["mu_s"]
+        assert decimal == sp.Rational(f"{number:.2f}")  # the decimal, not the binary number next to it
+
+
+def test_the_law_is_that_of_the_values():
+    plain, carrying = (ss.FrictionLaw(FORMULA).bind(mu_s=s, mu_m="0.2", alpha=3) for s in ("0.50", "0.50(2)"))
+    assert plain.mu(0.3) == carrying.mu(0.3)
+    assert plain != carrying
+    assert dict(plain.uncertain) == {}
+    assert "mu_s=0.5+/-0.02" in repr(carrying)
+
+
+def test_a_new_value_takes_the_error_away_and_another_leaves_it():
+    law = ss.laws.exponential.typical(mu_s="0.50(2)", mu_m="0.20(1)")
+    assert set(law.uncertain) == {"mu_s", "mu_m"}
+    assert set(law.bind(mu_s=0.4).uncertain) == {"mu_m"}
+    assert set(law.bind(alpha=2.0).typical().uncertain) == {"mu_s", "mu_m"}
+    assert set(law.with_static("0.6").uncertain) == {"mu_s", "mu_m"}
+    assert dict(law.bind(mu_s="0.50+/-0", mu_m=0.2).uncertain) == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0.5+/-nan", "not finite"),
+        ("nan+/-0.1", "not finite"),
+        ("0.5+/-inf", "not finite"),
+        ("0.5+/--0.1", "negative standard error"),
+        ("0.5+/-", "is not a number with a standard error"),
+        ("0.5(two)", "is not a number with a standard error"),
+        ("mu(3)", "is not a number with a standard error"),
+        ("-0.5+/-0.1", "is negative"),
+    ],
+)
+def test_what_is_no_number_with_an_error_is_refused(text, message):
+    with pytest.raises(ss.InputError, match=rf"mu_s = .*{message}"):
+        ss.FrictionLaw(FORMULA).bind(mu_s=text)
+
+
+def test_the_library_is_imported_only_when_a_number_carries_an_error():
+    code = (
+        "import stickslip_sym as ss, sys\n"
+        "law = ss.laws.exponential.typical(mu_s='0.5')\n"
+        "ss.pure_slip_damping(law, V='0.5', N=9.81)\n"
+        "print('uncertainties' in sys.modules)\n"
+        "law.bind(mu_s='0.50(2)')\n"
+        "print('uncertainties' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "False\nTrue\n"

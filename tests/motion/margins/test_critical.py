@@ -1,0 +1,188 @@
+"""Critical values, put back; every one that a dense scan finds; their sensitivities; proofs; and margins."""
+
+import math
+
+import numpy as np
+import pytest
+
+import stickslip_sym as ss
+
+SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+LAWS = ["exponential", "polynomial", "hyperbolic", "gaussian", "lorentzian"]
+
+
+def put_back(law, scene, of, x):
+    """Return a law and a scene with a value in its place."""
+    return (law, scene | {of: x}) if of in scene else (law.bind(**{of: x}), scene)
+
+
+def value_of(law, scene, of):
+    return scene[of] if of in scene else float(law.values[of])
+
+
+def without(scene, of):
+    return {name: value for name, value in scene.items() if name != of}
+
+
+def random_scenes(count, seed):
+    rng = np.random.default_rng(seed)
+    for number in range(count):
+        law = ss.laws.catalogue[LAWS[number % len(LAWS)]].typical()
+        law = law.bind(mu_s=rng.uniform(0.4, 0.8), mu_m=rng.uniform(0.1, 0.3))
+        of = rng.choice(["N", "k", "m", *law.parameters])
+        yield law, SCENE | {"V": 10 ** rng.uniform(-1, -0.3)}, str(of), rng.uniform(0.8, 1.2)
+
+
+@pytest.mark.parametrize("method", ["equilibrium", "harmonic", "auto"])
+def test_put_back_they_give_the_damping(method):
+    """And the sensitivities are those of the threshold there, turned round."""
+    tried = 0
+    for law, scene, of, factor in random_scenes(10, 3):
+        x0 = value_of(law, scene, of)
+        if of in ("m", "k") and method != "auto":
+            continue
+        if method != "auto":
+            scene = {"V": scene["V"], "N": scene["N"]}
+        c = ss.pure_slip_damping(law, **scene, method="orbit" if method == "auto" else method).value * factor
+        given = {"within": (x0 / 3, 3 * x0)}
+        for one in ss.critical(of, law, c=c, **without(scene, of), method=method, rtol=1e-6, **given):
+            there, scene_there = put_back(law, scene, of, one.value)
+            by = "simulation" if one.method == "orbit" else one.method
+            back = ss.pure_slip_damping(there, **scene_there, method=by, rtol=1e-10)
+            assert back.value == pytest.approx(c, rel=1e-9)
+            if one.method == "orbit":
+                again = ss.pure_slip_damping(there, **scene_there, method="orbit", rtol=1e-12)
+                assert again.value == pytest.approx(c, rel=1e-12)
+            same = ss.pure_slip_damping(there, **scene_there, method=one.method, rtol=1e-10).sensitivity
+            assert one.sensitivity["c"] == pytest.approx(1 / same[of], rel=1e-6)
+            assert one.sensitivity["V"] == pytest.approx(-same["V"] / same[of], rel=1e-6)
+            tried += 1
+    assert tried >= 4
+
+
+def test_laws_with_kinks_and_measured_points_by_simulation():
+    """Where a motion goes beyond the last measured speed there is no threshold, and others are found."""
+    kink = ss.FrictionLaw("Piecewise((mu_s - a*v, v < v_1), (mu_s - a*v_1 + b*(v - v_1), True))")
+    points = ss.FrictionLaw.from_samples(
+        [0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.2], [0.5, 0.44, 0.4, 0.34, 0.29, 0.27, 0.26]
+    )
+    for law, of, c, within in (
+        (kink.bind(mu_s=0.5, a=0.4, b=0.1, v_1=0.3), "v_1", 0.3, (0.2, 0.4)),
+        (points, "N", 2.0, (8.0, 100.0)),
+    ):
+        (one,) = ss.critical(of, law, c=c, **without(SCENE, of), within=within)
+        assert one.method == "simulation"
+        there, scene = put_back(law, SCENE, of, one.value)
+        assert ss.pure_slip_damping(there, **scene, method="simulation", rtol=1e-10).value == (
+            pytest.approx(c, rel=1e-8)
+        )
+
+
+def test_a_value_of_the_other_sign_is_found_on_its_side():
+    law = ss.FrictionLaw("mu_s + b*v + a*v^3", parameters=[ss.Parameter("b", positive=False)])
+    law = law.bind(mu_s=0.5, b=-0.2, a=0.1)
+    (by_orbit,) = ss.critical("b", law, c=1.0, **SCENE, method="orbit")
+    (average,) = ss.critical("b", law, c=1.0, V=0.5, N=9.81, method="harmonic")
+    assert by_orbit.value == pytest.approx(average.value, rel=1e-3)
+    assert average.value == pytest.approx(-1.0 / 9.81 - 3 * 0.1 * 0.5**2 * 1.25, rel=1e-12)
+
+
+def test_all_that_a_dense_scan_finds():
+    """By averages over four decades of a parameter, on seeded laws that have up to three."""
+    rng = np.random.default_rng(9)
+    several = 0
+    for _ in range(12):
+        law = ss.laws.two_exponentials.typical(d_1=rng.uniform(0.05, 0.3), d_2=rng.uniform(0.05, 0.3))
+        c = rng.uniform(0.5, 3)
+        scan = np.geomspace(1e-3, 10, 4001)
+        values = ss.slope_average(law, "harmonic")(V=0.5, N=9.81, v_1=scan)
+        expected = np.flatnonzero(np.diff(np.sign(values - c)) != 0)
+        found = ss.critical("v_1", law, c=c, V=0.5, N=9.81, within=(1e-3, 10))
+        assert len(found) == len(expected)
+        for one, place in zip(found, expected, strict=True):
+            assert scan[place] <= one.value <= scan[place + 1]
+            assert ss.pure_slip_damping(law.bind(v_1=one.value), V=0.5, N=9.81, method="harmonic").value == (
+                pytest.approx(c, rel=1e-9)
+            )
+        several += len(found) > 1
+    assert several >= 3
+
+
+def test_linear_and_polynomial_averages_need_no_range():
+    law = ss.FrictionLaw("0.6 - b*v + b^2*v^2*a").bind(a=0.3)
+    roots = ss.critical("b", law, c=0.5, V=0.5, N=9.81, method="equilibrium")
+    # c = N (b - b^2 a) at V = 0.5
+    expected = sorted(np.roots([-9.81 * 0.3, 9.81, -0.5]))
+    assert [one.value for one in roots] == pytest.approx(expected, rel=1e-12)
+    (force,) = ss.critical("N", ss.laws.exponential.typical(), c=1e-9, V=0.5, method="equilibrium")
+    assert force.value == pytest.approx(1e-9 * 9.81 / 1.9700161839504866, rel=1e-12)
+    assert ss.critical("N", ss.laws.coulomb_viscous.typical(), c=1.0, V=0.5, method="equilibrium") == ()
+
+
+def test_the_belt_speed_is_transition_speed():
+    law = ss.laws.exponential.typical()
+    speeds = ss.transition_speed(law, c=2.0, **without(SCENE, "V"), rtol=1e-9)
+    found = ss.critical("V", law, c=2.0, **without(SCENE, "V"), rtol=1e-9)
+    assert [one.value for one in found] == [speed.value for speed in speeds]
+    assert found[0].sensitivity["c"] < 0 < found[0].sensitivity["N"]
+    assert ss.critical("V", law, c=2.0, **without(SCENE, "V"), within=(1.0, 2.0)) == ()
+    (damping,) = ss.critical("c", law, **SCENE, method="orbit")
+    assert damping.value == ss.pure_slip_damping(law, **SCENE, method="orbit").value
+
+
+def test_proved_values_enclose_what_the_orbit_finds():
+    law = ss.laws.exponential.typical()
+    for of in ("V", "mu_s"):
+        given = {"within": (0.3, 0.9), "c": 2.0, **without(SCENE, of)}
+        (orbit,) = ss.critical(of, law, **given, method="orbit", rtol=1e-9)
+        (proof,) = ss.critical(of, law, **given, method="proof", rtol=1e-8)
+        assert float(proof.enclosure.low) < orbit.value < float(proof.enclosure.high)
+        assert proof.error <= 0.5e-8
+        assert "PROVED" in str(proof)
+
+
+@pytest.mark.parametrize(
+    ("of", "given", "message"),
+    [
+        ("mu_x", {"c": 1, "V": 1, "N": 1}, "there is no quantity or parameter 'mu_x'"),
+        ("N", {"c": 1, "V": 1, "N": 1}, "N is what is sought"),
+        ("mu_s", {"V": 1, "N": 1}, r"c must be given to find mu_s: c=\.\.\."),
+        ("k", {"c": 1, "V": 1, "N": 1, "method": "harmonic"}, "both the mass m and the stiffness k"),
+        ("k", {"c": 1, "V": 1, "N": 1, "m": 1, "method": "harmonic"}, "does not depend on k"),
+        ("alpha", {"c": 1, "V": 1, "N": 1, "within": (2, 1)}, "two numbers of one sign, ascending"),
+    ],
+)
+def test_what_cannot_be_found_is_refused(of, given, message):
+    with pytest.raises(ss.InputError, match=message):
+        ss.critical(of, ss.laws.exponential.typical(), **given)
+
+
+@pytest.fixture(scope="module")
+def found():
+    law = ss.laws.exponential.typical(mu_s="0.50(3)")
+    return ss.margins(law, ss.Oscillator(c=2.8, **SCENE), errors={"N": "9.8(2)"}, samples=80)
+
+
+def test_margins_are_the_nearest_critical_values(found):
+    assert not found.stick_slip
+    rows = {row.name: row for row in found.rows}
+    assert set(rows) == {"c", "V", "N", "m", "k", "mu_s", "mu_m", "alpha"}
+    assert rows["c"].below.value == pytest.approx(2.573078879, rel=1e-3)
+    assert rows["c"].above is None
+    assert rows["V"].below.value < 0.5
+    assert rows["V"].change < 0 < rows["N"].change
+    changes = [abs(row.change) for row in found.rows]
+    assert changes == sorted(changes)
+
+
+def test_the_probability_of_stick_slip(found):
+    """To first order the normal distribution's, of both errors; and that of samples beside it."""
+    s = found.threshold.sensitivity
+    spread = math.hypot(0.03 * s["mu_s"], 0.2 * s["N"])
+    below = 0.5 * math.erfc((2.8 - found.threshold.value) / spread / math.sqrt(2))
+    assert found.probability == pytest.approx(below, rel=1e-9)
+    assert 0.1 < below < 0.3
+    share, error = found.sampled
+    assert abs(share - below) < 4 * error
+    assert "probability of stick-slip: 0.1" in str(found) or "probability of stick-slip: 0.2" in str(found)
+    assert found._repr_html_().count("<tr>") == 9

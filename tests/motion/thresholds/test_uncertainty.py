@@ -1,0 +1,152 @@
+"""Standard errors of thresholds: to first order, checked to second, and shared out; against seeded samples."""
+
+import json
+import warnings
+
+import numpy as np
+import pytest
+from uncertainties import correlated_values, ufloat
+
+import stickslip_sym as ss
+from stickslip_sym.motion.thresholds.cubature import shifted
+from stickslip_sym.motion.thresholds.scenes import Scenes
+
+SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+COVARIANCE = [[4e-4, -1.5e-4, 0], [-1.5e-4, 1e-4, 1e-3], [0, 1e-3, 0.04]]
+NAMES = ("mu_s", "mu_m", "alpha")
+
+
+def correlated():
+    """Return the exponential law with parameters as a fit gives them."""
+    values = correlated_values([0.5, 0.2, 3.0], COVARIANCE)
+    return ss.laws.exponential.bind(**dict(zip(NAMES, values, strict=True)))
+
+
+def test_the_first_order_is_that_of_the_sensitivities_and_the_covariance():
+    found = ss.pure_slip_damping(correlated(), **SCENE, method="orbit")
+    s = np.array([found.sensitivity[name] for name in NAMES])
+    assert found.uncertainty == pytest.approx(np.sqrt(s @ np.array(COVARIANCE) @ s), rel=1e-9)
+    independent = correlated().bind(mu_s="0.50(2)", mu_m="0.20(1)", alpha="3.0(2)")
+    assert found.uncertainty > 1.1 * ss.pure_slip_damping(independent, **SCENE, method="orbit").uncertainty
+    plain = ss.pure_slip_damping(ss.laws.exponential.typical(), **SCENE)
+    assert (plain.uncertainty, plain.budget, plain.nonlinearity) == (None, None, 1.0)
+
+
+def test_the_library_propagates_the_same():
+    """Through an average whose formula its arithmetic can follow."""
+    a_1, N = ufloat(0.3, 0.02), ufloat(9.81, 0.4)
+    law = ss.FrictionLaw("mu_s - a_1*v + a_3*v^3").bind(mu_s=0.5, a_1=a_1, a_3="0.100(5)")
+    a_3, V = law.uncertain["a_3"], ufloat(0.4, 0.01)
+    found = ss.pure_slip_damping(law, V=V, N=N, method="equilibrium")
+    by_library = N * (a_1 - 3 * a_3 * V**2)
+    assert found.value == pytest.approx(by_library.nominal_value, rel=1e-12)
+    assert found.uncertainty == pytest.approx(by_library.std_dev, rel=1e-12)
+    for part, name in ((a_1, "a_1"), (a_3, "a_3"), (V, "V"), (N, "N")):
+        assert found.budget.alone[name] == pytest.approx(by_library.error_components()[part], rel=1e-12)
+
+
+def test_shares_add_up_and_say_what_is_correlated():
+    budget = ss.pure_slip_damping(correlated(), **SCENE | {"N": "9.8(3)"}, method="orbit").budget
+    assert sum(budget.shares.values()) == pytest.approx(1, rel=1e-12)
+    assert list(budget.shares.values()) == sorted(budget.shares.values(), reverse=True)
+    pairs = {frozenset(pair): r for *pair, r in budget.correlated}
+    assert pairs == {frozenset(NAMES[:2]): pytest.approx(-0.75), frozenset(NAMES[1:]): pytest.approx(0.5)}
+    assert "mu_s and mu_m (-0.75)" in str(budget)
+    assert budget._repr_html_().count("<tr>") == 5
+    alone = ss.pure_slip_damping(ss.laws.exponential.typical(mu_s="0.50(2)"), **SCENE, method="orbit").budget
+    assert alone.shares == {"mu_s": 1.0}
+    assert "correlated" not in str(alone)
+
+
+def test_the_second_order_is_that_of_samples():
+    """Four quantities, three of them correlated, with large errors."""
+    values = correlated_values([0.5, 0.2, 3.0], 16 * np.array(COVARIANCE))
+    law = ss.laws.exponential.bind(**dict(zip(NAMES, values, strict=True)))
+    found = ss.pure_slip_damping(law, V=ufloat(0.9, 0.18), N=9.81, method="harmonic")
+    rng = np.random.default_rng(7)
+    whole = np.zeros((4, 4))
+    whole[:3, :3], whole[3, 3] = 16 * np.array(COVARIANCE), 0.18**2
+    draws = rng.multivariate_normal([0.5, 0.2, 3.0, 0.9], whole, 40_000)
+    average = ss.slope_average(law, "harmonic")
+    keep = (draws > 0.02).all(axis=1)
+    assert keep.mean() > 0.98
+    sampled = average(N=9.81, **dict(zip((*NAMES, "V"), draws[keep].T, strict=True))).std()
+    ratio = sampled / found.budget.uncertainty
+    assert found.nonlinearity == pytest.approx(ratio, rel=0.03)
+    assert abs(ratio - 1) > 0.03
+
+
+def test_products_and_squares_are_exact_to_second_order():
+    """c = N a, whose variance to second order is known in closed form."""
+    law = ss.FrictionLaw("mu_s - a*v").bind(mu_s=0.5, a=ufloat(0.3, 0.1))
+    found = ss.pure_slip_damping(law, V=0.5, N=ufloat(10.0, 2.0), method="equilibrium")
+    first = 10.0**2 * 0.1**2 + 0.3**2 * 2.0**2
+    assert found.budget.uncertainty == pytest.approx(np.sqrt(first), rel=1e-12)
+    assert found.nonlinearity == pytest.approx(np.sqrt((first + 0.1**2 * 2.0**2) / first), rel=1e-12)
+
+
+def test_where_the_first_order_does_not_serve_it_is_said():
+    law = ss.laws.gaussian.typical(v_s="0.50(10)")  # c has nearly a maximum there
+    found = ss.pure_slip_damping(law, **SCENE | {"V": 0.6}, method="harmonic")
+    with pytest.warns(ss.InputWarning, match=r"times as large to second order"):
+        assert found.uncertainty > 0
+    assert found.nonlinearity > 2
+    wide = ss.pure_slip_damping(ss.laws.exponential.typical(alpha="3.0(20)"), **SCENE, method="orbit")
+    with pytest.warns(ss.InputWarning, match=r"could not be checked .*alpha = -0\.46"):
+        assert wide.uncertainty > 0
+    assert np.isnan(wide.nonlinearity)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert ss.pure_slip_damping(correlated(), **SCENE, method="harmonic").uncertainty > 0
+
+
+def test_arrays_each_with_its_own_error():
+    V = np.array([ufloat(0.3, 0.01), 0.5, ufloat(0.7, 0.03)])
+    found = ss.pure_slip_damping(correlated(), **SCENE | {"V": V}, method="orbit")
+    assert found.uncertainty.shape == found.nonlinearity.shape == (3,)
+    for place, one in enumerate(V):
+        single = ss.pure_slip_damping(correlated(), **SCENE | {"V": one}, method="orbit")
+        assert found.uncertainty[place] == pytest.approx(single.uncertainty, rel=1e-12)
+        assert found.nonlinearity[place] == pytest.approx(single.nonlinearity, rel=1e-7)
+    assert found.budget.shares["V"][1] == 0
+    assert "0.0 to " in str(found.budget)
+
+
+def test_auto_climbs_no_further_than_the_parameters_deserve():
+    certain, uncertain = ss.laws.exponential.typical(), ss.laws.exponential.typical(mu_s="0.50(2)")
+    exact = ss.pure_slip_damping(certain, **SCENE, method="orbit").value
+    for text, method in (("0.5(3)", "least_squares"), ("0.50(2)", "harmonic"), ("0.5000(1)", "second_order")):
+        found = ss.pure_slip_damping(certain.bind(mu_s=text), **SCENE)
+        assert found.method == method
+        assert abs(found.value - exact) < max(0.11 * found.budget.uncertainty, 1e-3 * exact)
+        assert (found.deserved is None) == (method == "second_order")
+    asked = ss.pure_slip_damping(uncertain, **SCENE, rtol=1e-9)
+    assert (asked.method, asked.deserved) == ("orbit", None)
+    assert ss.pure_slip_damping(certain, **SCENE).deserved is None
+
+
+def test_printed_with_both_errors_apart():
+    law = ss.laws.exponential.typical(mu_s="0.50+/-0.02")
+    text = str(ss.pure_slip_damping(law, **SCENE, method="orbit", rtol=1e-12))
+    assert text.startswith("2.57 +/- 0.17 kg/s (parameters) +/- ")
+    assert text.endswith("e-14 (method: orbit)")
+    assert "parameters" not in str(ss.pure_slip_damping(ss.laws.exponential.typical(), **SCENE))
+
+
+def test_what_is_shifted_is_what_was_asked():
+    scenes = shifted(Scenes.of(ss.laws.exponential.typical(), **SCENE), {"mu_s": 0.1, "V": 0.2, "k": -1.0})
+    assert float(scenes.law.values["mu_s"]) == pytest.approx(0.6)
+    assert (scenes.V[0], scenes.N[0], scenes.m[0], scenes.k[0]) == pytest.approx((0.7, 9.81, 1.0, 99.0))
+
+
+def test_the_command_prints_them(run):
+    arguments = ("damping", "exponential", "-p", "mu_s=0.50+/-0.02", "-V", "0.50(1)", "-m", "1", "-k", "100")
+    _, text, _ = run(*arguments)
+    assert text.startswith("c = 2.58 +/- 0.18 kg/s (parameters) +/- ")
+    assert "deserve: rtol = 7.0e-03" in text
+    assert "mu_s      0.02" in text
+    (threshold,) = json.loads(run(*arguments, "--rtol", "1e-8", "--json")[1])["thresholds"]
+    assert threshold["standard_error"]["value"] == pytest.approx(0.1782, rel=1e-3)
+    assert sum(part["share"] for part in threshold["budget"]) == pytest.approx(1)
+    assert threshold["deserved_rtol"] is None
+    assert threshold["second_order_ratio"] == pytest.approx(1, abs=1e-2)
