@@ -15,13 +15,13 @@ import sympy as sp
 
 from paper_checks import wording
 from paper_checks.claims import CLAIMS, Outcome
-from paper_checks.figure_style import svg
 from paper_checks.figures import FIGURES
 from paper_checks.findings import Finding, collect, summary
-from paper_checks.markup import element, prose
 from paper_checks.report_page import claim_rows
 from paper_checks.terminal import table_lines
 from stickslip_sym import InputError
+from stickslip_sym.output.page.elements import element, prose
+from stickslip_sym.output.page.figures import svg
 
 ROOT = Path(__file__).parents[2]
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
