@@ -127,13 +127,10 @@ class _Printer(FormulaPrinter):
             return base
         return super()._print_Symbol(symbol, style)
 
-    def _print_Function(self, expr: Any) -> Any:
-        if not isinstance(expr, sp.core.function.AppliedUndef):
-            return super()._print_Function(expr)
-        name = expr.func.__name__
-        head = self._node("mi", "sgn") if name == "sgn" else super()._print_Symbol(sp.Symbol(name))
-        arguments = [self._node("mo", "("), self._print(expr.args[0]), self._node("mo", ")")]
-        return self._node("mrow", head, *arguments)
+    def _print_AppliedUndef(self, expr: Any) -> Any:
+        if expr.func.__name__ == "sgn":
+            return self._called(self._node("mi", "sgn"), *expr.args)
+        return super()._print_AppliedUndef(expr)
 
     def _print_Derivative(self, expr: Any) -> Any:
         above = self._node("mrow", self._node("mo", "∂"), self._node("mi", expr.expr.func.__name__))

@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from stickslip_sym.comparison.study.plane import plane
-from stickslip_sym.comparison.study.study import Answer, Study
+from stickslip_sym.comparison.study.study import REACH, Answer, Study
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputError, InputWarning, NoClosedForm, StickSlipError
 from stickslip_sym.core.uncertain import UFloat, split
@@ -24,6 +24,7 @@ from stickslip_sym.motion.margins.margins import margins
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.regimes.attractors import regime
 from stickslip_sym.motion.simulation.automaton import simulate
+from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.motion.thresholds.rungs import rungs
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.page.document import now
@@ -33,6 +34,7 @@ __all__ = ["study"]
 _PERIODS = 8  # of free vibration, that the motion is shown for
 _EACH = 20.0  # seconds that one part may take
 _RTOL = 1e-10  # of thresholds
+_LOOSE = 1e-6  # of critical values
 _SAMPLES = 200  # for the probability, where a threshold takes less than a millisecond
 
 Part = TypeVar("Part")
@@ -115,7 +117,9 @@ def study(
         curves = part("plane of c over V", lambda: plane(friction, rest, osc.V))
         found = part(
             "margins",
-            lambda: margins(friction, osc, errors=carried, rtol=1e-6, samples=_SAMPLES if smooth else 0),
+            lambda: margins(
+                friction, osc, errors=carried, rtol=_LOOSE, samples=_SAMPLES if smooth else 0, reach=REACH
+            ),
         )
     doubts = _told(caught)
     return Study(
@@ -179,7 +183,7 @@ def _form(law: FrictionLaw, criterion: str, seconds: float) -> ClosedForm | str:
         return str(error)
 
 
-def _motion(law: FrictionLaw, osc: Oscillator) -> object:
+def _motion(law: FrictionLaw, osc: Oscillator) -> Trajectory:
     return simulate(law, osc, t_end=_PERIODS * 2 * math.pi / osc.omega, x0=0.0, v0=osc.V)
 
 

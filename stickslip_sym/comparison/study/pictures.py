@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip_sym.comparison.study.plane import Plane
 from stickslip_sym.comparison.study.study import Study
@@ -58,7 +59,15 @@ def _law(axes: Any, study: Study) -> None:
     if band is not None:
         axes.fill_between(v, *band, color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
     axes.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=r"$\mu(v)$")
-    axes.axvspan(0, min(2 * V, top), color="0.95", linewidth=0, zorder=0, label="0 to $2V$, which thresholds use")
+    axes.axvspan(
+        0,
+        min(2 * V, top),
+        facecolor="0.93",
+        edgecolor="0.8",
+        linewidth=0.6,
+        zorder=0,
+        label="0 to $2V$",
+    )
     axes.axvline(V, color="black", linestyle=":", linewidth=1, label="belt speed $V$")
     axes.legend(loc="best")
     finish(axes, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$", xlim=(0, top))
@@ -74,7 +83,7 @@ def _points(axes: Any, study: Study) -> None:
     axes.plot(v, mu, ".", color="0.35", markersize=3.5, label="measured")
 
 
-def _band(law: FrictionLaw, v: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+def _band(law: FrictionLaw, v: NDArray[np.float64]) -> tuple[FloatArray, FloatArray] | None:
     """Return the band that the parameters' standard errors give the curve, to first order."""
     if not law.uncertain:
         return None

@@ -60,7 +60,8 @@ def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -
     top = _WIDEST * speed if law.v_max is None else min(_WIDEST * speed, float(law.v_max) / 2)
     grid = np.linspace(top / _POINTS, top, _POINTS)
     averages = {
-        name: np.asarray(pure_slip_damping(law, V=grid, N=given["N"], method=name).value) for name in _AVERAGES
+        name: np.asarray(pure_slip_damping(law, V=grid, N=given["N"], method=name).value)  # type: ignore[arg-type]  # a number with its error
+        for name in _AVERAGES
     }
     if obstacle(law, grid) is None:
         try:

@@ -10,6 +10,7 @@ from stickslip_sym.comparison.study.study import Answer, Study, quantities
 from stickslip_sym.comparison.study.tables import law_section, margins_section, sensitivity_section
 from stickslip_sym.core import symbols
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
+from stickslip_sym.output import printing
 from stickslip_sym.output.page import document
 from stickslip_sym.output.page.elements import Html, element, prose
 from stickslip_sym.output.page.mathml import relation
@@ -18,7 +19,8 @@ from stickslip_sym.output.tables import duration
 __all__ = ["page"]
 
 _STYLE = Path(__file__).with_name("study.css")
-_LONGEST = 120  # operations of a formula that a page shows
+_WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
+_LONGEST = 1500  # characters that are shown at all
 _LONGEST_NAME = 80  # characters of a heading
 _ALT = {
     "law": "Coefficient of friction over slip speed, with measured points and the 95 % band where there are any.",
@@ -41,9 +43,10 @@ def page(study: Study) -> str:
     title = f"Stick–slip study: {_shortened(study.name)}"
     sections = [
         _figures(pictures(study)),
-        element("div", _thresholds(study), _formulas(study), class_="columns"),
-        element("div", sensitivity_section(study), margins_section(study), class_="columns"),
-        element("div", law_section(study), _assumed(study), class_="columns"),
+        element("div", _thresholds(study), law_section(study), class_="columns"),
+        element("div", sensitivity_section(study), margins_section(study), class_="columns second"),
+        _formulas(study),
+        _assumed(study),
     ]
     when = f"{study.time} in {study.seconds:.1f} s"
     footer = document.colophon(when, document.versions("lmfit", "uncertainties"))
@@ -142,11 +145,13 @@ def _formulas(study: Study) -> Html:
 
 
 def _formula(left: sp.Expr, expr: sp.Expr, about: str, **attributes: str) -> Html:
-    size = int(sp.count_ops(expr))
-    if size > _LONGEST:
-        shown = element("p", f"A formula of {size} operations; stickslip derive prints it.", class_="note")
-    else:
+    text = printing.text(expr)
+    if len(text) <= _WIDEST:
         shown = relation(left, "=", expr)
+    elif len(text) <= _LONGEST:
+        shown = element("code", f"{printing.text(left)} = {text}")
+    else:
+        shown = element("p", f"A formula of {len(text)} characters, which stickslip derive prints.", class_="note")
     words = element("span", about, class_="about")
     return element("div", element("div", shown, class_="formulas"), words, class_="equation", **attributes)
 

@@ -19,7 +19,10 @@ from stickslip_sym.motion.thresholds.threshold import Threshold
 from stickslip_sym.output.browser import print_to_pdf
 from stickslip_sym.output.files import write_text
 
-__all__ = ["Answer", "Study"]
+__all__ = ["REACH", "Answer", "Study", "quantities"]
+
+REACH = 3.0
+"""Times a value, and its inverse: where margins are sought; no decision turns on those beyond."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """The tables of a study's page: what the threshold depends on, margins, and the law with its values."""
 
 from stickslip_sym.comparison.study.cells import name, number, percent, with_error
-from stickslip_sym.comparison.study.study import Study
+from stickslip_sym.comparison.study.study import REACH, Study
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.motion.margins.value import Critical
@@ -110,7 +110,9 @@ def margins_section(study: Study) -> Html:
         for row in found.rows
     ]
     state = "below it, so there is stick–slip" if found.stick_slip else "above it, so nothing sticks for good"
-    notes = [_note(f"Where c is just the pure-slip damping, within a factor of 10; as things are c is {state}.")]
+    notes = [
+        _note(f"Where c is just the pure-slip damping, within a factor of {REACH:g}; as things are c is {state}.")
+    ]
     notes += [_note(f"{key}: {why}") for key, why in found.refused.items()]
     if found.probability is not None:
         words = ["Probability of stick–slip ", number(found.probability, ".3g"), " to first order"]

@@ -41,6 +41,9 @@ class FormulaPrinter(MathMLPresentationPrinter):  # type: ignore[misc]  # SymPy 
     def _print_Dummy(self, symbol: Any) -> Any:
         return self._print_Symbol(symbol)
 
+    def _print_AppliedUndef(self, expr: Any) -> Any:
+        return self._called(self._print_Symbol(sp.Symbol(expr.func.__name__)), *expr.args)
+
     def _print_BesselBase(self, expr: Any) -> Any:
         head = self._node("mi", type(expr).__name__[-1].upper())
         return self._called(self._node("msub", head, self._print(expr.order)), expr.argument)
