@@ -35,6 +35,7 @@ _PERIODS = 8  # of free vibration, that the motion is shown for
 _EACH = 20.0  # seconds that one part may take
 _RTOL = 1e-10  # of thresholds
 _LOOSE = 1e-6  # of critical values
+_SHARE = 5  # of the time for margins, that one quantity may take; and of that for thresholds, one rung
 _SAMPLES = 200  # for the probability, where a threshold takes less than a millisecond
 
 Part = TypeVar("Part")
@@ -94,7 +95,8 @@ def study(
     friction.function("numpy")  # refuses a law with parameters that have no value
     friction.at_speeds(np.array([osc.V]))  # and one that was not measured so far
     carried = _carried(errors or {}, osc)
-    refused: dict[str, str] = {}
+    with limited(time_limit):  # refuses what is no time
+        refused: dict[str, str] = {}
     seconds = _EACH if time_limit is None else time_limit
 
     def part(name: str, compute: Callable[[], Part]) -> Part | None:
@@ -109,7 +111,7 @@ def study(
     scene = {name: carried.get(name, getattr(osc, name)) for name in "VNmk"}
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        answers = tuple(_answer(friction, scene, method, seconds) for method in rungs())
+        answers = tuple(_answer(friction, scene, method, seconds / _SHARE) for method in rungs())
         forms = {name: _form(friction, name, seconds) for name in catalogue}
         motions = part("motions", lambda: regime(friction, osc))
         motion = part("motion in time", lambda: _motion(friction, osc))
@@ -118,7 +120,13 @@ def study(
         found = part(
             "margins",
             lambda: margins(
-                friction, osc, errors=carried, rtol=_LOOSE, samples=_SAMPLES if smooth else 0, reach=REACH
+                friction,
+                osc,
+                errors=carried,
+                rtol=_LOOSE,
+                samples=_SAMPLES if smooth else 0,
+                reach=REACH,
+                each=seconds / _SHARE,
             ),
         )
     doubts = _told(caught)
@@ -177,6 +185,8 @@ def _answer(law: FrictionLaw, scene: Mapping[str, float | UFloat], method: str, 
 
 def _form(law: FrictionLaw, criterion: str, seconds: float) -> ClosedForm | str:
     """Return a closed form, without a search by SymPy's integrator, which may take minutes."""
+    if law.curve is not None:
+        return "exact, piece by piece, and too long for a page; derive gives it"
     try:
         return derive(law, criterion, time_limit=max(seconds, 1e-3), search=False)
     except (NoClosedForm, InputError) as error:

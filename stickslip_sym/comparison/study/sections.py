@@ -151,7 +151,7 @@ def _formula(left: sp.Expr, expr: sp.Expr, about: str, **attributes: str) -> Htm
     elif len(text) <= _LONGEST:
         shown = element("code", f"{printing.text(left)} = {text}")
     else:
-        shown = element("p", f"A formula of {len(text)} characters, which stickslip derive prints.", class_="note")
+        shown = element("p", f"A formula of {len(text)} characters; derive gives it.", class_="note")
     words = element("span", about, class_="about")
     return element("div", element("div", shown, class_="formulas"), words, class_="equation", **attributes)
 

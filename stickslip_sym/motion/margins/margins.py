@@ -138,6 +138,7 @@ def margins(
     rtol: float = 1e-3,
     samples: int = 200,
     reach: float = _REACH,
+    each: float | None = None,
     time_limit: float | None = None,
 ) -> Margins:
     """Return how much each quantity and parameter may change, alone, before stick-slip sets in or ends.
@@ -156,6 +157,8 @@ def margins(
         may not be, or which have no threshold, are left out. 0 for none.
     reach : float
         How far changes are looked for: from a value over it to the value times it, above 1.
+    each : float, optional
+        Seconds for the critical values of one quantity, after which it is among the refused.
     time_limit : float, optional
         Seconds of computation after which it is given up.
 
@@ -190,9 +193,12 @@ def margins(
                 continue
             ends = sorted(value * factor for factor in (1 / reach, reach))
             try:
-                found = critical(name, law, **others, method=method, rtol=rtol, within=(ends[0], ends[1]))
+                with deadline.time_limit(each):
+                    found = critical(name, law, **others, method=method, rtol=rtol, within=(ends[0], ends[1]))
             except OutOfTime:
-                raise
+                deadline.check_time()  # raises if it was the limit on all of them
+                refused[name] = f"not found within {each:g} s"
+                continue
             except StickSlipError as error:
                 refused[name] = str(error)
                 continue

@@ -6,12 +6,13 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from stickslip_sym.core.version import __version__
 from stickslip_sym.output.page.elements import Html, element, raw
 
 __all__ = ["colophon", "now", "page", "table", "versions"]
 
 _STYLE = Path(__file__).with_name("page.css")
-_PACKAGES = ("stickslip_sym", "sympy", "mpmath", "numpy", "scipy", "matplotlib")
+_PACKAGES = ("sympy", "mpmath", "numpy", "scipy", "matplotlib")
 
 
 def page(title: str, top: Sequence[Html], sections: Sequence[Html], footer: Html, style: str = "") -> str:
@@ -48,7 +49,7 @@ def _cell(content: str) -> Html:
 
 def versions(*more: str) -> dict[str, str]:
     """Return what computes here: Python, packages and more of them, as far as they are installed, the machine."""
-    found = {"python": platform.python_version()}
+    found = {"python": platform.python_version(), "stickslip_sym": __version__}
     for name in (*_PACKAGES, *more):
         try:
             found[name] = version(name)
