@@ -12,7 +12,7 @@ from stickslip_sym.core.numbers import Number, exact_values, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated
 from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
 from stickslip_sym.model.evaluated import Evaluated
-from stickslip_sym.model.expression.parameters import Parameter, parameter_table
+from stickslip_sym.model.expression.parameters import Parameter, described_by, parameter_table
 from stickslip_sym.model.expression.reading import read_formula
 from stickslip_sym.model.measured.measurements import Measurements, read_measurements
 from stickslip_sym.model.samples import SampledCurve
@@ -72,7 +72,7 @@ class FrictionLaw(Evaluated):
         parameters: Iterable[Parameter] = (),
         validity: str | None = None,
     ) -> None:
-        described = _described(parameters, units)
+        described = described_by(parameters, units)
         table = dict(described)
         self.expr = read_formula(formula, table)
         self.name = name
@@ -115,7 +115,7 @@ class FrictionLaw(Evaluated):
         >>> float(law.substitute(law.static_expr))
         0.6
         """
-        described = _described(parameters, units)
+        described = described_by(parameters, units)
         for known in described.keys() & self.parameters.keys():
             raise InputError(f"the parameter {known!r} has its description already, by the law")
         table = {**self.parameters, **described}
@@ -310,12 +310,6 @@ class FrictionLaw(Evaluated):
         notes = [f"{kind}: {text}" for kind, text in known.items() if text]
         tables = [parameter_table(self.parameters, self.values)] if self.parameters else []
         return markup.block(self.name or "friction law", head, *tables, *notes)
-
-
-def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:
-    """Return the parameters that a user describes, by name."""
-    described = {parameter.name: parameter for parameter in parameters}
-    return described | {key: Parameter(key, unit=unit) for key, unit in (units or {}).items()}
 
 
 def _read_static(static: Any, table: dict[str, Parameter]) -> Any:

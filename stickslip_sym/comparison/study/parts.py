@@ -8,8 +8,9 @@ from typing import TypeVar
 
 import numpy as np
 
+from stickslip_sym.comparison.study.findings import REACH, Answer
 from stickslip_sym.comparison.study.plane import plane
-from stickslip_sym.comparison.study.study import REACH, Answer, Study
+from stickslip_sym.comparison.study.study import Study
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputError, InputWarning, NoClosedForm, StickSlipError
 from stickslip_sym.core.uncertain import UFloat, split

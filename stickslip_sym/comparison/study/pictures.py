@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip_sym.comparison.study.findings import Findings
 from stickslip_sym.comparison.study.plane import Plane
-from stickslip_sym.comparison.study.study import Study
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.regimes.drawing import phase_plane
@@ -26,7 +26,7 @@ _AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "ha
 _HEIGHT = 1.35  # of the plane, over the highest of thresholds at the operating point and its damping
 
 
-def pictures(study: Study) -> dict[str, str]:
+def pictures(study: Findings) -> dict[str, str]:
     """Return the figures as data URIs, by name; one whose part was not found is not among them.
 
     Raises `InputError` if matplotlib is not installed.
@@ -48,7 +48,7 @@ def _figure(draw: Callable[[Any], None]) -> "Figure":
     return figure
 
 
-def _law(axes: Any, study: Study) -> None:
+def _law(axes: Any, study: Findings) -> None:
     law, V = study.law, study.oscillator.V
     top = 2.2 * V if study.measured is None else max(2.2 * V, float(study.measured.v[-1]))
     top = top if law.v_max is None else min(top, float(law.v_max))
@@ -73,7 +73,7 @@ def _law(axes: Any, study: Study) -> None:
     finish(axes, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$", xlim=(0, top))
 
 
-def _points(axes: Any, study: Study) -> None:
+def _points(axes: Any, study: Findings) -> None:
     measured = study.measured
     assert measured is not None
     shown = measured.v <= max(measured.v[-1], 2.2 * study.oscillator.V)
@@ -96,7 +96,7 @@ def _band(law: FrictionLaw, v: NDArray[np.float64]) -> tuple[FloatArray, FloatAr
     return mu - half, mu + half
 
 
-def _plane(axes: Any, study: Study) -> None:
+def _plane(axes: Any, study: Findings) -> None:
     plane, osc = study.plane, study.oscillator
     assert plane is not None
     top = _HEIGHT * _highest(plane, osc.V, osc.c)
@@ -141,7 +141,7 @@ def _regions(axes: Any, plane: Plane) -> None:
             axes.fill_between(plane.V, lower, upper, where=where, label=label, **style)
 
 
-def _time(axes: Any, study: Study) -> None:
+def _time(axes: Any, study: Findings) -> None:
     motion, osc = study.motion, study.oscillator
     assert motion is not None
     _stretches(axes, motion)
@@ -164,7 +164,7 @@ def _stretches(axes: Any, motion: Trajectory) -> None:
         named.add(name)
 
 
-def _phase(axes: Any, study: Study) -> None:
+def _phase(axes: Any, study: Findings) -> None:
     handles = phase_plane(axes, study.regime)
     finish(axes)
     axes.legend(

@@ -5,8 +5,8 @@ from pathlib import Path
 import sympy as sp
 
 from stickslip_sym.comparison.study.cells import name, number, percent, with_error
+from stickslip_sym.comparison.study.findings import Answer, Findings, quantities
 from stickslip_sym.comparison.study.pictures import pictures
-from stickslip_sym.comparison.study.study import Answer, Study, quantities
 from stickslip_sym.comparison.study.tables import law_section, margins_section, sensitivity_section
 from stickslip_sym.core import symbols
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
@@ -38,7 +38,7 @@ _CAPTIONS = {
 }
 
 
-def page(study: Study) -> str:
+def page(study: Findings) -> str:
     """Return the whole page."""
     title = f"Stick–slip study: {_shortened(study.name)}"
     sections = [
@@ -57,7 +57,7 @@ def _shortened(text: str) -> str:
     return text if len(text) <= _LONGEST_NAME else f"{text[: _LONGEST_NAME - 1]}…"
 
 
-def _header(study: Study, title: str) -> Html:
+def _header(study: Findings, title: str) -> Html:
     own = study.errors["c"].std_dev if "c" in study.errors else None
     counts = [_count("damping c", with_error(study.oscillator.c, own), " kg/s")]
     threshold, margins = study.threshold, study.margins
@@ -80,7 +80,7 @@ def _header(study: Study, title: str) -> Html:
     )
 
 
-def _state(study: Study) -> str:
+def _state(study: Findings) -> str:
     if study.regime is None or study.regime.coexist:
         return "either"
     return "rests" if study.regime.stick_slip is None else "sticks"
@@ -103,7 +103,7 @@ def _figures(drawn: dict[str, str]) -> Html:
     return element("section", *figures, class_="pictures")
 
 
-def _thresholds(study: Study) -> Html:
+def _thresholds(study: Findings) -> Html:
     columns = ("method", "c in kg/s", "relative error", "status", "first call")
     note = (
         "The error is the method’s, against the exact threshold: an estimate, and for a proof a bound. What the "
@@ -129,7 +129,7 @@ def _answer(answer: Answer) -> list[str]:
     return [head, *cells, found.status, time]
 
 
-def _formulas(study: Study) -> Html:
+def _formulas(study: Findings) -> Html:
     law, parts = study.law, list[Html]()
     if law.curve is None:
         parts.append(_formula(sp.Function("mu")(symbols.v), law.expr, "friction law", id="formula-law"))
@@ -156,7 +156,7 @@ def _formula(left: sp.Expr, expr: sp.Expr, about: str, **attributes: str) -> Htm
     return element("div", element("div", shown, class_="formulas"), words, class_="equation", **attributes)
 
 
-def _assumed(study: Study) -> Html:
+def _assumed(study: Findings) -> Html:
     sentences = [
         "m x'' + c x' + k x = N mu(V - x'): one mass, one contact; N and V are constant.",
         "The threshold is sought with the mass slower than the belt, from the end of a stick phase.",

@@ -1,7 +1,7 @@
 """The tables of a study's page: what the threshold depends on, margins, and the law with its values."""
 
 from stickslip_sym.comparison.study.cells import name, number, percent, with_error
-from stickslip_sym.comparison.study.study import REACH, Study
+from stickslip_sym.comparison.study.findings import REACH, Findings
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.motion.margins.value import Critical
@@ -31,16 +31,16 @@ def _head(table: str, quantity: str) -> Html:
     return element("th", name(quantity), scope="row", id=f"{table}-{quantity}")
 
 
-def _value(study: Study, key: str) -> float:
+def _value(study: Findings, key: str) -> float:
     return float(study.law.values[key]) if key in study.law.values else float(getattr(study.oscillator, key))
 
 
-def _with_error(study: Study, key: str) -> Html:
+def _with_error(study: Findings, key: str) -> Html:
     carried = study.law.uncertain.get(key) or study.errors.get(key)
     return with_error(_value(study, key), None if carried is None else carried.std_dev)
 
 
-def sensitivity_section(study: Study) -> Html:
+def sensitivity_section(study: Findings) -> Html:
     """Return how the threshold changes with each quantity and parameter, and what their errors do to it."""
     title = "What the threshold depends on"
     threshold = study.threshold
@@ -94,7 +94,7 @@ def _uncertainty(threshold: Threshold) -> list[str]:
     return words
 
 
-def margins_section(study: Study) -> Html:
+def margins_section(study: Findings) -> Html:
     """Return how much each quantity and parameter may change, alone, before stick-slip sets in or ends."""
     found = study.margins
     if found is None:
@@ -128,7 +128,7 @@ def _critical(one: Critical | None) -> Html:
     return _NOTHING if one is None else number(one.value)
 
 
-def law_section(study: Study) -> Html:
+def law_section(study: Findings) -> Html:
     """Return the law: its formula as text, its values, where it is from, and how it was fitted."""
     law, fit = study.law, study.fit
     notes = [f"{law.name}: mu(v) = {law.text}" if law.name else f"mu(v) = {law.text}"]

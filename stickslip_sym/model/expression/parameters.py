@@ -1,7 +1,7 @@
 """`Parameter`: a named number of a friction law, with its meaning, unit and typical value."""
 
 import keyword
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import sympy as sp
@@ -15,7 +15,7 @@ from stickslip_sym.model.expression.units import parse_unit
 from stickslip_sym.output import markup
 from stickslip_sym.output.notation import notation_of
 
-__all__ = ["Parameter", "parameter_table"]
+__all__ = ["Parameter", "described_by", "parameter_table"]
 
 
 class Parameter:
@@ -61,6 +61,12 @@ class Parameter:
 
     def __repr__(self) -> str:
         return f"Parameter({self.name!r}, {self.meaning!r}, unit={self.unit!r}, typical={self.typical!r})"
+
+
+def described_by(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:
+    """Return the parameters that a user describes, by name."""
+    given = {parameter.name: parameter for parameter in parameters}
+    return given | {key: Parameter(key, unit=unit) for key, unit in (units or {}).items()}
 
 
 def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> markup.Markup:
