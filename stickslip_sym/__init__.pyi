@@ -45,6 +45,9 @@ from .motion.maps.basins import BasinMap as BasinMap
 from .motion.maps.basins import basin_map as basin_map
 from .motion.maps.motions import MotionMap as MotionMap
 from .motion.maps.motions import motion_map as motion_map
+from .motion.maps.shares import Share as Share
+from .motion.maps.sweep import BasinSweep as BasinSweep
+from .motion.maps.sweep import basin_sweep as basin_sweep
 from .motion.margins.critical import critical as critical
 from .motion.margins.margins import Margins as Margins
 from .motion.margins.margins import margins as margins

@@ -1,15 +1,19 @@
 """``stickslip critical``: values of one quantity at which the damping just suffices, or margins of all."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip_sym.cli import json_output
-from stickslip_sym.cli.completion import complete_method
-from stickslip_sym.cli.law import LawOptions
-from stickslip_sym.cli.options import AsJson, MaybeOscillator
-from stickslip_sym.cli.reading import read_numbers
+from stickslip_sym.cli.shared import json_output
+from stickslip_sym.cli.shared.completion import complete_method
+from stickslip_sym.cli.shared.law import LawOptions
+from stickslip_sym.cli.shared.options import AsJson, MaybeOscillator
+from stickslip_sym.cli.shared.reading import read_numbers
 from stickslip_sym.model.operating_point import PAPER
+
+if TYPE_CHECKING:
+    from stickslip_sym.model.law import FrictionLaw
+    from stickslip_sym.motion.margins.value import Critical
 
 __all__ = ["critical"]
 
@@ -21,7 +25,7 @@ def critical(
     ],
     law: LawOptions,
     scene: MaybeOscillator,
-    c: Annotated[str | None, typer.Option("-c", metavar="KG/S", help="Damping.")] = None,
+    damping: Annotated[str | None, typer.Option("-c", metavar="KG/S", help="Damping.")] = None,
     method: Annotated[
         str,
         typer.Option(
@@ -48,9 +52,10 @@ def critical(
     from stickslip_sym.motion.margins.critical import critical as critical_values
 
     bound = law.bound()
-    defaults = {"V": PAPER["V"], "N": PAPER["N"]} | (PAPER if of in ("m", "k", "all") else {})
-    given = scene.texts({name: text for name, text in defaults.items() if name != of})
-    texts = given if c is None else given | {"c": c}
+    names = ("V", "N", "m", "k") if of in ("m", "k", "all") else ("V", "N")
+    texts = scene.texts({name: PAPER[name] for name in names if name != of})
+    if damping is not None:
+        texts["c"] = damping
     numbers = read_numbers({key: nominal_text(text, key) for key, text in texts.items()})
     if "c" not in numbers and of != "c":
         raise InputError("the damping is what all but c is sought for; give -c ...")
@@ -58,7 +63,7 @@ def critical(
     if of == "all":
         _print_margins(bound, texts, numbers, method, rtol, limit, as_json)
         return
-    ends: Any = None
+    ends: tuple[float, float] | None = None
     if within is not None:
         low, colon, high = within.partition(":")
         if not colon:
@@ -78,7 +83,7 @@ def critical(
         typer.echo("\n".join(map(str, found)) or f"there is no such value of {of}")
 
 
-def _as_json(one: Any) -> dict[str, Any]:
+def _as_json(one: "Critical") -> json_output.Json:
     return {
         "value": json_output.quantity(one.value, one.unit),
         "method": one.method,
@@ -89,7 +94,13 @@ def _as_json(one: Any) -> dict[str, Any]:
 
 
 def _print_margins(
-    law: Any, texts: dict[str, str], numbers: dict[str, float], method: str, rtol: float, limit: Any, as_json: bool
+    law: "FrictionLaw",
+    texts: dict[str, str],
+    numbers: dict[str, float],
+    method: str,
+    rtol: float,
+    limit: float | None,
+    as_json: bool,
 ) -> None:
     from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.motion.margins.margins import margins

@@ -1,15 +1,15 @@
 """``stickslip damping``: the threshold to a tolerance, or every rung of the ladder."""
 
-from typing import TYPE_CHECKING, Annotated, Union
+from typing import TYPE_CHECKING, Annotated, Union, cast
 
 import typer
 
-from stickslip_sym.cli import json_output
-from stickslip_sym.cli.completion import complete_method
-from stickslip_sym.cli.law import LawOptions
-from stickslip_sym.cli.options import AsJson, MaybeOscillator
-from stickslip_sym.cli.reading import read_numbers
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.cli.shared import json_output
+from stickslip_sym.cli.shared.completion import complete_method
+from stickslip_sym.cli.shared.law import LawOptions
+from stickslip_sym.cli.shared.options import AsJson, MaybeOscillator
+from stickslip_sym.cli.shared.reading import read_numbers
+from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.operating_point import PAPER
 
@@ -84,8 +84,7 @@ def damping(
         ]
         typer.echo(table(["method", "c in kg/s", "relative error", "status", "time"], rows))
     else:
-        threshold = found[method][0]
-        assert not isinstance(threshold, StickSlipError)
+        threshold = cast("Threshold", found[method][0])
         typer.echo(str(threshold) if threshold.budget is None else _with_budget(threshold))
         if threshold.theorem is not None:
             typer.echo(f"\n{threshold.theorem}")

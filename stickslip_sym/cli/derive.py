@@ -7,11 +7,17 @@ from typing import TYPE_CHECKING, Annotated, Union
 
 import typer
 
-from stickslip_sym.cli import json_output
-from stickslip_sym.cli.law import LawOptions
-from stickslip_sym.cli.options import SECONDS, AsJson, CriteriaName, SceneOptions, TimeLimit, file_option
-from stickslip_sym.cli.reading import check_size, chosen_criteria, progress_bar, read_exact, require_writable
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.cli.shared import json_output
+from stickslip_sym.cli.shared.law import LawOptions
+from stickslip_sym.cli.shared.options import SECONDS, AsJson, CriteriaName, SceneOptions, TimeLimit, file_option
+from stickslip_sym.cli.shared.reading import (
+    check_size,
+    chosen_criteria,
+    progress_bar,
+    read_exact,
+    require_writable,
+)
+from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.core.errors import InputError, NoClosedForm
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stickslip_sym.cli.derive import derived
-from stickslip_sym.cli.law import Description
-from stickslip_sym.cli.options import SECONDS, CriteriaName, TimeLimit, file_option
-from stickslip_sym.cli.reading import assignments, chosen_criteria, require_writable
+from stickslip_sym.cli.shared.law import Description
+from stickslip_sym.cli.shared.options import SECONDS, CriteriaName, TimeLimit, file_option
+from stickslip_sym.cli.shared.reading import assignments, chosen_criteria, require_writable
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.formula.code.languages import DESCRIPTIONS
 

@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
-from stickslip_sym.cli import json_output
-from stickslip_sym.cli.completion import complete_law
-from stickslip_sym.cli.options import AsJson
-from stickslip_sym.cli.reading import assignments, progress_bar, require_writable
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.cli.shared import json_output
+from stickslip_sym.cli.shared.completion import complete_law
+from stickslip_sym.cli.shared.options import AsJson
+from stickslip_sym.cli.shared.reading import assignments, progress_bar, require_writable
+from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.core.errors import InputError
 
 __all__ = ["fit", "laws_to_fit", "progress_of_laws"]

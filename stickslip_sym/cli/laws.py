@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip_sym.cli import json_output
-from stickslip_sym.cli.completion import complete_law
 from stickslip_sym.cli.derive import Found, derived
-from stickslip_sym.cli.options import AsJson
-from stickslip_sym.cli.reading import chosen_criteria
+from stickslip_sym.cli.shared import json_output
+from stickslip_sym.cli.shared.completion import complete_law
+from stickslip_sym.cli.shared.options import AsJson
+from stickslip_sym.cli.shared.reading import chosen_criteria
 from stickslip_sym.core.errors import NoClosedForm
 
 if TYPE_CHECKING:

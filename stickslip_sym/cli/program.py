@@ -17,12 +17,12 @@ from stickslip_sym.cli.export import export
 from stickslip_sym.cli.fit import fit
 from stickslip_sym.cli.laws import laws
 from stickslip_sym.cli.map import motion_map
-from stickslip_sym.cli.options import spread_out
-from stickslip_sym.cli.reading import Command
+from stickslip_sym.cli.shared.options import spread_out
+from stickslip_sym.cli.shared.reading import Command
+from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.cli.simulate import simulate
 from stickslip_sym.cli.study import study
 from stickslip_sym.cli.tradeoff import tradeoff
-from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 
 # Everything that needs SymPy is imported by the command that uses it: help must come at once.

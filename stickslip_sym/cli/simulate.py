@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip_sym.cli import json_output
-from stickslip_sym.cli.law import LawOptions
-from stickslip_sym.cli.options import AsJson, Overwrite, SceneOptions, file_option
-from stickslip_sym.cli.reading import read_numbers, require_new, require_writable
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.cli.shared import json_output
+from stickslip_sym.cli.shared.law import LawOptions
+from stickslip_sym.cli.shared.options import AsJson, Overwrite, SceneOptions, file_option
+from stickslip_sym.cli.shared.reading import read_numbers, require_new, require_writable
+from stickslip_sym.cli.shared.words import in_options
 
 if TYPE_CHECKING:
     from stickslip_sym.model.law import FrictionLaw

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stickslip_sym.cli.fit import laws_to_fit, progress_of_laws
-from stickslip_sym.cli.law import LawOptions
-from stickslip_sym.cli.options import SceneOptions, file_option
-from stickslip_sym.cli.reading import read_numbers, require_writable
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.cli.shared.law import LawOptions
+from stickslip_sym.cli.shared.options import SceneOptions, file_option
+from stickslip_sym.cli.shared.reading import read_numbers, require_writable
+from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:

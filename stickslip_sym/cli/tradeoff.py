@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip_sym.cli import json_output
-from stickslip_sym.cli.law import LawOptions
-from stickslip_sym.cli.options import LOW_SPEED, AsJson, CriterionName, LowSpeedScene, file_option
-from stickslip_sym.cli.reading import read_exact, read_numbers, require_writable
+from stickslip_sym.cli.shared import json_output
+from stickslip_sym.cli.shared.law import LawOptions
+from stickslip_sym.cli.shared.options import LOW_SPEED, AsJson, CriterionName, LowSpeedScene, file_option
+from stickslip_sym.cli.shared.reading import read_exact, read_numbers, require_writable
 from stickslip_sym.model.operating_point import PAPER
 
 if TYPE_CHECKING:

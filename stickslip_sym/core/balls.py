@@ -1,8 +1,8 @@
 """SymPy expressions as functions of balls: complex numbers with a radius, in Arb's arithmetic.
+
 A ball function returns a ball that holds every value which the expression takes on its argument. Only the nodes
 of a closed list are translated. Where Arb integrates it asks whether a function is analytic on a whole ball: a
-branch cut that is not reported gives a tight ball around a wrong number, so each function that has one looks for
-it.
+branch cut that is not reported gives a tight ball around a wrong number, so each function with one looks for it.
 """
 
 import operator
@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import reduce
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 import sympy as sp
 from flint import acb, arb, arb_series, ctx, fmpq
@@ -98,7 +98,12 @@ def ball_function(expr: Expr, variable: Expr, point: Mapping[Expr, Expr]) -> Bal
 def series_function(expr: Expr, variable: Expr, point: Mapping[Expr, Expr]) -> Callable[[arb_series], arb_series]:
     """Return an expression as a function of a power series, with balls for coefficients; as `ball_function`."""
     function = _SERIES.translated(expr, variable, {symbol: ball(value) for symbol, value in point.items()})
-    return lambda series: function(series, False)
+
+    def of_series(series: arb_series) -> arb_series:
+        value = function(series, False)
+        return arb_series([value], prec=ctx.cap) if isinstance(value, arb) else value
+
+    return of_series
 
 
 def _chosen(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
@@ -147,10 +152,8 @@ class _Arithmetic(Generic[Z]):
         kind = sp.exp if expr.is_Pow else type(expr)
         if kind not in self.functions:
             raise InputError(f"{kind.__name__} is not among the functions that are enclosed")
-        function, inner = (
-            self.functions[kind],
-            self.translated(expr.exp if expr.is_Pow else expr.args[0], variable, values),
-        )
+        function, argument = self.functions[kind], expr.exp if expr.is_Pow else expr.args[0]
+        inner = self.translated(argument, variable, values)
         return lambda z, analytic: function(inner(z, analytic), analytic)
 
     def _folded(self, expr: Expr, variable: Expr, values: Mapping[Expr, acb]) -> Callable[[Z, bool], Z]:
@@ -239,7 +242,8 @@ _SERIES: _Arithmetic[arb_series] = _Arithmetic(
         }.items()
     },
     lambda z, exponent, analytic: (z.log() * exponent.real).exp(),
-    lambda z: arb_series([z.real], prec=ctx.cap),
+    # A number, which joins any series: a series of it would keep for good the number of terms of the moment.
+    lambda z: cast(arb_series, z.real),
 )  # fmt: skip
 _NUMBERS: dict[Expr, Callable[[], acb]] = {
     sp.pi: acb.pi,

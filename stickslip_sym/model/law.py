@@ -6,14 +6,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Self
 
-from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, exact_values, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated
 from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
 from stickslip_sym.model.evaluated import Evaluated
 from stickslip_sym.model.expression.parameters import Parameter, described_by, parameter_table
-from stickslip_sym.model.expression.reading import read_formula
+from stickslip_sym.model.expression.reading import read_formula, read_static
 from stickslip_sym.model.measured.measurements import Measurements, read_measurements
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.output import markup, printing
@@ -78,7 +77,7 @@ class FrictionLaw(Evaluated):
         self.name = name
         self.source = source
         self.validity = validity
-        self.static = None if static is None else _read_static(static, table)
+        self.static = None if static is None else read_static(static, table)
         self._values: dict[str, Any] = {}
         self._uncertain: dict[str, UFloat] = {}
         self._parameters = self._used(table)
@@ -120,7 +119,7 @@ class FrictionLaw(Evaluated):
             raise InputError(f"the parameter {known!r} has its description already, by the law")
         table = {**self.parameters, **described}
         law = copy.copy(self)
-        law.static = None if static is None else _read_static(static, table)
+        law.static = None if static is None else read_static(static, table)
         law._parameters = law._used(table)
         for unused in described.keys() - law._parameters.keys():
             raise InputError(f"the parameter {unused!r} does not occur in the static coefficient or the law")
@@ -310,10 +309,3 @@ class FrictionLaw(Evaluated):
         notes = [f"{kind}: {text}" for kind, text in known.items() if text]
         tables = [parameter_table(self.parameters, self.values)] if self.parameters else []
         return markup.block(self.name or "friction law", head, *tables, *notes)
-
-
-def _read_static(static: Any, table: dict[str, Parameter]) -> Any:
-    read = read_formula(static, table, constant=True)
-    if read.has(symbols.v):
-        raise InputError("the static coefficient is one number; it cannot depend on v")
-    return read

@@ -12,7 +12,8 @@ from commands import inside, shell, stickslip
 from systems import FOLDER_OPENED, needs_posix_shell
 
 from stickslip_sym import Status, load
-from stickslip_sym.cli import law, program
+from stickslip_sym.cli import program
+from stickslip_sym.cli.shared import law
 from stickslip_sym.formula.derivation.steps import Derivation
 
 

@@ -15,8 +15,9 @@ from commands import read_json, run, shell
 from systems import WINDOWS, needs_posix_shell
 
 import stickslip_sym as ss
-from stickslip_sym.cli import completion, json_output, options, program, reading, tradeoff
-from stickslip_sym.cli.law import Description, LawOptions
+from stickslip_sym.cli import program, tradeoff
+from stickslip_sym.cli.shared import completion, json_output, options, reading
+from stickslip_sym.cli.shared.law import Description, LawOptions
 from stickslip_sym.comparison.tradeoff import Way
 from stickslip_sym.motion.thresholds import rungs
 
@@ -48,7 +49,7 @@ def test_every_command_is_tried_here():
 def test_every_command_of_one_law_has_all_options_of_a_law_and_a_scene():
     commands = typer.main.get_command(program.app).commands
     one_law = [name for name, command in commands.items() if any("--from-csv" in p.opts for p in command.params)]
-    assert one_law == ["derive", "damping", "simulate", "map", "tradeoff"]
+    assert one_law == ["derive", "damping", "critical", "simulate", "map", "tradeoff"]
     wanted = {field.name for group in (LawOptions, options.SceneOptions) for field in dataclasses.fields(group)}
     for name in one_law:
         assert wanted <= {parameter.name for parameter in commands[name].params}
@@ -216,7 +217,7 @@ def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys, tmp_path):
 
     monkeypatch.chdir(tmp_path)
     (tmp_path / "disc.csv").write_text(DISC)
-    for function in ("cli.json_output.echo", "core.numbers.exact", "model.law.FrictionLaw.typical"):
+    for function in ("cli.shared.json_output.echo", "core.numbers.exact", "model.law.FrictionLaw.typical"):
         monkeypatch.setattr(f"stickslip_sym.{function}", interrupt)
     code, out, err = run(monkeypatch, capsys, name, *COMMANDS[name])
     assert (code, out, err.strip()) == (130, "", "")

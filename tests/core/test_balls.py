@@ -6,7 +6,7 @@ import threading
 import mpmath
 import pytest
 import sympy as sp
-from flint import acb, arb, ctx
+from flint import acb, arb, arb_series, ctx
 
 import stickslip_sym as ss
 from stickslip_sym.core import balls
@@ -146,3 +146,17 @@ def test_choices_within_choices():
         point = {name: sp.Rational(rng.randint(1, 9), 7) for name in (a, b, c)}
         expr = sp.Min(2 * a, sp.Max(b, c)) + sp.Max(a, sp.Min(b, sp.Piecewise((a, a < c), (2 * c, True))))
         assert (7 * balls.ball_value(expr, point).real).contains(int(7 * expr.xreplace(point)))
+
+
+def test_a_series_has_as_many_terms_as_are_asked_for_when_it_is_called():
+    """Also where its function was made while fewer were."""
+    w, a = sp.symbols("w a")
+    for expr in (a + sp.exp(-a * w), a * sp.exp(w) - w**2 / a, (w + a) / (1 + w), a + sp.tanh(w + a)):
+        found = []
+        for terms in (3, 12):
+            with balls.working_precision(100, terms):
+                function = balls.series_function(expr, w, {a: sp.Rational(1, 3)})
+            with balls.working_precision(100, 12):
+                found.append(function(arb_series([arb(1) / 7, 1])).coeffs())
+        assert len(found[0]) == len(found[1]) == 12
+        assert all(one.overlaps(other) for one, other in zip(*found, strict=True))

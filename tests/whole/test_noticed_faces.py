@@ -12,7 +12,7 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.cli.reading import LARGEST, check_size
+from stickslip_sym.cli.shared.reading import LARGEST, check_size
 from stickslip_sym.comparison.crosscheck import crosscheck
 from stickslip_sym.core import deadline, lambdify, lerch
 from stickslip_sym.core.numbers import exact

@@ -63,12 +63,6 @@ class Parameter:
         return f"Parameter({self.name!r}, {self.meaning!r}, unit={self.unit!r}, typical={self.typical!r})"
 
 
-def described_by(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:
-    """Return the parameters that a user describes, by name."""
-    given = {parameter.name: parameter for parameter in parameters}
-    return given | {key: Parameter(key, unit=unit) for key, unit in (units or {}).items()}
-
-
 def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> markup.Markup:
     """Return the parameters of a law, with the values that they have, as HTML."""
     names = notation_of(parameters)
@@ -105,3 +99,9 @@ def _check_name(name: str) -> None:
         )
     if any(name in names for names in (FUNCTIONS, KINKED, CONSTANTS, ALIASES, INSTEAD, ("Piecewise",))):
         raise InputError(f"{name!r} is the name of a function or a constant; rename the parameter")
+
+
+def described_by(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:
+    """Return the parameters that a user describes, by name."""
+    described = {parameter.name: parameter for parameter in parameters}
+    return described | {key: Parameter(key, unit=unit) for key, unit in (units or {}).items()}

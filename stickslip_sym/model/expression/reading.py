@@ -15,7 +15,7 @@ from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.parsing import FUNCTIONS, MAX_BITS, parse_expression
 from stickslip_sym.model.expression.pieces import Bound, absolute, in_pieces, larger, sign, smaller
 
-__all__ = ["read_formula"]
+__all__ = ["read_formula", "read_static"]
 
 MAX_POWER_OF_V = 24
 MAX_POWER_OF_SUM = 16
@@ -155,3 +155,11 @@ def _bound(relation: Any, symbol: Callable[[str], Any]) -> Bound | None:
                 symbol("v")
                 return Bound(side, _rebuild(place, symbol), strict)
     raise InputError(f"the pieces of a law end at v < place or v > place; got {relation}")
+
+
+def read_static(static: Any, table: dict[str, Parameter]) -> Any:
+    """Read a static coefficient, as `read_formula` reads a coefficient; it does not depend on v."""
+    read = read_formula(static, table, constant=True)
+    if read.has(symbols.v):
+        raise InputError("the static coefficient is one number; it cannot depend on v")
+    return read

@@ -13,7 +13,7 @@ from stickslip_sym.core.numbers import read_array, real, suggestion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 
-__all__ = ["SCENE", "Axis", "AxisValues", "fixed_values", "read_axes", "read_values", "require_few"]
+__all__ = ["SCENE", "Axis", "AxisValues", "fixed_values", "read_axes", "read_axis", "read_values", "require_few"]
 
 AxisValues = tuple[str, ArrayLike]
 """The name of an axis, and its values."""
@@ -59,7 +59,7 @@ def read_axes(law: FrictionLaw, x: AxisValues, y: AxisValues) -> tuple[Axis, Axi
 
     Raises `InputError` for an unknown name, the same one twice, unusable values, or too many cells.
     """
-    axes = _axis(law, "x", x), _axis(law, "y", y)
+    axes = read_axis(law, "x", x), read_axis(law, "y", y)
     if axes[0].name == axes[1].name:
         raise InputError(f"both axes are {axes[0].name}; take another quantity for one of them")
     require_few(*(axis.values.size for axis in axes))
@@ -72,7 +72,11 @@ def require_few(columns: int, rows: int) -> None:
         raise InputError(f"{columns} x {rows} cells are more than {_MOST_CELLS}; take fewer values on an axis")
 
 
-def _axis(law: FrictionLaw, side: str, given: AxisValues) -> Axis:
+def read_axis(law: FrictionLaw, side: str, given: AxisValues) -> Axis:
+    """Return an axis given as a name and its values; `side` is how an error calls it.
+
+    Raises `InputError` for an unknown name, or unusable values.
+    """
     if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != 2 or not isinstance(given[0], str):
         raise InputError(
             f'{side} is a name and its values, such as {side}=("V", [0.1, 0.2]), got {str(given)[:60]}'

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import FloatArray, ObjectArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.content import law_of_text, text_of_law
@@ -17,6 +17,8 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, read_values, require_few
 from stickslip_sym.motion.maps.cells import MOTIONS
 from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Plain, Progress, collect
+from stickslip_sym.motion.maps.shares import Share, counted_shares, shares_of
+from stickslip_sym.motion.maps.sides import FINEST, sides_of
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify
@@ -26,6 +28,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["BasinMap", "basin_map"]
+
+_CHECKED = 200  # starts that are simulated although geometry settles them
+_SEED = 1  # of their choice
 
 
 @dataclass(frozen=True, repr=False)
@@ -42,8 +47,15 @@ class BasinMap(drawing.Drawn):
         A row for each v0, a column for each x0.
     regime : Regime
         The attractors, and the separatrices of their basins.
+    share : dict of Motion to Share
+        The part of the box of starts, from the lowest x0 and v0 to the highest, that leads to each motion: by the
+        areas inside the separatrices, or counted where geometry does not settle them.
+    simulated : int
+        How many starts were simulated: those that geometry does not settle, and a sample of the others as a check.
+    disagreements : int
+        How many of the sample lead elsewhere than geometry says; the simulated motion stands.
     notes : dict of (int, int) to str
-        By row and column, why a start failed.
+        By row and column, why a start failed, or what geometry said where it disagrees.
     """
 
     x0: FloatArray
@@ -52,6 +64,9 @@ class BasinMap(drawing.Drawn):
     oscillator: Oscillator
     motion: ObjectArray
     regime: Regime
+    share: dict[Motion, Share]
+    simulated: int
+    disagreements: int
     notes: dict[tuple[int, int], str]
 
     def count(self) -> dict[Motion, int]:
@@ -60,12 +75,14 @@ class BasinMap(drawing.Drawn):
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{n} {motion.value}" for motion, n in self.count().items())
-        return f"BasinMap: {self._place()}; {counts}"
+        doubt = f"; {self.disagreements} simulated ones disagree with geometry" if self.disagreements else ""
+        return f"BasinMap: {self._place()}; {counts}; {self.simulated} simulated{doubt}"
 
     def _repr_html_(self) -> str:
-        rows = [[motion.value, str(n)] for motion, n in self.count().items()]
-        table = markup.table(["motion", "starts"], rows, caption=self._place())
-        return markup.block(drawing.picture(self.plot, self._place()), table)
+        rows = [[motion.value, str(n), str(self.share.get(motion, ""))] for motion, n in self.count().items()]
+        table = markup.table(["motion", "starts", "share of the box"], rows, caption=self._place())
+        doubt = [f"{self.disagreements} simulated starts disagree with geometry"] if self.disagreements else []
+        return markup.block(drawing.picture(self.plot, self._place()), table, *doubt)
 
     def _place(self) -> str:
         x0, v0 = Axis("x0", self.x0, "m", ""), Axis("v0", self.v0, "m/s", "")
@@ -117,6 +134,10 @@ def basin_map(
 ) -> BasinMap:
     """Return the motion that each start leads to, also starts faster than the belt.
 
+    Motions do not cross in the plane of x and x', so the side of the separatrices that a start lies on tells where
+    it leads. Simulated are starts within the error of a separatrix, all of them where jumps of mu or motions
+    without bound leave geometry undecided, and a seeded sample of 200 as a check.
+
     Parameters
     ----------
     law : FrictionLaw
@@ -146,28 +167,63 @@ def basin_map(
     rtol = read_rtol(rtol)
     places, speeds = read_values("x0", x0), read_values("v0", v0)
     require_few(places.size, speeds.size)
-    request = {"law": text_of_law(law), "oscillator": asdict(osc), "x0": places.tolist(), "rtol": rtol}
-    tasks = [request | {"v0": speed} for speed in speeds.tolist()]
+    request = {"law": text_of_law(law), "oscillator": asdict(osc), "rtol": rtol}
     with deadline.time_limit(time_limit):
-        found = regime(law, osc, rtol=rtol)
+        found = regime(law, osc, rtol=FINEST)
+        sides = sides_of(law, osc, found)
+        settled = np.full((speeds.size, places.size), -1) if sides is None else sides.motions(places, speeds)
+        chosen = (settled < 0) | _sample(settled)
+        rows = np.flatnonzero(chosen.any(axis=1))
+        tasks = [request | {"v0": float(speeds[row]), "x0": places[chosen[row]].tolist()} for row in rows]
         lines = collect(classify_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
-    motion = np.array([[MOTIONS[entry] for entry in line["motion"]] for line in lines], dtype=object)
-    notes = {(row, column): text for row, line in enumerate(lines) for column, text in line["notes"]}
-    if len(notes) == motion.size and not any(line[UNFINISHED] for line in lines):
+        share = None
+        if sides is not None and min(places.size, speeds.size) > 1:
+            box = (float(places[0]), float(places[-1])), (float(speeds[0]), float(speeds[-1]))
+            share = shares_of(law, osc, found, sides, *box)
+    index, notes, disagreements = settled.copy(), dict[tuple[int, int], str](), 0
+    for row, line in zip(rows.tolist(), lines, strict=True):
+        columns = np.flatnonzero(chosen[row])
+        index[row, columns] = line["motion"]
+        notes |= {(row, int(columns[place])): text for place, text in line["notes"]}
+        for column in columns[(settled[row, columns] >= 0) & (settled[row, columns] != line["motion"])].tolist():
+            if (row, column) not in notes:
+                disagreements += 1
+                notes[row, column] = f"geometry says {MOTIONS[settled[row, column]].value}"
+    if len(notes) - disagreements == index.size and not any(line[UNFINISHED] for line in lines):
         raise NotConverged(f"every start failed, the first one since {notes[0, 0]}")
-    return BasinMap(places, speeds, law, osc, motion, found, notes)
+    motion = np.array(MOTIONS, dtype=object)[index]
+    return BasinMap(
+        places,
+        speeds,
+        law,
+        osc,
+        motion,
+        found,
+        share or counted_shares(index),
+        int(chosen.sum()),
+        disagreements,
+        notes,
+    )
+
+
+def _sample(settled: IntArray) -> BoolArray:
+    """Return which of the starts that geometry settles are simulated as a check."""
+    chosen = np.zeros(settled.shape, dtype=bool)
+    known = np.flatnonzero(settled >= 0)
+    chosen.flat[np.random.default_rng(_SEED).choice(known, min(known.size, _CHECKED), replace=False)] = True
+    return chosen
 
 
 def classify_line(task: Plain) -> Plain:
-    """Classify the starts of one line of a basin map: plain content in, plain content out."""
+    """Classify starts of one line of a basin map: plain content in, plain content out."""
     law, osc = law_of_text(task["law"]), Oscillator(**task["oscillator"])
     motion, notes, unfinished = [], [], False
-    for column, x0 in enumerate(task["x0"]):
+    for place, x0 in enumerate(task["x0"]):
         try:
             deadline.check_time()
             found = classify(law, osc, x0=x0, v0=task["v0"], rtol=task["rtol"])
         except StickSlipError as error:
             found, unfinished = Motion.UNDECIDED, unfinished or isinstance(error, OutOfTime)
-            notes.append([column, str(error)])
+            notes.append([place, str(error)])
         motion.append(MOTIONS.index(found))
     return {"motion": motion, "notes": notes, UNFINISHED: unfinished}

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.path import Path
 
-__all__ = ["Region", "draw_basins", "draw_map", "edges", "regions_of"]
+__all__ = ["Region", "draw_basins", "draw_map", "draw_sweep", "edges", "regions_of"]
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,7 @@ _CURVES = {
     "equilibrium": ("threshold of the equilibrium", ":", "black"),
     "least_squares": ("least-squares criterion", "--", "#0072B2"),
 }
+_CHANGES = {"Hopf": ":", "graze": "-", "fold": "--"}
 _LOGARITHMIC = 30.0  # ratio of an axis's ends from which equal ratios are drawn as equal steps
 
 
@@ -104,6 +105,37 @@ def draw_basins(found: Any) -> "Figure":
     handles.append(Line2D([], [], color="black", linestyle=":", linewidth=1.0, label="belt speed"))
     axes.set(xlabel="initial displacement x (m)", ylabel="initial velocity x' (m/s)")
     _title(axes, found.law, asdict(found.oscillator))
+    return _with_legend(figure, handles)
+
+
+def draw_sweep(found: Any) -> "Figure":
+    """Return the figure of the shares of a box of starts over a quantity, with the places of birth and death."""
+    figure, axes = _figure()
+    present = [motion for motion in _MOTIONS if motion in found.share]
+    values, shares = found.axis.values, np.array([found.share[motion] for motion in present])
+    for change in found.changes:  # at which shares may jump
+        place = int(np.searchsorted(values, change.value))
+        sides = shares[:, [max(place - 1, 0), min(place, values.size - 1)]]
+        values = np.insert(values, place, [change.value] * 2)
+        shares = np.insert(shares, [place, place], sides, axis=1)
+    edges = np.vstack([np.zeros(shares.shape[1]), np.cumsum(shares, axis=0)])
+    handles: list[Artist] = []
+    for motion, low, high in zip(present, edges, edges[1:], strict=False):
+        kind = _MOTIONS[motion]
+        handles.append(
+            axes.fill_between(
+                values, low, high, label=kind.name, facecolor=kind.color, hatch=kind.hatch, edgecolor="0.25",
+                linewidth=0.5,
+            )
+        )  # fmt: skip
+    for change in found.changes:
+        axes.axvline(change.value, color="black", linestyle=_CHANGES[change.kind], linewidth=1.4)
+        axes.annotate(
+            f"{change.kind} {change.value:.6g}", (change.value, 0.02), rotation=90, fontsize=8, va="bottom",
+            ha="right", backgroundcolor=(1, 1, 1, 0.7),
+        )  # fmt: skip
+    axes.set(xlabel=found.axis.label, ylabel="share of the box of starts", ylim=(0, 1))
+    axes.set_xlim(found.axis.values[0], found.axis.values[-1])
     return _with_legend(figure, handles)
 
 

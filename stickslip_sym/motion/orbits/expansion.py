@@ -216,7 +216,7 @@ class Tangent:
     second: FloatArray
 
 
-def tangents(law: FrictionLaw, V: FloatArray, names: Sequence[str]) -> tuple[Expansion, dict[str, Tangent]]:
+def tangents(law: FrictionLaw, V: ArrayLike, names: Sequence[str]) -> tuple[Expansion, dict[str, Tangent]]:
     """Return the expansion of grazing orbits, and its exact derivatives.
 
     The expansion is a polynomial in the slopes on the grid, of the first and the third order; its differential is

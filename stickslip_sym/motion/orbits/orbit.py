@@ -16,12 +16,11 @@ Every term with friction enters as a small one, so weak friction loses no digits
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import FloatArray, Rows
+from stickslip_sym.core.aliases import FloatArray, IntArray, Rows
 from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 from stickslip_sym.motion.orbits.collocation import (
     GRIDS,
@@ -38,10 +37,12 @@ from stickslip_sym.motion.orbits.collocation import (
     values,
 )
 from stickslip_sym.motion.orbits.expansion import Slope, averages, expand, slopes
+from stickslip_sym.motion.orbits.shooting import Shots, shoot
 
 __all__ = ["Orbits", "derivatives", "obstacle", "orbits"]
 
 _MOST_WORK = 3e9  # cubes of grids, summed over the Newton steps on the way from weak friction to all of it
+_SHOT = 3e6  # cubes of grids: as long as shooting takes for one orbit
 _SAME = 1e-12  # relative; a static coefficient that exceeds mu(0+) by less does not
 _WEAKEST = 1e-3  # part of the friction with which the way to all of it begins
 _TIGHT = 1e-13  # relative error of d where it is differentiated
@@ -61,6 +62,19 @@ class Orbits:
     """Floquet exponent, the mean of g(z) - d, over omega: the orbit is stable if it is negative, shape (n,)."""
     lowest: FloatArray  # lowest velocity z of the orbit, shape (n,)
     work: float = 0.0  # cubes of grids, summed over Newton steps and rows
+
+    def take(self, rows: IntArray, shot: Shots) -> None:
+        """Take some of the orbits from shooting."""
+        known = np.isfinite(shot.d)
+        for column, value in (
+            (self.d, shot.d),
+            (self.frequency, 2 * np.pi / shot.period),
+            (self.error, shot.error / shot.scale),
+            (self.scale, shot.scale),
+            (self.exponent, shot.exponent),
+            (self.lowest, 1 - shot.highest),
+        ):
+            column[rows[known]] = value[known]
 
     @property
     def relative_error(self) -> FloatArray:
@@ -159,24 +173,26 @@ def _harmonics(law: FrictionLaw, problem: _Problem, size: int) -> tuple[FloatArr
     return problem.strength * on_grid, problem.strength * averages(law, problem.V, problem.A)[0]
 
 
-def _solution(law: FrictionLaw, given: Sequence[Any], rtol: float, work: Work) -> tuple[_Problem, State, Any]:
+def _solution(
+    law: FrictionLaw, given: Sequence[ArrayLike], rtol: float, work: Work
+) -> tuple[_Problem, State, FloatArray]:
     """Solve for the orbits of belt speeds, frictions over impedance, and heights; return their tails too."""
     columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in given))
     problem = _Problem(slopes(law), *(np.ravel(column) for column in columns))
-    state, tail = refined(problem, _start(law, problem, GRIDS[0]), rtol, work)
+    return problem, *refined(problem, _start(law, problem, GRIDS[0]), rtol, work)
+
+
+def _followed(law: FrictionLaw, problem: _Problem, state: State, tail: FloatArray, rtol: float) -> State:
+    """Follow the orbits that were not found from weak friction to all of it, and enter them and their tails."""
     for row in np.flatnonzero(~np.isfinite(tail)).tolist():
-        if work.spent:
-            break
-        own = Work(min(_MOST_WORK, work.left))
-        single, tail[[row]] = _continued(law, problem.rows([row]), rtol, own)
-        work.done += own.done
+        single, tail[[row]] = _continued(law, problem.rows([row]), rtol, Work(_MOST_WORK))
         size = max(grid(state), grid(single))
         state = state.on(size)
         state.put([row], single.on(size))
-    return problem, state, tail
+    return state
 
 
-def derivatives(law: FrictionLaw, V: Any, e: Any) -> dict[str, Any]:
+def derivatives(law: FrictionLaw, V: ArrayLike, strength: ArrayLike) -> dict[str, FloatArray]:
     """Return the derivatives of d of grazing orbits, from one linear solve an orbit.
 
     With F(u, d; p) = 0 the balance of the harmonics, and l the vector with l^T F_u = 0 and l^T F_d = 1,
@@ -186,17 +202,18 @@ def derivatives(law: FrictionLaw, V: Any, e: Any) -> dict[str, Any]:
     ----------
     law : FrictionLaw
         With all parameters bound, smooth on the speeds of the orbit.
-    V, e : array_like, shape (n,)
+    V, strength : array_like, shape (n,)
         As for `orbits`.
 
     Returns
     -------
     dict of str to numpy.ndarray, shape (n,)
-        "d" itself; "V" and "e", derivatives by the logarithms of these; and each parameter of the law. NaN where
-        there is no orbit.
+        "d" itself; "V" and "strength", derivatives by the logarithms of these; and each parameter of the law. NaN
+        where there is no orbit.
     """
     with np.errstate(all="ignore"):
-        problem, state, tail = _solution(law, (V, e, 1.0), _TIGHT, Work(np.inf))
+        problem, state, tail = _solution(law, (V, strength, 1.0), _TIGHT, Work(np.inf))
+        state = _followed(law, problem, state, tail, _TIGHT)
         size, K = grid(state), state.z.shape[1] - 1
         n = np.arange(K + 1)
         z, z_theta = values(state.z, size), values(1j * n * state.z, size)
@@ -207,7 +224,8 @@ def derivatives(law: FrictionLaw, V: Any, e: Any) -> dict[str, Any]:
         matrix = equations(problem, state).matrix[found]
         left[found] = np.linalg.solve(matrix.transpose(0, 2, 1), unit[found])[:, :, 0]
         result = {"d": np.where(found, state.d, np.nan)}
-        changes = {"e": problem.slope} | {name: slopes(law.partial(name)) for name in ("V", *law.parameters)}
+        changes = {name: slopes(law.partial(name)) for name in ("V", *law.parameters)}
+        changes["strength"] = problem.slope
         for name, slope in changes.items():
             change = replace(problem, slope=slope).g(z)
             by_name = coefficients(change * z_theta)[:, 1:] / n[1:] ** 2
@@ -248,7 +266,7 @@ def orbits(
         unseen = np.abs(seen - all_there_is) / np.where(scale == 0, 1.0, scale)
         error = tail + unseen + ROUNDING * grid(state) / GRIDS[0]
     error[scale == 0] = 0.0
-    return Orbits(
+    found = Orbits(
         d=np.where(np.isfinite(error), state.d, np.nan),
         frequency=frequency(state.sigma),
         error=error,
@@ -257,3 +275,11 @@ def orbits(
         lowest=z.min(axis=1),
         work=work.done,
     )
+    strong = np.flatnonzero(~np.isfinite(tail))
+    if work.left >= _SHOT * strong.size > 0:
+        with np.errstate(all="ignore"):
+            shot = shoot(
+                problem.slope, problem.V[strong], problem.strength[strong], problem.A[strong], all_there_is[strong]
+            )
+            found.take(strong, shot)
+    return found

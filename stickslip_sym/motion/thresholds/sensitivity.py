@@ -124,15 +124,15 @@ def _second_order(scenes: Scenes, value: Any, error: Any) -> dict[str, Any]:
 
 
 def _on_orbit(scenes: Scenes, value: Any, error: Any) -> dict[str, Any]:
-    """Differentiate c = sqrt(k m) d(V, e), e = N/sqrt(k m)."""
+    """Differentiate c = sqrt(k m) d(V, N/sqrt(k m))."""
     del value, error
-    impedance, e = scenes.impedance, scenes.N / scenes.impedance
-    found = derivatives(scenes.law, scenes.V, e)
+    impedance, strength = scenes.impedance, scenes.N / scenes.impedance
+    found = derivatives(scenes.law, scenes.V, strength)
     (harmonic,) = averages(scenes.law, scenes.V)  # exact without friction
-    by_force = np.where(e > 0, found["e"] / e, harmonic)
+    by_force = np.where(strength > 0, found["strength"] / strength, harmonic)
     return (
         {"V": found["V"] * impedance / scenes.V, "N": by_force}
-        | _by_impedance(scenes, found["d"] - found["e"])
+        | _by_impedance(scenes, found["d"] - found["strength"])
         | {name: found[name] * impedance for name in scenes.law.parameters}
     )
 

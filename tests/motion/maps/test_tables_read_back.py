@@ -97,7 +97,7 @@ def test_a_basins_files_are_what_its_starts_say(tmp_path):
     osc = paper_oscillator(3.0)
     osc = replace(osc, **{name: value * rng.uniform(0.9, 1.1) for name, value in asdict(osc).items()})
     x0, v0 = np.sort(rng.uniform(-2, -1, 4)), np.sort(rng.uniform(0, 1, 3))
-    found = ss.BasinMap(x0, v0, LAW, osc, any_of(rng, Motion, (3, 4)), ss.regime(LAW, osc), {})
+    found = ss.BasinMap(x0, v0, LAW, osc, any_of(rng, Motion, (3, 4)), ss.regime(LAW, osc), {}, 12, 0, {})
     found.to_csv(tmp_path / "basins.csv")
     rows = [(float(row["x0"]), float(row["v0"]), row["motion"]) for row in rows_of(tmp_path / "basins.csv")]
     assert rows == [(x, v, found.motion[j, i].value) for (j, v), (i, x) in product(enumerate(v0), enumerate(x0))]

@@ -12,7 +12,7 @@ from typing import Annotated, Any, cast
 import typer
 from typer.models import OptionInfo
 
-from stickslip_sym.cli.completion import complete_criterion, complete_criterion_or_all
+from stickslip_sym.cli.shared.completion import complete_criterion, complete_criterion_or_all
 from stickslip_sym.model.operating_point import PAPER
 
 __all__ = [

@@ -32,7 +32,7 @@ def _criteria() -> list[str]:
 
 def _names(file: str, made_by: str) -> list[str]:
     """Return the names of the entries that a file makes; it is read, not run."""
-    source = Path(__file__).parents[1].joinpath(file).read_text(encoding="utf-8")
+    source = Path(__file__).parents[2].joinpath(file).read_text(encoding="utf-8")
     calls = [
         (node.lineno, str(node.args[0].value))
         for node in ast.walk(ast.parse(source))

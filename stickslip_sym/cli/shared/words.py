@@ -20,6 +20,7 @@ _RULES: list[tuple[str, str | Callable[[re.Match[str]], str]]] = [
     (r"pass extrapolate=True", "give --extrapolate"),
     (r"extrapolate=True", "--extrapolate"),
     (r"\bsimulate\(\)", "stickslip simulate"),
+    (r"within=\(low, high\)", "--within LOW:HIGH"),
     (r"units=\{'(\w+)': \.\.\.\}", r"--unit \1=..."),
     (rf"\b({'|'.join(_OPTIONS)})=(\"?)([\w.+-]+)\2", lambda m: f"--{m[1].replace('_', '-')} {m[3]}"),
     (rf"(?<![\w-])({'|'.join(_SCENE)})=\.\.\.", r"-\1 ..."),

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip_sym.cli.completion import complete_law
-from stickslip_sym.cli.reading import assignments
+from stickslip_sym.cli.shared.completion import complete_law
+from stickslip_sym.cli.shared.reading import assignments
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:

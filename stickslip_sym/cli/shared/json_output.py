@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.core.errors import NoClosedForm
 
 if TYPE_CHECKING:
     from stickslip_sym.core.uncertain import UFloat
     from stickslip_sym.formula.derivation.closed_form import ClosedForm
-    from stickslip_sym.model.law import FrictionLaw, Parameter
+    from stickslip_sym.model.law import FrictionLaw
 
 Json = dict[str, object]
 """What stands for an object of JSON."""
@@ -85,15 +85,17 @@ def law(friction: "FrictionLaw") -> Json:
     """Return a law: its name, its formula, and its parameters with their bound values."""
     from stickslip_sym.output import printing
 
-    def described(name: str, parameter: "Parameter") -> Json:
-        bound: Json = {
+    parameters = {
+        name: {
             "value": number(float(friction.values[name])) if name in friction.values else None,
             "text": str(friction.values[name]) if name in friction.values else None,
+            "typical": parameter.typical,
+            "unit": parameter.unit,
+            "meaning": parameter.meaning,
         }
-        about: Json = {"typical": parameter.typical, "unit": parameter.unit, "meaning": parameter.meaning}
-        return bound | about | _standard_error(friction.uncertain, name)
-
-    parameters = {name: described(name, parameter) for name, parameter in friction.parameters.items()}
+        | _standard_error(friction.uncertain, name)
+        for name, parameter in friction.parameters.items()
+    }
     static = None if friction.static is None else printing.text(friction.static)
     known: Json = {"name": friction.name, "formula": friction.text, "static": static, "parameters": parameters}
     return known | {"validity": friction.validity, "source": friction.source}

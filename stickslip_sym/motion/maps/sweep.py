@@ -1,0 +1,244 @@
+"""`basin_sweep`: how the basins of attraction change with one quantity, and where they are born and die.
+
+They do at three kinds of place. Rest gains or loses stability where c = -N mu'(V) (Hopf); stick-slip begins or
+ends where the slip from P just touches the belt's speed (graze); two cycles in pure slip meet where the damping
+that slip orbits need has an extremum (fold). Each is a root, and is found as one.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from scipy.optimize import brentq
+
+from stickslip_sym.core import deadline
+from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator, Scene
+from stickslip_sym.motion.maps.axes import SCENE, Axis, AxisValues, read_axis, read_values
+from stickslip_sym.motion.maps.cells import MOTIONS
+from stickslip_sym.motion.maps.shares import shares_of
+from stickslip_sym.motion.maps.sides import FINEST, sides_of
+from stickslip_sym.motion.orbits.cycles import needed_damping
+from stickslip_sym.motion.regimes.attractors import Regime, graze, regime
+from stickslip_sym.motion.regimes.classification import Motion
+from stickslip_sym.output import drawing, markup
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["BasinSweep", "Change", "basin_sweep"]
+
+Kind = Literal["Hopf", "graze", "fold"]
+_ROOT = float(4 * np.finfo(np.float64).eps)  # relative tolerance of a root
+_BESIDE = 1e-4  # relative distance at which the slope at a root is taken
+_NOISE: dict[Kind, float] = {"Hopf": 1e-14, "graze": 10 * FINEST, "fold": 1e-9}
+"""Errors of what is zero at a change: a damping and a slip speed, free of units, and an interpolated damping."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """A value at which basins are born or die.
+
+    Attributes
+    ----------
+    kind : {"Hopf", "graze", "fold"}
+    value : float
+        In the unit of the axis.
+    error : float
+        Estimated, absolute; where a fold is only known to lie between two values of the axis, half their distance.
+    """
+
+    kind: Kind
+    value: float
+    error: float
+
+    def __str__(self) -> str:
+        return f"{self.kind} at {self.value:.12g} +- {self.error:.1g}"
+
+
+@dataclass(frozen=True, repr=False)
+class BasinSweep(drawing.Drawn):
+    """The shares of a box of starts that lead to each motion, over one quantity.
+
+    Attributes
+    ----------
+    axis : Axis
+        The quantity and its values.
+    share, error : dict of Motion to numpy.ndarray
+        As `BasinMap.share` has them; NaN where geometry does not settle the basins.
+    changes : tuple of Change
+        Where basins are born and die between the first value and the last, by ascending value.
+    x0, v0 : tuple of float
+        The box: displacements in m, velocities in m/s.
+    """
+
+    axis: Axis
+    share: dict[Motion, FloatArray]
+    error: dict[Motion, FloatArray]
+    changes: tuple[Change, ...]
+    x0: tuple[float, float]
+    v0: tuple[float, float]
+
+    def __repr__(self) -> str:
+        found = "; ".join(map(str, self.changes)) or "no basin is born or dies"
+        return f"BasinSweep: {self.axis}; {found}"
+
+    def _repr_html_(self) -> str:
+        rows = [[change.kind, f"{change.value:.12g}", f"{change.error:.1g}"] for change in self.changes]
+        table = markup.table(
+            ["where basins are born or die", self.axis.label, "error"], rows, caption=str(self.axis)
+        )
+        return markup.block(drawing.picture(self.plot, str(self.axis)), table)
+
+    def _figure(self) -> "Figure":
+        from stickslip_sym.motion.maps.drawing import draw_sweep
+
+        return draw_sweep(self)
+
+
+def basin_sweep(
+    law: FrictionLaw,
+    osc: Oscillator,
+    over: AxisValues,
+    *,
+    x0: tuple[float, float],
+    v0: tuple[float, float],
+    time_limit: float | None = None,
+) -> BasinSweep:
+    """Return the share of a box of starts that each motion draws, over one quantity.
+
+    The shares are areas inside the separatrices, so nothing is sampled.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound.
+    osc : Oscillator
+    over : (str, array_like)
+        V, N, m, k, c or a parameter of the law, and its values, ascending.
+    x0, v0 : tuple of float
+        The box of starts: from and to, displacements in m and velocities in m/s.
+    time_limit : float, optional
+        Seconds of computation after which it is given up.
+
+    Raises
+    ------
+    InputError
+        For an unusable value, law or box.
+    NotConverged
+        When the bound on the work is reached.
+    OutOfTime
+        When the time limit is reached.
+    """
+    axis = read_axis(law, "over", over)
+    box = _limits("x0", x0), _limits("v0", v0)
+    family = _Family(law, osc, axis.name)
+    with deadline.time_limit(time_limit):
+        points = [family.at(value) for value in axis.values.tolist()]
+        shares = [point.shares(*box) for point in points]
+        changes = sorted(
+            (change for pair in pairwise(points) for change in family.changes_between(*pair)),
+            key=lambda change: change.value,
+        )
+    present = [motion for motion in MOTIONS if any(motion in share for share in shares)]
+    nothing = (np.nan, np.nan)
+    table = {
+        motion: np.array([share.get(motion, (0.0, 0.0) if share else nothing) for share in shares]).T
+        for motion in present
+    }
+    values, errors = ({motion: rows[i] for motion, rows in table.items()} for i in (0, 1))
+    return BasinSweep(axis, values, errors, tuple(changes), *box)
+
+
+def _limits(name: str, given: tuple[float, float]) -> tuple[float, float]:
+    low, high = read_values(name, given).tolist() if len(given) == 2 else (0.0, 0.0)
+    if not low < high:
+        raise InputError(f"the box of starts goes from one {name} to a higher one, got {str(given)[:60]}")
+    return low, high
+
+
+@dataclass(frozen=True)
+class _Point:
+    """The motions at one value of the swept quantity."""
+
+    value: float
+    law: FrictionLaw
+    osc: Oscillator
+    found: Regime
+
+    def shares(self, x0: tuple[float, float], v0: tuple[float, float]) -> dict[Motion, tuple[float, float]]:
+        sides = sides_of(self.law, self.osc, self.found)
+        if sides is None:
+            return {}
+        shares = shares_of(self.law, self.osc, self.found, sides, x0, v0)
+        return {motion: (share.value, share.error) for motion, share in shares.items()}
+
+
+@dataclass(frozen=True)
+class _Family:
+    """The oscillators that a sweep goes through."""
+
+    law: FrictionLaw
+    osc: Oscillator
+    name: str
+
+    def scene(self, value: float) -> tuple[FrictionLaw, Oscillator]:
+        if self.name in SCENE:
+            return self.law, replace(self.osc, **{self.name: value})
+        return self.law.bind(**{self.name: value}), self.osc
+
+    def at(self, value: float) -> _Point:
+        law, osc = self.scene(value)
+        return _Point(value, law, osc, regime(law, osc, rtol=FINEST))
+
+    def changes_between(self, before: _Point, after: _Point) -> Iterator[Change]:
+        """Find what is born or dies between two neighbouring values."""
+        ends = before.value, after.value
+        if before.found.rest.stable != after.found.rest.stable:
+            yield _root("Hopf", self._rest_decay, *ends)
+        if (before.found.stick_slip is None) != (after.found.stick_slip is None):
+            yield _root("graze", self._height, *ends)
+        if len(before.found.cycles) != len(after.found.cycles):
+            yield from self._folds(*ends)
+
+    def _rest_decay(self, value: float) -> float:
+        law, osc = self.scene(value)
+        return 2 * osc.zeta + osc.N * float(law.slope(osc.V)) / osc.impedance
+
+    def _height(self, value: float) -> float:
+        return float(np.clip(graze(Scene.of(*self.scene(value)), FINEST), -1.0, 1.0))  # it may be infinite
+
+    def _folds(self, low: float, high: float) -> Iterator[Change]:
+        """Find where an extremum of the damping that slip orbits need passes the damping that there is."""
+
+        def excess(value: float) -> FloatArray:
+            law, osc = self.scene(value)
+            need = needed_damping(law, osc)
+            return np.asarray(need.at(need.folds) - 2 * osc.zeta)
+
+        def of_one(place: int, value: float) -> float:
+            return float(excess(value)[place])
+
+        try:
+            ends = excess(low), excess(high)
+            if ends[0].size != ends[1].size:
+                yield Change("fold", (low + high) / 2, (high - low) / 2)
+                return
+            for place in np.flatnonzero(ends[0] * ends[1] < 0).tolist():
+                yield _root("fold", partial(of_one, place), low, high)
+        except (InputError, NotConverged):  # no law that is smooth
+            yield Change("fold", (low + high) / 2, (high - low) / 2)
+
+
+def _root(kind: Kind, function: Callable[[float], float], low: float, high: float) -> Change:
+    size = max(abs(low), abs(high))
+    value = float(brentq(function, low, high, xtol=_ROOT * size, rtol=_ROOT))
+    ahead, behind = min(value + _BESIDE * size, high), max(value - _BESIDE * size, low)
+    slope = (function(ahead) - function(behind)) / (ahead - behind)
+    return Change(kind, value, _NOISE[kind] / abs(slope) + _ROOT * size if slope else math.inf)
