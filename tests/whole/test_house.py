@@ -21,6 +21,7 @@ ROOMS = {
     "formula": ["integration", "evaluation", "code", "derivation", "export"],
     "motion": ["simulation", "orbits", "thresholds", "margins", "regimes", "maps"],
     "comparison": ["study"],
+    "cli": ["shared"],
 }
 """The rooms inside a folder, in the same sense; what stands in the folder itself comes after them."""
 LONGEST = 320
