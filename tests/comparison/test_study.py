@@ -234,6 +234,15 @@ def test_parts_that_take_too_long_are_named(monkeypatch):
     assert "There is no threshold here" in text
 
 
+def test_without_friction_no_change_reaches_the_threshold(monkeypatch):
+    study = ss.study(ss.laws.linear.typical(), ss.Oscillator(m=1, k=100, c=0, V=0.5, N=0))
+    page = drawn_without(study, monkeypatch)
+    check_well_formed(page)
+    assert "smallest change" not in str(study)
+    assert "inf" not in str(study) + page
+    assert 'id="nearest"' not in page
+
+
 def test_without_a_browser_the_page_can_still_be_printed_by_hand(monkeypatch, tmp_path):
     monkeypatch.setattr(browser.shutil, "which", lambda name: None)
     with pytest.raises(ss.InputError, match="none is on the path; open the page in any browser"):

@@ -1,5 +1,6 @@
 """What a study finds of one operating point."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -112,7 +113,7 @@ class Findings:
         lines = [f"{self.name}, {quantities(self.oscillator)}", self.verdict]
         if self.threshold is not None:
             lines.append(f"pure-slip damping {self.threshold}")
-        if self.margins is not None and self.margins.rows:
+        if self.margins is not None and self.margins.rows and math.isfinite(self.margins.rows[0].change):
             first = self.margins.rows[0]
             change = f"{first.name} by {100 * first.change:+.3g} %"
             lines.append(f"smallest change of one quantity to the threshold: {change}")

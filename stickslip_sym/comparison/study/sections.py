@@ -1,5 +1,6 @@
 """The sections of a study's page. Every text of a user's is escaped, as `element` does it."""
 
+import math
 from pathlib import Path
 
 import sympy as sp
@@ -64,7 +65,7 @@ def _header(study: Findings, title: str) -> Html:
     if threshold is not None:
         spread = None if threshold.budget is None else threshold.budget.uncertainty
         counts.append(_count("pure-slip damping", with_error(threshold.value, spread), " kg/s", id="threshold"))
-    if margins is not None and margins.rows:
+    if margins is not None and margins.rows and math.isfinite(margins.rows[0].change):
         first = margins.rows[0]
         change = name(first.name), " ", percent(first.change)
         counts.append(_count("nearest change to the threshold", *change, id="nearest"))
