@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from paper_checks.figure_style import BLUE, LEFT_OUT, ORANGE, PAPER, finish, new_figure, panel_letters
+from paper_checks.looks import LEFT_OUT, PAPER
 from paper_checks.scene import law as paper_law
 from paper_checks.scene import oscillator, threshold
 from stickslip_sym import (
@@ -18,6 +18,7 @@ from stickslip_sym import (
     limit_cycles,
     simulate,
 )
+from stickslip_sym.output.page.figures import BLUE, ORANGE, finish, new_figure, panel_letters
 
 __all__ = ["histories", "phase_plots"]
 

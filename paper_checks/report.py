@@ -1,16 +1,12 @@
 """The report of a run: ``report.html`` to be read, ``claims.json`` to be computed with."""
 
 import json
-import platform
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from paper_checks.claims import CLAIMS, Claim, Outcome
-from paper_checks.figure_style import svg_uri
 from paper_checks.figures import FIGURES
 from paper_checks.findings import Finding, summary
 from paper_checks.formulas import EQUATIONS
@@ -18,11 +14,12 @@ from paper_checks.scene import LAWS, law, oscillator
 from paper_checks.terminal import SHORT
 from stickslip_sym.comparison.threshold_tradeoff import SPEEDS, threshold_tradeoff
 from stickslip_sym.comparison.tradeoff import Way
+from stickslip_sym.output.page import document
+from stickslip_sym.output.page.figures import svg_uri
 
 __all__ = ["SCENE", "Report", "write"]
 
 SCENE = {name: getattr(oscillator(), name) for name in "VNmk"}
-_PACKAGES = ("stickslip_sym", "sympy", "mpmath", "numpy", "scipy", "matplotlib")
 _FORMAT = 2
 
 
@@ -61,8 +58,8 @@ def write(folder: Path, findings: Sequence[Finding]) -> Path:
         {finding.id: finding for finding in findings},
         {figure.number: svg_uri(figure.draw()) for figure in FIGURES},
         {name: threshold_tradeoff(law(name), SCENE) for name in LAWS},
-        versions(),
-        datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        document.versions(),
+        document.now(),
     )
     (folder / "claims.json").write_text(
         json.dumps(as_json(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
@@ -70,13 +67,6 @@ def write(folder: Path, findings: Sequence[Finding]) -> Path:
     target = folder / "report.html"
     target.write_text(page(report), encoding="utf-8")
     return target
-
-
-def versions() -> dict[str, str]:
-    """Return what computed the report."""
-    python = {"python": platform.python_version()}
-    machine = {"platform": platform.platform(), "machine": platform.machine()}
-    return python | {name: version(name) for name in _PACKAGES} | machine
 
 
 def as_json(report: Report) -> dict[str, Any]:

@@ -9,8 +9,9 @@ from paper_checks.claims import CLAIMS, Claim, Outcome
 from paper_checks.figures import FIGURES, PaperFigure
 from paper_checks.findings import Finding, summary
 from paper_checks.formulas import EQUATIONS, PrintedEquation
-from paper_checks.markup import Html, element, prose, raw
 from paper_checks.terminal import SHORT
+from stickslip_sym.output.page import document
+from stickslip_sym.output.page.elements import Html, element, prose, raw
 from stickslip_sym.output.tables import duration
 
 if TYPE_CHECKING:
@@ -27,17 +28,9 @@ _COLUMNS = ("", "claim", "paper", "ours", "difference", "verdict")
 
 def page(report: "Report") -> str:
     """Return the whole page."""
-    head = element(
-        "head",
-        element("meta", charset="utf-8"),
-        element("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        element("title", _TITLE),
-        element("link", rel="icon", href="data:,"),
-        element("style", raw(_STYLE.read_text(encoding="utf-8"))),
-    )
-    parts = [header(report), contents(), exceptions(report), claims(report), equations(report), figures(report)]
-    body = element("body", *parts[:2], element("main", *parts[2:], ladder(report)), footer(report))
-    return "<!DOCTYPE html>\n" + element("html", head, body, lang="en") + "\n"
+    style = _STYLE.read_text(encoding="utf-8")
+    parts = [exceptions(report), claims(report), equations(report), figures(report), ladder(report)]
+    return document.page(_TITLE, [header(report), contents()], parts, footer(report), style)
 
 
 def header(report: "Report") -> Html:
@@ -207,7 +200,6 @@ def ladder(report: "Report") -> Html:
         "largest for V from 0.05 to 1 m/s. That of the orbit is its own estimate, and that of a proof a bound."
     )
     columns = ("way", "time", "error at 0.5 m/s", "largest error", "status")
-    head = element("thead", element("tr", *(element("th", name, scope="col") for name in columns)))
     tables = []
     for law, ways in report.ladder.items():
         rows = []
@@ -215,18 +207,15 @@ def ladder(report: "Report") -> Html:
             largest = "not measured" if way.largest != way.largest else f"{way.largest:.1e}"
             cells = (duration(way.seconds).replace("us", "μs"), f"{way.error:.1e}", largest)
             numbers = [element("td", cell, class_="number") for cell in cells]
-            name, status = element("td", way.name.replace("_", " ")), element("td", way.status or "none")
-            rows.append(element("tr", name, *numbers, status))
-        table = element("table", head, element("tbody", *rows))
-        tables += [element("h3", f"{law} law".capitalize()), element("div", table, class_="scroll")]
+            rows.append([way.name.replace("_", " "), *numbers, way.status or "none"])
+        tables += [element("h3", f"{law} law".capitalize()), document.table(columns, rows)]
     title = element("h2", "Ladder of criteria")
     return element("section", title, element("p", note, class_="note"), *tables, id="ladder")
 
 
 def footer(report: "Report") -> Html:
     """Say what computed all this."""
-    words = "; ".join(f"{name} {text}" for name, text in report.versions.items())
-    return element("footer", element("p", f"Computed {report.time} by {words}."), id="versions")
+    return document.colophon(report.time, report.versions)
 
 
 def _evidence(finding: Finding) -> list[Html]:

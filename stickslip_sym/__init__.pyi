@@ -1,6 +1,8 @@
 __version__: str
 
 from . import criteria as criteria
+from .comparison.study.parts import study as study
+from .comparison.study.study import Study as Study
 from .core import symbols as symbols
 from .core.errors import InputError as InputError
 from .core.errors import InputWarning as InputWarning

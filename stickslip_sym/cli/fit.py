@@ -14,7 +14,7 @@ from stickslip_sym.cli.shared.reading import assignments, progress_bar, require_
 from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["fit"]
+__all__ = ["fit", "laws_to_fit", "progress_of_laws"]
 
 
 def fit(
@@ -52,10 +52,10 @@ def fit(
     from stickslip_sym.model.fit import fit as compute
     from stickslip_sym.model.measured.measurements import read_measurements
 
-    chosen = _laws(laws or [], assignments(parameter or []), assignments(unit or [], "--unit alpha=s/m"))
+    chosen = laws_to_fit(laws or [], assignments(parameter or []), assignments(unit or [], "--unit alpha=s/m"))
     require_writable(plot=plot)
     measured = read_measurements(file)
-    with _progress() as progress:
+    with progress_of_laws() as progress:
         found = compute(measured, laws=chosen, progress=progress)
     best = found.best
     intervals = best.confidence(profile=True) if profile else None
@@ -75,7 +75,7 @@ def fit(
         found.plot(plot)
 
 
-def _laws(texts: list[str], fixed: dict[str, str], units: dict[str, str]) -> list[Any]:
+def laws_to_fit(texts: list[str], fixed: dict[str, str], units: dict[str, str]) -> list[Any]:
     """Return the laws to fit, with the parameters that are fixed; all of the catalogue if none is named."""
     from stickslip_sym.model.expression.parsing import NAME
     from stickslip_sym.model.law import FrictionLaw
@@ -101,7 +101,7 @@ def _in_options(content: Any) -> Any:
 
 
 @contextlib.contextmanager
-def _progress() -> Iterator[Callable[[int, int], None]]:
+def progress_of_laws() -> Iterator[Callable[[int, int], None]]:
     """Show on a terminal how many laws are done; elsewhere show nothing."""
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 

@@ -21,6 +21,7 @@ from stickslip_sym.cli.shared.options import spread_out
 from stickslip_sym.cli.shared.reading import Command
 from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.cli.simulate import simulate
+from stickslip_sym.cli.study import study
 from stickslip_sym.cli.tradeoff import tradeoff
 from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 
@@ -61,6 +62,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "critical": critical,
     "simulate": simulate,
     "map": motion_map,
+    "study": study,
     "tradeoff": tradeoff,
     "export": export,
 }

@@ -16,9 +16,11 @@ PACKAGE = Path(ss.__file__).parent
 FOLDERS = ["core", "output", "model", "criteria", "formula", "motion", "comparison", "cli"]
 """The folders of the package in the order in which they may import: each only from those before it."""
 ROOMS = {
+    "output": ["page"],
     "model": ["expression", "measured"],
     "formula": ["integration", "evaluation", "code", "derivation", "export"],
     "motion": ["simulation", "orbits", "thresholds", "margins", "regimes", "maps"],
+    "comparison": ["study"],
     "cli": ["shared"],
 }
 """The rooms inside a folder, in the same sense; what stands in the folder itself comes after them."""

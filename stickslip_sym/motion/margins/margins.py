@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.errors import OutOfTime, StickSlipError
+from stickslip_sym.core.errors import InputError, OutOfTime, StickSlipError
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
@@ -25,7 +25,7 @@ from stickslip_sym.output.tables import table
 
 __all__ = ["Margin", "Margins", "margins"]
 
-_RANGE = 10.0  # times a value, and its inverse: where a change is looked for
+_REACH = 10.0  # times a value, and its inverse: where a change is looked for
 _SEED = 20160428
 _LOOSE = 1e-6  # relative error of the threshold of a sample
 
@@ -40,7 +40,7 @@ class Margin:
     value : float
         As it is, in SI units.
     below, above : Critical or None
-        The nearest critical values; None if there is none within a factor 10.
+        The nearest critical values; None if there is none within reach.
     """
 
     name: str
@@ -137,6 +137,8 @@ def margins(
     method: str | Criterion | Rung = "auto",
     rtol: float = 1e-3,
     samples: int = 200,
+    reach: float = _REACH,
+    each: float | None = None,
     time_limit: float | None = None,
 ) -> Margins:
     """Return how much each quantity and parameter may change, alone, before stick-slip sets in or ends.
@@ -153,13 +155,17 @@ def margins(
     samples : int
         Seeded samples for the probability; each takes a threshold. Samples at which a parameter is negative that
         may not be, or which have no threshold, are left out. 0 for none.
+    reach : float
+        How far changes are looked for: from a value over it to the value times it, above 1.
+    each : float, optional
+        Seconds for the critical values of one quantity, after which it is among the refused.
     time_limit : float, optional
         Seconds of computation after which it is given up.
 
     Returns
     -------
     Margins
-        Critical values are sought from a tenth of each value to 10 times it.
+        Critical values within reach.
 
     Raises
     ------
@@ -168,6 +174,8 @@ def margins(
     OutOfTime
         When the time limit is reached.
     """
+    if not reach > 1:
+        raise InputError(f"reach = {reach:g} is no factor above 1, by which a value may change; 10 is usual")
     given = {one.name: getattr(osc, one.name) for one in fields(osc)}
     carried: dict[str, UFloat] = {}
     for name, value in (errors or {}).items():
@@ -183,11 +191,14 @@ def margins(
             others = {key: number for key, number in ({"c": c} | given).items() if key != name}
             if value == 0:
                 continue
-            ends = sorted(value * factor for factor in (1 / _RANGE, _RANGE))
+            ends = sorted(value * factor for factor in (1 / reach, reach))
             try:
-                found = critical(name, law, **others, method=method, rtol=rtol, within=(ends[0], ends[1]))
+                with deadline.time_limit(each):
+                    found = critical(name, law, **others, method=method, rtol=rtol, within=(ends[0], ends[1]))
             except OutOfTime:
-                raise
+                deadline.check_time()  # raises if it was the limit on all of them
+                refused[name] = f"not found within {each:g} s"
+                continue
             except StickSlipError as error:
                 refused[name] = str(error)
                 continue

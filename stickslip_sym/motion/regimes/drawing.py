@@ -13,9 +13,11 @@ from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.output.drawing import dense, require_matplotlib
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["draw_regime"]
+__all__ = ["draw_regime", "phase_plane"]
 
 Style = dict[str, Any]
 _SECONDS = 2.0  # of computation, for a curve that is a period of a motion
@@ -35,10 +37,20 @@ def draw_regime(found: Any) -> "Figure":
     require_matplotlib()
     from matplotlib.figure import Figure
 
-    if found.law is None or found.oscillator is None:
-        raise InputError("this regime does not know its law and its oscillator; draw one that regime() returned")
     figure = Figure(figsize=(5.6, 4.6), layout="constrained")
     axes = figure.add_subplot()
+    handles = phase_plane(axes, found)
+    figure.legend(handles.values(), handles.keys(), loc="outside upper center", ncols=2, fontsize=8, frameon=False)
+    return figure
+
+
+def phase_plane(axes: "Axes", found: Any) -> "dict[str, Artist]":
+    """Draw a regime in the phase plane, and return what its legend has, by name.
+
+    Raises `InputError` if the regime does not know its law and its oscillator.
+    """
+    if found.law is None or found.oscillator is None:
+        raise InputError("this regime does not know its law and its oscillator; draw one that regime() returned")
     for motion, label, style in _periodic(found, found.law, found.oscillator):
         state = motion.at(dense(np.unique(motion.t)))
         axes.plot(state.x, state.v, label=label, **style)
@@ -53,9 +65,7 @@ def draw_regime(found: Any) -> "Figure":
     axes.locator_params(axis="x", nbins=6)
     axes.grid(alpha=0.25)
     handles, labels = axes.get_legend_handles_labels()
-    once = dict(zip(labels, handles, strict=True))  # of several cycles of a kind
-    figure.legend(once.values(), once.keys(), loc="outside upper center", ncols=2, fontsize=8, frameon=False)
-    return figure
+    return dict(zip(labels, handles, strict=True))  # one of several cycles of a kind
 
 
 def _periodic(found: Any, law: FrictionLaw, osc: Oscillator) -> Iterator[tuple[Trajectory, str, Style]]:

@@ -1,7 +1,7 @@
-"""The style that all figures share: black is what the paper shows, colour is what it leaves out.
+"""The style that the figures of pages share.
 
-Colours are Okabe and Ito's, which colour-blind readers tell apart. Nothing is told by colour alone: what
-the paper leaves out is also thicker, dash-dotted or hatched, and labelled where it is.
+Colours are Okabe and Ito's, which colour-blind readers tell apart. Nothing is told by colour alone: lines differ
+in style or width too, regions are hatched, and each is labelled.
 """
 
 import base64
@@ -13,9 +13,7 @@ from stickslip_sym import InputError
 __all__ = [
     "BLUE",
     "GREEN",
-    "LEFT_OUT",
     "ORANGE",
-    "PAPER",
     "finish",
     "new_figure",
     "panel_letters",
@@ -25,8 +23,6 @@ __all__ = [
 ]
 
 BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
-PAPER = {"color": "black", "linewidth": 1.1}
-LEFT_OUT = {"color": BLUE, "linewidth": 1.3, "linestyle": (0, (6, 1.5, 1, 1.5))}
 _STYLE: Any = {
     "font.family": "serif",
     "font.serif": ["STIXGeneral"],  # comes with matplotlib, so that every machine draws the same

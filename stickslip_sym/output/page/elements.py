@@ -3,8 +3,10 @@
 import re
 from html import escape
 
-__all__ = ["Html", "element", "prose", "raw"]
+__all__ = ["Html", "element", "escaped", "prose", "raw"]
 
+_NO_CHARACTER = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What XML takes for no character: controls, and halves of pairs, as in names of files that are not UTF-8."""
 _EMPTY = frozenset({"img", "meta", "br", "link"})
 _SUBSCRIPT = re.compile(r"\b(mu|[a-zA-Z])_([a-zA-Z]|max|min|\d+)\b")
 _POWER = re.compile(r"(?:\*\*|\^)(-?[\d.]*\d)")
@@ -23,14 +25,18 @@ def raw(markup: str) -> Html:
     return Html(markup)
 
 
+def escaped(text: str, *, quote: bool = False) -> str:
+    """Return text as it stands in markup; what is no character of XML becomes a replacement character."""
+    return escape(_NO_CHARACTER.sub("\ufffd", text), quote=quote)
+
+
 def element(tag: str, /, *children: str, **attributes: str) -> Html:
     """Return an element; an attribute may end in an underscore, and inside it stands for a hyphen."""
-    written = "".join(
-        f' {name.removesuffix("_").replace("_", "-")}="{escape(value)}"' for name, value in attributes.items()
-    )
+    named = {name.removesuffix("_").replace("_", "-"): value for name, value in attributes.items()}
+    written = "".join(f' {name}="{escaped(value, quote=True)}"' for name, value in named.items())
     if tag in _EMPTY:
         return Html(f"<{tag}{written}/>")
-    inside = "".join(child if isinstance(child, Html) else escape(child, quote=False) for child in children)
+    inside = "".join(child if isinstance(child, Html) else escaped(child) for child in children)
     return Html(f"<{tag}{written}>{inside}</{tag}>")
 
 
@@ -42,7 +48,7 @@ def prose(text: str) -> Html:
     def index(match: re.Match[str]) -> str:
         return f"<i>{_LETTERS.get(match[1], match[1])}</i><sub>{match[2]}</sub>"
 
-    marked = _SUBSCRIPT.sub(index, escape(text, quote=False))
+    marked = _SUBSCRIPT.sub(index, escaped(text))
     marked = _POWER.sub(lambda match: f"<sup>{match[1]}</sup>", marked).replace("*", "\u2009")
     marked = _MINUS.sub("−", marked)
     return Html(_WORD.sub(lambda match: f"<i>{_LETTERS[match[1]]}</i>", marked))

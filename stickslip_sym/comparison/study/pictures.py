@@ -1,0 +1,172 @@
+"""The figures of a study. No text of a user's stands in them: what the law is called, the page says."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip_sym.comparison.study.findings import Findings
+from stickslip_sym.comparison.study.plane import Plane
+from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.motion.regimes.drawing import phase_plane
+from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
+from stickslip_sym.output.page.figures import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["pictures"]
+
+_SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
+_BAND = 1.96  # standard errors, 95 % of a normal distribution
+_SMOOTH = 60  # points of a curve in slip, for each stretch of a motion
+_AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "harmonic": ("0.35", "-.")}
+_HEIGHT = 1.35  # of the plane, over the highest of thresholds at the operating point and its damping
+
+
+def pictures(study: Findings) -> dict[str, str]:
+    """Return the figures as data URIs, by name; one whose part was not found is not among them.
+
+    Raises `InputError` if matplotlib is not installed.
+    """
+    drawn: dict[str, Callable[[Any], None] | None] = {
+        "law": lambda axes: _law(axes, study),
+        "plane": None if study.plane is None else lambda axes: _plane(axes, study),
+        "time": None if study.motion is None else lambda axes: _time(axes, study),
+        "phase": None if study.regime is None else lambda axes: _phase(axes, study),
+    }
+    with styled():
+        return {name: svg_uri(_figure(draw)) for name, draw in drawn.items() if draw is not None}
+
+
+def _figure(draw: Callable[[Any], None]) -> "Figure":
+    figure: Figure
+    figure, axes = new_figure(*_SIZE)
+    draw(axes[0, 0])
+    return figure
+
+
+def _law(axes: Any, study: Findings) -> None:
+    law, V = study.law, study.oscillator.V
+    top = 2.2 * V if study.measured is None else max(2.2 * V, float(study.measured.v[-1]))
+    top = top if law.v_max is None else min(top, float(law.v_max))
+    v = np.unique([*np.linspace(0, top, 241), *np.geomspace(1e-4, 1, 81) * top])[1:]
+    if study.measured is not None:
+        _points(axes, study)
+    band = _band(law, v) if study.fit is None else study.fit.band(v)
+    if band is not None:
+        axes.fill_between(v, *band, color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
+    axes.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=r"$\mu(v)$")
+    axes.axvspan(
+        0,
+        min(2 * V, top),
+        facecolor="0.93",
+        edgecolor="0.8",
+        linewidth=0.6,
+        zorder=0,
+        label="0 to $2V$",
+    )
+    axes.axvline(V, color="black", linestyle=":", linewidth=1, label="belt speed $V$")
+    axes.legend(loc="best")
+    finish(axes, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$", xlim=(0, top))
+
+
+def _points(axes: Any, study: Findings) -> None:
+    measured = study.measured
+    assert measured is not None
+    shown = measured.v <= max(measured.v[-1], 2.2 * study.oscillator.V)
+    v, mu = measured.v[shown], measured.mu[shown]
+    if measured.sigma is not None:
+        axes.errorbar(v, mu, measured.sigma[shown], fmt="none", ecolor="0.35", elinewidth=0.6, alpha=0.6)
+    axes.plot(v, mu, ".", color="0.35", markersize=3.5, label="measured")
+
+
+def _band(law: FrictionLaw, v: NDArray[np.float64]) -> tuple[FloatArray, FloatArray] | None:
+    """Return the band that the parameters' standard errors give the curve, to first order."""
+    if not law.uncertain:
+        return None
+    from uncertainties import covariance_matrix
+
+    covariance = np.array(covariance_matrix(list(law.uncertain.values())))
+    by = np.array([np.broadcast_to(law.partial(name).at_speeds(v), v.shape) for name in law.uncertain])
+    half = _BAND * np.sqrt(np.einsum("in,ij,jn->n", by, covariance, by))
+    mu = law.at_speeds(v)
+    return mu - half, mu + half
+
+
+def _plane(axes: Any, study: Findings) -> None:
+    plane, osc = study.plane, study.oscillator
+    assert plane is not None
+    top = _HEIGHT * _highest(plane, osc.V, osc.c)
+    _regions(axes, plane)
+    if plane.uncertainty is not None:
+        half = _BAND * plane.uncertainty
+        ends = plane.exact - half, plane.exact + half
+        axes.fill_between(plane.V, *ends, color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
+    axes.plot(plane.V, plane.exact, color=BLUE, linewidth=2, label=f"threshold ({plane.method})")
+    for name, (color, style) in _AVERAGES.items():
+        axes.plot(plane.V, plane.averages[name], color=color, linestyle=style, label=name.replace("_", " "))
+    spread = {name: study.errors[name].std_dev if name in study.errors else 0.0 for name in ("V", "c")}
+    axes.errorbar(
+        [osc.V], [osc.c], [_BAND * spread["c"]], [_BAND * spread["V"]], fmt="o", color="black", markersize=6,
+        markerfacecolor="white", markeredgewidth=1.5, zorder=5, label="operating point",
+    )  # fmt: skip
+    axes.legend(loc="upper right", fontsize=7.5)
+    finish(axes, xlabel="belt speed $V$ (m/s)", ylabel="damping $c$ (kg/s)", xlim=(0, plane.V[-1]))
+    axes.set_ylim(min(0.0, 1.2 * osc.c), top)
+
+
+def _highest(plane: Plane, V: float, c: float) -> float:
+    """Return the height of what matters near the operating point."""
+    near = plane.V >= V / 3
+    curves = np.concatenate([plane.exact[near], plane.averages["equilibrium"][near]])
+    finite = curves[np.isfinite(curves)]
+    return float(max(finite.max(initial=0.0), c, 1e-9))
+
+
+def _regions(axes: Any, plane: Plane) -> None:
+    """Hatch where rest and stick-slip coexist, and where a limit cycle in pure slip is stable."""
+    rest, exact = plane.averages["equilibrium"], plane.exact
+    # Opaque: an SVG gives a hatch the opacity of its face.
+    both = {"facecolor": "#fcf0e8", "edgecolor": ORANGE, "hatch": "////", "linewidth": 0}
+    slips = {"facecolor": "#e8f6f1", "edgecolor": GREEN, "hatch": r"\\\\..", "linewidth": 0}
+    for lower, upper, style, label in (
+        (rest, exact, both, "rest or stick-slip, by the start"),
+        (exact, rest, slips, "limit cycle in pure slip"),
+    ):
+        where = np.isfinite(lower) & np.isfinite(upper) & (upper > lower)
+        if where.any():
+            axes.fill_between(plane.V, lower, upper, where=where, label=label, **style)
+
+
+def _time(axes: Any, study: Findings) -> None:
+    motion, osc = study.motion, study.oscillator
+    assert motion is not None
+    _stretches(axes, motion)
+    axes.axhline(osc.V, color="black", linestyle=":", linewidth=0.8, zorder=0, label="belt speed")
+    axes.legend(loc="lower right", ncols=3)
+    finish(axes, xlabel="time $t$ (s)", ylabel=r"velocity $\dot x$ (m/s)", xlim=(0, motion.stretches[-1].end))
+    low, high = axes.get_ylim()
+    axes.set_ylim(low - 0.22 * (high - low), high)  # room for the legend
+
+
+def _stretches(axes: Any, motion: Trajectory) -> None:
+    named = set[str]()
+    for stretch in motion.stretches:
+        sticks = stretch.phase is Phase.STICK
+        t = np.linspace(stretch.start, stretch.end, 2 if sticks else _SMOOTH)
+        _, v = stretch.course(t)
+        look = {"color": ORANGE, "linewidth": 3.0} if sticks else {"color": BLUE, "linewidth": 1.2}
+        name = "stick" if sticks else "slip"
+        axes.plot(t, v, solid_capstyle="butt", label="_" if name in named else name, **look)
+        named.add(name)
+
+
+def _phase(axes: Any, study: Findings) -> None:
+    handles = phase_plane(axes, study.regime)
+    finish(axes)
+    axes.legend(
+        handles.values(), handles.keys(), loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7.5
+    )

@@ -1,0 +1,61 @@
+"""A page on paper, by a browser that is there already.
+
+Chromium sets the page's own formulas, tables and drawings on sheets as its style says, so that what is printed is
+what was looked at. matplotlib writes PDF too, but sets no tables and no MathML: the page would be made twice.
+"""
+
+import shutil
+import subprocess
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.output.files import write_text
+
+__all__ = ["find_browser", "print_to_pdf", "require_browser"]
+
+_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
+_OTHERWISE = "open the page in any browser, and print it to a file there"
+_SECONDS = 60  # for one page; usually 2
+_OPTIONS = (
+    # The sandbox needs rights that containers do not give; the page has no script and refers to nothing.
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-sync", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--no-pdf-header-footer",
+)  # fmt: skip
+
+
+def find_browser() -> str | None:
+    """Return the first browser on the path that prints without a window, or None."""
+    return next(filter(None, map(shutil.which, _NAMES)), None)
+
+
+def require_browser() -> str:
+    """Return the browser that prints.
+
+    Raises `InputError` if there is none.
+    """
+    browser = find_browser()
+    if browser is None:
+        raise InputError(f"a PDF needs chromium or chrome, and none is on the path; {_OTHERWISE}")
+    return browser
+
+
+def print_to_pdf(page: str, path: Path) -> None:
+    """Print a page to a PDF file; what was there before stays if that fails.
+
+    Raises `InputError` if there is no browser, it cannot print, or the file cannot be written.
+    """
+    browser = require_browser()
+    with TemporaryDirectory() as folder:
+        source, printed = Path(folder, "page.html"), Path(folder, "page.pdf")
+        source.write_text(page, encoding="utf-8")
+        profile = f"--user-data-dir={Path(folder, 'profile')}"
+        command = [browser, *_OPTIONS, profile, f"--print-to-pdf={printed}", source.as_uri()]
+        try:
+            done = subprocess.run(command, capture_output=True, timeout=_SECONDS, check=False)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            raise InputError(f"{Path(browser).name} did not print: {error}; {_OTHERWISE}") from None
+        content = printed.read_bytes() if printed.is_file() else b""
+        if not content.startswith(b"%PDF"):
+            raise InputError(f"{Path(browser).name} did not print, exit code {done.returncode}; {_OTHERWISE}")
+    write_text(path, content)

@@ -1,0 +1,250 @@
+"""The study of an operating point: what stands on its page is what the functions return."""
+
+import re
+from functools import cache
+
+import numpy as np
+import pytest
+from pages import XHTML, browse, check_well_formed, require_browser
+
+import stickslip_sym as ss
+from stickslip_sym.comparison.study import sections
+from stickslip_sym.output import browser
+
+PARTS = ["thresholds", "law", "sensitivities", "margins", "formulas", "assumed", "versions"]
+FIGURES = ["figure-law", "figure-plane", "figure-time", "figure-phase"]
+EVIL = "</style><script>alert(1)</script>\"'&<b onload=x>$\\frac{$\x00\x1b\udcff"
+
+
+@cache
+def scene(seed):
+    """A seeded law with errors, its oscillator and their errors."""
+    rng = np.random.default_rng(seed)
+    mu_m = rng.uniform(0.1, 0.25)
+    law = ss.laws.polynomial.bind(
+        mu_s=f"{mu_m + rng.uniform(0.15, 0.3):.3f}+/-{rng.uniform(0.005, 0.02):.4f}",
+        mu_m=f"{mu_m:.3f}",
+        v_m=f"{rng.uniform(1.0, 1.4):.3f}+/-{rng.uniform(0.01, 0.05):.4f}",
+    )
+    osc = ss.Oscillator(
+        m=round(rng.uniform(0.5, 2), 3),
+        k=round(rng.uniform(50, 200), 2),
+        c=round(rng.uniform(1, 4), 3),
+        V=round(rng.uniform(0.3, 0.6), 3),
+        N=round(rng.uniform(5, 12), 3),
+    )
+    return law, osc, {"N": f"{osc.N}+/-0.1"}
+
+
+@cache
+def studied(seed):
+    law, osc, errors = scene(seed)
+    return ss.study(law, osc, errors=errors)
+
+
+def drawn_without(study, monkeypatch):
+    """The page of a study without its figures, which take a second."""
+    monkeypatch.setattr(sections, "pictures", lambda study: {})
+    return sections.page(study)
+
+
+def told(root):
+    """The numbers of a page by the row or place that they stand in, to their last digit."""
+    rows = {}
+    for node in root.iter():
+        id = node.get("id")
+        parent = next((row for row in root.iter("tr") if node in list(row)), node) if id else None
+        if parent is not None:
+            rows[id] = [float(data.get("value")) for data in parent.iter("data")]
+    return rows
+
+
+@cache
+def expected(seed):
+    """What the functions return for a scene, by the same places."""
+    law, osc, errors = scene(seed)
+    given = {name: getattr(osc, name) for name in "VNmk"}
+    found = {}
+    for method in ("equilibrium", "least_squares", "harmonic", "second_order", "orbit", "simulation", "proof"):
+        one = ss.pure_slip_damping(law, **given, method=method, rtol=1e-10)
+        found[f"threshold-{method}"] = [one.value, one.error]
+    exact = ss.pure_slip_damping(law, **given | errors, method="orbit", rtol=1e-10)
+    budget = exact.budget
+    values = given | {name: float(value) for name, value in law.values.items()}
+    for name, slope in exact.sensitivity.items():
+        row = [values[name], slope, slope * values[name] / exact.value]
+        if name in budget.names:
+            row[1:1] = [budget.deviations[name]]
+            row += [budget.alone[name], budget.shares[name]]
+        found[f"sensitivity-{name}"] = row
+    found["threshold"] = [exact.value, budget.uncertainty]
+    margins = ss.margins(law, osc, errors=errors, rtol=1e-6, reach=3)
+    for row in margins.rows:
+        ends = [one.value for one in (row.below, row.above) if one is not None]
+        found[f"margin-{row.name}"] = [row.value, *ends, *([row.change] if ends else [])]
+    found["probability"] = [margins.probability]
+    return found
+
+
+def check(root, seed):
+    there = told(root)
+    for place, numbers in expected(seed).items():
+        assert there[place] == pytest.approx(numbers, rel=1e-9, abs=1e-300), place
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_numbers_on_the_page_are_those_of_the_functions(seed, monkeypatch):
+    page = drawn_without(studied(seed), monkeypatch)
+    root = check_well_formed(page)
+    check(root, seed)
+    for data in root.iter("data"):  # what is shown is what is stated, to the digits shown
+        shown = "".join(data.itertext()).replace("−", "-").replace("·10", "e")
+        scale = 0.01 if "%" in shown else 1.0
+        number = float(shown.removesuffix(" %")) * scale
+        assert number == pytest.approx(float(data.get("value")), rel=0.06, abs=6e-4)
+    below = studied(seed).oscillator.c < studied(seed).threshold.value
+    assert ("c is below it" in page) == below
+
+
+def test_swapped_values_are_noticed(monkeypatch):
+    page = drawn_without(studied(0), monkeypatch)
+    root = check_well_formed(page)
+    places = ["threshold-orbit", "threshold-harmonic", "sensitivity-V", "sensitivity-N", "margin-N", "margin-c"]
+    rows = {
+        row.find("th").get("id"): list(row.iter("data")) for row in root.iter("tr") if row.find("th").get("id")
+    }
+    cells = [rows[place] for place in places]
+    for one, other in zip(cells[::2], cells[1::2], strict=True):
+        for left, right in zip(one[-2:], other[-2:], strict=True):
+            before = left.get("value"), right.get("value")
+            left.set("value", before[1]), right.set("value", before[0])
+            with pytest.raises(AssertionError):
+                check(root, 0)
+            left.set("value", before[0]), right.set("value", before[1])
+    check(root, 0)
+
+
+def test_the_page_is_whole_and_prints_on_two_sheets(tmp_path):
+    pytest.importorskip("matplotlib")
+    study = studied(0)
+    path = study.save(tmp_path / "study.html")
+    page = path.read_text(encoding="utf-8")
+    root = check_well_formed(page)
+    by_id = {node.get("id"): node for node in root.iter() if node.get("id")}
+    assert set(PARTS + FIGURES) <= set(by_id)
+    assert len(page) < 600_000
+    for figure in FIGURES:
+        assert len(by_id[figure].find("img").get("alt")) > 50
+    for criterion in ("law", "equilibrium", "least_squares", "harmonic"):
+        assert by_id[f"formula-{criterion}"].find(".//m:math", XHTML) is not None
+    formulas = "".join(by_id["formulas"].itertext())
+    assert formulas.count("PROVED") == 3
+    assert "μ(v)=" in formulas
+    assert f"stickslip_sym {ss.__version__}" in "".join(by_id["versions"].itertext())
+    assert str(study).splitlines()[1] == study.verdict
+    require_browser(tmp_path)
+    (tmp_path / "probed.html").write_text(page.replace("</body>", PROBE), encoding="utf-8")
+    frames = [f'<iframe src="probed.html" width="{width}" height="900"></iframe>' for width in (1200, 360)]
+    (tmp_path / "both.html").write_text("<!DOCTYPE html><title>both</title>" + LISTENER + "".join(frames))
+    seen = browse((tmp_path / "both.html").as_uri(), tmp_path)
+    probes = re.findall(r"<pre>(\d+) (-?\d+) (\w+)</pre>", seen.stdout)
+    assert sorted(probes) == [("1200", "0", "true"), ("360", "0", "true")]
+    content = study.print(tmp_path / "study.pdf").read_bytes()
+    assert content.startswith(b"%PDF")
+    assert len(re.findall(rb"/Type\s*/Page\b", content)) == 2
+
+
+PROBE = """<script>
+addEventListener("load", () => {
+  const root = document.documentElement;
+  const drawn = [...document.images].every(image => image.complete && image.naturalWidth > 100);
+  parent.postMessage(`${innerWidth} ${root.scrollWidth - root.clientWidth} ${drawn}`, "*");
+});
+</script></body>"""
+LISTENER = """<script>
+addEventListener("message", event => {
+  const node = document.createElement("pre");
+  node.textContent = event.data;
+  document.body.append(node);
+});
+</script>"""
+
+
+def test_what_users_write_stays_text(monkeypatch):
+    """Names, sources, meanings, notes and headers of files, with markup, TeX, controls and half a character."""
+    measured = ss.Measurements.of([0.01, 0.5, 1.0], [0.5, 0.4, 0.3])
+    object.__setattr__(measured, "understood", EVIL)
+    law = ss.FrictionLaw(
+        "a - b*v",
+        name=EVIL,
+        source=EVIL,
+        validity=EVIL,
+        parameters=[ss.Parameter("a", EVIL, "1", "0.5"), ss.Parameter("b", EVIL, "s/m", "0.1")],
+    ).typical()
+    study = ss.study(law, ss.Oscillator(m=1, k=100, c=2, V=0.5, N=9.81), measured=measured, assumed=[EVIL])
+    root = check_well_formed(study.page)
+    shown = EVIL.replace("\x00", "\ufffd").replace("\x1b", "\ufffd").replace("\udcff", "\ufffd")
+    text = "".join(root.itertext())
+    assert text.count(shown) >= 7
+    assert not list(root.iter("script"))
+    assert {node.tag for node in root.iter("b")} == {"b"}
+    assert not any(name.startswith("on") for node in root.iter() for name in node.attrib)
+
+
+def test_a_fit_brings_its_covariance_and_its_points(monkeypatch):
+    pytest.importorskip("lmfit")
+    rng = np.random.default_rng(5)
+    v = np.linspace(0.01, 1.2, 60)
+    fits = ss.fit(v, 0.5 - 0.2 * v + 0.05 * v**2 + 0.002 * rng.normal(size=60), laws=["a - b*v + d*v^2"])
+    osc = ss.Oscillator(m=1, k=100, c=1.2, V=0.5, N=9.81)
+    study = ss.study(fits, osc)
+    assert study.fit is fits.best
+    assert study.measured is fits.measured
+    pair = study.threshold.budget.correlated[0]
+    place = [list(fits.best.values).index(name) for name in pair[:2]]
+    assert pair[2] == pytest.approx(fits.best.correlation[place[0], place[1]])
+    page = drawn_without(study, monkeypatch)
+    assert "Fitted to 60 rows" in page
+    assert "with the correlations of" in page
+
+
+@pytest.mark.parametrize(
+    ("law", "change", "reason"),
+    [
+        (ss.laws.polynomial, {}, "has no value for mu_s, mu_m, v_m"),
+        (ss.laws.polynomial.typical(), {"errors": {"alpha": "3(1)"}}, "it takes V, N, m, k and c"),
+        (ss.laws.polynomial.typical(), {"errors": {"N": "9.0(1)"}}, "give the same value"),
+        (ss.laws.polynomial.typical(), {"errors": {"N": "9.81+/-x"}}, "not a number with a standard error"),
+        (ss.laws.polynomial.typical(), {"time_limit": -1}, "time_limit = -1"),
+    ],
+)
+def test_what_cannot_be_studied_is_refused(law, change, reason):
+    with pytest.raises(ss.InputError, match=re.escape(reason)):
+        ss.study(law, ss.Oscillator(m=1, k=100, c=2, V=0.5, N=9.81), **change)
+
+
+def test_parts_that_take_too_long_are_named(monkeypatch):
+    law, osc, _ = scene(1)
+    study = ss.study(law, osc, time_limit=0)
+    assert study.threshold is None
+    assert set(study.refused) >= {"margins", "plane of c over V"}
+    page = drawn_without(study, monkeypatch)
+    text = "".join(check_well_formed(page).itertext())
+    assert "Not found: margins: the time limit was reached" in text
+    assert "There is no threshold here" in text
+
+
+def test_without_friction_no_change_reaches_the_threshold(monkeypatch):
+    study = ss.study(ss.laws.linear.typical(), ss.Oscillator(m=1, k=100, c=0, V=0.5, N=0))
+    page = drawn_without(study, monkeypatch)
+    check_well_formed(page)
+    assert "smallest change" not in str(study)
+    assert "inf" not in str(study) + page
+    assert 'id="nearest"' not in page
+
+
+def test_without_a_browser_the_page_can_still_be_printed_by_hand(monkeypatch, tmp_path):
+    monkeypatch.setattr(browser.shutil, "which", lambda name: None)
+    with pytest.raises(ss.InputError, match="none is on the path; open the page in any browser"):
+        studied(0).print(tmp_path / "study.pdf")
+    assert not list(tmp_path.iterdir())

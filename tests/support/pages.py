@@ -1,0 +1,48 @@
+"""Pages as readers of XML and a browser see them."""
+
+import subprocess
+from xml.etree import ElementTree
+
+import pytest
+
+from stickslip_sym.output.browser import find_browser
+
+XHTML = {"m": "http://www.w3.org/1998/Math/MathML"}
+
+
+def check_well_formed(page):
+    """XML reads it, it refers to nothing outside, and it needs no script; returns its root."""
+    root = ElementTree.fromstring(page.removeprefix("<!DOCTYPE html>\n"))
+    assert root.get("lang") == "en"
+    assert root.findtext("head/title")
+    ids = [node.get("id") for node in root.iter() if node.get("id")]
+    assert len(ids) == len(set(ids))
+    references = [node.get("href") for node in root.iter() if node.get("href")]
+    assert {name[1:] for name in references if name.startswith("#")} <= set(ids)
+    sources = [name for name in references if not name.startswith("#")]
+    sources += [node.get("src") for node in root.iter() if node.get("src")]
+    assert all(source.startswith("data:") for source in sources)
+    assert not list(root.iter("script"))
+    assert "url(" not in page
+    return root
+
+
+def browse(address, tmp_path):
+    command = [
+        find_browser(), "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-sync",
+        "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-quic",
+        "--enable-logging=stderr", "--v=0", f"--user-data-dir={tmp_path / 'profile'}", "--window-size=1300,900",
+        "--dump-dom", address,
+    ]  # fmt: skip
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+
+
+def require_browser(tmp_path):
+    """Skip what follows where no browser is, or it cannot start."""
+    if find_browser() is None:
+        pytest.skip("all but the browser's part: no chromium on this machine (Debian: apt-get install chromium)")
+    started = browse("about:blank", tmp_path)
+    if started.returncode < 0:  # where memory for addresses is limited, chromium stops with SIGTRAP at any page
+        pytest.skip(
+            f"all but the browser's part: chromium cannot show an empty page here (signal {-started.returncode})"
+        )
