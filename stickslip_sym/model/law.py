@@ -4,18 +4,21 @@ import copy
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import Number, exact_values, suggestion
+from stickslip_sym.core.numbers import Number, fractions_of, suggestion
 from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
 from stickslip_sym.model.evaluated import Evaluated
 from stickslip_sym.model.expression.parameters import Parameter, parameter_table
-from stickslip_sym.model.expression.reading import read_formula
-from stickslip_sym.model.measured.measurements import Measurements, read_measurements
-from stickslip_sym.model.samples import SampledCurve
-from stickslip_sym.output import markup, printing
+from stickslip_sym.model.formula import Given, Written
+from stickslip_sym.output import markup
+
+if TYPE_CHECKING:
+    from stickslip_sym.model.measured.measurements import Measurements
+    from stickslip_sym.model.samples import SampledCurve
 
 __all__ = ["FrictionLaw", "Parameter", "limit_at_rest"]
 
@@ -71,19 +74,31 @@ class FrictionLaw(Evaluated):
         parameters: Iterable[Parameter] = (),
         validity: str | None = None,
     ) -> None:
+        from stickslip_sym.model.expression.reading import read_formula
+
         described = _described(parameters, units)
         table = dict(described)
-        self.expr = read_formula(formula, table)
+        expr = read_formula(formula, table)
         self.name = name
         self.source = source
         self.validity = validity
         self.static = None if static is None else _read_static(static, table)
-        self._values: dict[str, Any] = {}
+        self._values = {}
+        own = [parameter.symbol for parameter in table.values() if parameter.symbol in expr.free_symbols]
+        self._formula = Given(expr, Coefficient(expr, own))
         self._parameters = self._used(table)
         for unused in described.keys() - self._parameters.keys():
-            raise InputError(f"the parameter {unused!r} does not occur in the formula {printing.text(self.expr)}")
-        own = [p.symbol for p in self._parameters.values() if p.symbol in self.expr.free_symbols]
-        self._coefficient = Coefficient(self.expr, own)
+            raise InputError(f"the parameter {unused!r} does not occur in the formula {self.text}")
+
+    @classmethod
+    def written(cls, formula: Written, *, name: str, source: str, validity: str) -> Self:
+        """Return the law of a text whose parameters are all described, without reading it yet."""
+        law = cls.__new__(cls)
+        law.name, law.source, law.validity, law.static = name, source, validity, None
+        law._values = {}
+        law._parameters = {parameter.name: parameter for parameter in formula.parameters}
+        law._formula = formula
+        return law
 
     def with_static(
         self,
@@ -122,7 +137,7 @@ class FrictionLaw(Evaluated):
         law._parameters = law._used(table)
         for unused in described.keys() - law._parameters.keys():
             raise InputError(f"the parameter {unused!r} does not occur in the static coefficient or the law")
-        law._values = {key: value for key, value in self.values.items() if key in law._parameters}
+        law._values = {key: value for key, value in self._values.items() if key in law._parameters}
         return law
 
     def _used(self, table: Mapping[str, Parameter]) -> dict[str, Parameter]:
@@ -168,12 +183,14 @@ class FrictionLaw(Evaluated):
         F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic interpolants,
         SIAM J. Sci. Stat. Comput. 5 (1984), as `scipy.interpolate.PchipInterpolator` has it.
         """
+        from stickslip_sym.model.samples import SampledCurve
+
         return cls.from_curve(SampledCurve.through(v, mu, extrapolate=extrapolate), name=name, source=source)
 
     @classmethod
     def from_csv(
         cls,
-        path: str | Path | Measurements,
+        path: "str | Path | Measurements",
         *,
         extrapolate: bool = False,
         source: str | None = None,
@@ -189,6 +206,8 @@ class FrictionLaw(Evaluated):
         InputError
             If the file is not understood, or as in `from_samples`.
         """
+        from stickslip_sym.model.measured.measurements import Measurements, read_measurements
+
         measured = path if isinstance(path, Measurements) else read_measurements(path)
         name = name or measured.name or "samples"
         return cls.from_samples(*measured.points(), extrapolate=extrapolate, name=name, source=source)
@@ -196,7 +215,7 @@ class FrictionLaw(Evaluated):
     @classmethod
     def from_curve(
         cls,
-        curve: SampledCurve,
+        curve: "SampledCurve",
         *,
         name: str | None = None,
         source: str | None = None,
@@ -204,7 +223,7 @@ class FrictionLaw(Evaluated):
     ) -> Self:
         """Return the law that a piecewise cubic is."""
         law = cls(curve.expr, name=name, source=source, validity=validity)
-        law._coefficient = Coefficient(law.expr, (), curve)
+        law._formula = Given(law.expr, Coefficient(law.expr, (), curve))
         return law
 
     # -- expressions -----------------------------------------------------------------------------
@@ -212,6 +231,8 @@ class FrictionLaw(Evaluated):
     @property
     def text(self) -> str:
         """The formula as plain text; of measured points, what goes through them."""
+        from stickslip_sym.output import printing
+
         return printing.text(self.expr) if self.curve is None else str(self.curve)
 
     # -- values ----------------------------------------------------------------------------------
@@ -224,7 +245,8 @@ class FrictionLaw(Evaluated):
     @property
     def values(self) -> Mapping[str, Any]:
         """The bound values by name, exact; read-only."""
-        return MappingProxyType(self._values)
+        exactly = {key: sp.Rational(value.numerator, value.denominator) for key, value in self._values.items()}
+        return MappingProxyType(exactly)
 
     def bind(self, **values: Number) -> Self:
         """Return the law with values for some or all of its parameters.
@@ -235,7 +257,7 @@ class FrictionLaw(Evaluated):
             For an unknown name, a value that is no finite number, or a negative value of a parameter
             that was declared positive.
         """
-        read = exact_values(values)
+        read = fractions_of(values)
         for key, value in read.items():
             if key not in self.parameters:
                 known = ", ".join(self.parameters) or "none"
@@ -248,7 +270,7 @@ class FrictionLaw(Evaluated):
                     f"declare it with Parameter({key!r}, positive=False) if any sign is meant"
                 )
         bound = copy.copy(self)
-        bound._values = {**self.values, **read}
+        bound._values = {**self._values, **read}
         if not bound.missing:
             bound.kinks()  # refuses values for which a kink has no place
         return bound
@@ -256,12 +278,12 @@ class FrictionLaw(Evaluated):
     def typical(self, **values: Number) -> Self:
         """Return the law with its typical values wherever neither `bind` nor `values` gives one."""
         given = {key: p.typical for key, p in self.parameters.items() if p.typical is not None}
-        return self.bind(**{**given, **self.values, **values})
+        return self.bind(**{**given, **self._values, **values})
 
     def _content(self) -> tuple[Any, ...]:
         described = tuple((p.symbol, p.meaning, p.unit, p.typical) for p in self.parameters.values())
         about = self.name, self.source, self.validity, self.curve
-        return self.expr, self.static, *about, described, frozenset(self.values.items())
+        return self.expr, self.static, *about, described, frozenset(self._values.items())
 
     def __eq__(self, other: object) -> bool:
         """Whether two laws are the same in formula, values and description."""
@@ -271,7 +293,7 @@ class FrictionLaw(Evaluated):
         return hash(self._content())
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{key}={float(value):g}" for key, value in self.values.items())
+        values = ", ".join(f"{key}={float(value):g}" for key, value in self._values.items())
         return f"FrictionLaw({self.name or 'unnamed'}: {self.text}{'; ' + values if values else ''})"
 
     def _repr_latex_(self) -> str:
@@ -280,9 +302,13 @@ class FrictionLaw(Evaluated):
         return f"$\\displaystyle {self._latex()}$"
 
     def _latex(self) -> str:
+        from stickslip_sym.output import printing
+
         return f"\\mu(v) = {printing.latex(self.expr)}"
 
     def _repr_html_(self) -> str:
+        from stickslip_sym.output import printing
+
         head = self.text if self.curve is not None else markup.formula(self._latex())
         static = None if self.static is None else printing.text(self.static)
         known = {"static coefficient": static, "validity": self.validity, "source": self.source}
@@ -298,6 +324,8 @@ def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None)
 
 
 def _read_static(static: Any, table: dict[str, Parameter]) -> Any:
+    from stickslip_sym.model.expression.reading import read_formula
+
     read = read_formula(static, table, constant=True)
     if read.has(symbols.v):
         raise InputError("the static coefficient is one number; it cannot depend on v")

@@ -1,7 +1,7 @@
 """`pure_slip_damping`: the damping that separates stick-slip from slip, by the cheapest method good enough."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,7 +10,6 @@ from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray, ObjectArray
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.criteria.criterion import Criterion, equilibrium, harmonic
-from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.doubts import warn_where_negative
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.orbits.orbit import obstacle
@@ -18,8 +17,11 @@ from stickslip_sym.motion.thresholds import rungs
 from stickslip_sym.motion.thresholds.climb import accuracy, by_name, climb
 from stickslip_sym.motion.thresholds.rungs import Rung
 from stickslip_sym.motion.thresholds.scenes import Scenes
-from stickslip_sym.motion.thresholds.theorem import Theorem
 from stickslip_sym.output import markup
+
+if TYPE_CHECKING:
+    from stickslip_sym.criteria.enclosure import Enclosure
+    from stickslip_sym.motion.thresholds.theorem import Theorem
 
 __all__ = ["Threshold", "pure_slip_damping"]
 
@@ -42,15 +44,15 @@ class Threshold:
     value: Any
     method: Any
     error: Any
-    theorems: tuple[Theorem, ...] = ()
+    theorems: "tuple[Theorem, ...]" = ()
 
     @property
-    def theorem(self) -> Theorem | None:
+    def theorem(self) -> "Theorem | None":
         """What was proved of one scene, or None."""
         return self.theorems[0] if len(self.theorems) == 1 else None
 
     @property
-    def enclosure(self) -> Enclosure | None:
+    def enclosure(self) -> "Enclosure | None":
         """Two dampings between which the threshold of one scene was proved to lie, or None."""
         return None if self.theorem is None else self.theorem.enclosure
 
@@ -96,7 +98,7 @@ class Threshold:
         return markup.table(header[start:], [row[start:] for row in rows], caption="pure-slip damping")
 
 
-_Found = tuple[FloatArray, ObjectArray, FloatArray | None, tuple[Theorem, ...]]
+_Found: TypeAlias = "tuple[FloatArray, ObjectArray, FloatArray | None, tuple[Theorem, ...]]"
 """Values, methods, errors, and what was proved."""
 
 

@@ -1,0 +1,71 @@
+"""The formula of a law, shared by all its copies: an expression, and what computes it.
+
+That of a law of the catalogue is text until an expression is asked for, and has its functions of NumPy from
+`compiled`: most numbers need no SymPy.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+from stickslip_sym.core.aliases import Expr, FloatArray
+from stickslip_sym.model.coefficient import Coefficient
+from stickslip_sym.model.expression.parameters import Parameter
+
+__all__ = ["Formula", "Given", "Ready", "Written"]
+
+Compiled = Callable[..., FloatArray]
+
+
+@dataclass(frozen=True)
+class Ready:
+    """mu and its slope as functions of an array of v and of the parameters in order; both are smooth for v > 0."""
+
+    parameters: tuple[str, ...]
+    mu: Compiled
+    slope: Compiled
+
+
+class Formula(Protocol):
+    """A formula, and what computes it."""
+
+    @property
+    def expr(self) -> Expr: ...  # noqa: D102
+
+    @property
+    def coefficient(self) -> Coefficient: ...  # noqa: D102
+
+    @property
+    def ready(self) -> Ready | None: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class Given:
+    """A formula that is an expression."""
+
+    expr: Expr
+    coefficient: Coefficient
+    ready: Ready | None = None
+
+
+@dataclass(frozen=True)
+class Written:
+    """A formula that is text, with a description of each of its parameters, and ready functions."""
+
+    text: str
+    parameters: Sequence[Parameter]
+    ready: Ready | None
+
+    @cached_property
+    def expr(self) -> Expr:
+        """The formula as an expression."""
+        from stickslip_sym.model.expression.reading import read_formula
+
+        described: Mapping[str, Parameter] = {parameter.name: parameter for parameter in self.parameters}
+        return read_formula(self.text, dict(described))
+
+    @cached_property
+    def coefficient(self) -> Coefficient:
+        """What computes it where the ready functions do not serve."""
+        return Coefficient(self.expr, [parameter.symbol for parameter in self.parameters])
