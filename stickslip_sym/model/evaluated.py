@@ -14,6 +14,7 @@ from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.formula import Formula
+from stickslip_sym.output import printing
 
 if TYPE_CHECKING:
     from stickslip_sym.model.samples import SampledCurve
@@ -61,7 +62,6 @@ class Evaluated:
             If no limit is found.
         """
         from stickslip_sym.model.expression.pieces import at_rest
-        from stickslip_sym.output import printing
 
         if self.static is not None:
             return self.static
@@ -111,7 +111,7 @@ class Evaluated:
 
     def _known(self) -> dict[Any, Any]:
         return {
-            self._parameters[key].symbol: sp.Rational(value.numerator, value.denominator)
+            self._parameters[key].symbol: sp.Rational(*value.as_integer_ratio())
             for key, value in self._values.items()
         }
 

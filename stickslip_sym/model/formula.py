@@ -4,16 +4,16 @@ That of a law of the catalogue is text until an expression is asked for, and has
 `compiled`: most numbers need no SymPy.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.model.coefficient import Coefficient
 from stickslip_sym.model.expression.parameters import Parameter
 
-__all__ = ["Formula", "Given", "Ready", "Written"]
+__all__ = ["Formula", "Given", "Ready", "Written", "read_formula"]
 
 Compiled = Callable[..., FloatArray]
 
@@ -60,12 +60,16 @@ class Written:
     @cached_property
     def expr(self) -> Expr:
         """The formula as an expression."""
-        from stickslip_sym.model.expression.reading import read_formula
-
-        described: Mapping[str, Parameter] = {parameter.name: parameter for parameter in self.parameters}
-        return read_formula(self.text, dict(described))
+        return read_formula(self.text, {parameter.name: parameter for parameter in self.parameters})
 
     @cached_property
     def coefficient(self) -> Coefficient:
         """What computes it where the ready functions do not serve."""
         return Coefficient(self.expr, [parameter.symbol for parameter in self.parameters])
+
+
+def read_formula(formula: str | Any, table: dict[str, Parameter], *, constant: bool = False) -> Expr:
+    """Read a formula as `expression.reading` does, which is imported here: it holds much of SymPy."""
+    from stickslip_sym.model.expression import reading
+
+    return reading.read_formula(formula, table, constant=constant)

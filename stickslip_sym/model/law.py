@@ -13,8 +13,8 @@ from stickslip_sym.core.numbers import Number, fractions_of, suggestion
 from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
 from stickslip_sym.model.evaluated import Evaluated
 from stickslip_sym.model.expression.parameters import Parameter, parameter_table
-from stickslip_sym.model.formula import Given, Written
-from stickslip_sym.output import markup
+from stickslip_sym.model.formula import Given, Written, read_formula
+from stickslip_sym.output import markup, printing
 
 if TYPE_CHECKING:
     from stickslip_sym.model.measured.measurements import Measurements
@@ -74,8 +74,6 @@ class FrictionLaw(Evaluated):
         parameters: Iterable[Parameter] = (),
         validity: str | None = None,
     ) -> None:
-        from stickslip_sym.model.expression.reading import read_formula
-
         described = _described(parameters, units)
         table = dict(described)
         expr = read_formula(formula, table)
@@ -95,9 +93,8 @@ class FrictionLaw(Evaluated):
         """Return the law of a text whose parameters are all described, without reading it yet."""
         law = cls.__new__(cls)
         law.name, law.source, law.validity, law.static = name, source, validity, None
-        law._values = {}
+        law._values, law._formula = {}, formula
         law._parameters = {parameter.name: parameter for parameter in formula.parameters}
-        law._formula = formula
         return law
 
     def with_static(
@@ -231,8 +228,6 @@ class FrictionLaw(Evaluated):
     @property
     def text(self) -> str:
         """The formula as plain text; of measured points, what goes through them."""
-        from stickslip_sym.output import printing
-
         return printing.text(self.expr) if self.curve is None else str(self.curve)
 
     # -- values ----------------------------------------------------------------------------------
@@ -245,8 +240,9 @@ class FrictionLaw(Evaluated):
     @property
     def values(self) -> Mapping[str, Any]:
         """The bound values by name, exact; read-only."""
-        exactly = {key: sp.Rational(value.numerator, value.denominator) for key, value in self._values.items()}
-        return MappingProxyType(exactly)
+        return MappingProxyType(
+            {key: sp.Rational(*value.as_integer_ratio()) for key, value in self._values.items()}
+        )
 
     def bind(self, **values: Number) -> Self:
         """Return the law with values for some or all of its parameters.
@@ -302,13 +298,9 @@ class FrictionLaw(Evaluated):
         return f"$\\displaystyle {self._latex()}$"
 
     def _latex(self) -> str:
-        from stickslip_sym.output import printing
-
         return f"\\mu(v) = {printing.latex(self.expr)}"
 
     def _repr_html_(self) -> str:
-        from stickslip_sym.output import printing
-
         head = self.text if self.curve is not None else markup.formula(self._latex())
         static = None if self.static is None else printing.text(self.static)
         known = {"static coefficient": static, "validity": self.validity, "source": self.source}
@@ -324,8 +316,6 @@ def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None)
 
 
 def _read_static(static: Any, table: dict[str, Parameter]) -> Any:
-    from stickslip_sym.model.expression.reading import read_formula
-
     read = read_formula(static, table, constant=True)
     if read.has(symbols.v):
         raise InputError("the static coefficient is one number; it cannot depend on v")
