@@ -43,7 +43,7 @@ class FrictionLaw(Evaluated):
     parameters : iterable of Parameter, optional
         Full descriptions, instead of `units`.
     validity : str, optional
-        Where the law holds, in a sentence.
+        Where it holds, in a sentence.
 
     Raises
     ------
@@ -93,7 +93,7 @@ class FrictionLaw(Evaluated):
         """Return the law of a text whose parameters are all described, without reading it yet."""
         law = cls.__new__(cls)
         law.name, law.source, law.validity, law.static = name, source, validity, None
-        law._values, law._formula = {}, formula
+        law._formula, law._values = formula, {}
         law._parameters = {parameter.name: parameter for parameter in formula.parameters}
         return law
 
@@ -222,8 +222,6 @@ class FrictionLaw(Evaluated):
         law = cls(curve.expr, name=name, source=source, validity=validity)
         law._formula = Given(law.expr, Coefficient(law.expr, (), curve))
         return law
-
-    # -- expressions -----------------------------------------------------------------------------
 
     @property
     def text(self) -> str:
