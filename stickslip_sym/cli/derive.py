@@ -41,7 +41,6 @@ def derive(
 
     Example: stickslip derive "mu_m + (mu_s - mu_m)*exp(-alpha*v)" -p mu_s=0.5 -p mu_m=0.2 -p alpha=3
     """
-    from stickslip_sym.model.doubts import warn_where_negative
     from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.output import files
 
@@ -59,6 +58,8 @@ def derive(
     for one in chosen:
         bound.require_speed(numbers["V"] * (1 if one.weight is None else 2))
     if not bound.missing:
+        from stickslip_sym.model.doubts import warn_where_negative
+
         warn_where_negative(bound, float(numbers["V"]))
     found = [derived(bound, one, time_limit) for one in chosen]
     forms = [form for form in found if not isinstance(form, NoClosedForm)]
