@@ -1,6 +1,7 @@
 """``stickslip derive``: a law's criteria in closed form, with a table that cross-checks each."""
 
 import contextlib
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Union
@@ -46,9 +47,6 @@ def derive(
 
     Example: stickslip derive "mu_m + (mu_s - mu_m)*exp(-alpha*v)" -p mu_s=0.5 -p mu_m=0.2 -p alpha=3
     """
-    from stickslip_sym.comparison.crosscheck import crosscheck
-    from stickslip_sym.formula.derivation import keeping
-    from stickslip_sym.model.doubts import warn_where_negative
     from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.output import files
 
@@ -66,17 +64,18 @@ def derive(
     for one in chosen:
         bound.require_speed(numbers["V"] * (1 if one.weight is None else 2))
     if not bound.missing:
+        from stickslip_sym.model.doubts import warn_where_negative
+
         warn_where_negative(bound, float(numbers["V"]))
     found = [derived(bound, one, time_limit) for one in chosen]
     forms = [form for form in found if not isinstance(form, NoClosedForm)]
     if latex is not None and forms:
         files.write_text(latex, "\n".join(_latex(form, steps) for form in forms))
     if save is not None and forms:
+        from stickslip_sym.formula.derivation import keeping
+
         keeping.save(forms[0], save)
-    results = [
-        (one.name, form, [] if bound.missing else crosscheck(bound, one, given, form if form in forms else None))
-        for one, form in zip(chosen, found, strict=True)
-    ]
+    results = [(one.name, form, _checks(bound, one, given, form)) for one, form in zip(chosen, found, strict=True)]
     if as_json:
         shown = [_as_json(*result, steps) for result in results]
         json_output.echo("derive", law=json_output.law(bound), scene=json_output.values(given), criteria=shown)
@@ -90,6 +89,15 @@ def derive(
     for form in found:
         if isinstance(form, NoClosedForm):
             raise form
+
+
+def _checks(law: "FrictionLaw", criterion: "Criterion", scene: dict[str, str], form: Found) -> "list[Check]":
+    """Return the table of values, for a law that has all of its parameters."""
+    if law.missing:
+        return []
+    from stickslip_sym.comparison.crosscheck import crosscheck
+
+    return crosscheck(law, criterion, scene, None if isinstance(form, NoClosedForm) else form)
 
 
 def derived(law: "FrictionLaw", criterion: "Criterion", time_limit: float = SECONDS) -> Found:
@@ -135,7 +143,6 @@ def _check(check: "Check") -> json_output.Json:
 
 
 def _report(law: "FrictionLaw", name: str, form: Found, checks: "list[Check]", steps: bool) -> str:
-    from stickslip_sym.comparison import crosscheck
     from stickslip_sym.output import printing
     from stickslip_sym.output.lines import formula
 
@@ -150,6 +157,8 @@ def _report(law: "FrictionLaw", name: str, form: Found, checks: "list[Check]", s
         if steps:
             lines += ["", form.derivation.text()]
     if checks:
+        from stickslip_sym.comparison import crosscheck
+
         lines += ["", in_options(crosscheck.report(checks))]
     return "\n".join(lines)
 
@@ -170,6 +179,9 @@ def _latex(form: "ClosedForm", steps: bool) -> str:
 @contextlib.contextmanager
 def _progress(time_limit: float) -> Iterator[Callable[[str], None]]:
     """Show on a terminal what is being done, and how long it may still take; elsewhere show nothing."""
+    if not sys.stderr.isatty():
+        yield lambda text: None
+        return
     from rich.progress import ProgressColumn, SpinnerColumn, Task, TextColumn
     from rich.table import Column
     from rich.text import Text

@@ -1,27 +1,31 @@
 """Names of the types that annotations say again and again."""
 
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-import mpmath
-import numpy as np
-import sympy as sp
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import mpmath
+    import numpy as np
+    import sympy as sp
+    from numpy.typing import NDArray
 
 __all__ = [
     "BoolArray", "ComplexArray", "Expr", "FloatArray", "IntArray", "Mpf", "Numbers", "ObjectArray", "Rational",
     "Rows",
 ]  # fmt: skip
 
-Expr: TypeAlias = sp.Basic
-"""A SymPy expression, or a relation between two."""
-Rational: TypeAlias = sp.Rational
-Mpf: TypeAlias = mpmath.mpf
-FloatArray: TypeAlias = NDArray[np.floating[Any]]
-ComplexArray: TypeAlias = NDArray[np.complexfloating[Any]]
-BoolArray: TypeAlias = NDArray[np.bool_]
-IntArray: TypeAlias = NDArray[np.integer[Any]]
-ObjectArray: TypeAlias = NDArray[np.object_]
-"""Of members of an enumeration."""
+if TYPE_CHECKING:
+    Expr: TypeAlias = sp.Basic
+    """A SymPy expression, or a relation between two."""
+    Rational: TypeAlias = sp.Rational
+    Mpf: TypeAlias = mpmath.mpf
+    FloatArray: TypeAlias = NDArray[np.floating[Any]]
+    ComplexArray: TypeAlias = NDArray[np.complexfloating[Any]]
+    BoolArray: TypeAlias = NDArray[np.bool_]
+    IntArray: TypeAlias = NDArray[np.integer[Any]]
+    ObjectArray: TypeAlias = NDArray[np.object_]
+    """Of members of an enumeration."""
+else:  # no annotation is worth the half second that these libraries take to import
+    Expr = Rational = Mpf = FloatArray = ComplexArray = BoolArray = IntArray = ObjectArray = Any
 Numbers: TypeAlias = float | FloatArray
 """One number, or an array of them."""
 Rows: TypeAlias = IntArray | BoolArray | list[int] | slice

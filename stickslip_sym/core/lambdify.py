@@ -8,10 +8,9 @@ from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
-import sympy as sp
 
+from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.lerch import lerch
 
 __all__ = ["Backend", "function_of"]
 
@@ -23,6 +22,8 @@ def function_of(arguments: Sequence[Expr], expr: Expr, backend: Backend) -> Call
 
     `expr` may be a list of expressions; common subexpressions are then computed once.
     """
+    from stickslip_sym.core.lerch import lerch
+
     if backend == "numpy":
         expr = _in_floats(expr)
     # SciPy's expm1 takes no extended precision, NumPy's does.

@@ -10,19 +10,18 @@ import re
 from collections.abc import Mapping
 from decimal import Decimal
 from fractions import Fraction
-from typing import SupportsFloat, TypeVar
+from typing import TYPE_CHECKING, SupportsFloat, TypeVar
 
-import mpmath
-import numpy as np
-import sympy as sp
-from numpy.typing import ArrayLike
-
+from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
 from stickslip_sym.core.errors import InputError
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
 __all__ = [
-    "Number", "bits", "exact", "exact_values", "lookup", "read_array", "read_rtol", "real", "suggestion", "to_mpf",
-    "within",
+    "Number", "bits", "exact", "fraction", "fractions_of", "lookup", "read_array", "read_rtol", "real",
+    "suggestion", "to_mpf", "within",
 ]  # fmt: skip
 
 T = TypeVar("T")
@@ -47,27 +46,46 @@ def exact(value: Number, name: str) -> Expr:
     InputError
         If it is no finite real number.
     """
+    number = fraction(value, name)
+    return sp.Rational(number.numerator, number.denominator)
+
+
+def fraction(value: Number, name: str) -> Fraction:
+    """Return `value` as the exact fraction it denotes, as `exact` does, without SymPy but for its own numbers.
+
+    Raises
+    ------
+    InputError
+        If it is no finite real number.
+    """
     if isinstance(value, str):
         return _from_text(value, name)
+    finite = not isinstance(value, float | Decimal) or math.isfinite(value)
+    if isinstance(value, int | float | Fraction | Decimal) and not isinstance(value, bool) and finite:
+        return Fraction(value)
+    number = None if isinstance(value, int | float | Fraction | Decimal) else _from_a_library(value)
+    if number is None:
+        raise InputError(f"{name} = {value!r} is not a finite real number; give a number such as 0.5 or '0.5'")
+    return number
+
+
+def _from_a_library(value: SupportsFloat) -> Fraction | None:
+    """Return a number of SymPy, mpmath, NumPy or others as a fraction; None if it is no finite real one."""
+    import mpmath
+
     if isinstance(value, sp.Expr):
-        if value.is_Rational:
-            return value
-        if value.is_Float:
-            return sp.Rational(value)
-    elif isinstance(value, bool):
-        pass
-    elif isinstance(value, int | Fraction | Decimal):
-        if not isinstance(value, Decimal) or value.is_finite():
-            return sp.Rational(Fraction(value))
-    elif isinstance(value, mpmath.mpf):
-        if mpmath.isfinite(value):
-            sign, mantissa, exponent, _ = value._mpf_
-            return (-1) ** sign * sp.Integer(int(mantissa)) * sp.Integer(2) ** exponent
-    elif hasattr(value, "__float__") and not hasattr(value, "__len__"):
-        as_float = float(value)
-        if math.isfinite(as_float):
-            return sp.Rational(Fraction(as_float))
-    raise InputError(f"{name} = {value!r} is not a finite real number; give a number such as 0.5 or '0.5'")
+        if not (value.is_Rational or value.is_Float):
+            return None
+        rational = sp.Rational(value)
+        return Fraction(int(rational.p), int(rational.q))
+    if isinstance(value, mpmath.mpf):
+        if not mpmath.isfinite(value):
+            return None
+        sign, mantissa, exponent, _ = value._mpf_
+        return Fraction((-1) ** sign * int(mantissa)) * Fraction(2) ** int(exponent)
+    if hasattr(value, "__float__") and not hasattr(value, "__len__") and math.isfinite(as_float := float(value)):
+        return Fraction(as_float)
+    return None
 
 
 def real(name: str, value: Number) -> float:
@@ -81,7 +99,7 @@ def real(name: str, value: Number) -> float:
     return number
 
 
-def read_array(name: str, value: ArrayLike, *, finite: bool = True) -> FloatArray:
+def read_array(name: str, value: "ArrayLike", *, finite: bool = True) -> FloatArray:
     """Return a number or numbers as an array of real numbers, as it is where it is one.
 
     Parameters
@@ -96,6 +114,8 @@ def read_array(name: str, value: ArrayLike, *, finite: bool = True) -> FloatArra
     ------
     InputError
     """
+    import numpy as np
+
     try:
         array = np.asarray(value)
         if array.dtype.kind in "mM" or (array.dtype.kind == "O" and any(item is None for item in array.flat)):
@@ -119,10 +139,10 @@ def read_rtol(rtol: Number, *, least: float = 1e-13, most: float = 1e-3) -> floa
     return number
 
 
-def _from_text(text: str, name: str) -> Expr:
+def _from_text(text: str, name: str) -> Fraction:
     parts = text.strip().split("/")
     if len(text) <= _LONGEST and len(parts) <= 2 and all(_DECIMAL.fullmatch(part) for part in parts):
-        numerator, *rest = (sp.Rational(part) for part in parts)
+        numerator, *rest = (Fraction(part) for part in parts)
         if not rest:
             return numerator
         if rest[0] != 0:
@@ -132,6 +152,8 @@ def _from_text(text: str, name: str) -> Expr:
 
 def to_mpf(rational: Expr) -> Mpf:
     """Round an exact rational to the current working precision of mpmath."""
+    import mpmath
+
     return mpmath.mpf(int(rational.p)) / int(rational.q)
 
 
@@ -146,9 +168,9 @@ def within(constant: Expr, limit: int) -> bool:
     return bool(value.is_Number and abs(value) <= limit)
 
 
-def exact_values(values: Mapping[str, Number]) -> dict[str, Expr]:
+def fractions_of(values: Mapping[str, Number]) -> dict[str, Fraction]:
     """Read a mapping of names to numbers exactly."""
-    return {name: exact(value, name) for name, value in values.items()}
+    return {name: fraction(value, name) for name, value in values.items()}
 
 
 def lookup(kind: str, name: str, table: Mapping[str, T]) -> T:

@@ -8,10 +8,10 @@ With s = (v - V)/V in [-1, 1] every criterion reads
 import re
 from dataclasses import dataclass
 from functools import lru_cache
-
-import sympy as sp
+from typing import TYPE_CHECKING
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import lookup
@@ -19,7 +19,7 @@ from stickslip_sym.core.numbers import lookup
 __all__ = ["Criterion", "catalogue", "equilibrium", "find", "harmonic", "least_squares"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Criterion:
     """A slope average.
 
@@ -28,7 +28,8 @@ class Criterion:
     name : str
     weight : sympy.Expr or None
         w(s) on [-1, 1] with unit integral: a polynomial in s with exact coefficients, symmetric or not, zero at
-        the ends or not; or (2/pi) sqrt(1 - s^2). None for the Dirac delta at s = 0.
+        the ends or not; or (2/pi) sqrt(1 - s^2). None for the Dirac delta at s = 0. A function without arguments
+        that returns the weight is called when it is first asked for.
     source : str
 
     Raises
@@ -47,12 +48,39 @@ class Criterion:
     weight: Expr | None
     source: str = ""
 
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Expr:
+            """Make a weight that is not made yet."""
+            if name != "weight" or "_make" not in self.__dict__:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            object.__setattr__(self, "weight", _checked_weight(self.name, self._make()))
+            return self.weight
+
     def __post_init__(self) -> None:
         """Refuse a weight that is no average, or that nothing here can integrate."""
         if not isinstance(self.name, str) or not self.name.isprintable() or not self.name.strip():
             raise InputError(f"a criterion has a name, got {self.name!r}; give one such as 'early'")
-        if self.weight is not None:
+        if callable(self.weight):
+            object.__setattr__(self, "_make", self.weight)
+            object.__delattr__(self, "weight")
+        elif self.weight is not None:
             object.__setattr__(self, "weight", _checked_weight(self.name, self.weight))
+
+    def __eq__(self, other: object) -> bool:
+        """Whether two criteria have the same name, weight and source."""
+        if self is other or not isinstance(other, Criterion):
+            return self is other
+        # The weight last: it may not be made yet.
+        return (self.name, self.source) == (other.name, other.source) and bool(self.weight == other.weight)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.source))
+
+    @property
+    def is_average(self) -> bool:
+        """Whether there is a weight, made or not; otherwise the slope is taken at one point."""
+        return "_make" in self.__dict__ or self.weight is not None
 
     def moment(self, k: int) -> Expr:
         """Return the mean of s^k: an integral for a polynomial weight, a Beta function for the harmonic one."""
@@ -129,7 +157,14 @@ def _mean_power(criterion: Criterion, k: int) -> Expr:
 
 
 _HIGHEST = 40  # degree of a weight; double precision holds no polynomial in s of a much higher one
-_HARMONIC = 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
+
+
+def _harmonic_weight() -> Expr:
+    return 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
+
+
+def _least_squares_weight() -> Expr:
+    return sp.Rational(5, 8) * (1 - symbols.s**4)
 
 
 def _checked_weight(name: str, weight: Expr) -> Expr:
@@ -142,7 +177,7 @@ def _checked_weight(name: str, weight: Expr) -> Expr:
     if free - {"s"}:
         raise InputError(f"{what} depends on {', '.join(sorted(free - {'s'}))}; it may hold s only")
     weight = weight.xreplace(dict.fromkeys(weight.free_symbols, symbols.s))
-    if weight == _HARMONIC:
+    if weight == _harmonic_weight():
         return weight
     weight = sp.nsimplify(weight, rational=True) if weight.has(sp.Float) else weight
     polynomial = weight.is_polynomial(symbols.s)
@@ -150,7 +185,7 @@ def _checked_weight(name: str, weight: Expr) -> Expr:
         raise InputError(f"{what} is of degree {degree}; take one of degree {_HIGHEST} at most")
     if not polynomial or not all(c.is_Rational for c in sp.Poly(weight, symbols.s).all_coeffs()):
         raise InputError(f"{what} is {weight}; it must be a polynomial in s with rational coefficients")
-    total = sp.integrate(sp.expand(weight), (symbols.s, -1, 1))
+    total = sp.Add(*[2 * w / (n + 1) for (n,), w in sp.Poly(weight, symbols.s).terms() if n % 2 == 0])
     if total != 1:
         scaled = f"; multiply it by {1 / total}" if total != 0 else ""
         raise InputError(f"{what} integrates to {total} over -1 <= s <= 1; an average needs 1{scaled}")
@@ -159,12 +194,12 @@ def _checked_weight(name: str, weight: Expr) -> Expr:
 
 equilibrium = Criterion("equilibrium", None, "linear stability of the equilibrium, e.g. Galvanetto & Bishop 1999")
 least_squares = Criterion(
-    "least_squares", sp.Rational(5, 8) * (1 - symbols.s**4), "Won & Chung 2016, eq. (16), integrated by parts"
+    "least_squares", _least_squares_weight, "Won & Chung 2016, eq. (16), integrated by parts"
 )
 
 harmonic = Criterion(
     "harmonic",
-    _HARMONIC,
+    _harmonic_weight,
     "first-harmonic energy balance at velocity amplitude V; for the polynomial law Thomsen & Fidlin 2003",
 )
 

@@ -13,9 +13,9 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
-import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import Expr, FloatArray, IntArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion

@@ -2,30 +2,33 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
-from typing import Any
-
-import mpmath
-import numpy as np
-import sympy as sp
-from numpy.typing import NDArray
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Any
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.lambdify import Backend, function_of
 from stickslip_sym.core.numbers import to_mpf
-from stickslip_sym.model.expression.pieces import at_rest, branch_from, places
-from stickslip_sym.model.expression.rises import rise
-from stickslip_sym.model.samples import SampledCurve
+
+if TYPE_CHECKING:
+    from stickslip_sym.model.samples import SampledCurve
 
 __all__ = ["Coefficient", "limit_at_rest"]
 
-_START = sp.Dummy("start", positive=True)  # the slip speed where a piece begins
 _DIGITS = 50  # of mu where a piece begins, whose difference from mu(0+) may be small
+
+
+@cache
+def _start() -> Any:
+    """Return the symbol of the slip speed where a piece begins."""
+    return sp.Dummy("start", positive=True)
 
 
 @lru_cache(maxsize=256)
 def limit_at_rest(expr: Any) -> float:
     """Return the limit of an expression in v as v falls to 0; NaN where none is found."""
+    from stickslip_sym.model.expression.pieces import at_rest
+
     # SymPy says in these ways that it finds no limit, or that it is not real.
     try:
         return float(sp.limit(at_rest(expr, {}), symbols.v, 0, "+"))
@@ -45,7 +48,7 @@ class Coefficient:
         The same through measured points, which is faster to evaluate as such.
     """
 
-    def __init__(self, expr: Any, parameters: Sequence[Any], curve: SampledCurve | None = None) -> None:
+    def __init__(self, expr: Any, parameters: Sequence[Any], curve: "SampledCurve | None" = None) -> None:
         self.expr = expr
         self.parameters = tuple(parameters)
         self.curve = curve
@@ -64,6 +67,8 @@ class Coefficient:
         return self._at(sp.diff(self.expr, symbols.v) if derivative else self.expr, values, backend)
 
     def _at(self, expr: Any, values: Mapping[Any, Any], backend: Backend, *more: Any) -> Callable[[Any], Any]:
+        import mpmath
+
         key, known = (expr, backend), (*self.parameters, *more)
         if key not in self._functions:
             # Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
@@ -84,6 +89,8 @@ class Coefficient:
 
     def kinks(self, values: Mapping[Any, Any]) -> set[Any]:
         """Return where mu or its slope may jump, exact."""
+        from stickslip_sym.model.expression.pieces import places
+
         return {place.xreplace(values) for place in places(self.expr)}
 
     def rises(
@@ -93,6 +100,8 @@ class Coefficient:
 
         The difference has the digits that are lost when two coefficients are subtracted.
         """
+        from stickslip_sym.model.expression.pieces import branch_from
+
         if self.curve is not None:
             return self.curve.rises
         starts = [sp.Integer(0), *kinks]
@@ -103,13 +112,15 @@ class Coefficient:
         ]
 
     def _rise(self, values: Mapping[Any, Any], lowest: Any, piece: Any, start: Any) -> Callable[[float], float]:
+        from stickslip_sym.model.expression.rises import rise
+
         plain, onset = self._at(piece, values, "math"), limit_at_rest(lowest.xreplace(values))
         # A piece that begins at 0 has the 0 itself in its formula, so that what is 0 there is left out.
-        gained = rise(piece, symbols.v, _START if start else start)
+        gained = rise(piece, symbols.v, _start() if start else start)
         before = self._between(values, lowest, piece, start) if start else 0.0
         if gained is None or not math.isfinite(before):
             return lambda v: float(plain(v)) - onset
-        compiled = self._at(gained, {**values, _START: start}, "math", _START)
+        compiled = self._at(gained, {**values, _start(): start}, "math", _start())
 
         def risen(v: float) -> float:
             try:
@@ -122,25 +133,11 @@ class Coefficient:
 
     def _between(self, values: Mapping[Any, Any], lowest: Any, piece: Any, start: Any) -> float:
         """Return what mu gains from 0+ to where a piece begins; NaN where that cannot be computed."""
+        import mpmath
+
         with mpmath.workdps(_DIGITS):
             try:
                 low = self._at(lowest, values, "mpmath")(mpmath.mpf(0))
                 return float(self._at(piece, values, "mpmath")(to_mpf(start)) - low)
             except (ArithmeticError, TypeError, ValueError):
                 return math.nan
-
-    def at_speeds(
-        self, speed: NDArray[np.float64], values: Mapping[Any, Any], *, derivative: bool
-    ) -> NDArray[np.float64]:
-        """Return mu, or its slope, at an array of speeds; NaN where it has no real value in double precision."""
-        try:
-            with np.errstate(all="ignore"):  # every piece of a law is computed, and one is taken
-                value = np.asarray(self.function(values, "numpy", derivative=derivative)(speed))
-        except ArithmeticError:
-            value = np.asarray(np.nan)
-        result = np.broadcast_to(np.where(np.isreal(value), value.real, np.nan), speed.shape).astype(np.float64)
-        at_zero = np.isnan(result) & (speed == 0)
-        if at_zero.any():  # where a formula such as v^p/v is 0/0
-            expr = sp.diff(self.expr, symbols.v) if derivative else self.expr
-            result[at_zero] = limit_at_rest(expr.xreplace(values))
-        return result

@@ -2,21 +2,24 @@
 
 import copy
 from collections.abc import Callable
+from fractions import Fraction
 from functools import lru_cache
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import Backend
-from stickslip_sym.model.coefficient import Coefficient
+from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
 from stickslip_sym.model.expression.parameters import Parameter
-from stickslip_sym.model.expression.pieces import at_rest
-from stickslip_sym.model.samples import SampledCurve
+from stickslip_sym.model.formula import Formula, Given
 from stickslip_sym.output import printing
+
+if TYPE_CHECKING:
+    from stickslip_sym.model.samples import SampledCurve
 
 __all__ = ["Evaluated"]
 
@@ -26,17 +29,25 @@ FloatArray = NDArray[np.float64]
 class Evaluated:
     """A law's coefficient, slope and special speeds; `FrictionLaw` has these, and gives the formula and values."""
 
-    expr: Any
     static: Any | None
     name: str | None
     _parameters: dict[str, Parameter]
-    _values: dict[str, Any]
-    _coefficient: Coefficient
+    _values: dict[str, Fraction]
+    _formula: Formula
 
     @property
-    def curve(self) -> SampledCurve | None:
+    def expr(self) -> Any:
+        """The coefficient as an expression in the slip speed and the parameters."""
+        return self._formula.expr
+
+    @property
+    def _coefficient(self) -> Coefficient:
+        return self._formula.coefficient
+
+    @property
+    def curve(self) -> "SampledCurve | None":
         """The curve through measured points; None for a law that is a formula."""
-        return self._coefficient.curve
+        return None if self._formula.ready else self._coefficient.curve
 
     @property
     def slope_expr(self) -> Any:
@@ -52,6 +63,8 @@ class Evaluated:
         InputError
             If no limit is found.
         """
+        from stickslip_sym.model.expression.pieces import at_rest
+
         if self.static is not None:
             return self.static
         limit = _limit(at_rest(self.expr, self._known()))
@@ -99,7 +112,10 @@ class Evaluated:
         return expr.xreplace(self._known())
 
     def _known(self) -> dict[Any, Any]:
-        return {self._parameters[key].symbol: value for key, value in self._values.items()}
+        return {
+            self._parameters[key].symbol: sp.Rational(*value.as_integer_ratio())
+            for key, value in self._values.items()
+        }
 
     def _require_values(self) -> None:
         if self.missing:
@@ -121,8 +137,8 @@ class Evaluated:
             raise InputError(f"{self._label()} has no parameter {name!r}; it has: {', '.join(self._parameters)}")
         law = copy.copy(self)
         symbol = symbols.V if name == "V" else self._parameters[name].symbol
-        law._coefficient = _partial(self.expr, symbol)
-        law.expr, law.static = law._coefficient.expr, None
+        coefficient = _partial(self.expr, symbol)
+        law._formula, law.static = Given(coefficient.expr, coefficient), None
         law._parameters = {k: p for k, p in self._parameters.items() if p.symbol in law.expr.free_symbols}
         law._values = {key: value for key, value in self._values.items() if key in law._parameters}
         return law
@@ -155,8 +171,19 @@ class Evaluated:
         InputError
             If a parameter has no value.
         """
-        self._require_values()
-        return self._coefficient.at_speeds(speeds, self._known(), derivative=False)
+        return self._at_speeds(speeds, derivative=False)
+
+    def _at_speeds(self, speeds: FloatArray, *, derivative: bool) -> FloatArray:
+        try:
+            with np.errstate(all="ignore"):  # every piece of a law is computed, and one is taken
+                value = np.asarray(self.function("numpy", derivative=derivative)(speeds))
+        except ArithmeticError:
+            value = np.asarray(np.nan)
+        result = np.broadcast_to(np.where(np.isreal(value), value.real, np.nan), speeds.shape).astype(np.float64)
+        at_zero = np.isnan(result) & (speeds == 0)
+        if at_zero.any():  # where a formula such as v^p/v is 0/0
+            result[at_zero] = limit_at_rest(self.substitute(self.slope_expr if derivative else self.expr))
+        return result
 
     def function(self, backend: Backend, *, derivative: bool = False) -> Callable[[Any], Any]:
         """Return mu(v), or its slope, as a bare function of one library's numbers; nothing is checked.
@@ -168,11 +195,17 @@ class Evaluated:
             Return the slope.
         """
         self._require_values()
+        if (ready := self._formula.ready) is not None and backend == "numpy":
+            compiled = ready.slope if derivative else ready.mu
+            floats = [float(self._values[name]) for name in ready.parameters]
+            return lambda v: compiled(v, *floats)
         return self._coefficient.function(self._known(), backend, derivative=derivative)
 
     def kinks(self) -> list[Any]:
         """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
         self._require_values()
+        if self._formula.ready:
+            return []
         found = self._coefficient.kinks(self._known())
         for place in found:
             if not place.is_real:
@@ -195,8 +228,7 @@ class Evaluated:
             raise InputError(f"slip speed v = {first} is not a finite number >= 0; v is |x' - V|")
         if speed.size:
             self.require_speed(speed.max())
-        self._require_values()
-        result = self._coefficient.at_speeds(speed, self._known(), derivative=derivative)
+        result = self._at_speeds(speed, derivative=derivative)
         if (missing := np.isnan(result)).any():
             what, first = "slope" if derivative else "value", speed[missing].flat[0]
             raise InputError(f"{self._label()} has no {what} in double precision at the slip speed v = {first}")

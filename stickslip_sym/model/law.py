@@ -4,18 +4,21 @@ import copy
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
+from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import Number, exact_values, suggestion
+from stickslip_sym.core.numbers import Number, fractions_of, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated
 from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
 from stickslip_sym.model.evaluated import Evaluated
 from stickslip_sym.model.expression.parameters import Parameter, described_by, parameter_table
-from stickslip_sym.model.expression.reading import read_formula, read_static
-from stickslip_sym.model.measured.measurements import Measurements, read_measurements
-from stickslip_sym.model.samples import SampledCurve
+from stickslip_sym.model.formula import Given, Written, read_formula, read_static
 from stickslip_sym.output import markup, printing
+
+if TYPE_CHECKING:
+    from stickslip_sym.model.measured.measurements import Measurements
+    from stickslip_sym.model.samples import SampledCurve
 
 __all__ = ["FrictionLaw", "Parameter", "limit_at_rest"]
 
@@ -40,7 +43,7 @@ class FrictionLaw(Evaluated):
     parameters : iterable of Parameter, optional
         Full descriptions, instead of `units`.
     validity : str, optional
-        Where the law holds, in a sentence.
+        Where it holds, in a sentence.
 
     Raises
     ------
@@ -55,8 +58,7 @@ class FrictionLaw(Evaluated):
 
     Examples
     --------
-    >>> law = FrictionLaw("mu_m + (mu_s - mu_m)*exp(-alpha*v)")
-    >>> law.bind(mu_s=0.5, mu_m=0.2, alpha=3.0).mu(0.0)
+    >>> FrictionLaw("mu_m + (mu_s - mu_m)*exp(-alpha*v)").bind(mu_s=0.5, mu_m=0.2, alpha=3.0).mu(0.0)
     0.5
     """
 
@@ -73,18 +75,25 @@ class FrictionLaw(Evaluated):
     ) -> None:
         described = described_by(parameters, units)
         table = dict(described)
-        self.expr = read_formula(formula, table)
-        self.name = name
-        self.source = source
-        self.validity = validity
+        expr = read_formula(formula, table)
+        self.name, self.source, self.validity = name, source, validity
         self.static = None if static is None else read_static(static, table)
-        self._values: dict[str, Any] = {}
+        self._values = {}
         self._uncertain: dict[str, UFloat] = {}
+        own = [parameter.symbol for parameter in table.values() if parameter.symbol in expr.free_symbols]
+        self._formula = Given(expr, Coefficient(expr, own))
         self._parameters = self._used(table)
         for unused in described.keys() - self._parameters.keys():
-            raise InputError(f"the parameter {unused!r} does not occur in the formula {printing.text(self.expr)}")
-        own = [p.symbol for p in self._parameters.values() if p.symbol in self.expr.free_symbols]
-        self._coefficient = Coefficient(self.expr, own)
+            raise InputError(f"the parameter {unused!r} does not occur in the formula {self.text}")
+
+    @classmethod
+    def written(cls, formula: Written, *, name: str, source: str, validity: str) -> Self:
+        """Return the law of a text whose parameters are all described, without reading it yet."""
+        law = cls.__new__(cls)
+        law.name, law.source, law.validity, law.static = name, source, validity, None
+        law._formula, law._values, law._uncertain = formula, {}, {}
+        law._parameters = {parameter.name: parameter for parameter in formula.parameters}
+        return law
 
     def with_static(
         self,
@@ -123,14 +132,13 @@ class FrictionLaw(Evaluated):
         law._parameters = law._used(table)
         for unused in described.keys() - law._parameters.keys():
             raise InputError(f"the parameter {unused!r} does not occur in the static coefficient or the law")
-        law._values = {key: value for key, value in self.values.items() if key in law._parameters}
+        law._values = {key: value for key, value in self._values.items() if key in law._parameters}
         law._uncertain = {key: value for key, value in self.uncertain.items() if key in law._parameters}
         return law
 
     def _used(self, table: Mapping[str, Parameter]) -> dict[str, Parameter]:
-        static = self.static.free_symbols if self.static is not None else set()
-        used = {symbol.name for symbol in self.expr.free_symbols | static}
-        return {key: table[key] for key in table if key in used}
+        free = self.expr.free_symbols | (self.static.free_symbols if self.static is not None else set())
+        return {key: table[key] for key in table if key in {symbol.name for symbol in free}}
 
     @classmethod
     def from_samples(
@@ -170,12 +178,14 @@ class FrictionLaw(Evaluated):
         F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic interpolants,
         SIAM J. Sci. Stat. Comput. 5 (1984), as `scipy.interpolate.PchipInterpolator` has it.
         """
+        from stickslip_sym.model.samples import SampledCurve
+
         return cls.from_curve(SampledCurve.through(v, mu, extrapolate=extrapolate), name=name, source=source)
 
     @classmethod
     def from_csv(
         cls,
-        path: str | Path | Measurements,
+        path: "str | Path | Measurements",
         *,
         extrapolate: bool = False,
         source: str | None = None,
@@ -191,6 +201,8 @@ class FrictionLaw(Evaluated):
         InputError
             If the file is not understood, or as in `from_samples`.
         """
+        from stickslip_sym.model.measured.measurements import Measurements, read_measurements
+
         measured = path if isinstance(path, Measurements) else read_measurements(path)
         name = name or measured.name or "samples"
         return cls.from_samples(*measured.points(), extrapolate=extrapolate, name=name, source=source)
@@ -198,7 +210,7 @@ class FrictionLaw(Evaluated):
     @classmethod
     def from_curve(
         cls,
-        curve: SampledCurve,
+        curve: "SampledCurve",
         *,
         name: str | None = None,
         source: str | None = None,
@@ -206,10 +218,8 @@ class FrictionLaw(Evaluated):
     ) -> Self:
         """Return the law that a piecewise cubic is."""
         law = cls(curve.expr, name=name, source=source, validity=validity)
-        law._coefficient = Coefficient(law.expr, (), curve)
+        law._formula = Given(law.expr, Coefficient(law.expr, (), curve))
         return law
-
-    # -- expressions -----------------------------------------------------------------------------
 
     @property
     def text(self) -> str:
@@ -226,7 +236,8 @@ class FrictionLaw(Evaluated):
     @property
     def values(self) -> Mapping[str, Any]:
         """The bound values by name, exact; read-only."""
-        return MappingProxyType(self._values)
+        exact = {key: sp.Rational(*value.as_integer_ratio()) for key, value in self._values.items()}
+        return MappingProxyType(exact)
 
     @property
     def uncertain(self) -> Mapping[str, UFloat]:
@@ -252,7 +263,7 @@ class FrictionLaw(Evaluated):
         (0.5, 0.02)
         """
         numbers, errors = separated(values)
-        read = exact_values(numbers)
+        read = fractions_of(numbers)
         for key, value in read.items():
             if key not in self.parameters:
                 known = ", ".join(self.parameters) or "none"
@@ -265,7 +276,7 @@ class FrictionLaw(Evaluated):
                     f"declare it with Parameter({key!r}, positive=False) if any sign is meant"
                 )
         bound = copy.copy(self)
-        bound._values = {**self.values, **read}
+        bound._values = {**self._values, **read}
         bound._uncertain = {key: self.uncertain[key] for key in self.uncertain.keys() - read.keys()} | errors
         if not bound.missing:
             bound.kinks()  # refuses values for which a kink has no place
@@ -280,7 +291,7 @@ class FrictionLaw(Evaluated):
         described = tuple((p.symbol, p.meaning, p.unit, p.typical) for p in self.parameters.values())
         errors = frozenset((key, value.std_dev) for key, value in self.uncertain.items())
         about = self.name, self.source, self.validity, self.curve, errors
-        return self.expr, self.static, *about, described, frozenset(self.values.items())
+        return self.expr, self.static, *about, described, frozenset(self._values.items())
 
     def __eq__(self, other: object) -> bool:
         """Whether two laws are the same in formula, values and description."""
@@ -291,20 +302,18 @@ class FrictionLaw(Evaluated):
 
     def __repr__(self) -> str:
         errors = {key: f"+/-{value.std_dev:.2g}" for key, value in self.uncertain.items()}
-        values = ", ".join(f"{key}={float(value):g}{errors.get(key, '')}" for key, value in self.values.items())
+        values = ", ".join(f"{key}={float(value):g}{errors.get(key, '')}" for key, value in self._values.items())
         return f"FrictionLaw({self.name or 'unnamed'}: {self.text}{'; ' + values if values else ''})"
 
     def _repr_latex_(self) -> str:
-        if self.curve is not None:
-            return f"$\\mu(v)$: {self.text}"
-        return f"$\\displaystyle {self._latex()}$"
+        return f"$\\displaystyle {self._latex()}$" if self.curve is None else f"$\\mu(v)$: {self.text}"
 
     def _latex(self) -> str:
         return f"\\mu(v) = {printing.latex(self.expr)}"
 
     def _repr_html_(self) -> str:
         head = self.text if self.curve is not None else markup.formula(self._latex())
-        static = None if self.static is None else printing.text(self.static)
+        static = self.static if self.static is None else printing.text(self.static)
         known = {"static coefficient": static, "validity": self.validity, "source": self.source}
         notes = [f"{kind}: {text}" for kind, text in known.items() if text]
         tables = [parameter_table(self.parameters, self.values)] if self.parameters else []

@@ -4,10 +4,16 @@
 cited work itself. Typical values are for trying a law out: they make it fall somewhere in 0.1 to 1 m/s.
 """
 
-from stickslip_sym.core.numbers import lookup, suggestion
-from stickslip_sym.model.law import FrictionLaw, Parameter
+from collections.abc import Callable, Iterator, MutableMapping
+from typing import TYPE_CHECKING
 
-__all__ = ["catalogue", "find"]
+from stickslip_sym.core.numbers import lookup, suggestion
+from stickslip_sym.model.expression.parameters import Parameter
+
+if TYPE_CHECKING:
+    from stickslip_sym.model.law import FrictionLaw
+
+__all__ = ["catalogue", "check_name", "find"]
 
 _UNCONFIRMED = " (first source not confirmed)"
 
@@ -27,11 +33,45 @@ _DELTA = Parameter("delta", "Stribeck exponent", "1", typical="1.5")
 _A_1 = Parameter("a_1", "coefficient of v", "s/m", typical="-0.6", positive=False)
 _A_3 = Parameter("a_3", "coefficient of v^3", "s^3/m^3", typical="0.3", positive=False)
 
-catalogue: dict[str, FrictionLaw] = {}
+
+class _Catalogue(MutableMapping[str, "FrictionLaw"]):
+    """Laws by name, each made when it is first asked for."""
+
+    def __init__(self) -> None:
+        self._laws: dict[str, FrictionLaw] = {}
+        self._makers: dict[str, Callable[[], FrictionLaw]] = {}
+
+    def enter(self, name: str, make: "Callable[[], FrictionLaw]") -> None:
+        self._makers[name] = make
+
+    def __getitem__(self, name: str) -> "FrictionLaw":
+        if name not in self._laws and name in self._makers:
+            self._laws.setdefault(name, self._makers[name]())  # the first law counts, of threads too
+        return self._laws[name]
+
+    def __setitem__(self, name: str, law: "FrictionLaw") -> None:
+        self._makers[name] = lambda: law
+        self._laws[name] = law
+
+    def __delitem__(self, name: str) -> None:
+        del self._makers[name]
+        self._laws.pop(name, None)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._makers
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._makers)
+
+    def __len__(self) -> int:
+        return len(self._makers)
+
+
+catalogue = _Catalogue()
 """Every law of the catalogue by name."""
 
 
-def __getattr__(name: str) -> FrictionLaw:
+def __getattr__(name: str) -> "FrictionLaw":
     if name in catalogue:
         return catalogue[name]
     raise AttributeError(f"there is no law {name!r}{suggestion(name, catalogue)}")
@@ -42,7 +82,19 @@ def __dir__() -> list[str]:
 
 
 def _law(name: str, formula: str, *parameters: Parameter, validity: str, source: str) -> None:
-    catalogue[name] = FrictionLaw(formula, name=name, parameters=parameters, validity=validity, source=source)
+    def make() -> "FrictionLaw":
+        from stickslip_sym.model import compiled
+        from stickslip_sym.model.formula import Ready, Written
+        from stickslip_sym.model.law import FrictionLaw
+
+        mu, slope = (getattr(compiled, f"{name}_{kind}", None) for kind in ("mu", "slope"))
+        # An entry without its functions is slower, and a test says that they are to be written.
+        names = tuple(parameter.name for parameter in parameters)
+        ready = None if mu is None or slope is None else Ready(names, mu, slope)
+        written = Written(formula, parameters, ready)
+        return FrictionLaw.written(written, name=name, validity=validity, source=source)
+
+    catalogue.enter(name, make)
 
 
 # -- laws with a jump at v = 0: friction from the first slip on ------------------------------------
@@ -209,7 +261,7 @@ _law(
 )  # fmt: skip
 
 
-def find(name: str) -> FrictionLaw:
+def find(name: str) -> "FrictionLaw":
     """Return a law of the catalogue by its name.
 
     Raises
@@ -217,4 +269,15 @@ def find(name: str) -> FrictionLaw:
     InputError
         If there is none; the message suggests the closest name.
     """
-    return lookup("law", name, catalogue)
+    check_name(name)
+    return catalogue[name]
+
+
+def check_name(name: str) -> None:
+    """Refuse the name of no law, as `find` does; the law itself is not made.
+
+    Raises
+    ------
+    InputError
+    """
+    lookup("law", name, dict.fromkeys(catalogue))

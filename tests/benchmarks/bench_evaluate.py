@@ -17,6 +17,8 @@ import stickslip_sym as ss
 SIZE = 1_000_000
 SPEEDS = {
     "small": np.linspace(0.01, 0.7, SIZE),
+    "common": np.linspace(0.01, 3, SIZE),
+    "shuffled": np.random.default_rng(1).uniform(0.01, 3, SIZE),
     "large": np.linspace(1, 30, SIZE),
     "mixed": 10 ** np.random.default_rng(0).uniform(-4, 2, SIZE),
 }
@@ -129,6 +131,10 @@ def ratios():
         values = [V, *(EXPONENTIAL[key] for key in form.arguments if key != "V")]
         print(f"least_squares {name}: {stable / best(lambda values=values: plain(*values)):.2f} x lambdify, "
               f"{stable / best(lambda V=V: np.exp(-V)):.1f} x np.exp")  # fmt: skip
+        rng = np.random.default_rng(2)
+        each = EXPONENTIAL | {"alpha": rng.uniform(1, 6, SIZE), "mu_s": rng.uniform(0.4, 0.6, SIZE)}
+        batch = best(lambda V=V, each=each: form(V=V, **each))
+        print(f"  with parameters of its own for each element: {batch / stable:.2f} x that")
     harmonic, V = ss.derive(ss.laws.exponential, "harmonic"), SPEEDS["mixed"]
     stable = best(lambda: harmonic(V=V, **EXPONENTIAL))
     print(f"harmonic: {stable / best(lambda: scipy.special.ive(1, V)):.2f} x ive")

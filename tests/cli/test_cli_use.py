@@ -210,6 +210,9 @@ def test_the_version(monkeypatch, capsys):
     assert run(monkeypatch, capsys, "--version") == (0, f"stickslip_sym {ss.__version__}\n", "")
 
 
+SLOW = ("model.laws.find", "model.measured.measurements.read_measurements")
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys, tmp_path):
     def interrupt(*_, **__):
@@ -217,7 +220,7 @@ def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys, tmp_path):
 
     monkeypatch.chdir(tmp_path)
     (tmp_path / "disc.csv").write_text(DISC)
-    for function in ("cli.shared.json_output.echo", "core.numbers.exact", "model.law.FrictionLaw.typical"):
+    for function in ("cli.shared.json_output.echo", "core.numbers.exact", "model.law.FrictionLaw.typical", *SLOW):
         monkeypatch.setattr(f"stickslip_sym.{function}", interrupt)
     code, out, err = run(monkeypatch, capsys, name, *COMMANDS[name])
     assert (code, out, err.strip()) == (130, "", "")

@@ -40,10 +40,9 @@ class Description:
 
         Raises `InputError` if it is given twice or not at all, or with options that do not belong to it.
         """
-        from stickslip_sym.model.expression.parsing import NAME
+        from stickslip_sym.model.expression.spelling import NAME
         from stickslip_sym.model.law import FrictionLaw
         from stickslip_sym.model.laws import find
-        from stickslip_sym.model.measured.measurements import read_measurements
 
         units = assignments(self.unit or [], "--unit alpha=s/m")
         if from_csv is not None and text is not None:
@@ -51,6 +50,8 @@ class Description:
         if from_csv is None and extrapolate:
             raise InputError("--extrapolate belongs to --from-csv: a formula holds at all speeds")
         if from_csv is not None:
+            from stickslip_sym.model.measured.measurements import read_measurements
+
             measured = read_measurements(from_csv)
             typer.echo(measured.averaged().understood, err=True)  # beside JSON, not in it
             law = FrictionLaw.from_csv(measured, extrapolate=extrapolate, source=self.source, name=self.name)
@@ -97,6 +98,14 @@ class LawOptions(Description):
         list[str] | None,
         typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="Value of a parameter; may be repeated."),
     ] = None
+
+    def __post_init__(self) -> None:
+        """Refuse a name that is no law's, before a command imports what takes time."""
+        from stickslip_sym.model.expression.spelling import NAME
+        from stickslip_sym.model.laws import check_name
+
+        if self.law is not None and self.from_csv is None and NAME.fullmatch(self.law):
+            check_name(self.law)
 
     @property
     def values(self) -> dict[str, str]:

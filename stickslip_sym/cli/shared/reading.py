@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -63,18 +64,24 @@ def read_exact(given: Mapping[str, str | None]) -> "dict[str, Rational]":
     """Read numbers of a possible size, exactly; those that were not given are left out."""
     from stickslip_sym.core.numbers import exact
 
-    numbers = {name: exact(text, name) for name, text in given.items() if text is not None}
+    return {name: exact(number, name) for name, number in _read(given).items()}
+
+
+def read_numbers(given: Mapping[str, str | None]) -> dict[str, float]:
+    """Read numbers as floats, as `read_exact` does."""
+    return {name: float(value) for name, value in _read(given).items()}
+
+
+def _read(given: Mapping[str, str | None]) -> dict[str, Fraction]:
+    from stickslip_sym.core.numbers import fraction
+
+    numbers = {name: fraction(text, name) for name, text in given.items() if text is not None}
     for name, value in numbers.items():
         check_size(name, value)
     return numbers
 
 
-def read_numbers(given: Mapping[str, str | None]) -> dict[str, float]:
-    """Read numbers as floats, as `read_exact` does."""
-    return {name: float(value) for name, value in read_exact(given).items()}
-
-
-def check_size(name: str, value: "Rational") -> None:
+def check_size(name: str, value: "Rational | Fraction") -> None:
     """Refuse a number of a size that no scene has."""
     size = abs(value)
     if size == 0 or 1 <= size * LARGEST <= LARGEST**2:

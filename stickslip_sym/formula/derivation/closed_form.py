@@ -3,11 +3,10 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
-from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.deadline import time_left
@@ -16,26 +15,27 @@ from stickslip_sym.core.interruption import within
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.core.symbols import N, V, c, mu, v
 from stickslip_sym.criteria.criterion import Criterion, find
-from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.derivation.gate import GATE_POINTS, verify
 from stickslip_sym.formula.derivation.proving import Status, Verdict, prove_equal
 from stickslip_sym.formula.derivation.steps import Derivation
 from stickslip_sym.formula.derivation.tidy import tidy
-from stickslip_sym.formula.evaluation.arguments import OnInvalid, check_names, check_reach
-from stickslip_sym.formula.evaluation.averages import SlopeAverage
 from stickslip_sym.formula.evaluation.exact import exact_value
-from stickslip_sym.formula.evaluation.stable import StableFunction
 from stickslip_sym.formula.integration.harmonic_proofs import AVERAGES_AGREE
 from stickslip_sym.formula.integration.integrals import Part, Progress, Told, integrate_terms
 from stickslip_sym.model.law import FrictionLaw, limit_at_rest
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.notation import check_known, notation_of
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from stickslip_sym.formula.evaluation.arguments import OnInvalid
+    from stickslip_sym.formula.evaluation.averages import SlopeAverage
+    from stickslip_sym.formula.evaluation.stable import StableFunction
+
 __all__ = ["ClosedForm", "derive"]
 
-_SEARCHING = (
-    20.0  # seconds for SymPy's integrator, or half of the time: what it has not found by then, it seldom finds
-)
+_SEARCHING = 20.0  # seconds for SymPy's integrator, or half of the time: later it seldom finds anything
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,12 +73,11 @@ class ClosedForm:
         return self._average.arguments
 
     @cached_property
-    def _average(self) -> SlopeAverage:
-        return SlopeAverage(
-            self.law,
-            self.criterion,
-            lambda point: exact_value(self._uncancelled, self.law.slope_expr, point, 17),
-        )
+    def _average(self) -> "SlopeAverage":
+        from stickslip_sym.formula.evaluation.averages import SlopeAverage
+
+        exactly = partial(exact_value, self._uncancelled, self.law.slope_expr, digits=17)
+        return SlopeAverage(self.law, self.criterion, exactly)
 
     @cached_property
     def _uncancelled(self) -> Expr:
@@ -87,7 +86,7 @@ class ClosedForm:
             return -N * self.law.slope_expr.subs(v, V)
         return self.expr
 
-    def __call__(self, *, on_invalid: OnInvalid = "raise", **values: ArrayLike) -> Any:
+    def __call__(self, *, on_invalid: "OnInvalid" = "raise", **values: "ArrayLike") -> Any:
         """Return the damping coefficient in kg/s, broadcast over all arguments, as a `SlopeAverage` does.
 
         Parameters
@@ -119,6 +118,8 @@ class ClosedForm:
         -------
         mpmath.mpf
         """
+        from stickslip_sym.formula.evaluation.arguments import check_names, check_reach
+
         if not 1 <= digits <= 10_000:
             raise InputError(f"digits = {digits} is outside 1 to 10000")
         given = dict(self.law.values) | values
@@ -131,7 +132,7 @@ class ClosedForm:
         return exact_value(self._uncancelled, self.law.slope_expr, point, digits)
 
     @property
-    def function(self) -> StableFunction:
+    def function(self) -> "StableFunction":
         """The criterion over arrays, with its branches; what is written as code."""
         return self._average.function
 
@@ -153,6 +154,8 @@ class ClosedForm:
 
         It has the branches of a call. Where a call would turn to arbitrary precision, it averages by Gauss rules.
         """
+        from stickslip_sym.formula.code import writer
+
         return writer.code({"damping": self.function}, repr(self), language)
 
     def python(self) -> str:

@@ -71,7 +71,7 @@ class SlopeAverage:
         given = self._defaults | values
         check_names(self.arguments, given)
         check_reach(self.law, self.criterion, given["V"])
-        return call(self.function, self.arguments, given, on_invalid) + 0.0  # -0.0 becomes 0.0
+        return call(self.function, self.arguments, given, on_invalid)
 
     def __reduce__(self) -> tuple[object, ...]:
         return SlopeAverage, (self.law, self.criterion, self._exact)
@@ -84,7 +84,10 @@ def slope_average(law: FrictionLaw, criterion: str | Criterion = "least_squares"
     """Return a criterion of a law as a fast function; no closed form is sought or needed.
 
     It is computed as a closed form's call is: by branches in one dimensionless speed for each term of the law,
-    and by Gauss rules for what has none.
+    and by Gauss rules for what has none. Arrays go through in one pass, in blocks of 32,000 elements that stay in
+    the cache; the branch of most elements is taken for a whole block, without copies, and then put right. An
+    element of the exponential law takes 8 bytes read and 8 written, one exponential, and some twenty passes of
+    NumPy over a block, which cost four times as much as the exponential.
 
     Parameters
     ----------

@@ -33,8 +33,15 @@ class Branch(Protocol):
     def power(self) -> float:
         """The power of r that is left to the caller."""
 
+    @property
+    def is_light(self) -> bool:
+        """Whether computing G costs less than picking elements out of an array and putting them back."""
+
     def __call__(self, r: R) -> R:
         """Return G for r in the range."""
+
+    def fill(self, r: FloatArray, out: FloatArray, work: FloatArray) -> None:
+        """Write G into `out`; `work` is an array of the same length to compute in."""
 
 
 _POWERS: dict[float, Callable[[R], R]] = {
@@ -58,6 +65,19 @@ class Compiled:
         value: R = self._single(r) if isinstance(r, float) else self._array(r)
         return value
 
+    @cached_property
+    def rate(self) -> float | None:
+        """The k of exp(-k V); None if it is no such exponential."""
+        found = sp.log(self.expr).expand(force=True) / symbols.V if isinstance(self.expr, sp.exp) else sp.nan
+        return -float(found) if found.is_Rational else None
+
+    def multiply(self, r: FloatArray, out: FloatArray, work: FloatArray) -> None:
+        """Multiply what is in `out` by the value at r."""
+        if self.rate is None:
+            out *= self._array(r)
+        else:
+            _decay(r, self.rate, out, work)
+
 
 @dataclass(frozen=True)
 class Series:
@@ -72,33 +92,65 @@ class Series:
     variable: float = 1.0
     shift: float = 0.0
     stretch: float = 1.0
+    is_light = True
 
     def __call__(self, r: R) -> R:
         """Return G."""
+        if not isinstance(r, float):
+            return _filled(self, r)
         z = _POWERS[self.variable](r)
         if not (self.shift == 0 and self.stretch == 1):
             z = (z - self.shift) * self.stretch
         total = _horner(self.coefficients, z)
+        return total * math.exp(-self.decay * r) if self.decay else total
+
+    def fill(self, r: FloatArray, out: FloatArray, work: FloatArray) -> None:
+        """Write G into `out`."""
+        z = r
+        if self.variable == 2:
+            z = np.multiply(r, r, out=work)
+        elif self.variable != 1:
+            work[...] = _POWERS[self.variable](r)
+            z = work
+        if not (self.shift == 0 and self.stretch == 1):
+            z = np.subtract(z, self.shift, out=work)
+            z *= self.stretch
+        _horner_into(self.coefficients, z, out)
         if self.decay:
-            total *= math.exp(-self.decay * r) if isinstance(r, float) else np.exp(r * -self.decay)
-        return total
+            _decay(r, self.decay, out, work)
 
 
-def _horner(coefficients: Sequence[float], z: R) -> R:
-    """Evaluate a polynomial, in place for an array."""
-    if isinstance(z, float):
-        value = 0.0
-        for coefficient in reversed(coefficients):
-            value = value * z + coefficient
-        return value
+def _filled(branch: Branch, r: FloatArray) -> FloatArray:
+    out = np.empty_like(r)
+    branch.fill(r, out, np.empty_like(r))
+    return out
+
+
+def _decay(r: FloatArray, rate: float, out: FloatArray, work: FloatArray) -> None:
+    """Multiply what is in `out` by exp(-rate r)."""
+    np.multiply(r, -rate, out=work)
+    np.exp(work, out=work)
+    out *= work
+
+
+def _horner(coefficients: Sequence[float], z: float) -> float:
+    """Evaluate a polynomial."""
+    value = 0.0
+    for coefficient in reversed(coefficients):
+        value = value * z + coefficient
+    return value
+
+
+def _horner_into(coefficients: Sequence[float], z: FloatArray, out: FloatArray) -> None:
+    """Evaluate a polynomial in place, in an array that is not z."""
     if len(coefficients) == 1:
-        return np.full_like(z, coefficients[0])
-    total = z * coefficients[-1]
+        out.fill(coefficients[0])
+        return
+    np.multiply(z, coefficients[-1], out=out)
     for coefficient in coefficients[-2:0:-1]:
-        total += coefficient
-        total *= z
-    total += coefficients[0]
-    return total
+        out += coefficient
+        out *= z
+    out += coefficients[0]
 
 
 @dataclass(frozen=True)
@@ -108,20 +160,30 @@ class Closed:
     power: float
     parts: tuple[tuple[Compiled | None, tuple[float, ...]], ...]
 
+    @property
+    def is_light(self) -> bool:
+        """Whether its functions are exponentials."""
+        return all(function is None or function.rate is not None for function, _ in self.parts)
+
     def __call__(self, r: R) -> R:
         """Return G."""
-        first, *others = self.parts
-        total = _part(*first, r)
-        for part in others:
-            total += _part(*part, r)
-        return total
+        if not isinstance(r, float):
+            return _filled(self, r)
+        return sum(
+            (1.0 if function is None else function(r)) * _horner(coefficients, r)
+            for function, coefficients in self.parts
+        )
 
-
-def _part(function: Compiled | None, coefficients: tuple[float, ...], r: R) -> R:
-    polynomial = _horner(coefficients, r)
-    if function is not None:
-        polynomial *= function(r)
-    return polynomial
+    def fill(self, r: FloatArray, out: FloatArray, work: FloatArray) -> None:
+        """Write G into `out`."""
+        part, room = out, np.empty_like(r)
+        for function, coefficients in self.parts:
+            _horner_into(coefficients, r, part)
+            if function is not None:
+                function.multiply(r, part, work)
+            if part is not out:
+                out += part
+            part = room
 
 
 @dataclass(frozen=True)
@@ -134,6 +196,7 @@ class Table:
     power: float
     first: int
     rows: FloatArray  # panels by coefficients
+    is_light = False
 
     @cached_property
     def _columns(self) -> FloatArray:
@@ -151,21 +214,26 @@ class Table:
             return _horner(
                 self._lists[2 * (exponent - self.first) + half], (mantissa - CENTERS[half]) * STRETCHES[half]
             )
+        return _filled(self, r)
+
+    def fill(self, r: FloatArray, out: FloatArray, work: FloatArray) -> None:
+        """Write G into `out`."""
         mantissas, exponents = np.frexp(r)
-        upper = mantissas >= MIDDLE
+        upper = (mantissas >= MIDDLE).astype(np.intp)
         panel = 2 * (exponents - self.first) + upper
-        t = (mantissas - np.where(upper, CENTERS[1], CENTERS[0])) * np.where(upper, STRETCHES[1], STRETCHES[0])
+        mantissas -= _CENTERS.take(upper)
+        mantissas *= _STRETCHES.take(upper)
         *rest, last = self._columns
-        total: FloatArray = last.take(panel)
+        last.take(panel, out=out, mode="clip")  # which needs no room of its own; no panel is outside
         for column in reversed(rest):
-            total *= t
-            total += column.take(panel)
-        return total
+            out *= mantissas
+            out += column.take(panel, out=work, mode="clip")
 
 
 MIDDLE = 0.703125  # close to sqrt(1/2), and short
 CENTERS = ((0.5 + MIDDLE) / 2, (1 + MIDDLE) / 2)
 STRETCHES = (2 / (MIDDLE - 0.5), 2 / (1 - MIDDLE))
+_CENTERS, _STRETCHES = np.array(CENTERS), np.array(STRETCHES)
 
 
 @dataclass(frozen=True)
@@ -174,10 +242,15 @@ class Formula:
 
     power: float
     compiled: Compiled
+    is_light = False
 
     def __call__(self, r: R) -> R:
         """Return G."""
         return self.compiled(r)
+
+    def fill(self, r: FloatArray, out: FloatArray, work: FloatArray) -> None:
+        """Write G into `out`."""
+        out[...] = self.compiled(r)
 
 
 @dataclass(frozen=True)
@@ -187,12 +260,17 @@ class LogTail:
     power: float
     constant: float
     slope: float
+    is_light = False
 
     def __call__(self, r: R) -> R:
         """Return G."""
         if self.slope:
             return (math.log(r) if isinstance(r, float) else np.log(r)) * self.slope + self.constant
         return 0 * r + self.constant
+
+    def fill(self, r: FloatArray, out: FloatArray, work: FloatArray) -> None:
+        """Write G into `out`."""
+        out[...] = self(r)
 
 
 def as_formula(raw: Expr) -> tuple[Branch, Expr]:

@@ -4,7 +4,6 @@ import mpmath
 import numpy as np
 from flint import arb, arb_series
 from numpy.polynomial import chebyshev
-from scipy.fft import dct
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
@@ -72,9 +71,12 @@ def chebyshev_nodes(n: int) -> FloatArray:
 
 def chebyshev_fit(y: FloatArray) -> FloatArray:
     """Return the Chebyshev coefficients of the polynomial through values at Chebyshev nodes."""
-    coefficients = dct(y) / len(y)
+    n = len(y)
+    angles = np.arange(n)[:, None] * (2 * np.arange(n) + 1) % (4 * n)
+    quarter = 2 * np.arctan(np.longdouble(1)) / n  # of a turn, over n
+    coefficients: FloatArray = (np.cos(angles * quarter) * y).sum(axis=1) * (2 / np.longdouble(n))
     coefficients[0] /= 2
-    return np.asarray(coefficients)
+    return coefficients
 
 
 def to_monomials(coefficients: FloatArray) -> FloatArray:

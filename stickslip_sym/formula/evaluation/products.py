@@ -10,16 +10,20 @@ import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray, Numbers
 
-__all__ = ["largest_exponent", "plain_product", "scaled_product"]
+__all__ = ["extremes", "largest_exponent", "multiply_by_power", "plain_product", "scaled_product"]
 
 R = TypeVar("R", float, FloatArray)
 _MOST_FACTORS = 8
 _LARGEST = 4000  # binary exponents beyond this are clipped: the value is 0 or infinite
 
 
-def largest_exponent(value: Numbers) -> float:
-    """Return the largest size of the binary exponent of a float or of an array's elements; infinite for a 0."""
-    low, high = (value, value) if isinstance(value, float) else (float(value.min()), float(value.max()))
+def extremes(value: Numbers) -> tuple[float, float]:
+    """Return the smallest and the largest of an array's elements, or a float twice."""
+    return (value, value) if isinstance(value, float) else (float(value.min()), float(value.max()))
+
+
+def largest_exponent(low: float, high: float) -> float:
+    """Return the largest size of the binary exponent of numbers between two; infinite for a 0."""
     if low < 0:
         low, high = (-high, -low) if high < 0 else (0.0, high)
     if not (low > 0 and high < math.inf):
@@ -54,6 +58,25 @@ def _power(value: R, exponent: float) -> R:
         power: R = value**exponent
         return power
     return reduce(operator.mul, [value] * int(exponent))
+
+
+def multiply_by_power(value: FloatArray, base: FloatArray, exponent: float, work: FloatArray) -> None:
+    """Multiply in place by a power of an array, a whole one by squaring; `work` is an array to compute in."""
+    size = abs(exponent)
+    if not size:
+        return
+    if size != int(size) or size > _MOST_FACTORS:
+        np.power(base, size, out=work)
+    else:
+        work[...] = base
+        for bit in bin(int(size))[3:]:
+            work *= work
+            if bit == "1":
+                work *= base
+    if exponent > 0:
+        value *= work
+    else:
+        value /= work
 
 
 def scaled_product(number: float, factors: Sequence[tuple[Numbers, float]], rest: FloatArray) -> FloatArray:

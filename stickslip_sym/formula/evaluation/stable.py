@@ -83,6 +83,9 @@ class StableFunction:
         count = next(value.size for value in values if not isinstance(value, float))
         with np.errstate(all="ignore"):  # what overflows on the way is mended
             result = np.full(count, np.nan) if self.terms is None else self._sum(values, count)
+            total = result.sum()
+        if np.isfinite(total):  # and so is every element, which is seldom otherwise
+            return result
         missing = np.flatnonzero(~np.isfinite(result))
         if missing.size:
             self._mend(result, missing, values)

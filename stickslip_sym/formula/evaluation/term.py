@@ -2,22 +2,30 @@
 
 from bisect import bisect_right
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, FloatArray, Numbers
+from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Numbers
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.branches import Branch
-from stickslip_sym.formula.evaluation.products import largest_exponent, plain_product, scaled_product
+from stickslip_sym.formula.evaluation.products import (
+    extremes,
+    largest_exponent,
+    multiply_by_power,
+    plain_product,
+    scaled_product,
+)
 from stickslip_sym.formula.evaluation.profile import Profile, profile_of
 from stickslip_sym.formula.evaluation.splitting import Term
 
 __all__ = ["TermFunction"]
 
 _SAFE = 900.0  # binary exponents that no product may pass, lest something overflows on the way
+_MOST = 0.9  # of a block: a branch that serves so much of it is taken for all
 _WORTH_A_TABLE = 64  # elements with one shape for which branches are found
 
 
@@ -70,7 +78,8 @@ class TermFunction:
         if profile is None:
             return np.full(count, np.nan)
         bases = [values[base] if isinstance(base, int) else base(*values) for base in self.bases]
-        reach = [largest_exponent(base) for base in bases]
+        ends = [extremes(base) for base in bases]
+        reach = [largest_exponent(*end) for end in ends]
         most = max((abs(branch.power) for branch in profile.branches if branch is not None), default=0.0)
         plain = (
             sum(
@@ -88,7 +97,10 @@ class TermFunction:
                 r = scaled_product(1 / self.size, ratio, np.ones(count))
         if isinstance(r, float):
             r = np.full(count, r)
-        low, high = float(r.min()), float(r.max())
+        if plain and all(isinstance(base, float) for base in bases[1:]):  # r rises with V
+            low, high = (plain_product(1 / self.size, [(end, 1.0), *ratio[1:]]) for end in ends[0])
+        else:
+            low, high = float(r.min()), float(r.max())
         if not high < np.inf:
             # One over a scale of 0, or V far beyond all scales.
             finite = np.isfinite(r)
@@ -100,28 +112,39 @@ class TermFunction:
         first, last = bisect_right(profile.starts, low) - 1, bisect_right(profile.starts, high) - 1
         if first == last:
             return self._branch(profile.branches[first], r, bases, plain)
-        result = np.empty(count)
-        ends = [*profile.starts[1:], np.inf]
-        for branch, start, end in zip(
-            profile.branches[first : last + 1], profile.starts[first:], ends[first:], strict=False
-        ):
-            here = np.flatnonzero((r >= start) & (r < end))
-            if here.size:
-                part = [base if isinstance(base, float) else base[here] for base in bases]
-                result[here] = self._branch(branch, r[here], part, plain)
+        branches = profile.branches[first : last + 1]
+        masks = _parted(r, profile.starts[first + 1 : last + 1])
+        counts = [int(np.count_nonzero(mask)) for mask in masks]
+        common = max(range(len(counts)), key=counts.__getitem__)
+        branch = branches[common]
+        if branch is not None and (branch.is_light or counts[common] > _MOST * count):
+            result = self._branch(branch, r, bases, plain)  # for all, without copies; the others are put right
+            counts[common] = 0
+        else:
+            result = np.empty(count)
+        for branch, mask, some in zip(branches, masks, counts, strict=True):
+            if not some:
+                continue
+            here = np.flatnonzero(mask)
+            part = [
+                base if isinstance(base, float) or (plain and not a) else base.take(here)
+                for base, a in zip(bases, self.amplitude, strict=True)
+            ]
+            result[here] = self._branch(branch, r.take(here), part, plain)
         return result
 
     def _branch(self, branch: Branch | None, r: FloatArray, bases: list[Numbers], plain: bool) -> FloatArray:
         if branch is None:
             return np.full(r.shape, np.nan)
+        value, work = np.empty_like(r), np.empty_like(r)
+        branch.fill(r, value, work)
+        if plain:
+            value *= plain_product(self.number, [(b, a) for b, a in zip(bases, self.amplitude, strict=True) if a])
+            multiply_by_power(value, r, branch.power, work)
+            return value
         exponents = [a + branch.power * e for a, e in zip(self.amplitude, self.ratio, strict=True)]
         factors = [(base, e) for base, e in zip(bases, exponents, strict=True) if e]
-        number = self.number * self.size**-branch.power
-        value = branch(r)
-        if not plain:
-            return scaled_product(number, factors, value)
-        value *= plain_product(number, factors)
-        return value
+        return scaled_product(self.number * self.size**-branch.power, factors, value)
 
     def single(self, values: list[float]) -> float:
         """Evaluate at floats; NaN where no branch serves, or a product might overflow on the way."""
@@ -144,3 +167,9 @@ class TermFunction:
             if exponent:
                 value *= base**exponent
         return value
+
+
+def _parted(r: FloatArray, edges: Sequence[float]) -> list[BoolArray]:
+    """Return which elements lie below the first edge, from there to the next, and so on to beyond the last."""
+    below = [r < edge for edge in edges]
+    return [below[0], *(later > earlier for earlier, later in pairwise(below)), ~below[-1]]

@@ -139,7 +139,7 @@ def _rational(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     if parts is None:
         return None
     polynomial, fractions = parts
-    total = sp.integrate(polynomial, u)
+    total = sp.Poly(polynomial, u).integrate().as_expr()
     for numerator, base, power in fractions:
         if sp.degree(base, u) == 1:
             part = _over_linear(numerator, base, power, u)

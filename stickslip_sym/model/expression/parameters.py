@@ -2,16 +2,16 @@
 
 import keyword
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 from typing import Any
 
-import sympy as sp
-
 from stickslip_sym.core import symbols
+from stickslip_sym.core.algebra import sp
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import exact
-from stickslip_sym.model.expression.parsing import CONSTANTS, FUNCTIONS, KINKED, NAME
-from stickslip_sym.model.expression.spelling import ALIASES, INSTEAD
-from stickslip_sym.model.expression.units import parse_unit
+from stickslip_sym.core.numbers import fraction
+from stickslip_sym.model.expression.spelling import NAME, TAKEN
+from stickslip_sym.model.expression.units import check_unit
 from stickslip_sym.output import markup
 from stickslip_sym.output.notation import notation_of
 
@@ -50,14 +50,18 @@ class Parameter:
         self.unit = unit
         self.typical = typical
         self.positive = positive
-        self.symbol = sp.Symbol(name, positive=True) if positive else sp.Symbol(name, real=True)
         if unit is not None:
-            parse_unit(unit)
-        if typical is not None and exact(typical, name) < 0 and positive:
+            check_unit(unit)
+        if typical is not None and fraction(typical, name) < 0 and positive:
             raise InputError(
                 f"the typical value {typical} of {name!r} is negative, but the parameter is declared positive; "
                 "declare it with positive=False if any sign is meant"
             )
+
+    @cached_property
+    def symbol(self) -> Expr:
+        """The parameter in an expression."""
+        return sp.Symbol(self.name, positive=True) if self.positive else sp.Symbol(self.name, real=True)
 
     def __repr__(self) -> str:
         return f"Parameter({self.name!r}, {self.meaning!r}, unit={self.unit!r}, typical={self.typical!r})"
@@ -97,7 +101,7 @@ def _check_name(name: str) -> None:
         raise InputError(
             f"{name!r} is an argument of functions that take parameters by name; rename the parameter"
         )
-    if any(name in names for names in (FUNCTIONS, KINKED, CONSTANTS, ALIASES, INSTEAD, ("Piecewise",))):
+    if name in TAKEN:
         raise InputError(f"{name!r} is the name of a function or a constant; rename the parameter")
 
 

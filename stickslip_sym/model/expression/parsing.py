@@ -17,12 +17,9 @@ import sympy as sp
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import bits, suggestion, within
 from stickslip_sym.model.expression.pieces import Bound, absolute, in_pieces, larger, sign, smaller
-from stickslip_sym.model.expression.spelling import ALIASES, INSTEAD, Source, normalised, refuse
+from stickslip_sym.model.expression.spelling import ALIASES, INSTEAD, NAME, Source, normalised, refuse
 
 __all__ = ["CONSTANTS", "FUNCTIONS", "KINKED", "NAME", "parse_expression"]
-
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
-"""What a name looks like: ASCII letters, digits and underscores, at most 40."""
 
 FUNCTIONS: dict[str, Any] = {
     "exp": sp.exp, "log": sp.log, "sqrt": sp.sqrt,

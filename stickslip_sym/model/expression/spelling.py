@@ -6,7 +6,10 @@ from typing import NoReturn
 
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["ALIASES", "INSTEAD", "Source", "normalised", "refuse"]
+__all__ = ["ALIASES", "INSTEAD", "NAME", "TAKEN", "Source", "normalised", "refuse"]
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+"""What a name looks like: ASCII letters, digits and underscores, at most 40."""
 
 ALIASES = {
     "ln": "log", "abs": "Abs", "min": "Min", "max": "Max", "sgn": "sign",
@@ -23,6 +26,14 @@ INSTEAD = {
     "where": "Piecewise((formula, v < place), last formula)", "clip": "Min(Max(x, low), high)",
 }  # fmt: skip
 """Functions that are not read, with what to write for them."""
+
+TAKEN = frozenset(
+    {
+        "exp", "log", "sqrt", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sech", "asinh", "atan", "erf", "erfc",
+        "Abs", "Min", "Max", "sign", "Piecewise", "pi", *ALIASES, *INSTEAD,
+    }
+)  # fmt: skip
+"""The names of functions and constants, which no parameter may have."""
 
 _FOREIGN = re.compile(r"[^A-Za-z0-9_+\-*/^()., <>=|\t\r\n]")
 _BEFORE_OPERAND = frozenset("+-*/^(,<>=")

@@ -10,11 +10,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.expression.parsing import parse_expression
 
-__all__ = ["parse_unit", "with_units"]
+__all__ = ["check_unit", "parse_unit", "with_units"]
 
 _CALL = re.compile(r"\w\s*\(")
+_POWER = r"(m|s|kg|N)(\^-?[1-9])?"
+_PLAIN = re.compile(rf"1|(1/)?{_POWER}([*/]{_POWER})*")
 _ALLOWED = "write a product of powers of m, s, kg and N, or 1"
 
 
@@ -27,6 +28,8 @@ def parse_unit(text: str) -> Any:
         If the text is no product of powers of m, s, kg and N.
     """
     from sympy.physics import units
+
+    from stickslip_sym.model.expression.parsing import parse_expression
 
     base = {
         "m": units.meter,
@@ -48,6 +51,17 @@ def parse_unit(text: str) -> Any:
     if unit != 1 and any(base not in known or not exponent.is_Rational for base, exponent in powers):
         raise InputError(f"{text[:60]!r} is not a unit; {_ALLOWED}")
     return unit
+
+
+def check_unit(text: str) -> None:
+    """Refuse what `parse_unit` refuses. As nearly all units are written, that takes no algebra.
+
+    Raises
+    ------
+    InputError
+    """
+    if not (isinstance(text, str) and _PLAIN.fullmatch(text)):
+        parse_unit(text)
 
 
 def with_units(expr: Any, units: Mapping[Any, str]) -> Any:

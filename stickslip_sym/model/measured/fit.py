@@ -103,7 +103,7 @@ class Fit(Drawn):
         from copy import copy
 
         free = copy(self.law)
-        free._values = {name: value for name, value in self.law.values.items() if name not in self.values}
+        free._values = {name: value for name, value in self.law._values.items() if name not in self.values}
         return free  # type: ignore[no-any-return]
 
     def confidence(self, level: float = 0.95, *, profile: bool = False) -> dict[str, tuple[float, float]]:

@@ -23,8 +23,11 @@ _AT_REST = (
 class FittedLaw(Protocol):
     """What a fit needs of a friction law."""
 
-    expr: Any
     name: str | None
+
+    @property
+    def expr(self) -> Any:
+        """The coefficient as an expression."""
 
     @property
     def parameters(self) -> Mapping[str, Any]:

@@ -15,7 +15,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
-from scipy.fft import dct
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
@@ -208,6 +207,8 @@ def _interpolated(solve: Callable[[FloatArray], Orbits], work: Work) -> FloatArr
         # Nodes of the first kind: A = 0, where there is no orbit, is none of them.
         nodes = chebyshev.chebpts1(degree + 1)
         found = solve((1 + nodes) / 2)
+        from scipy.fft import dct
+
         need: FloatArray = dct(found.d[::-1]) / (degree + 1)
         need[0] /= 2
         variation = np.ptp(found.d)

@@ -14,15 +14,15 @@ from dataclasses import dataclass, fields
 from functools import cache, lru_cache
 
 import numpy as np
-import sympy as sp
 from numpy.typing import ArrayLike
-from scipy.fft import dct, dst, idct, idst
 
+from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.criteria.criterion import Criterion, harmonic
+from stickslip_sym.criteria.criterion import Criterion, harmonic, least_squares
 from stickslip_sym.criteria.gauss import weight_of
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.motion.orbits.transforms import cosines, from_cosines, from_sines, sines
 
 __all__ = ["LARGEST_GRID", "Expansion", "Tangent", "averages", "expand", "slopes", "tangents"]
 
@@ -119,49 +119,23 @@ def _expand(law: FrictionLaw, V: FloatArray, A: FloatArray, size: int) -> Expans
     # 1 - cos(theta) without cancellation.
     reach = (1 - A) + 2 * A * np.sin(theta / 2) ** 2
     g = -slopes(law)(V[:, None] * reach)
-    feed = _sines(g * sine)
+    feed = sines(g * sine)
     harmonic = feed[:, 1]
     b = A * feed / off_resonance
-    z1 = _from_sines(b)
+    z1 = from_sines(b)
     excess = g - harmonic[:, None]
-    f = _sines(excess * z1)
+    f = sines(excess * z1)
     a = -n * f / off_resonance
     bend = (n * b).sum(axis=1)
     a[:, 1] = -(bend**2) / (2 * A[:, 0]) - a[:, 2:].sum(axis=1)
-    z2 = _from_cosines(a)
-    curvature = _from_sines(n * _cosines(g)) / (A * sine)  # the derivative of g by z, from that by the phase
+    z2 = from_cosines(a)
+    curvature = from_sines(n * cosines(g)) / (A * sine)  # the derivative of g by z, from that by the phase
     second = 2 * ((excess * z2 + curvature * z1**2 / 2) * np.cos(theta)).mean(axis=1) / A[:, 0]
     high, largest = np.abs(feed[:, size - size // 4 :]).max(axis=1), np.abs(g).max(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         tail = np.where(high == 0, 0.0, high / largest)
     slowing = f[:, 1] / (2 * A[:, 0])
     return Expansion(harmonic, second, slowing, a, b, largest, np.where(np.isnan(tail), np.inf, tail))
-
-
-def _sines(values: FloatArray) -> FloatArray:
-    """Return coefficients of sin(n theta), n = 0 to size - 1."""
-    size = values.shape[1]
-    return np.pad(dst(values, 2, axis=1)[:, : size - 1] / size, ((0, 0), (1, 0)))
-
-
-def _cosines(values: FloatArray) -> FloatArray:
-    """Return coefficients of cos(n theta), n = 0 to size - 1, the mean as it is."""
-    result: FloatArray = dct(values, 2, axis=1) / values.shape[1]
-    result[:, 0] /= 2
-    return result
-
-
-def _from_sines(coefficients: FloatArray) -> FloatArray:
-    size = coefficients.shape[1]
-    result: FloatArray = idst(np.pad(coefficients[:, 1:], ((0, 0), (0, 1))) * size, 2, axis=1)
-    return result
-
-
-def _from_cosines(coefficients: FloatArray) -> FloatArray:
-    scaled = coefficients * coefficients.shape[1]
-    scaled[:, 0] *= 2
-    result: FloatArray = idct(scaled, 2, axis=1)
-    return result
 
 
 def averages(
@@ -188,6 +162,8 @@ def _shares(criterion: Criterion) -> FloatArray:
     sine: FloatArray = np.sin(theta)
     if criterion == harmonic:
         return weight * (2 / np.pi) * sine**2
+    if criterion == least_squares:  # 1 - s^4 = (1 - s^2)(1 + s^2)
+        return weight * 0.625 * sine**3 * (2 - sine**2)
     m, p, q = sp.symbols("m p q", positive=True)
     value = function_of([m, p, q], weight_of(criterion, m, p, q), "numpy")
     shares: FloatArray = weight * value(sine**2, 2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2) * sine
@@ -239,17 +215,17 @@ def tangents(law: FrictionLaw, V: ArrayLike, names: Sequence[str]) -> tuple[Expa
     g = -slopes(law)(v)
     weak = _expand(law, np.ravel(V), np.ones(len(v)), size)
     excess, bend = g - weak.harmonic[:, None], (n * weak.sines).sum(axis=1)
-    z1, z2 = _from_sines(weak.sines), _from_cosines(weak.cosines)
-    curvature = _from_sines(n * _cosines(g)) / sine
+    z1, z2 = from_sines(weak.sines), from_cosines(weak.cosines)
+    curvature = from_sines(n * cosines(g)) / sine
     found = {}
     for name in names:
         dg = -slopes(law.partial(name))(v)
-        feed = _sines(dg * sine)
+        feed = sines(dg * sine)
         db = feed / off_resonance
-        dz1, d_excess = _from_sines(db), dg - feed[:, [1]]
-        da = -n * _sines(d_excess * z1 + excess * dz1) / off_resonance
+        dz1, d_excess = from_sines(db), dg - feed[:, [1]]
+        da = -n * sines(d_excess * z1 + excess * dz1) / off_resonance
         da[:, 1] = -bend * (n * db).sum(axis=1) - da[:, 2:].sum(axis=1)
-        d_curvature = _from_sines(n * _cosines(dg)) / sine
-        change = d_excess * z2 + excess * _from_cosines(da) + d_curvature * z1**2 / 2 + curvature * z1 * dz1
+        d_curvature = from_sines(n * cosines(dg)) / sine
+        change = d_excess * z2 + excess * from_cosines(da) + d_curvature * z1**2 / 2 + curvature * z1 * dz1
         found[name] = Tangent(feed[:, 1], 2 * (change * np.cos(theta)).mean(axis=1))
     return weak, found

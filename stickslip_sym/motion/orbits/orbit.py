@@ -16,6 +16,7 @@ Every term with friction enters as a small one, so weak friction loses no digits
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,7 +38,9 @@ from stickslip_sym.motion.orbits.collocation import (
     values,
 )
 from stickslip_sym.motion.orbits.expansion import Slope, averages, expand, slopes
-from stickslip_sym.motion.orbits.shooting import Shots, shoot
+
+if TYPE_CHECKING:
+    from stickslip_sym.motion.orbits.shooting import Shots
 
 __all__ = ["Orbits", "derivatives", "obstacle", "orbits"]
 
@@ -63,7 +66,7 @@ class Orbits:
     lowest: FloatArray  # lowest velocity z of the orbit, shape (n,)
     work: float = 0.0  # cubes of grids, summed over Newton steps and rows
 
-    def take(self, rows: IntArray, shot: Shots) -> None:
+    def take(self, rows: IntArray, shot: "Shots") -> None:
         """Take some of the orbits from shooting."""
         known = np.isfinite(shot.d)
         for column, value in (
@@ -277,6 +280,8 @@ def orbits(
     )
     strong = np.flatnonzero(~np.isfinite(tail))
     if work.left >= _SHOT * strong.size > 0:
+        from stickslip_sym.motion.orbits.shooting import shoot
+
         with np.errstate(all="ignore"):
             shot = shoot(
                 problem.slope, problem.V[strong], problem.strength[strong], problem.A[strong], all_there_is[strong]

@@ -16,6 +16,7 @@ _HIGHEST = 8.0  # level; orbits that go higher are those of strong friction
 _MOST = 160  # levels; with more it costs as much to follow an orbit in time
 _STRONGEST = 50.0  # friction N/(V sqrt(k m)), from which on motions decay too fast for explicit steps
 _NARROWEST = 1e-12  # distance of levels
+_THINNEST = 3e-4  # the first level: where mu needs a lower one, a graze may turn below it
 _TAIL = 1e-12  # of the last coefficients over the largest, of what is resolved
 _JUMP = 1e-12  # of mu, relative, below which it is rounding
 _DEGREE = 16
@@ -50,7 +51,7 @@ def levels_between(scene: Scene) -> list[float]:
                 return levels if low >= 1 else []
             else:
                 pending.append(low + (high - low) / 2)
-    return levels
+    return levels if levels[1] >= _THINNEST else []
 
 
 def _jumps(scene: Scene, before: Branch, after: Branch) -> bool:

@@ -1,5 +1,7 @@
 """The way up the ladder: the cheapest rung that is known to be good enough, or the error of one that was named."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
@@ -7,7 +9,9 @@ from stickslip_sym.core.errors import NO_RESULT, NotConverged, OutOfTime
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.thresholds.rungs import Rung, average, ladder, numerical_averages, rungs
 from stickslip_sym.motion.thresholds.scenes import Scenes
-from stickslip_sym.motion.thresholds.theorem import Theorem
+
+if TYPE_CHECKING:
+    from stickslip_sym.motion.thresholds.theorem import Theorem
 
 __all__ = ["accuracy", "by_name", "climb"]
 
@@ -20,7 +24,7 @@ def accuracy(error: float | None) -> str:
     return "unknown" if error is None or not np.isfinite(error) else f"{error:.0e}"
 
 
-def by_name(scenes: Scenes, rung: Rung, rtol: float) -> tuple[FloatArray, FloatArray, tuple[Theorem, ...]]:
+def by_name(scenes: Scenes, rung: Rung, rtol: float) -> "tuple[FloatArray, FloatArray, tuple[Theorem, ...]]":
     """Return the value of one rung, its error, and what was proved."""
     rung.require_smooth(scenes.law, scenes.V)
     found = rung.compute(scenes, rtol)

@@ -142,7 +142,13 @@ def _by_brackets(
     lowest: Callable[[float, float], float], high: float, tight: float, osc: Oscillator
 ) -> tuple[float, float]:
     """Return the root between 0 and a damping that is doubled until it is one, and its error."""
-    if lowest(0.0, tight) >= 0:
+    undamped = lowest(0.0, tight)
+    if 0 <= undamped <= _OFF * tight:
+        raise NotConverged(
+            "whether the slip that leaves P returns to the belt's speed without damping is lost in rounding: "
+            f"friction changes too little at V = {osc.V:g}, N = {osc.N:g}"
+        )
+    if undamped >= 0:
         raise NoThreshold(
             "the slip that leaves P does not return to the belt's speed even without damping, "
             f"so no c >= 0 is a threshold at V = {osc.V:g}, N = {osc.N:g}"

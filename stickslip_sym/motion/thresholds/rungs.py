@@ -17,29 +17,18 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.evaluation.averages import SlopeAverage, slope_average
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.expansion import averages, expand
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
-from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from stickslip_sym.motion.thresholds.scenes import Scenes
 
 if TYPE_CHECKING:
+    from stickslip_sym.formula.evaluation.averages import SlopeAverage
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
 __all__ = [
-    "Basis",
-    "Found",
-    "Rung",
-    "add",
-    "average",
-    "find",
-    "ladder",
-    "numerical_averages",
-    "rungs",
-    "second_order",
-]
+    "Basis", "Found", "Rung", "add", "average", "find", "ladder", "numerical_averages", "rungs", "second_order",
+]  # fmt: skip
 
 ROUNDING = 1e-14
 _LOOSEST = 1e-7  # of a simulation: what it costs hardly depends on it, and stiff motions get lost in rounding
@@ -219,7 +208,9 @@ class _Shape:
 
 
 @lru_cache(maxsize=128)
-def _slope_average(shape: _Shape, criterion: Criterion) -> SlopeAverage:
+def _slope_average(shape: _Shape, criterion: Criterion) -> "SlopeAverage":
+    from stickslip_sym.formula.evaluation.averages import slope_average
+
     return slope_average(shape.law.with_static(None), criterion)  # no slope average sees it, nor its parameters
 
 
@@ -236,13 +227,13 @@ def numerical_averages(scenes: Scenes) -> dict[str, FloatArray]:
     """Return the dampings of the catalogue's criteria for a smooth law without any derivation."""
     law, N = scenes.law, scenes.N
     chosen = list(criteria.catalogue.values())
-    found = averages(law, scenes.V, criteria=[one for one in chosen if one.weight is not None])
+    found = averages(law, scenes.V, criteria=[one for one in chosen if one.is_average])
     finite = np.isfinite(sum(found))
     if not finite.all():
         row = int(np.flatnonzero(~finite)[0])
         raise InputError(f"mu has no finite slope somewhere between 0 and 2 V, for {scenes.label(row)}: {law!r}")
     weighted = iter(found)
-    return {one.name: N * (-law.slope(scenes.V) if one.weight is None else next(weighted)) for one in chosen}
+    return {one.name: N * (-law.slope(scenes.V) if not one.is_average else next(weighted)) for one in chosen}
 
 
 # -- the rungs that need m and k -------------------------------------------------------------------
@@ -291,6 +282,9 @@ def _on_orbit(scenes: Scenes, rtol: float) -> Found:
 
 def _simulated(scenes: Scenes, rtol: float) -> Found:
     """Return the damping at which the simulated orbit grazes."""
+    from stickslip_sym.model.oscillator import Oscillator
+    from stickslip_sym.motion.thresholds.grazing import grazing_damping
+
     found = np.empty((2, len(scenes)))
     for row, (V, N, m, k) in enumerate(zip(scenes.V, scenes.N, scenes.m, scenes.k, strict=True)):
         found[:, row] = grazing_damping(scenes.law, Oscillator(m=m, k=k, V=V, N=N), rtol=rtol)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import FloatArray, Rational, Rows
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import exact, read_array
+from stickslip_sym.core.numbers import exact, fraction, read_array
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.model.law import FrictionLaw
 
@@ -31,7 +32,7 @@ class Scenes:
     m: Any
     k: Any
     shape: tuple[int, ...]
-    exact: Mapping[str, Rational] = field(default_factory=dict)
+    exact: Mapping[str, Fraction] = field(default_factory=dict)
     uncertain: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
@@ -44,7 +45,7 @@ class Scenes:
         pairs = {name: _split(value, name) for name, value in values.items()}
         values = {name: number for name, (number, _) in pairs.items()}
         errors = {name: read for name, (_, read) in pairs.items() if read is not None}
-        exactly = {name: exact(value, name) for name, value in values.items() if isinstance(value, str)}
+        exactly = {name: fraction(value, name) for name, value in values.items() if isinstance(value, str)}
         numbers = values | {name: float(value) for name, value in exactly.items()}
         given = {name: _column(name, value) for name, value in numbers.items() if value is not None}
         if ("m" in given) != ("k" in given):
@@ -76,7 +77,7 @@ class Scenes:
     def exact_row(self, row: int) -> dict[str, Rational]:
         """Return V, N, m and k of one scene exactly: text as the decimal it says, a float as the binary it is."""
         columns = {"V": self.V, "N": self.N, "m": self.m, "k": self.k}
-        return {name: self.exact.get(name, exact(column[row], name)) for name, column in columns.items()}
+        return {name: exact(self.exact.get(name, column[row]), name) for name, column in columns.items()}
 
     @property
     def impedance(self) -> FloatArray:

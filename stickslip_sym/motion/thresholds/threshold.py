@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,19 +13,19 @@ from stickslip_sym.core.aliases import FloatArray, ObjectArray
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.uncertain import with_error
 from stickslip_sym.criteria.criterion import Criterion, equilibrium, harmonic
-from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.doubts import warn_where_negative
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.thresholds import rungs
 from stickslip_sym.motion.thresholds.climb import accuracy, by_name, climb
-from stickslip_sym.motion.thresholds.cubature import to_second_order, warn_of_ratio
 from stickslip_sym.motion.thresholds.rungs import Rung
 from stickslip_sym.motion.thresholds.scenes import Scenes
-from stickslip_sym.motion.thresholds.sensitivity import sensitivities
-from stickslip_sym.motion.thresholds.theorem import Theorem
 from stickslip_sym.motion.thresholds.uncertainty import Budget, deserved_tolerance, standard_errors
 from stickslip_sym.output import markup
+
+if TYPE_CHECKING:
+    from stickslip_sym.criteria.enclosure import Enclosure
+    from stickslip_sym.motion.thresholds.theorem import Theorem
 
 __all__ = ["Threshold", "pure_slip_damping"]
 
@@ -56,7 +56,7 @@ class Threshold:
     value: Any
     method: Any
     error: Any
-    theorems: tuple[Theorem, ...] = ()
+    theorems: "tuple[Theorem, ...]" = ()
     deserved: float | None = None
     scenes: Scenes | None = field(default=None, repr=False, compare=False)
     rung: Rung | None = field(default=None, repr=False, compare=False)
@@ -76,6 +76,8 @@ class Threshold:
         InputError
             For a method of one's own, of which only its values are known.
         """
+        from stickslip_sym.motion.thresholds.sensitivity import sensitivities
+
         assert self.scenes is not None
         error = np.full(len(self.scenes), np.inf) if self.error is None else np.ravel(self.error)
         value, method = np.ravel(self.value), np.ravel(self.method)
@@ -108,6 +110,8 @@ class Threshold:
 
     @cached_property
     def _second_order(self) -> tuple[Any, str]:
+        from stickslip_sym.motion.thresholds.cubature import to_second_order
+
         assert self.scenes is not None
         errors, shape = standard_errors(self.scenes), self.scenes.shape
         if self.budget is None or errors is None:
@@ -130,18 +134,20 @@ class Threshold:
         InputWarning
             If to second order it differs by more than 10 %, or that could not be computed.
         """
+        from stickslip_sym.motion.thresholds.cubature import warn_of_ratio
+
         if self.budget is None:
             return None
         warn_of_ratio(*self._second_order)
         return self.budget.uncertainty
 
     @property
-    def theorem(self) -> Theorem | None:
+    def theorem(self) -> "Theorem | None":
         """What was proved of one scene, or None."""
         return self.theorems[0] if len(self.theorems) == 1 else None
 
     @property
-    def enclosure(self) -> Enclosure | None:
+    def enclosure(self) -> "Enclosure | None":
         """Two dampings between which the threshold of one scene was proved to lie, or None."""
         return None if self.theorem is None else self.theorem.enclosure
 
@@ -191,7 +197,7 @@ class Threshold:
         return markup.table(header[start:], [row[start:] for row in rows], caption="pure-slip damping")
 
 
-_Found = tuple[FloatArray, ObjectArray, FloatArray | None, tuple[Theorem, ...]]
+_Found: TypeAlias = "tuple[FloatArray, ObjectArray, FloatArray | None, tuple[Theorem, ...]]"
 """Values, methods, errors, and what was proved."""
 
 

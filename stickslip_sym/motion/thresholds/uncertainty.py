@@ -11,7 +11,6 @@ from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.criteria.criterion import harmonic
 from stickslip_sym.motion.thresholds.rungs import rungs
 from stickslip_sym.motion.thresholds.scenes import Scenes
-from stickslip_sym.motion.thresholds.sensitivity import sensitivities
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import table
 
@@ -193,6 +192,8 @@ def deserved_tolerance(scenes: Scenes) -> float:
     errors = standard_errors(scenes)
     if errors is None or not len(scenes):
         return 0.0
+    from stickslip_sym.motion.thresholds.sensitivity import sensitivities
+
     nothing = np.zeros(len(scenes))
     by = sensitivities(scenes, rungs()[harmonic.name], nothing, nothing)
     budget = Budget.of(errors, {name: by.get(name, nothing) for name in errors.names}, (len(scenes),))

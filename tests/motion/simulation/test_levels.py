@@ -94,3 +94,11 @@ def test_a_speed_that_was_not_measured_is_refused_as_ever():
     scene = scene_of(law, c=1.0)
     with pytest.raises(ss.InputError, match="the law is measured up to"):
         lowest_slip_speed(scene, RTOL, levels=Levels(scene))
+
+
+@pytest.mark.parametrize("V", [1e3, 1e4, 1e5, 1e6])
+def test_a_layer_that_is_too_thin_for_levels_is_left_to_time(V):
+    """On a fast belt mu falls within a millionth of its speed; a graze then turns below the first level."""
+    scene = scene_of(ss.laws.exponential.typical(), V=V)
+    in_time = lowest_slip_speed(scene, RTOL)
+    assert lowest_slip_speed(scene, RTOL, levels=Levels(scene)) == pytest.approx(in_time, abs=20 * RTOL)
