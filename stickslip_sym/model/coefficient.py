@@ -11,6 +11,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.lambdify import Backend, function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.model.expression.pieces import at_rest, branch_from, places
@@ -24,7 +25,7 @@ _DIGITS = 50  # of mu where a piece begins, whose difference from mu(0+) may be 
 
 
 @lru_cache(maxsize=256)
-def limit_at_rest(expr: Any) -> float:
+def limit_at_rest(expr: Expr) -> float:
     """Return the limit of an expression in v as v falls to 0; NaN where none is found."""
     # SymPy says in these ways that it finds no limit, or that it is not real.
     try:
@@ -45,25 +46,25 @@ class Coefficient:
         The same through measured points, which is faster to evaluate as such.
     """
 
-    def __init__(self, expr: Any, parameters: Sequence[Any], curve: SampledCurve | None = None) -> None:
+    def __init__(self, expr: Expr, parameters: Sequence[Expr], curve: SampledCurve | None = None) -> None:
         self.expr = expr
         self.parameters = tuple(parameters)
         self.curve = curve
-        self._functions: dict[tuple[Any, Backend], Callable[..., Any]] = {}
+        self._functions: dict[tuple[Expr, Backend], Callable[..., Any]] = {}
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         # Compiled functions cannot be pickled, and are made again when they are needed.
         return Coefficient, (self.expr, self.parameters, self.curve)
 
     def function(
-        self, values: Mapping[Any, Any], backend: Backend, *, derivative: bool = False
+        self, values: Mapping[Expr, Expr], backend: Backend, *, derivative: bool = False
     ) -> Callable[[Any], Any]:
         """Return mu(v), or its slope, at exact values of the parameters, as a bare function."""
         if self.curve is not None:
             return self.curve.function(backend, derivative=derivative)
         return self._at(sp.diff(self.expr, symbols.v) if derivative else self.expr, values, backend)
 
-    def _at(self, expr: Any, values: Mapping[Any, Any], backend: Backend, *more: Any) -> Callable[[Any], Any]:
+    def _at(self, expr: Expr, values: Mapping[Expr, Expr], backend: Backend, *more: Expr) -> Callable[[Any], Any]:
         key, known = (expr, backend), (*self.parameters, *more)
         if key not in self._functions:
             # Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
@@ -72,7 +73,7 @@ class Coefficient:
         if backend == "mpmath":
             rounded: dict[int, list[Any]] = {}  # by working precision
 
-            def at_precision(v: Any) -> Any:
+            def at_precision(v: Mpf) -> Mpf:
                 precision = mpmath.mp.prec
                 if precision not in rounded:
                     rounded[precision] = [to_mpf(value) for value in ordered]
@@ -82,12 +83,12 @@ class Coefficient:
         floats = [float(value) for value in ordered]
         return lambda v: compiled(v, *floats)
 
-    def kinks(self, values: Mapping[Any, Any]) -> set[Any]:
+    def kinks(self, values: Mapping[Expr, Expr]) -> set[Expr]:
         """Return where mu or its slope may jump, exact."""
         return {place.xreplace(values) for place in places(self.expr)}
 
     def rises(
-        self, values: Mapping[Any, Any], kinks: Sequence[Any]
+        self, values: Mapping[Expr, Expr], kinks: Sequence[Expr]
     ) -> list[tuple[float, Callable[[float], float]]]:
         """Return where each smooth piece begins, ascending from 0, and mu(v) - mu(0+) on it, of a float.
 
@@ -102,7 +103,9 @@ class Coefficient:
             for piece, start in zip(pieces, starts, strict=True)
         ]
 
-    def _rise(self, values: Mapping[Any, Any], lowest: Any, piece: Any, start: Any) -> Callable[[float], float]:
+    def _rise(
+        self, values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr
+    ) -> Callable[[float], float]:
         plain, onset = self._at(piece, values, "math"), limit_at_rest(lowest.xreplace(values))
         # A piece that begins at 0 has the 0 itself in its formula, so that what is 0 there is left out.
         gained = rise(piece, symbols.v, _START if start else start)
@@ -120,7 +123,7 @@ class Coefficient:
 
         return risen
 
-    def _between(self, values: Mapping[Any, Any], lowest: Any, piece: Any, start: Any) -> float:
+    def _between(self, values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -> float:
         """Return what mu gains from 0+ to where a piece begins; NaN where that cannot be computed."""
         with mpmath.workdps(_DIGITS):
             try:
@@ -130,7 +133,7 @@ class Coefficient:
                 return math.nan
 
     def at_speeds(
-        self, speed: NDArray[np.float64], values: Mapping[Any, Any], *, derivative: bool
+        self, speed: NDArray[np.float64], values: Mapping[Expr, Expr], *, derivative: bool
     ) -> NDArray[np.float64]:
         """Return mu, or its slope, at an array of speeds; NaN where it has no real value in double precision."""
         try:

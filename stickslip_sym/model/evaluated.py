@@ -3,13 +3,14 @@
 import copy
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, Self
+from typing import Any, Self, SupportsFloat
 
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.model.coefficient import Coefficient
@@ -26,11 +27,11 @@ FloatArray = NDArray[np.float64]
 class Evaluated:
     """A law's coefficient, slope and special speeds; `FrictionLaw` has these, and gives the formula and values."""
 
-    expr: Any
-    static: Any | None
+    expr: Expr
+    static: Expr | None
     name: str | None
     _parameters: dict[str, Parameter]
-    _values: dict[str, Any]
+    _values: dict[str, Rational]
     _coefficient: Coefficient
 
     @property
@@ -39,12 +40,12 @@ class Evaluated:
         return self._coefficient.curve
 
     @property
-    def slope_expr(self) -> Any:
+    def slope_expr(self) -> Expr:
         """The derivative of mu with respect to the slip speed."""
         return sp.diff(self.expr, symbols.v)
 
     @property
-    def static_expr(self) -> Any:
+    def static_expr(self) -> Expr:
         """The coefficient that limits sticking: `static`, or mu(0+) where none was given.
 
         Raises
@@ -63,11 +64,11 @@ class Evaluated:
         return limit
 
     @property
-    def v_max(self) -> Any | None:
+    def v_max(self) -> Rational | None:
         """The slip speed in m/s up to which the law is known, exact; None if there is no bound."""
         return None if self.curve is None else self.curve.end
 
-    def require_speed(self, v: Any) -> None:
+    def require_speed(self, v: SupportsFloat) -> None:
         """Refuse a slip speed beyond the last measured one.
 
         Raises
@@ -87,7 +88,7 @@ class Evaluated:
         """Names of the parameters that have no value yet."""
         return [key for key in self._parameters if key not in self._values]
 
-    def substitute(self, expr: Any) -> Any:
+    def substitute(self, expr: Expr) -> Expr:
         """Put the bound values into an expression of the law's parameters.
 
         Raises
@@ -98,7 +99,7 @@ class Evaluated:
         self._require_values()
         return expr.xreplace(self._known())
 
-    def _known(self) -> dict[Any, Any]:
+    def _known(self) -> dict[Expr, Expr]:
         return {self._parameters[key].symbol: value for key, value in self._values.items()}
 
     def _require_values(self) -> None:
@@ -170,7 +171,7 @@ class Evaluated:
         self._require_values()
         return self._coefficient.function(self._known(), backend, derivative=derivative)
 
-    def kinks(self) -> list[Any]:
+    def kinks(self) -> list[Expr]:
         """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
         self._require_values()
         found = self._coefficient.kinks(self._known())
@@ -207,12 +208,12 @@ class Evaluated:
 
 
 @lru_cache(maxsize=512)
-def _partial(expr: Any, symbol: Any) -> Coefficient:
+def _partial(expr: Expr, symbol: Expr) -> Coefficient:
     partial = symbols.v * sp.diff(expr, symbols.v) - expr if symbol == symbols.V else sp.diff(expr, symbol)
     return Coefficient(partial, sorted(partial.free_symbols - {symbols.v}, key=str))
 
 
-def _limit(expr: Any) -> Any | None:
+def _limit(expr: Expr) -> Expr | None:
     """Return the limit of mu as v falls to 0, case by case where the sign of a place is not known."""
     for node in expr.atoms(sp.Piecewise):
         cases = [(_limit(expr.xreplace({node: part})), holds) for part, holds in node.args]

@@ -4,8 +4,9 @@ import copy
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Self
+from typing import Self
 
+from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, exact_values, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated
@@ -62,9 +63,9 @@ class FrictionLaw(Evaluated):
 
     def __init__(
         self,
-        formula: str | Any,
+        formula: str | float | Expr,
         *,
-        static: str | Any | None = None,
+        static: str | float | Expr | None = None,
         units: Mapping[str, str] | None = None,
         source: str | None = None,
         name: str | None = None,
@@ -78,7 +79,7 @@ class FrictionLaw(Evaluated):
         self.source = source
         self.validity = validity
         self.static = None if static is None else read_static(static, table)
-        self._values: dict[str, Any] = {}
+        self._values: dict[str, Rational] = {}
         self._uncertain: dict[str, UFloat] = {}
         self._parameters = self._used(table)
         for unused in described.keys() - self._parameters.keys():
@@ -88,7 +89,7 @@ class FrictionLaw(Evaluated):
 
     def with_static(
         self,
-        static: str | Any | None,
+        static: str | float | Expr | None,
         *,
         units: Mapping[str, str] | None = None,
         parameters: Iterable[Parameter] = (),
@@ -224,7 +225,7 @@ class FrictionLaw(Evaluated):
         return MappingProxyType(self._parameters)
 
     @property
-    def values(self) -> Mapping[str, Any]:
+    def values(self) -> Mapping[str, Rational]:
         """The bound values by name, exact; read-only."""
         return MappingProxyType(self._values)
 
@@ -276,7 +277,7 @@ class FrictionLaw(Evaluated):
         given = {key: self.parameters[key].typical for key in self.missing}
         return self.bind(**{key: value for key, value in given.items() if value is not None} | values)
 
-    def _content(self) -> tuple[Any, ...]:
+    def _content(self) -> tuple[object, ...]:
         described = tuple((p.symbol, p.meaning, p.unit, p.typical) for p in self.parameters.values())
         errors = frozenset((key, value.std_dev) for key, value in self.uncertain.items())
         about = self.name, self.source, self.validity, self.curve, errors
