@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip_sym.core import deadline, symbols
+from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
 from stickslip_sym.core.numbers import real
 from stickslip_sym.criteria.criterion import Criterion, harmonic
@@ -67,7 +68,7 @@ class Along(Search):
             return self.law, {**self.given, self.of: x}
         return self.law.bind(**{self.of: x}), self.given
 
-    def excess(self, rung: Rung, V: Any, orbit_rtol: float = _TIGHT) -> Any:
+    def excess(self, rung: Rung, V: FloatArray, orbit_rtol: float = _TIGHT) -> FloatArray:
         """Return threshold minus c at sizes of what is sought; NaN where there is none."""
         deadline.check_time()
         x = self.sign * np.asarray(V)
@@ -80,7 +81,7 @@ class Along(Search):
             found.append(self._values(rung, Scenes.of(law, **scene), tolerance)[0] - self.c)
         return np.array(found)
 
-    def _values(self, rung: Rung, scenes: Scenes, tolerance: float) -> Any:
+    def _values(self, rung: Rung, scenes: Scenes, tolerance: float) -> FloatArray:
         try:
             found = rung.compute(scenes, tolerance)
         except NoThreshold:
@@ -114,7 +115,7 @@ class Along(Search):
         results = [self._result(x, rung, rtol, automatic) for x in roots]
         return tuple(self._proved(one, rtol) for one in results) if proof else tuple(results)
 
-    def crossings(self, rung: Rung, V: Any) -> list[float]:
+    def crossings(self, rung: Rung, V: FloatArray) -> list[float]:
         """Return the sizes at which the excess changes sign, up to where motions leave the measured speeds."""
         if self.law.v_max is None:
             return super().crossings(rung, V)
@@ -157,7 +158,7 @@ class Along(Search):
         ]  # fmt: skip
         return tuple(self._proved(one, rtol) for one in results) if proof else tuple(results)
 
-    def grid(self) -> Any:
+    def grid(self) -> FloatArray:
         """Return the sizes at which the threshold is sampled."""
         if self.within is not None:
             low, high = (real("within", end) for end in self.within)
@@ -216,7 +217,7 @@ class Along(Search):
         positive = self.of in symbols.QUANTITIES or self.law.parameters[self.of].positive
         return [x for x in real_roots if low <= x <= high and (x > 0 or not positive)]
 
-    def _mean(self, law: FrictionLaw, criterion: Criterion, V: Any) -> float:
+    def _mean(self, law: FrictionLaw, criterion: Criterion, V: FloatArray) -> float:
         mean: float = slope_mean(law, criterion, V).item()
         return float(self.given["N"]) * mean
 
@@ -264,7 +265,7 @@ class Along(Search):
         return Critical(self.of, middle, one.unit, "proof", error, one.sensitivity, enclosure)
 
 
-def _easy(scenes: Scenes) -> Any:
+def _easy(scenes: Scenes) -> BoolArray:
     """Return where friction is so weak that the orbit costs less than a simulation."""
     _, resolution, next_order = second_order(scenes)
     return (next_order < _STRONG) & (resolution < _STRONG)

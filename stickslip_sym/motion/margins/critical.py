@@ -100,6 +100,8 @@ def critical(
         return search.found(rung, rtol)
 
 
-def _damping(law: FrictionLaw, given: Mapping[str, float], method: Any, rtol: float) -> Critical:
+def _damping(
+    law: FrictionLaw, given: Mapping[str, float], method: str | Criterion | Rung, rtol: float
+) -> Critical:
     found = pure_slip_damping(law, **given, method=method, rtol=rtol)
     return Critical("c", found.value, "kg/s", found.method, found.error, found.sensitivity, found.enclosure)
