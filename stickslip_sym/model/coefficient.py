@@ -21,13 +21,13 @@ from stickslip_sym.model.samples import SampledCurve
 __all__ = ["Coefficient", "limit_at_rest"]
 
 _START = sp.Dummy("start", positive=True)  # the slip speed where a piece begins
-_DIGITS = 50  # of mu where a piece begins, whose difference from mu(0+) may be small
+_DIGITS = 50  # of mu where a piece begins: its difference from mu(0+) may be small
 
 
 @lru_cache(maxsize=256)
 def limit_at_rest(expr: Expr) -> float:
     """Return the limit of an expression in v as v falls to 0; NaN where none is found."""
-    # SymPy says in these ways that it finds no limit, or that it is not real.
+    # These are what SymPy raises where it finds no limit, or one that is not real.
     try:
         return float(sp.limit(at_rest(expr, {}), symbols.v, 0, "+"))
     except (ArithmeticError, NotImplementedError, TypeError, ValueError):

@@ -183,8 +183,8 @@ class Evaluated:
     def rises(self) -> list[tuple[float, Callable[[float], float]]]:
         """Return where each smooth piece of mu begins, ascending from 0, and mu(v) - mu(0+) on it, of a float.
 
-        A piece goes on smoothly beyond its ends, where it is another one that holds. Where v is small its rise has
-        the digits that are lost when two coefficients are subtracted.
+        Each function continues smoothly beyond the ends of its piece, where another piece holds. Where v is small
+        it has the digits that are lost when two coefficients are subtracted.
         """
         return self._coefficient.rises(self._known(), self.kinks() if self.curve is None else ())
 

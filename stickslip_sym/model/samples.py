@@ -27,7 +27,7 @@ from stickslip_sym.model.expression.pieces import piecewise
 __all__ = ["SampledCurve"]
 
 FEWEST, MOST = 4, 60
-LARGEST = sp.Integer(10) ** 20  # m/s, and its inverse the smallest speed above 0
+LARGEST = sp.Integer(10) ** 20  # m/s; the smallest speed above 0 is its inverse
 
 
 @dataclass(frozen=True)

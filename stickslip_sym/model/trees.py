@@ -57,7 +57,7 @@ _NUMBER = re.compile(r"-?\d+(/\d+)?")
 _MOST_NODES = 200_000
 _DEEPEST = 200
 _LONGEST = 4_000  # characters of a number; Python reads no longer ones
-_LARGEST_ORDER = 100  # a whole number that a function or a power is given: SymPy expands some at length
+_LARGEST_ORDER = 100  # whole number as an argument of a function or a power: SymPy expands some at length
 
 
 def to_tree(expr: Expr) -> Tree:
@@ -133,7 +133,7 @@ class _Reader:
 
 
 def _check_arguments(name: str, head: type[Expr], arguments: list[Expr]) -> None:
-    """Refuse arguments of another kind than the head takes, and sizes that take SymPy for ever."""
+    """Refuse arguments of another kind than the head takes, and sizes that SymPy does not finish."""
     expected = _KINDS.get(head, sp.Expr)
     if not arguments or not all(isinstance(argument, expected) for argument in arguments):
         raise InputError(f"{name} cannot have these arguments: {str(arguments)[:60]}")

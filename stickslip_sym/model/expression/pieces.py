@@ -19,7 +19,7 @@ __all__ = [
 ]  # fmt: skip
 
 
-_MOST_UNORDERED = 6  # SymPy compares all pairs of what stands in a Max, at length
+_MOST_UNORDERED = 6  # arguments of a Max whose order is unknown: SymPy compares all pairs of them, at length
 _NESTED = "a kink inside a kink is not supported; write one Piecewise with all its places"
 
 
@@ -127,7 +127,7 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
         raise InputError(_NESTED)
     if difference.is_nonnegative or difference.is_nonpositive:
         return above if difference.is_nonnegative else below
-    # Expanding could take for ever; a difference that is linear has a slope without v as it stands.
+    # Expanding could take very long; a difference that is linear has a slope without v as it stands.
     slope, offset = sp.diff(difference, symbols.v), difference.subs(symbols.v, 0)
     if slope == 0:
         if any(part.has(sp.Max, sp.Min) and not isinstance(part, constant) for part in (above, below)):
@@ -143,7 +143,7 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
             return piecewise([(above, -offset / slope)], below)
     elif (power := _as_power(difference)) is not None:
         factor, exponent, offset = power
-        # A place that is no speed is none: the power is 0 at v = 0, and only grows.
+        # Where -B/A is negative the difference has one sign at all speeds, and the place is 0.
         place = sp.Max(0, -offset / factor) ** (1 / exponent)
         return piecewise([(below if factor.is_positive else above, place)], above if factor.is_positive else below)
     raise InputError(
@@ -222,7 +222,7 @@ def jumps(expr: Expr) -> list[tuple[Expr, Expr]]:
         place: Expr = None
         branches = [branch for branch, _ in node.args]
         for end, left, right in zip(places(node), branches, branches[1:], strict=False):
-            # A piece that ends before it begins is none: the jumps into it and out of it meet at one place.
+            # A piece that ends before it begins is empty: the jumps into it and out of it meet at one place.
             place = end if place is None or (end - place).is_positive else sp.Max(place, end)
             height = expr.xreplace({node: right}) - expr.xreplace({node: left})
             height = sp.expand(height.subs(symbols.v, place))

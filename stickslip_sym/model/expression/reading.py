@@ -82,7 +82,7 @@ def _check_value(expr: Expr) -> None:
 
 
 def _check_size(expr: Expr) -> None:
-    """Refuse powers whose expansion would keep later algebra busy for ever."""
+    """Refuse powers that later algebra could not expand in any reasonable time."""
     for node in expr.atoms(sp.Pow):
         base, exponent = node.args
         if base == symbols.v and exponent.is_number and abs(exponent) > MAX_POWER_OF_V:

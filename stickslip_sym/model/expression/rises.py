@@ -11,7 +11,7 @@ from stickslip_sym.core.aliases import Expr
 
 __all__ = ["rise"]
 
-_LONGEST = 16  # terms of a^n - b^n as a sum; above, as the exponential of a logarithm
+_LONGEST = 16  # terms of a^n - b^n as a sum; for larger n it is the exponential of a logarithm
 
 
 def rise(expr: Expr, variable: Expr, start: Expr) -> Expr | None:

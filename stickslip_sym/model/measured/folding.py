@@ -17,7 +17,7 @@ __all__ = ["Column", "Folded", "fold"]
 Column: TypeAlias = list[Fraction] | NDArray[np.float64]
 """Numbers as the file has them, or in double precision."""
 
-FEW = 0.05  # of the rows: with so many of the other sign, a small force is taken to have noise about 0
+FEW = 0.05  # share of rows with the other sign, up to which they are taken for noise of a small force
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ __all__ = ["Minimum", "Problem", "require_lmfit"]
 FloatArray = NDArray[np.float64]
 
 _TOLERANCE = 1e-11  # relative, of the sum of squares and of the values; rounding allows 1e-14
-_EVALUATIONS = 600  # of the law, for one start; more are taken only towards values without end
+_EVALUATIONS = 600  # of the law, for one start; more are needed only where values grow without bound
 _OUTSIDE = 1e6  # largest residual, in units of the largest weighted mu, and where the law has no real value
 _TINY = 1e-300  # a positive value, short of underflow; its inverse is the largest
 _STEEPEST = 1e100  # largest derivative of a residual: its square and sums of such are finite

@@ -18,9 +18,7 @@ __all__ = ["FittedLaw", "Parametric"]
 
 FloatArray = NDArray[np.float64]
 
-_AT_REST = (
-    1e-200  # m/s, for a speed of 0: mu(0+), where a power of v has no derivative to its exponent at 0 itself
-)
+_AT_REST = 1e-200  # m/s, in place of 0, where a power of v has no derivative with respect to its exponent
 
 
 class FittedLaw(Protocol):

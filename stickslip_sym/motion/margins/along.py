@@ -28,20 +28,20 @@ from stickslip_sym.motion.thresholds.sensitivity import sensitivities, slope_mea
 
 __all__ = ["Along"]
 
-_PER_DECADE = 8
+_PER_DECADE = 8  # values sampled
 _STRONG = 1e-2  # relative size of the next order, from which the orbit takes longer than a simulation
-_AROUND = 100.0  # times a parameter's value, and its inverse: where it is sought
+_AROUND = 100.0  # factor above and below a parameter's value within which it is sought
 _WEAKEST, _STRONGEST = 1e-3, 1e2  # N/(V sqrt(k m)) between which N, m and k are sought
 _LOOSE, _TIGHT, _SINGLE = 1e-6, 1e-12, 1e-9  # relative errors on a grid, at a root, and by simulation
-_ROUNDING = float(4 * np.finfo(np.float64).eps)
-_HALVINGS = 8  # of an interval of the grid, to the last value whose motions stay within the measured speeds
-_NEWTON = 1e-6  # relative size of a last step that is a correction
+_ROUNDING = float(4 * np.finfo(np.float64).eps)  # relative, of a root
+_HALVINGS = 8  # bisections of an interval of the grid, for the last value at which mu is known at all speeds
+_NEWTON = 1e-6  # relative size of a last Newton step, up to which it is taken
 
 
 class Along(Search):
     """The search for the roots of threshold minus c along one quantity or parameter."""
 
-    closest = 1e-9  # a Newton step, by the exact derivative, goes the rest of the way
+    closest = 1e-9  # tolerance of the logarithm of a root, which a Newton step with the exact slope then refines
 
     def __init__(
         self, of: str, law: FrictionLaw, given: Mapping[str, float], within: tuple[float, float] | None
@@ -57,7 +57,7 @@ class Along(Search):
 
     @property
     def unit(self) -> str | None:
-        """Of what is sought."""
+        """The unit of what is sought; None if it is not known."""
         if self.of in symbols.QUANTITIES:
             return symbols.QUANTITIES[self.of].unit
         return self.law.parameters[self.of].unit
@@ -85,7 +85,7 @@ class Along(Search):
         try:
             found = rung.compute(scenes, tolerance)
         except NoThreshold:
-            return np.full(len(scenes), -1.0 - abs(self.c))  # it lies below 0, nobody knows how far
+            return np.full(len(scenes), -1.0 - abs(self.c))  # below 0, by an unknown amount
         except NotConverged:
             return np.full(len(scenes), np.nan)
         except InputError:
@@ -95,7 +95,7 @@ class Along(Search):
         return np.where(np.isfinite(found.error), found.value, np.nan)
 
     def found(self, rung: Rung | None, rtol: float) -> tuple[Critical, ...]:
-        """Return what is sought, by one rung or by the one that serves."""
+        """Return the critical values, by the given rung or, without one, by that which "auto" takes."""
         if self.of == "V":
             return self._speeds(rung, rtol)
         automatic = rung is None

@@ -24,8 +24,8 @@ from stickslip_sym.output.tables import table
 
 __all__ = ["Margin", "Margins", "margins"]
 
-_RANGE = 10.0  # times a value, and its inverse: where a change is looked for
-_SEED = 20160428
+_RANGE = 10.0  # factor above and below a value within which a critical value is sought
+_SEED = 20160428  # of the samples
 _LOOSE = 1e-6  # relative error of the threshold of a sample
 
 

@@ -19,9 +19,9 @@ __all__ = ["proved"]
 At: TypeAlias = Callable[[Any], tuple[FrictionLaw, Mapping[str, float]]]
 """From a value to a law and V, N, m and k."""
 
-_BITS = (128, 256, 512)
-_WIDEST = 1e-2  # of half an enclosure, relative
-_WIDER = 4
+_BITS = (128, 256, 512)  # of precision, tried in turn
+_WIDEST = 1e-2  # relative half width of an enclosure
+_WIDER = 4  # ratio of a half width to the one tried before
 
 
 def proved(at: At, c: float, value: float, error: float, rtol: float) -> tuple[Fraction, Fraction]:
