@@ -1,4 +1,4 @@
-"""One damping parts stick-slip from slip, for an arbitrary friction law.
+"""One damping separates stick-slip from slip, for an arbitrary friction law.
 
 *Lemma.* Let c1 < c2. If the slip that leaves P comes back to the belt's speed at the damping c2, it does so at c1.
 
@@ -47,7 +47,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
         "touch": -more / (3 * m * sp.Symbol("a") ** 2),
         "nullcline": more * velocity / k,
     } | dict(replaced or {})
-    d = Derivation("one_threshold", "One damping parts stick-slip from slip, for any law")
+    d = Derivation("one_threshold", "One damping separates stick-slip from slip, for any law")
 
     force = N * mu(V - velocity) - c * velocity - k * x
     field = sp.Matrix([velocity, force / m])

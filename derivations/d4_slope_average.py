@@ -1,7 +1,7 @@
 """The criterion as an average of the falling slope, for an arbitrary differentiable function mu.
 
 Equation (16) weighs mu itself with a kernel that changes sign, and divides by V^5. Integrated by parts
-it weighs the slope of mu with a positive weight of unit integral: nothing cancels any more.
+it weighs the slope of mu with a positive weight of unit integral, and no digits cancel.
 """
 
 from collections.abc import Mapping

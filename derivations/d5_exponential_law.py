@@ -29,7 +29,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
 
 @cache
 def closed_form(law: FrictionLaw) -> ClosedForm:
-    """Integrate a law, once: equations that replace the paper's do not enter."""
+    """Integrate a law, once for all calls; equations that replace the paper's do not enter."""
     return derive(law, "least_squares")
 
 

@@ -22,10 +22,10 @@ from stickslip_sym.output.page.figures import BLUE, ORANGE, finish, new_figure, 
 
 __all__ = ["histories", "phase_plots"]
 
-_SHOWN, _LONG = 5.0, 25.0  # s
-_RTOL = 1e-9  # of a step; finer than any line is wide
-_SAME = 1e-2  # of V, below which P and Q are one point to the eye
-_APART = 0.005  # s between points drawn, of a period of 0.63 s
+_SHOWN, _LONG = 5.0, 25.0  # s, as in the paper, and until motions are steady
+_RTOL = 1e-9  # relative tolerance of a step: errors stay far below a line's width
+_SAME = 1e-2  # distance of P and Q over V, below which the eye sees one point
+_APART = 0.005  # s between points drawn; a period has 0.63 s
 _STICK = {"color": "black", "linewidth": 2.6, "solid_capstyle": "butt"}
 
 

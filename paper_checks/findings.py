@@ -73,7 +73,7 @@ class Finding:
         return self.outcome is self.claim.outcome
 
     def pack(self) -> tuple[str, ...]:
-        """Return it as texts, which survive the way between processes."""
+        """Return it as texts, which can be sent to another process."""
         return tuple(field.value if isinstance(field, Outcome) else field for field in astuple(self))
 
     @classmethod

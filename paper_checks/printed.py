@@ -1,7 +1,7 @@
 """What the paper prints, as data: formulas, numbers, and what it says of them.
 
 A check takes its own entry and holds it against what we compute. Any datum replaced by another must make
-that check come to another verdict; `tests/test_mutations.py` sees to it, for every one.
+that check come to another verdict; `tests/whole/test_mutations.py` sees to it, for every one.
 """
 
 from typing import Any

@@ -34,9 +34,9 @@ __all__ = [
 SPEED_TEXTS = [f"{speed:g}" for speed in SPEEDS]
 """The belt speeds of Figs. 6, 7 and 10 as decimals, which a proof takes exactly."""
 
-_BITS = 64  # of a slip without damping, which is far from grazing
-_FORMULA_BITS = 200  # (17) cancels most of them at small V
-_GUESS_ERROR = 1e-10  # of collocation, relative
+_BITS = 64  # precision for a slip without damping, which is far from grazing
+_FORMULA_BITS = 200  # precision for (17), which cancels most of them at small V
+_GUESS_ERROR = 1e-10  # relative error of collocation
 _FINE = 2e-4  # relative width of an enclosure at V = 1 m/s; criteria differ by about V^2, and it does too
 
 

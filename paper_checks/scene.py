@@ -33,7 +33,7 @@ AT_05 = 49
 """Where V = 0.5 m/s is among them, the speed of section 3."""
 
 _EXACT = 1e-10  # error of a threshold here, as a part of the largest slope on the orbit
-_PERIODS = 20  # of a motion, about
+_PERIODS = 20  # simulated of a motion, about
 _STEADY = 0.01  # change of the velocity's peak in a period, over V, below which the eye calls it constant
 _LOOKED_AT = 5  # periods after the first slip for which it has to stay below
 _HAIR = 1e-7  # kg/s above a threshold, where the orbit closes to 1e-7

@@ -32,8 +32,8 @@ from paper_checks.wording import by_law, listed, percent
 from stickslip_sym import classify, limit_cycles
 
 CONSTANT = 1e-3  # change of an amplitude or a period, relative, that counts as none
-WELL = 0.05  # relative deviation that counts as good agreement, and
-LARGE = 0.10  # as a large difference
+WELL = 0.05  # relative deviation that counts as good agreement
+LARGE = 0.10  # relative deviation that counts as a large difference
 READABLE = 0.06  # kg/s, a hundredth of the height of Figs. 6 and 7
 THOMSEN = "Thomsen & Fidlin"
 STIFFNESSES = (*np.geomspace(100, 1000, 41).tolist(), 1e4, 1e5, 1e6)  # N/m

@@ -31,11 +31,11 @@ from stickslip_sym.core.symbols import V, k, m, v
 from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.formula.derivation.proving import prove_positive
 
-NONE = 1e-6  # a relative change that may be the error of what is computed
+NONE = 1e-6  # relative change that the error of the computation explains
 SLIGHT = 0.01  # relative error of a criterion that no figure of the paper shows
-ERRS = 0.05  # and one that matters
-NEARLY = 0.03  # between the harmonic criterion and the exact threshold of a fast belt
-FAST = np.array([100.0, 1000.0])  # m/s
+ERRS = 0.05  # relative error of a criterion that matters
+NEARLY = 0.03  # relative difference of the harmonic criterion and the exact threshold on a fast belt
+FAST = np.array([100.0, 1000.0])  # m/s, belts so fast that friction is weak
 CLOSE = 1e-5  # v_m, half of an interval in which a transition speed is proved to lie
 MU_S, MU_M = (paper.polynomial[name] for name in ("mu_s", "mu_m"))
 D = sp.Symbol("D", positive=True)

@@ -18,12 +18,12 @@ from stickslip_sym import Oscillator, Status, enclose, simulate
 from stickslip_sym.core.symbols import V
 from stickslip_sym.motion.orbits.orbit import orbits
 
-NONE = 1e-6  # a relative change that may be the error of what is computed
-SLIGHT = 0.01  # one that no figure of the paper shows
+NONE = 1e-6  # relative change that the error of the computation explains
+SLIGHT = 0.01  # relative change that no figure of the paper shows
 HARMONIC = 0.05  # total harmonic distortion up to which a wave is commonly taken for a sine
-CLOSED = 1e-6  # of V, between the ends of a period of the orbit at the threshold
-SAME_RATE = 0.02  # the printed damping is 0.001 kg/s off the orbit's own
-SCALES = np.array([0.1, 0.5, 2.0, 10.0])  # of the natural frequency
+CLOSED = 1e-6  # difference of the ends of a period of the orbit at the threshold, over V
+SAME_RATE = 0.02  # relative difference of rates: the printed damping is 0.001 kg/s off the orbit's own
+SCALES = np.array([0.1, 0.5, 2.0, 10.0])  # factors of the natural frequency
 STIFFNESSES = 10.0 ** np.arange(7)  # N/m
 SOFT, COARSE, FINE = 10.0, 1e-3, 1e-6  # N/m below which friction is strong; relative widths of enclosures
 SCANNED = np.linspace(0.0, 6.0, 61)  # kg/s

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.algebra import sp
+from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.lambdify import Backend, function_of
 from stickslip_sym.core.numbers import to_mpf
 
@@ -19,13 +20,13 @@ _DIGITS = 50  # of mu where a piece begins, whose difference from mu(0+) may be 
 
 
 @cache
-def _start() -> Any:
+def _start() -> Expr:
     """Return the symbol of the slip speed where a piece begins."""
     return sp.Dummy("start", positive=True)
 
 
 @lru_cache(maxsize=256)
-def limit_at_rest(expr: Any) -> float:
+def limit_at_rest(expr: Expr) -> float:
     """Return the limit of an expression in v as v falls to 0; NaN where none is found."""
     from stickslip_sym.model.expression.pieces import at_rest
 
@@ -48,25 +49,25 @@ class Coefficient:
         The same through measured points, which is faster to evaluate as such.
     """
 
-    def __init__(self, expr: Any, parameters: Sequence[Any], curve: "SampledCurve | None" = None) -> None:
+    def __init__(self, expr: Expr, parameters: Sequence[Expr], curve: "SampledCurve | None" = None) -> None:
         self.expr = expr
         self.parameters = tuple(parameters)
         self.curve = curve
-        self._functions: dict[tuple[Any, Backend], Callable[..., Any]] = {}
+        self._functions: dict[tuple[Expr, Backend], Callable[..., Any]] = {}
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         # Compiled functions cannot be pickled, and are made again when they are needed.
         return Coefficient, (self.expr, self.parameters, self.curve)
 
     def function(
-        self, values: Mapping[Any, Any], backend: Backend, *, derivative: bool = False
+        self, values: Mapping[Expr, Expr], backend: Backend, *, derivative: bool = False
     ) -> Callable[[Any], Any]:
         """Return mu(v), or its slope, at exact values of the parameters, as a bare function."""
         if self.curve is not None:
             return self.curve.function(backend, derivative=derivative)
         return self._at(sp.diff(self.expr, symbols.v) if derivative else self.expr, values, backend)
 
-    def _at(self, expr: Any, values: Mapping[Any, Any], backend: Backend, *more: Any) -> Callable[[Any], Any]:
+    def _at(self, expr: Expr, values: Mapping[Expr, Expr], backend: Backend, *more: Expr) -> Callable[[Any], Any]:
         import mpmath
 
         key, known = (expr, backend), (*self.parameters, *more)
@@ -77,7 +78,7 @@ class Coefficient:
         if backend == "mpmath":
             rounded: dict[int, list[Any]] = {}  # by working precision
 
-            def at_precision(v: Any) -> Any:
+            def at_precision(v: Mpf) -> Mpf:
                 precision = mpmath.mp.prec
                 if precision not in rounded:
                     rounded[precision] = [to_mpf(value) for value in ordered]
@@ -87,14 +88,14 @@ class Coefficient:
         floats = [float(value) for value in ordered]
         return lambda v: compiled(v, *floats)
 
-    def kinks(self, values: Mapping[Any, Any]) -> set[Any]:
+    def kinks(self, values: Mapping[Expr, Expr]) -> set[Expr]:
         """Return where mu or its slope may jump, exact."""
         from stickslip_sym.model.expression.pieces import places
 
         return {place.xreplace(values) for place in places(self.expr)}
 
     def rises(
-        self, values: Mapping[Any, Any], kinks: Sequence[Any]
+        self, values: Mapping[Expr, Expr], kinks: Sequence[Expr]
     ) -> list[tuple[float, Callable[[float], float]]]:
         """Return where each smooth piece begins, ascending from 0, and mu(v) - mu(0+) on it, of a float.
 
@@ -111,7 +112,9 @@ class Coefficient:
             for piece, start in zip(pieces, starts, strict=True)
         ]
 
-    def _rise(self, values: Mapping[Any, Any], lowest: Any, piece: Any, start: Any) -> Callable[[float], float]:
+    def _rise(
+        self, values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr
+    ) -> Callable[[float], float]:
         from stickslip_sym.model.expression.rises import rise
 
         plain, onset = self._at(piece, values, "math"), limit_at_rest(lowest.xreplace(values))
@@ -131,7 +134,7 @@ class Coefficient:
 
         return risen
 
-    def _between(self, values: Mapping[Any, Any], lowest: Any, piece: Any, start: Any) -> float:
+    def _between(self, values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -> float:
         """Return what mu gains from 0+ to where a piece begins; NaN where that cannot be computed."""
         import mpmath
 

@@ -13,9 +13,9 @@ from stickslip_sym.model.trees import from_tree, to_tree
 __all__ = ["law_in", "law_of_text", "law_out", "text_of_law"]
 
 
-def law_out(law: FrictionLaw) -> dict[str, Any]:
+def law_out(law: FrictionLaw) -> dict[str, object]:
     """Return a law as nested dictionaries and lists of text."""
-    content = {
+    content: dict[str, object] = {
         "name": law.name,
         "source": law.source,
         "validity": law.validity,

@@ -4,13 +4,14 @@ import copy
 from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, SupportsFloat
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.algebra import sp
+from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
@@ -29,14 +30,14 @@ FloatArray = NDArray[np.float64]
 class Evaluated:
     """A law's coefficient, slope and special speeds; `FrictionLaw` has these, and gives the formula and values."""
 
-    static: Any | None
+    static: Expr | None
     name: str | None
     _parameters: dict[str, Parameter]
     _values: dict[str, Fraction]
     _formula: Formula
 
     @property
-    def expr(self) -> Any:
+    def expr(self) -> Expr:
         """The coefficient as an expression in the slip speed and the parameters."""
         return self._formula.expr
 
@@ -50,12 +51,12 @@ class Evaluated:
         return None if self._formula.ready else self._coefficient.curve
 
     @property
-    def slope_expr(self) -> Any:
+    def slope_expr(self) -> Expr:
         """The derivative of mu with respect to the slip speed."""
         return sp.diff(self.expr, symbols.v)
 
     @property
-    def static_expr(self) -> Any:
+    def static_expr(self) -> Expr:
         """The coefficient that limits sticking: `static`, or mu(0+) where none was given.
 
         Raises
@@ -76,11 +77,11 @@ class Evaluated:
         return limit
 
     @property
-    def v_max(self) -> Any | None:
+    def v_max(self) -> Rational | None:
         """The slip speed in m/s up to which the law is known, exact; None if there is no bound."""
         return None if self.curve is None else self.curve.end
 
-    def require_speed(self, v: Any) -> None:
+    def require_speed(self, v: SupportsFloat) -> None:
         """Refuse a slip speed beyond the last measured one.
 
         Raises
@@ -100,7 +101,7 @@ class Evaluated:
         """Names of the parameters that have no value yet."""
         return [key for key in self._parameters if key not in self._values]
 
-    def substitute(self, expr: Any) -> Any:
+    def substitute(self, expr: Expr) -> Expr:
         """Put the bound values into an expression of the law's parameters.
 
         Raises
@@ -111,7 +112,7 @@ class Evaluated:
         self._require_values()
         return expr.xreplace(self._known())
 
-    def _known(self) -> dict[Any, Any]:
+    def _known(self) -> dict[Expr, Expr]:
         return {
             self._parameters[key].symbol: sp.Rational(*value.as_integer_ratio())
             for key, value in self._values.items()
@@ -201,7 +202,7 @@ class Evaluated:
             return lambda v: compiled(v, *floats)
         return self._coefficient.function(self._known(), backend, derivative=derivative)
 
-    def kinks(self) -> list[Any]:
+    def kinks(self) -> list[Expr]:
         """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
         self._require_values()
         if self._formula.ready:
@@ -215,8 +216,8 @@ class Evaluated:
     def rises(self) -> list[tuple[float, Callable[[float], float]]]:
         """Return where each smooth piece of mu begins, ascending from 0, and mu(v) - mu(0+) on it, of a float.
 
-        A piece goes on smoothly beyond its ends, where it is another one that holds. Where v is small its rise has
-        the digits that are lost when two coefficients are subtracted.
+        Each function continues smoothly beyond the ends of its piece, where another piece holds. Where v is small
+        it has the digits that are lost when two coefficients are subtracted.
         """
         return self._coefficient.rises(self._known(), self.kinks() if self.curve is None else ())
 
@@ -239,12 +240,12 @@ class Evaluated:
 
 
 @lru_cache(maxsize=512)
-def _partial(expr: Any, symbol: Any) -> Coefficient:
+def _partial(expr: Expr, symbol: Expr) -> Coefficient:
     partial = symbols.v * sp.diff(expr, symbols.v) - expr if symbol == symbols.V else sp.diff(expr, symbol)
     return Coefficient(partial, sorted(partial.free_symbols - {symbols.v}, key=str))
 
 
-def _limit(expr: Any) -> Any | None:
+def _limit(expr: Expr) -> Expr | None:
     """Return the limit of mu as v falls to 0, case by case where the sign of a place is not known."""
     for node in expr.atoms(sp.Piecewise):
         cases = [(_limit(expr.xreplace({node: part})), holds) for part, holds in node.args]

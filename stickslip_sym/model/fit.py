@@ -1,7 +1,6 @@
 """`fit`: friction laws fitted to measurements, and ranked."""
 
 from collections.abc import Callable, Iterable
-from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -87,7 +86,7 @@ def fit(
     return Fits(fits, measured, rejected)
 
 
-def _measured(v: Any, mu: Any, sigma: Any) -> Measurements:
+def _measured(v: ArrayLike | Measurements, mu: ArrayLike | None, sigma: ArrayLike | None) -> Measurements:
     if isinstance(v, Measurements):
         if mu is not None or sigma is not None:
             raise InputError("mu and sigma are given twice: measurements have their own")
@@ -97,7 +96,7 @@ def _measured(v: Any, mu: Any, sigma: Any) -> Measurements:
     return Measurements.of(v, mu, sigma)
 
 
-def _laws(given: Any) -> dict[str, FrictionLaw]:
+def _laws(given: str | FrictionLaw | Iterable[str | FrictionLaw] | None) -> dict[str, FrictionLaw]:
     """Return the laws to fit, each by its name or its formula."""
     if given is None:
         return dict(catalogue)

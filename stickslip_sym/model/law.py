@@ -4,9 +4,10 @@ import copy
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 from stickslip_sym.core.algebra import sp
+from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fractions_of, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated
@@ -64,9 +65,9 @@ class FrictionLaw(Evaluated):
 
     def __init__(
         self,
-        formula: str | Any,
+        formula: str | float | Expr,
         *,
-        static: str | Any | None = None,
+        static: str | float | Expr | None = None,
         units: Mapping[str, str] | None = None,
         source: str | None = None,
         name: str | None = None,
@@ -97,7 +98,7 @@ class FrictionLaw(Evaluated):
 
     def with_static(
         self,
-        static: str | Any | None,
+        static: str | float | Expr | None,
         *,
         units: Mapping[str, str] | None = None,
         parameters: Iterable[Parameter] = (),
@@ -226,15 +227,13 @@ class FrictionLaw(Evaluated):
         """The formula as plain text; of measured points, what goes through them."""
         return printing.text(self.expr) if self.curve is None else str(self.curve)
 
-    # -- values ----------------------------------------------------------------------------------
-
     @property
     def parameters(self) -> Mapping[str, Parameter]:
         """The law's parameters by name; read-only."""
         return MappingProxyType(self._parameters)
 
     @property
-    def values(self) -> Mapping[str, Any]:
+    def values(self) -> Mapping[str, Rational]:
         """The bound values by name, exact; read-only."""
         exact = {key: sp.Rational(*value.as_integer_ratio()) for key, value in self._values.items()}
         return MappingProxyType(exact)
@@ -287,7 +286,7 @@ class FrictionLaw(Evaluated):
         given = {key: self.parameters[key].typical for key in self.missing}
         return self.bind(**{key: value for key, value in given.items() if value is not None} | values)
 
-    def _content(self) -> tuple[Any, ...]:
+    def _content(self) -> tuple[object, ...]:
         described = tuple((p.symbol, p.meaning, p.unit, p.typical) for p in self.parameters.values())
         errors = frozenset((key, value.std_dev) for key, value in self.uncertain.items())
         about = self.name, self.source, self.validity, self.curve, errors
@@ -316,5 +315,5 @@ class FrictionLaw(Evaluated):
         static = self.static if self.static is None else printing.text(self.static)
         known = {"static coefficient": static, "validity": self.validity, "source": self.source}
         notes = [f"{kind}: {text}" for kind, text in known.items() if text]
-        tables = [parameter_table(self.parameters, self.values)] if self.parameters else []
-        return markup.block(self.name or "friction law", head, *tables, *notes)
+        table = [parameter_table(self.parameters, self.values)] if self.parameters else []
+        return markup.block(self.name or "friction law", head, *table, *notes)

@@ -169,8 +169,8 @@ class Scene:
 
         q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.
 
-    So w = 0 is the belt's speed exactly, and P is the origin: nothing cancels where returns are decided. Nor where
-    the belt is slow, and eta large: of mu there is what it has risen since mu(0+), computed as such.
+    So w = 0 is the belt's speed exactly, and P is the origin: no digits cancel where returns are decided. Nor do
+    they on a slow belt, where eta is large: mu enters by its rise mu(V w) - mu(0+), computed without cancellation.
 
     Attributes
     ----------
@@ -181,8 +181,8 @@ class Scene:
         mu(0+).
     rise : callable
         mu(V w) - mu(0+) for w > 0, and NaN where it cannot be computed, so that an integrator takes a shorter
-        step. For w <= 0 it goes on smoothly, with 0 where it cannot: the one step that crosses 0 reaches there in
-        its trials, and where it crosses is refined from the side of w > 0.
+        step. For w <= 0 it continues smoothly, or is 0 where it cannot: a step that crosses w = 0 is tried with
+        such values, and the crossing is then refined with those of w > 0.
     law : FrictionLaw
         The law of mu, bound.
     speed : float
@@ -239,7 +239,7 @@ class Scene:
 
     @property
     def rest(self) -> tuple[float, float]:
-        """The state (q, w) of a mass at rest, pulled by the belt that slips under it."""
+        """The equilibrium (q, w): the mass stands still, and the belt slips under it."""
         return self.turn(1.0), 1.0
 
     def turn(self, w: float) -> float:

@@ -18,6 +18,7 @@ import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, FloatArray, Mpf, Rational
 from stickslip_sym.core.errors import InputError, InputWarning
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, exact, to_mpf
@@ -26,7 +27,7 @@ from stickslip_sym.model.expression.pieces import piecewise
 __all__ = ["SampledCurve"]
 
 FEWEST, MOST = 4, 60
-LARGEST = sp.Integer(10) ** 20  # m/s, and its inverse the smallest speed above 0
+LARGEST = sp.Integer(10) ** 20  # m/s; the smallest speed above 0 is its inverse
 
 
 @dataclass(frozen=True)
@@ -43,9 +44,9 @@ class SampledCurve:
         The slip speed up to which the curve holds; None if it holds its last value for ever.
     """
 
-    places: tuple[Any, ...]
-    cubics: tuple[tuple[Any, ...], ...]
-    end: Any | None
+    places: tuple[Rational, ...]
+    cubics: tuple[tuple[Rational, ...], ...]
+    end: Rational | None
 
     def __post_init__(self) -> None:
         ends = [*self.places, *([] if self.end is None else [self.end])]
@@ -98,7 +99,7 @@ class SampledCurve:
         return cls(tuple(places), tuple(cubics), None if extrapolate else speeds[-1])
 
     @property
-    def expr(self) -> Any:
+    def expr(self) -> Expr:
         """The curve as a SymPy expression in v."""
         formulas = [
             sp.Add(*[coefficient * (symbols.v - place) ** j for j, coefficient in enumerate(cubic)])
@@ -118,7 +119,7 @@ class SampledCurve:
             return _by_bisection(*self._tables(float, derivative))
         tables: dict[int, Callable[[Any], Any]] = {}
 
-        def at_working_precision(v: Any) -> Any:
+        def at_working_precision(v: Mpf) -> Mpf:
             precision = mpmath.mp.prec
             if precision not in tables:
                 tables[precision] = _by_bisection(*self._tables(to_mpf, derivative))
@@ -135,27 +136,27 @@ class SampledCurve:
             (float(place), _cubic(float(place), *row)) for place, row in zip(self.places, lowered, strict=True)
         ]
 
-    def _over_arrays(self, derivative: bool) -> Callable[[Any], Any]:
+    def _over_arrays(self, derivative: bool) -> Callable[[FloatArray], FloatArray]:
         places, rows = self._tables(float, derivative)
         starts, columns = np.array(places), np.array(rows).T
 
-        def evaluate(v: Any) -> Any:
+        def evaluate(v: FloatArray) -> FloatArray:
             piece = np.searchsorted(starts, v, side="right") - 1
             distance = v - starts[piece]
-            value = columns[-1][piece]
+            value: FloatArray = columns[-1][piece]
             for column in columns[-2::-1]:
                 value = value * distance + column[piece]
             return value
 
         return evaluate
 
-    def _tables(self, number: Callable[[Any], Any], derivative: bool) -> tuple[list[Any], list[list[Any]]]:
+    def _tables(self, number: Callable[[Rational], Any], derivative: bool) -> tuple[list[Any], list[list[Any]]]:
         """Return the places and the coefficients of the pieces, ascending, as one library's numbers."""
         rows = self._slopes if derivative else self.cubics
         return [number(place) for place in self.places], [[number(c) for c in row] for row in rows]
 
     @cached_property
-    def _slopes(self) -> tuple[tuple[Any, ...], ...]:
+    def _slopes(self) -> tuple[tuple[Rational, ...], ...]:
         return tuple(tuple(j * cubic[j] for j in (1, 2, 3)) for cubic in self.cubics)
 
 
@@ -179,7 +180,7 @@ def _by_bisection(places: list[Any], rows: list[list[Any]]) -> Callable[[Any], A
     return evaluate
 
 
-def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Any], list[Any]]:
+def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational], list[Rational]]:
     """Read the points exactly, and refuse what is no measured curve."""
     lists = []
     for name, given in (("v", v), ("mu", mu)):
@@ -219,7 +220,7 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Any], list
     return speeds, coefficients
 
 
-def _hermite_cubics(x: Sequence[Any], y: Sequence[Any]) -> list[tuple[Any, ...]]:
+def _hermite_cubics(x: Sequence[Rational], y: Sequence[Rational]) -> list[tuple[Rational, ...]]:
     """Return the coefficients of the Hermite cubic of each interval, in powers of the distance from its start."""
     from scipy.interpolate import PchipInterpolator
 
@@ -236,5 +237,5 @@ def _hermite_cubics(x: Sequence[Any], y: Sequence[Any]) -> list[tuple[Any, ...]]
     return cubics
 
 
-def _constant(value: Any) -> tuple[Any, ...]:
+def _constant(value: Rational) -> tuple[Rational, ...]:
     return value, *[sp.Integer(0)] * 3

@@ -7,16 +7,20 @@ it, and bounds sizes, so a file from anywhere can be read.
 
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lerch import Lerch
 from stickslip_sym.model.expression.parsing import FUNCTIONS
 
-__all__ = ["from_tree", "to_tree"]
+__all__ = ["Tree", "from_tree", "to_tree"]
+
+Tree: TypeAlias = "str | list[Tree]"
+"""A text, or a list of a head and its arguments."""
 
 _SPECIAL = (
     sp.acos, sp.asin, sp.acosh, sp.atanh, sp.coth, sp.im, sp.re, sp.sign, sp.Abs, sp.Min, sp.Max,
@@ -24,7 +28,7 @@ _SPECIAL = (
     sp.erfc, sp.erfi, sp.expint, sp.Ei, sp.Si, sp.Ci, sp.Shi, sp.Chi, sp.fresnels, sp.fresnelc,
     sp.polylog, sp.dirichlet_eta, sp.zeta, sp.hyper, sp.elliptic_k, sp.elliptic_e, sp.elliptic_pi, Lerch,
 )  # fmt: skip
-_HEADS: dict[str, Any] = {
+_HEADS: dict[str, type[Expr]] = {
     "+": sp.Add, "*": sp.Mul, "^": sp.Pow, "=": sp.Equality, "!=": sp.Unequality,
     "<": sp.StrictLessThan, ">": sp.StrictGreaterThan, "<=": sp.LessThan, ">=": sp.GreaterThan,
     "tuple": sp.Tuple, "integral": sp.Integral, "derivative": sp.Derivative, "mu": symbols.mu,
@@ -33,8 +37,10 @@ _HEADS: dict[str, Any] = {
     **{function.__name__: function for function in _SPECIAL},
 }  # fmt: skip
 _NAME_OF = {head: name for name, head in _HEADS.items()}
-_CONSTANTS = {"pi": sp.pi, "I": sp.I, "Catalan": sp.Catalan, "EulerGamma": sp.EulerGamma, "true": sp.true}
-_SYMBOLS = {
+_CONSTANTS: dict[str, Expr] = {
+    "pi": sp.pi, "I": sp.I, "Catalan": sp.Catalan, "EulerGamma": sp.EulerGamma, "true": sp.true,
+}  # fmt: skip
+_SYMBOLS: dict[str, Expr] = {
     **{name: quantity.symbol for name, quantity in symbols.QUANTITIES.items()},
     # No parameter begins with an underscore, so the variables of integration cannot be mistaken for one.
     **{f"_{dummy.name}": dummy for dummy in (symbols.u, symbols.s, symbols.theta)},
@@ -51,10 +57,10 @@ _NUMBER = re.compile(r"-?\d+(/\d+)?")
 _MOST_NODES = 200_000
 _DEEPEST = 200
 _LONGEST = 4_000  # characters of a number; Python reads no longer ones
-_LARGEST_ORDER = 100  # a whole number that a function or a power is given: SymPy expands some at length
+_LARGEST_ORDER = 100  # whole number as an argument of a function or a power: SymPy expands some at length
 
 
-def to_tree(expr: Any) -> Any:
+def to_tree(expr: Expr) -> Tree:
     """Return an expression, or a relation, as nested lists of text.
 
     Raises
@@ -68,14 +74,14 @@ def to_tree(expr: Any) -> Any:
         if expr == constant:
             return name
     if isinstance(expr, sp.Symbol) and not isinstance(expr, sp.Dummy):
-        return expr.name
+        return str(expr.name)
     head = _NAME_OF.get(expr.func) or ("tuple" if isinstance(expr, sp.Tuple) else None)
     if head is None or not expr.args:
         raise InputError(f"{type(expr).__name__} has no written form: {str(expr)[:60]}")
     return [head, *map(to_tree, expr.args)]
 
 
-def from_tree(tree: Any, parameters: Mapping[str, Any]) -> Any:
+def from_tree(tree: object, parameters: Mapping[str, Expr]) -> Expr:
     """Return the expression of a tree; the inverse of `to_tree`.
 
     Parameters
@@ -95,11 +101,11 @@ def from_tree(tree: Any, parameters: Mapping[str, Any]) -> Any:
 class _Reader:
     """One reading: counts the nodes."""
 
-    def __init__(self, names: Mapping[str, Any]) -> None:
+    def __init__(self, names: Mapping[str, Expr]) -> None:
         self.names = names
         self.nodes = 0
 
-    def read(self, tree: Any, depth: int) -> Any:
+    def read(self, tree: object, depth: int) -> Expr:
         self.nodes += 1
         if self.nodes > _MOST_NODES or depth > _DEEPEST:
             raise InputError(f"an expression has over {_MOST_NODES} parts, or over {_DEEPEST} levels")
@@ -118,7 +124,7 @@ class _Reader:
         except (TypeError, ValueError, AttributeError, IndexError):
             raise InputError(f"{tree[0]} cannot have these arguments: {str(tree[1:])[:60]}") from None
 
-    def _leaf(self, text: str) -> Any:
+    def _leaf(self, text: str) -> Expr:
         if text in self.names:
             return self.names[text]
         if _NUMBER.fullmatch(text) and len(text) <= _LONGEST and not text.endswith("/0"):
@@ -126,8 +132,8 @@ class _Reader:
         raise InputError(f"{text[:60]!r} is neither a number nor a name that is known here")
 
 
-def _check_arguments(name: str, head: Any, arguments: list[Any]) -> None:
-    """Refuse arguments of another kind than the head takes, and sizes that take SymPy for ever."""
+def _check_arguments(name: str, head: type[Expr], arguments: list[Expr]) -> None:
+    """Refuse arguments of another kind than the head takes, and sizes that SymPy does not finish."""
     expected = _KINDS.get(head, sp.Expr)
     if not arguments or not all(isinstance(argument, expected) for argument in arguments):
         raise InputError(f"{name} cannot have these arguments: {str(arguments)[:60]}")

@@ -6,11 +6,12 @@ people. A digest tells a file that was changed, by hand or by accident; it is no
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from stickslip_sym import criteria
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.derivation.closed_form import ClosedForm
@@ -62,8 +63,8 @@ def collection(forms: Sequence[ClosedForm]) -> str:
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
-def _form_out(form: ClosedForm) -> dict[str, Any]:
-    content = {
+def _form_out(form: ClosedForm) -> dict[str, object]:
+    content: dict[str, object] = {
         "format": _FORMAT,
         "version": _VERSION,
         "text": f"{form.criterion.name}: c = {printing.text(form.expr)}",
@@ -81,7 +82,7 @@ def _form_out(form: ClosedForm) -> dict[str, Any]:
     return content
 
 
-def _criterion_out(criterion: Criterion) -> Any:
+def _criterion_out(criterion: Criterion) -> str | dict[str, object]:
     """Return the name of a criterion of the catalogue, and all there is to know of another one."""
     if criteria.catalogue.get(criterion.name) == criterion:
         return criterion.name
@@ -96,7 +97,7 @@ def _criterion_in(content: Any) -> Criterion:
     return Criterion(content["name"], weight, str(content["source"]))
 
 
-def _digest(content: dict[str, Any]) -> str:
+def _digest(content: Mapping[str, object]) -> str:
     """Return a digest of everything but itself."""
     others = {key: value for key, value in content.items() if key != "digest"}
     return hashlib.sha256(json.dumps(others, sort_keys=True).encode()).hexdigest()
@@ -161,7 +162,7 @@ def _understood(content: dict[str, Any], path: str | Path) -> ClosedForm:
         raise InputError(f"{str(path)!r} lacks a part, or one has another shape: {error!r}") from None
 
 
-def _read(path: Path) -> Any:
+def _read(path: Path) -> object:
     files.require_name(path)
     try:
         if path.stat().st_size > _LARGEST:
@@ -175,7 +176,7 @@ def _read(path: Path) -> Any:
         raise InputError(f"{str(path)!r} is no JSON text: {str(error)[:80]}") from None
 
 
-def _checked(content: Any, path: str | Path) -> dict[str, Any]:
+def _checked(content: object, path: str | Path) -> dict[str, Any]:
     """Refuse what is no closed form of this version, or was changed."""
     if not isinstance(content, dict) or content.get("format") != _FORMAT:
         raise InputError(f"{str(path)!r} is no {_FORMAT}; `save` writes one")
@@ -219,7 +220,7 @@ def _verified(form: ClosedForm) -> ClosedForm:
 # -- derivations -----------------------------------------------------------------------------------
 
 
-def _step_out(step: Step) -> dict[str, Any]:
+def _step_out(step: Step) -> dict[str, object]:
     return {
         "operation": step.operation,
         "reason": step.reason,
@@ -229,7 +230,7 @@ def _step_out(step: Step) -> dict[str, Any]:
     }
 
 
-def _step_in(content: dict[str, Any], names: dict[str, Any]) -> Step:
+def _step_in(content: dict[str, Any], names: dict[str, Expr]) -> Step:
     operation, reason, label = (str(content[key]) for key in ("operation", "reason", "label"))
     statement = from_tree(content["statement"], names)
     return Step(operation, reason, statement, _verdict_in(content["verdict"]), label)

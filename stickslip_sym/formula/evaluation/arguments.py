@@ -6,6 +6,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Numbers
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_array, suggestion
 from stickslip_sym.criteria.criterion import Criterion
@@ -19,7 +20,7 @@ OnInvalid = Literal["raise", "nan"]
 _BLOCK = 32000  # elements: the few arrays of 256 kB that a block takes stay in the cache
 
 
-def check_names(arguments: Mapping[str, Any], given: Mapping[str, Any]) -> None:
+def check_names(arguments: Mapping[str, Expr], given: Mapping[str, ArrayLike]) -> None:
     """Refuse names that are not arguments, and arguments without a value.
 
     Raises
@@ -38,7 +39,7 @@ def check_names(arguments: Mapping[str, Any], given: Mapping[str, Any]) -> None:
     raise InputError(f"no value for {', '.join(missing)}; give {example}")
 
 
-def check_reach(law: FrictionLaw, criterion: Criterion, V: Any) -> None:
+def check_reach(law: FrictionLaw, criterion: Criterion, V: ArrayLike) -> None:
     """Refuse belt speeds for which a criterion needs mu beyond the last speed that the law is known for.
 
     Raises
@@ -53,7 +54,7 @@ def check_reach(law: FrictionLaw, criterion: Criterion, V: Any) -> None:
 
 
 def call(
-    function: StableFunction, arguments: Mapping[str, Any], given: Mapping[str, ArrayLike], on_invalid: OnInvalid
+    function: StableFunction, arguments: Mapping[str, Expr], given: Mapping[str, ArrayLike], on_invalid: OnInvalid
 ) -> Any:
     """Evaluate a criterion, broadcast over all arguments.
 
@@ -94,14 +95,14 @@ def call(
     return float(result) if result.ndim == 0 else result
 
 
-def _is_valid(floats: list[float], arguments: Mapping[str, Any]) -> bool:
+def _is_valid(floats: list[float], arguments: Mapping[str, Expr]) -> bool:
     for value, symbol in zip(floats, arguments.values(), strict=True):
         if not (0 <= value < np.inf or (-np.inf < value < 0 and not symbol.is_nonnegative)):
             return False
     return True
 
 
-def _array(name: str, value: Any) -> Any:
+def _array(name: str, value: ArrayLike) -> FloatArray:
     if isinstance(value, np.ma.MaskedArray):
         # What is masked takes no part: 1 is a valid value of everything.
         value = value.filled(1) if value.dtype.kind in "iub" else value.filled(1.0)
@@ -109,8 +110,12 @@ def _array(name: str, value: Any) -> Any:
 
 
 def _in_blocks(
-    function: StableFunction, arguments: Mapping[str, Any], arrays: list[Any], shape: Any, on_invalid: OnInvalid
-) -> Any:
+    function: StableFunction,
+    arguments: Mapping[str, Expr],
+    arrays: list[FloatArray],
+    shape: tuple[int, ...],
+    on_invalid: OnInvalid,
+) -> FloatArray:
     """Evaluate block by block; what has one element stays one number."""
     lowest = [0.0 if symbol.is_nonnegative else -np.finfo(np.float64).max for symbol in arguments.values()]
     names = list(arguments)
@@ -137,7 +142,7 @@ def _in_blocks(
     with blocks:
         for *columns, out in blocks:
             values: list[Any] = list(single)
-            bad = False
+            bad: BoolArray | bool = False
             for i, column in zip(places, columns, strict=True):
                 values[i] = column
                 if column.size and not (column.min() >= lowest[i] and column.max() < np.inf):
@@ -153,10 +158,10 @@ def _in_blocks(
     return result
 
 
-def _bad(value: Any, name: str, lowest: float, on_invalid: OnInvalid) -> Any:
+def _bad(value: Numbers, name: str, lowest: float, on_invalid: OnInvalid) -> BoolArray:
     """Return where an argument is no number, or not a valid one."""
-    column = np.asarray(value)
-    invalid = (column < lowest) | np.isinf(column)
+    column: FloatArray = np.asarray(value)
+    invalid: BoolArray = (column < lowest) | np.isinf(column)
     if invalid.any() and on_invalid == "raise":
         first = column[invalid].flat[0]
         if np.isinf(first):

@@ -3,7 +3,7 @@
 import keyword
 from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import Any
+from typing import SupportsFloat
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.algebra import sp
@@ -67,7 +67,7 @@ class Parameter:
         return f"Parameter({self.name!r}, {self.meaning!r}, unit={self.unit!r}, typical={self.typical!r})"
 
 
-def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> markup.Markup:
+def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, SupportsFloat]) -> markup.Markup:
     """Return the parameters of a law, with the values that they have, as HTML."""
     names = notation_of(parameters)
     rows = [

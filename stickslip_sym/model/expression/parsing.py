@@ -10,10 +10,11 @@ import re
 import warnings
 from collections.abc import Callable
 from functools import reduce
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import sympy as sp
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import bits, suggestion, within
 from stickslip_sym.model.expression.pieces import Bound, absolute, in_pieces, larger, sign, smaller
@@ -21,7 +22,7 @@ from stickslip_sym.model.expression.spelling import ALIASES, INSTEAD, NAME, Sour
 
 __all__ = ["CONSTANTS", "FUNCTIONS", "KINKED", "NAME", "parse_expression"]
 
-FUNCTIONS: dict[str, Any] = {
+FUNCTIONS: dict[str, Callable[[Expr], Expr]] = {
     "exp": sp.exp, "log": sp.log, "sqrt": sp.sqrt,
     "sin": sp.sin, "cos": sp.cos, "tan": sp.tan,
     "sinh": sp.sinh, "cosh": sp.cosh, "tanh": sp.tanh, "sech": sp.sech,
@@ -32,7 +33,7 @@ FUNCTIONS: dict[str, Any] = {
 CONSTANTS = {"pi": sp.pi}
 """Names that stand for numbers."""
 
-KINKED: dict[str, Callable[..., Any]] = {"Abs": absolute, "Min": smaller, "Max": larger, "sign": sign}
+KINKED: dict[str, Callable[..., Expr]] = {"Abs": absolute, "Min": smaller, "Max": larger, "sign": sign}
 """The functions that make kinks; Min and Max take two arguments or more."""
 
 PIECEWISE = "Piecewise((formula, v < place), ..., last formula)"
@@ -52,7 +53,7 @@ _CALLABLE = [*FUNCTIONS, *KINKED, "Piecewise"]
 _RELATIONS = {ast.Lt: ("<", True), ast.LtE: ("<", False), ast.Gt: (">", True), ast.GtE: (">", False)}
 
 
-def parse_expression(text: str, symbol: Callable[[str], Any]) -> Any:
+def parse_expression(text: str, symbol: Callable[[str], Expr]) -> Expr:
     """Translate a formula into a SymPy expression.
 
     Parameters
@@ -86,7 +87,7 @@ def _check_depth(text: str, source: Source) -> None:
             refuse(text, source.position(column), f"more than {MAX_DEPTH} nested parentheses")
 
 
-def _coefficient(expr: Any) -> Any:
+def _coefficient(expr: Expr) -> Expr:
     """Return the rational factor of an expression, which a power raises with it."""
     return expr if expr.is_Rational else expr.as_coeff_Mul(rational=True)[0]
 
@@ -94,13 +95,13 @@ def _coefficient(expr: Any) -> Any:
 class _Translator:
     """One translation: keeps the text so that a refusal can point at its character."""
 
-    def __init__(self, text: str, source: Source, symbol: Callable[[str], Any]) -> None:
+    def __init__(self, text: str, source: Source, symbol: Callable[[str], Expr]) -> None:
         self.original = text
         self.source = source
         self.symbol = symbol
         self.kinks = 0
 
-    def translate(self) -> Any:
+    def translate(self) -> Expr:
         try:
             with warnings.catch_warnings(action="ignore"):  # about texts such as 1or, which are refused anyway
                 tree = ast.parse(self.source.text, mode="eval")
@@ -114,7 +115,7 @@ class _Translator:
     def _fail(self, node: ast.AST, reason: str) -> NoReturn:
         refuse(self.original, self.source.position(getattr(node, "col_offset", 0)), reason)
 
-    def _expression(self, node: ast.expr, depth: int) -> Any:
+    def _expression(self, node: ast.expr, depth: int) -> Expr:
         if depth > MAX_DEPTH * 4:
             self._fail(node, "the formula is nested too deeply; write it in fewer levels")
         match node:
@@ -135,13 +136,13 @@ class _Translator:
                 kind = type(node).__name__.lower()
                 self._fail(node, f"{kind} is not allowed; a formula has numbers, names, + - * / ^ and functions")
 
-    def _number(self, node: ast.Constant) -> Any:
+    def _number(self, node: ast.Constant) -> Expr:
         text = ast.get_source_segment(self.source.text, node) or ""
         if not re.fullmatch(r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", text) or len(text) > MAX_DIGITS:
             self._fail(node, f"{text[:20]!r} is not a decimal number of at most {MAX_DIGITS} characters")
         return sp.Rational(text)
 
-    def _name(self, node: ast.AST, name: str) -> Any:
+    def _name(self, node: ast.AST, name: str) -> Expr:
         if name in _CALLABLE or name in ALIASES:
             self._fail(node, f"{name} is a function; write {name}(...)")
         if not NAME.fullmatch(name):
@@ -150,14 +151,14 @@ class _Translator:
             return CONSTANTS[name]
         return self._guarded(node, lambda: self.symbol(name))
 
-    def _checked(self, node: ast.AST, result: Any) -> Any:
+    def _checked(self, node: ast.AST, result: Expr) -> Expr:
         if result in _NOT_FINITE:
             self._fail(node, "this part of the formula has no finite value")
         if bits(_coefficient(result)) > MAX_BITS:
             self._fail(node, "a number in the formula grows too large")
         return result
 
-    def _binary(self, node: ast.BinOp, left: Any, right: Any) -> Any:
+    def _binary(self, node: ast.BinOp, left: Expr, right: Expr) -> Expr:
         match node.op:
             case ast.Add():
                 result = left + right
@@ -175,7 +176,7 @@ class _Translator:
                 self._fail(node, "only + - * / and ^ (or **) combine terms")
         return self._checked(node, result)
 
-    def _power(self, node: ast.AST, base: Any, exponent: Any) -> Any:
+    def _power(self, node: ast.AST, base: Expr, exponent: Expr) -> Expr:
         if exponent.is_number and not within(exponent, MAX_EXPONENT):
             self._fail(node, f"a numeric exponent is real and at most {MAX_EXPONENT} in size")
         if base == 0 and exponent.is_number and exponent.is_negative:
@@ -186,7 +187,7 @@ class _Translator:
             self._fail(node, "a root is taken of a number with too many digits")
         return base**exponent
 
-    def _call(self, node: ast.Call, depth: int) -> Any:
+    def _call(self, node: ast.Call, depth: int) -> Expr:
         if not isinstance(node.func, ast.Name):
             self._fail(node, "only a named function can be called, like exp(...)")
         name = ALIASES.get(node.func.id, node.func.id)
@@ -209,7 +210,7 @@ class _Translator:
         kinked = KINKED[name]
         return self._guarded(node, lambda: reduce(kinked, arguments) if several else kinked(*arguments))
 
-    def _function(self, node: ast.Call, name: str, argument: Any) -> Any:
+    def _function(self, node: ast.Call, name: str, argument: Expr) -> Expr:
         if name == "sqrt":
             return self._power(node, argument, sp.S.Half)
         # A tower such as exp(exp(exp(exp(9)))) is short to write, and no computer holds its value.
@@ -222,7 +223,7 @@ class _Translator:
         if self.kinks > MAX_KINKS:
             self._fail(node, f"Abs, Min, Max and Piecewise have more than {MAX_KINKS} arguments in all")
 
-    def _piecewise(self, node: ast.Call, depth: int) -> Any:
+    def _piecewise(self, node: ast.Call, depth: int) -> Expr:
         *branches, last = node.args or [node]
         self._count_kinks(node, len(branches))
         pairs = []
@@ -251,7 +252,7 @@ class _Translator:
                             return formula, Bound(holds, self._expression(place, 1), strict)
         self._fail(node, f"a law in pieces is written {PIECEWISE}")
 
-    def _guarded(self, node: ast.AST, make: Callable[[], Any]) -> Any:
+    def _guarded(self, node: ast.AST, make: Callable[[], Expr]) -> Expr:
         """Point at the node whose making was refused."""
         try:
             return make()

@@ -6,11 +6,11 @@ later (closed forms, quadrature, fast functions) knows one kind of kink only, an
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 
 __all__ = [
@@ -19,17 +19,17 @@ __all__ = [
 ]  # fmt: skip
 
 
-_MOST_UNORDERED = 6  # SymPy compares all pairs of what stands in a Max, at length
+_MOST_UNORDERED = 6  # arguments of a Max whose order is unknown: SymPy compares all pairs of them, at length
 _NESTED = "a kink inside a kink is not supported; write one Piecewise with all its places"
 
 
-def piecewise(branches: Sequence[tuple[Any, Any]], last: Any) -> Any:
+def piecewise(branches: Sequence[tuple[Expr, Expr]], last: Expr) -> Expr:
     """Return the law that is piece i for v < place i (and not in an earlier piece), else `last`."""
     if any(place.has(symbols.v) for _, place in branches):
         raise InputError("the places of a Piecewise are parameters or numbers; they cannot depend on v")
     if any(part.has(sp.Piecewise) for pair in [*branches, (last,)] for part in pair):
         raise InputError(_NESTED)
-    pairs: list[tuple[Any, Any]] = []
+    pairs: list[tuple[Expr, Expr]] = []
     for branch, place in branches:
         if pairs and pairs[-1][0] == branch:
             # SymPy would join the two conditions by Or; one place keeps every condition of the one form.
@@ -49,7 +49,7 @@ class Bound:
     """Where a piece of a law holds: v < place or v > place, or with equality if not `strict`."""
 
     side: str
-    place: Any
+    place: Expr
     strict: bool
 
     def completes(self, other: "Bound") -> bool:
@@ -62,7 +62,7 @@ class Bound:
         return bool(self.place.is_zero) and self.strict == (self.side == ">")
 
 
-def in_pieces(branches: Sequence[tuple[Any, Bound]], last: Any) -> Any:
+def in_pieces(branches: Sequence[tuple[Expr, Bound]], last: Expr) -> Expr:
     """Return the law that is the first piece whose bound holds, else `last`.
 
     Raises
@@ -75,7 +75,7 @@ def in_pieces(branches: Sequence[tuple[Any, Bound]], last: Any) -> Any:
             "a piece holds at v = 0 alone; a law is that of slip, so leave this piece out, and give its "
             "coefficient as the static one, static=..."
         )
-    pairs: list[tuple[Any, Any]] = []
+    pairs: list[tuple[Expr, Expr]] = []
     for branch, bound in reversed(branches):
         if bound.side == "<":
             pairs = [(branch, bound.place), *pairs]
@@ -85,7 +85,7 @@ def in_pieces(branches: Sequence[tuple[Any, Bound]], last: Any) -> Any:
     return piecewise(pairs, last)
 
 
-def sign(expr: Any) -> Any:
+def sign(expr: Expr) -> Expr:
     """Return -1 or 1, in pieces where an expression changes sign with v.
 
     Raises
@@ -100,17 +100,17 @@ def sign(expr: Any) -> Any:
     return _select(sp.Integer(1), sp.Integer(-1), expr, sp.Max)
 
 
-def absolute(expr: Any) -> Any:
+def absolute(expr: Expr) -> Expr:
     """Return abs(expr), in pieces where it changes sign with v."""
     return larger(expr, -expr)
 
 
-def smaller(first: Any, second: Any) -> Any:
+def smaller(first: Expr, second: Expr) -> Expr:
     """Return the smaller of two expressions, in pieces, as `larger` does."""
     return _select(second, first, first - second, sp.Min)
 
 
-def larger(first: Any, second: Any) -> Any:
+def larger(first: Expr, second: Expr) -> Expr:
     """Return the larger of two expressions, in pieces; their difference is linear in v, or A*v^p + B.
 
     Raises
@@ -121,13 +121,13 @@ def larger(first: Any, second: Any) -> Any:
     return _select(first, second, first - second, sp.Max)
 
 
-def _select(above: Any, below: Any, difference: Any, constant: Any) -> Any:
+def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) -> Expr:
     """Return `above` where a difference is positive, else `below`; `constant` selects where v has no part."""
     if difference.has(sp.Piecewise):
         raise InputError(_NESTED)
     if difference.is_nonnegative or difference.is_nonpositive:
         return above if difference.is_nonnegative else below
-    # Expanding could take for ever; a difference that is linear has a slope without v as it stands.
+    # Expanding could take very long; a difference that is linear has a slope without v as it stands.
     slope, offset = sp.diff(difference, symbols.v), difference.subs(symbols.v, 0)
     if slope == 0:
         if any(part.has(sp.Max, sp.Min) and not isinstance(part, constant) for part in (above, below)):
@@ -143,7 +143,7 @@ def _select(above: Any, below: Any, difference: Any, constant: Any) -> Any:
             return piecewise([(above, -offset / slope)], below)
     elif (power := _as_power(difference)) is not None:
         factor, exponent, offset = power
-        # A place that is no speed is none: the power is 0 at v = 0, and only grows.
+        # Where -B/A is negative the difference has one sign at all speeds, and the place is 0.
         place = sp.Max(0, -offset / factor) ** (1 / exponent)
         return piecewise([(below if factor.is_positive else above, place)], above if factor.is_positive else below)
     raise InputError(
@@ -152,7 +152,7 @@ def _select(above: Any, below: Any, difference: Any, constant: Any) -> Any:
     )
 
 
-def _as_power(expr: Any) -> tuple[Any, Any, Any] | None:
+def _as_power(expr: Expr) -> tuple[Expr, Expr, Expr] | None:
     """Return A, p and B if an expression is A*v^p + B, A of known sign and p > 0."""
     offset, rest = expr.as_independent(symbols.v, as_Add=True)
     factor, power = rest.as_independent(symbols.v, as_Add=False)
@@ -161,7 +161,7 @@ def _as_power(expr: Any) -> tuple[Any, Any, Any] | None:
     return (factor, exponent, offset) if fits and (factor.is_positive or factor.is_negative) else None
 
 
-def pieces_of(term: Any) -> tuple[list[Any], list[Any]] | None:
+def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]] | None:
     """Return the smooth pieces of a term and the places between them; None if two kinks stand in one product."""
     kinked = [node for node in term.atoms(sp.Piecewise) if node.has(symbols.v)]
     if not kinked:
@@ -172,9 +172,9 @@ def pieces_of(term: Any) -> tuple[list[Any], list[Any]] | None:
     return [term.xreplace({node: branch}) for branch, _ in node.args], places(node)
 
 
-def places(expr: Any) -> list[Any]:
+def places(expr: Expr) -> list[Expr]:
     """Return the places of all kinks and jumps in an expression, as they stand there."""
-    found: list[Any] = []
+    found: list[Expr] = []
     for node in sp.ordered(expr.atoms(sp.Piecewise)):
         for _, condition in node.args:
             # SymPy may turn v < place round into place > v; pieces that became equal are joined by Or.
@@ -183,7 +183,7 @@ def places(expr: Any) -> list[Any]:
     return list(dict.fromkeys(found))
 
 
-def branch_from(expr: Any, values: Mapping[Any, Any], start: Any) -> Any:
+def branch_from(expr: Expr, values: Mapping[Expr, Expr], start: Expr) -> Expr:
     """Return an expression with each kink replaced by the piece that holds just above a place.
 
     Parameters
@@ -200,7 +200,7 @@ def branch_from(expr: Any, values: Mapping[Any, Any], start: Any) -> Any:
     return expr.xreplace(chosen)
 
 
-def at_rest(expr: Any, values: Mapping[Any, Any]) -> Any:
+def at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> Expr:
     """Return an expression with each kink replaced by what holds just above v = 0.
 
     Parameters
@@ -215,14 +215,14 @@ def at_rest(expr: Any, values: Mapping[Any, Any]) -> Any:
     return expr.xreplace(chosen)
 
 
-def jumps(expr: Any) -> list[tuple[Any, Any]]:
+def jumps(expr: Expr) -> list[tuple[Expr, Expr]]:
     """Return the places where an expression itself may jump, and by how much: its right minus its left limit."""
     found = []
     for node in sp.ordered(node for node in expr.atoms(sp.Piecewise) if node.has(symbols.v)):
-        place: Any = None
+        place: Expr = None
         branches = [branch for branch, _ in node.args]
         for end, left, right in zip(places(node), branches, branches[1:], strict=False):
-            # A piece that ends before it begins is none: the jumps into it and out of it meet at one place.
+            # A piece that ends before it begins is empty: the jumps into it and out of it meet at one place.
             place = end if place is None or (end - place).is_positive else sp.Max(place, end)
             height = expr.xreplace({node: right}) - expr.xreplace({node: left})
             height = sp.expand(height.subs(symbols.v, place))

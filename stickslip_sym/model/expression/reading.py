@@ -3,11 +3,11 @@
 import math
 from collections.abc import Callable
 from functools import reduce
-from typing import Any
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import bits, exact
 from stickslip_sym.model.expression.misspelt import check_constant, check_speed
@@ -25,7 +25,7 @@ _FUNCTIONS = tuple(function for function in FUNCTIONS.values() if isinstance(fun
 _PLAIN = (sp.Add, sp.Mul, sp.Pow, sp.Number, sp.NumberSymbol, sp.Symbol, *_FUNCTIONS)
 
 
-def read_formula(formula: str | Any, table: dict[str, Parameter], *, constant: bool = False) -> Any:
+def read_formula(formula: str | float | Expr, table: dict[str, Parameter], *, constant: bool = False) -> Expr:
     """Read a coefficient; parameters that it uses and `table` does not have are added there.
 
     Parameters
@@ -49,7 +49,7 @@ def read_formula(formula: str | Any, table: dict[str, Parameter], *, constant: b
     seen: set[str] = set()
     undescribed: list[str] = []
 
-    def symbol(name: str) -> Any:
+    def symbol(name: str) -> Expr:
         seen.add(name)
         if name == "v":
             return symbols.v
@@ -73,7 +73,7 @@ def read_formula(formula: str | Any, table: dict[str, Parameter], *, constant: b
     return expr
 
 
-def _check_value(expr: Any) -> None:
+def _check_value(expr: Expr) -> None:
     if expr.has(sp.zoo, sp.oo, sp.nan, sp.I):
         raise InputError(f"the formula is not finite and real: it reduces to {str(expr)[:60]}")
     for node in expr.atoms(sp.Pow):
@@ -81,8 +81,8 @@ def _check_value(expr: Any) -> None:
             raise InputError(f"{str(node)[:60]} is not real: only whole powers of a negative number are")
 
 
-def _check_size(expr: Any) -> None:
-    """Refuse powers whose expansion would keep later algebra busy for ever."""
+def _check_size(expr: Expr) -> None:
+    """Refuse powers that later algebra could not expand in any reasonable time."""
     for node in expr.atoms(sp.Pow):
         base, exponent = node.args
         if base == symbols.v and exponent.is_number and abs(exponent) > MAX_POWER_OF_V:
@@ -97,7 +97,7 @@ def _check_size(expr: Any) -> None:
         )
 
 
-def _terms(expr: Any) -> int:
+def _terms(expr: Expr) -> int:
     """Return a bound on the number of terms after expansion."""
     if expr.is_Add:
         return sum(map(_terms, expr.args))
@@ -109,7 +109,7 @@ def _terms(expr: Any) -> int:
     return max(map(_terms, expr.args), default=1)
 
 
-def _rebuild(expr: Any, symbol: Callable[[str], Any]) -> Any:
+def _rebuild(expr: Expr, symbol: Callable[[str], Expr]) -> Expr:
     """Rebuild a SymPy expression, node by node, on this package's symbols and kinks."""
     if isinstance(expr, sp.Symbol):
         return symbol(expr.name)
@@ -136,7 +136,7 @@ def _rebuild(expr: Any, symbol: Callable[[str], Any]) -> Any:
     return expr.func(*arguments) if arguments else expr
 
 
-def _rebuild_pieces(expr: Any, symbol: Callable[[str], Any]) -> Any:
+def _rebuild_pieces(expr: Expr, symbol: Callable[[str], Expr]) -> Expr:
     pairs = [(_rebuild(branch, symbol), _bound(relation, symbol)) for branch, relation in expr.args]
     *branches, (last, end) = pairs
     if not (end is None or any(end.completes(bound) for _, bound in branches if bound)):
@@ -144,7 +144,7 @@ def _rebuild_pieces(expr: Any, symbol: Callable[[str], Any]) -> Any:
     return in_pieces([(branch, bound) for branch, bound in branches if bound], last)
 
 
-def _bound(relation: Any, symbol: Callable[[str], Any]) -> Bound | None:
+def _bound(relation: Expr, symbol: Callable[[str], Expr]) -> Bound | None:
     """Return where a piece holds; None is everywhere."""
     if relation == sp.true:
         return None
@@ -157,7 +157,7 @@ def _bound(relation: Any, symbol: Callable[[str], Any]) -> Bound | None:
     raise InputError(f"the pieces of a law end at v < place or v > place; got {relation}")
 
 
-def read_static(static: Any, table: dict[str, Parameter]) -> Any:
+def read_static(static: str | float | Expr, table: dict[str, Parameter]) -> Expr:
     """Read a static coefficient, as `read_formula` reads a coefficient; it does not depend on v."""
     read = read_formula(static, table, constant=True)
     if read.has(symbols.v):

@@ -4,17 +4,17 @@ Where the belt hardly moves, mu(v) and mu(0+) agree to most of their digits, and
 the mass. Identities such as exp(a) - exp(b) = exp(b) expm1(a - b) say it as products, which lose none of them.
 """
 
-from typing import Any
-
 import sympy as sp
 from sympy.codegen.cfunctions import expm1, log1p
 
+from stickslip_sym.core.aliases import Expr
+
 __all__ = ["rise"]
 
-_LONGEST = 16  # terms of a^n - b^n as a sum; above, as the exponential of a logarithm
+_LONGEST = 16  # terms of a^n - b^n as a sum; for larger n it is the exponential of a logarithm
 
 
-def rise(expr: Any, variable: Any, start: Any) -> Any | None:
+def rise(expr: Expr, variable: Expr, start: Expr) -> Expr | None:
     """Return expr(variable) - expr(start), in a form that does not cancel where the two are close.
 
     Parameters
@@ -42,16 +42,16 @@ class _NoValue(Exception):
 
 
 class _Rise:
-    def __init__(self, variable: Any, start: Any) -> None:
+    def __init__(self, variable: Expr, start: Expr) -> None:
         self.variable, self.start = variable, start
 
-    def low(self, expr: Any) -> Any:
+    def low(self, expr: Expr) -> Expr:
         value = expr.subs(self.variable, self.start)
         if value.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
             raise _NoValue
         return value
 
-    def of(self, expr: Any) -> Any:
+    def of(self, expr: Expr) -> Expr:
         if not expr.has(self.variable):
             return sp.Integer(0)
         if expr == self.variable:
@@ -69,7 +69,7 @@ class _Rise:
         (part,) = expr.args
         return self.of_function(expr, part, self.low(part), self.of(part))
 
-    def of_power(self, base: Any, exponent: Any) -> Any:
+    def of_power(self, base: Expr, exponent: Expr) -> Expr:
         if exponent.has(self.variable):
             power = exponent * sp.log(base)
             return sp.exp(self.low(power)) * expm1(self.of(power))
@@ -83,7 +83,7 @@ class _Rise:
         return low**exponent * expm1(exponent * log1p(gain / low))
 
     @staticmethod
-    def of_function(expr: Any, part: Any, low: Any, gain: Any) -> Any:
+    def of_function(expr: Expr, part: Expr, low: Expr, gain: Expr) -> Expr:
         if isinstance(expr, sp.exp):
             return sp.exp(low) * expm1(gain)
         if isinstance(expr, sp.log):

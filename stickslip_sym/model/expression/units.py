@@ -7,8 +7,8 @@ units are symbols, so the proof is an identity like any other.
 
 import re
 from collections.abc import Mapping
-from typing import Any
 
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 
 __all__ = ["check_unit", "parse_unit", "with_units"]
@@ -19,7 +19,7 @@ _PLAIN = re.compile(rf"1|(1/)?{_POWER}([*/]{_POWER})*")
 _ALLOWED = "write a product of powers of m, s, kg and N, or 1"
 
 
-def parse_unit(text: str) -> Any:
+def parse_unit(text: str) -> Expr:
     """Translate a unit such as ``"kg/s"``, ``"1"`` or ``"N*s^2/m^2"`` into kilogram, meter and second.
 
     Raises
@@ -38,7 +38,7 @@ def parse_unit(text: str) -> Any:
         "N": units.kilogram * units.meter / units.second**2,
     }
 
-    def lookup(name: str) -> Any:
+    def lookup(name: str) -> Expr:
         if name not in base:
             raise InputError(f"{name!r} is not a unit known here; units are made of m, s, kg and N")
         return base[name]
@@ -64,6 +64,6 @@ def check_unit(text: str) -> None:
         parse_unit(text)
 
 
-def with_units(expr: Any, units: Mapping[Any, str]) -> Any:
+def with_units(expr: Expr, units: Mapping[Expr, str]) -> Expr:
     """Replace each symbol in `units` by itself times its unit."""
     return expr.xreplace({symbol: symbol * parse_unit(text) for symbol, text in units.items()})

@@ -4,17 +4,21 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.measured.parametric import FittedLaw, Parametric
 from stickslip_sym.output import markup
 from stickslip_sym.output.drawing import Drawn, picture
 from stickslip_sym.output.tables import table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["Fit", "rounded"]
 
@@ -87,7 +91,7 @@ class Fit(Drawn):
         return np.asarray(self.measured.mu - self._model(self.measured.v).mu(self._p))
 
     @cached_property
-    def uncertain(self) -> dict[str, Any]:
+    def uncertain(self) -> dict[str, UFloat]:
         """The fitted parameters as correlated `uncertainties.UFloat`."""
         import warnings
 
@@ -189,7 +193,7 @@ class Fit(Drawn):
         drawn = picture(self._figure, f"measured friction and the fitted law {self.name}")
         return markup.block(f"{self.name}: mu(v) = {self.law.text}", values, drawn, *self.warnings)
 
-    def content(self) -> dict[str, Any]:
+    def content(self) -> dict[str, object]:
         """Return all that the fit says as nested dictionaries and lists that JSON holds."""
         intervals = self.confidence()
         return {
@@ -217,7 +221,7 @@ class Fit(Drawn):
         """Return all that the fit says as JSON."""
         return json.dumps(self.content(), indent=2, ensure_ascii=False, allow_nan=False)
 
-    def _figure(self) -> Any:
+    def _figure(self) -> "Figure":
         from stickslip_sym.model.measured.picture import draw_fit
 
         return draw_fit(self.name, self.measured, self.residuals, self.law.at_speeds, self.band)
@@ -232,5 +236,5 @@ def rounded(value: float, error: float) -> str:
     return f"{ufloat(value, error):.2u}"
 
 
-def _unit(law: Any, name: str) -> str:
+def _unit(law: FittedLaw, name: str) -> str:
     return law.parameters[name].unit or ""

@@ -3,7 +3,8 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, overload
+from pathlib import Path
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import markup
 from stickslip_sym.output.drawing import picture
 from stickslip_sym.output.tables import table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["Fits"]
 
@@ -85,11 +89,11 @@ class Fits(Sequence[Fit]):
         rest = [f"not fitted: {name}: {why}" for name, why in self.rejected.items()]
         return markup.block(str(self.measured), markup.table(header, rows), drawn, *rest)
 
-    def plot(self, path: Any = None) -> Any:
+    def plot(self, path: str | Path | None = None) -> "Figure":
         """Draw the best fit, as `Fit.plot` does."""
         return self.best.plot(path)
 
-    def content(self) -> dict[str, Any]:
+    def content(self) -> dict[str, object]:
         """Return all that the fits say as nested dictionaries and lists that JSON holds."""
         return {
             "measured": self.measured.understood,

@@ -15,12 +15,12 @@ __all__ = ["fit_law"]
 
 FloatArray = NDArray[np.float64]
 
-_STARTS = 4  # that differ; the first few of the trials lead to one minimum for most laws
-_SINGULAR = 1e-7  # of the largest singular value of the scaled derivatives: below, a combination has no effect
+_STARTS = 4  # different ones; for most laws the best few of the trials lead to one minimum
+_SINGULAR = 1e-7  # least singular value of the scaled derivatives over the largest: a smaller one has no effect
 _SAME = 1e-8  # relative difference of two sums of squares that are one minimum; two starts in it are enough
-_NOTHING = 100.0  # relative standard error of a parameter, in which mu is not linear, that is no measurement of it
+_NOTHING = 100.0  # relative standard error, beyond which a parameter that is not linear was not measured
 _LOOSE = 0.5  # relative standard error of a positive parameter that is worth a warning
-_MIXED = 0.1  # of the largest part in the direction without effect: smaller parts are not named
+_MIXED = 0.1  # part in the direction without effect, over the largest: smaller parts are not named
 _ALIKE = 0.999  # correlation of two parameters that is worth a warning
 _UNLIKELY = 1e-3  # probability of so large residuals, if sigma is right, that is worth a warning
 _RISEN = 0.75  # of the largest mu: a law with mu(0) = 0 has built up friction where it first reaches this

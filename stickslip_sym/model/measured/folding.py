@@ -1,30 +1,36 @@
 """Both signs of speed and force made one: a slip speed, and the coefficient of friction against it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from fractions import Fraction
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stickslip_sym.core.aliases import BoolArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.measured.table import Table
 
-__all__ = ["Folded", "fold"]
+__all__ = ["Column", "Folded", "fold"]
 
-FEW = 0.05  # of the rows: with so many of the other sign, a small force is taken to have noise about 0
+Column: TypeAlias = list[Fraction] | NDArray[np.float64]
+"""Numbers as the file has them, or in double precision."""
+
+FEW = 0.05  # share of rows with the other sign, up to which they are taken for noise of a small force
 
 
 @dataclass(frozen=True)
 class Folded:
     """Columns of one length: slip speeds in m/s, coefficients, their standard deviations, and what was done."""
 
-    v: Sequence[Any]
-    mu: Sequence[Any]
-    sigma: Sequence[Any] | None
+    v: Column
+    mu: Column
+    sigma: Column | None
     notes: list[str]
 
 
-def fold(values: Mapping[str, Any], table: Table, name: str) -> Folded:
+def fold(values: Mapping[str, Column], table: Table, name: str) -> Folded:
     """Return slip speeds and coefficients from columns in SI units with any signs.
 
     Friction is against the motion, so with the speed its sign turns. Where speeds have both signs, or friction
@@ -72,11 +78,11 @@ def fold(values: Mapping[str, Any], table: Table, name: str) -> Folded:
         _require(down * normal > 0, table, "F_n", name, "a normal force is not 0, and has one sign")
         load = _times(values["F_n"], np.full(len(normal), down))
         mu = _over(mu, load)
-        sigma = _over(sigma, load) if "sigma_F_t" in values else sigma
+        sigma = _over(sigma, load) if sigma is not None and "sigma_F_t" in values else sigma
     return Folded(_times(speed, np.where(v_sign < 0, -1, 1)), mu, sigma, notes)
 
 
-def _require(good: Any, table: Table, key: str, name: str, rule: str) -> None:
+def _require(good: BoolArray, table: Table, key: str, name: str, rule: str) -> None:
     if not good.all():
         row = int(np.argmin(good))
         raise InputError(
@@ -85,13 +91,14 @@ def _require(good: Any, table: Table, key: str, name: str, rule: str) -> None:
         )
 
 
-def _times(column: Any, signs: Any) -> Any:
+def _times(column: Column, signs: IntArray) -> Column:
     if isinstance(column, np.ndarray):
         return column * signs
     return [value * int(sign) for value, sign in zip(column, signs, strict=True)]
 
 
-def _over(column: Any, load: Any) -> Any:
+def _over(column: Column, load: Any) -> Column:
     if isinstance(column, np.ndarray):
-        return column / load
+        ratio: NDArray[np.float64] = column / load
+        return ratio
     return [value / other for value, other in zip(column, load, strict=True)]

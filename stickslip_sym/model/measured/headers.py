@@ -56,7 +56,7 @@ _WORDS: dict[tuple[str, ...], str] = {
 
 
 def _plain(text: str) -> str:
-    """Return a name without what different hands write differently: capitals, blanks, signs and brackets."""
+    """Return a name without capitals, blanks, signs and brackets, which are written in many ways."""
     return re.sub(r"[\s_\-.(){}\\$]", "", text.replace("\N{MICRO SIGN}", "μ").lower())
 
 
@@ -103,7 +103,7 @@ class Column:
 
     @property
     def possible(self) -> tuple[str, ...]:
-        """What the column may be, once its unit is heeded."""
+        """What the column may be, given its unit."""
         if self.unit is None:
             return self.meanings
         return tuple(meaning for meaning in self.meanings if KINDS[meaning] == self.unit.kind)

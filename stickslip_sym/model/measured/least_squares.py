@@ -1,7 +1,7 @@
 """The least squares of a law and measurements, solved by lmfit with exact derivatives."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +10,15 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.measured.parametric import Parametric
 
+if TYPE_CHECKING:
+    from lmfit import Minimizer, Parameters
+
 __all__ = ["Minimum", "Problem", "require_lmfit"]
 
 FloatArray = NDArray[np.float64]
 
 _TOLERANCE = 1e-11  # relative, of the sum of squares and of the values; rounding allows 1e-14
-_EVALUATIONS = 600  # of the law, for one start; more are taken only towards values without end
+_EVALUATIONS = 600  # of the law, for one start; more are needed only where values grow without bound
 _OUTSIDE = 1e6  # largest residual, in units of the largest weighted mu, and where the law has no real value
 _TINY = 1e-300  # a positive value, short of underflow; its inverse is the largest
 _STEEPEST = 1e100  # largest derivative of a residual: its square and sums of such are finite
@@ -79,7 +82,7 @@ class Problem:
             held, start = held & ~inward, p
         return None
 
-    def minimizer(self, start: FloatArray, held: NDArray[np.bool_]) -> Any:
+    def minimizer(self, start: FloatArray, held: NDArray[np.bool_]) -> "Minimizer":
         """Return lmfit's minimizer of the weighted residuals, with exact derivatives."""
         import lmfit
 
@@ -92,17 +95,17 @@ class Problem:
             xtol=_TOLERANCE, max_nfev=_EVALUATIONS,
         )  # fmt: skip
 
-    def values(self, parameters: Any) -> FloatArray:
+    def values(self, parameters: "Parameters") -> FloatArray:
         """Return the law's values of lmfit's parameters."""
         p = np.array([parameter.value for parameter in parameters.values()])
         with np.errstate(over="ignore"):
             return np.where(self.logarithmic, np.exp(np.where(self.logarithmic, p, 0.0)), p)
 
-    def _residual(self, parameters: Any) -> FloatArray:
+    def _residual(self, parameters: "Parameters") -> FloatArray:
         found = self.weights * (self.model.mu(self.values(parameters)) - self.mu)
         return np.where(np.isfinite(found), np.clip(found, -self._outside, self._outside), self._outside)
 
-    def _derivatives(self, parameters: Any, chosen: NDArray[np.bool_] | None = None) -> FloatArray:
+    def _derivatives(self, parameters: "Parameters", chosen: NDArray[np.bool_] | None = None) -> FloatArray:
         p = self.values(parameters)
         inner = np.where(self.logarithmic, p, 1.0)
         varying = [parameter.vary for parameter in parameters.values()] if chosen is None else chosen

@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import read_array
-from stickslip_sym.model.measured.folding import Folded, fold
+from stickslip_sym.core.numbers import Number, read_array
+from stickslip_sym.model.measured.folding import Column, Folded, fold
 from stickslip_sym.model.measured.table import Table, read_table
 
 __all__ = ["Measurements", "read_measurements"]
@@ -124,7 +123,7 @@ class Measurements:
         rows = Measurements(speed[places], self.mu, self.sigma, self.understood, self.name)
         return rows.averaged()
 
-    def points(self) -> tuple[list[Any], list[Any]]:
+    def points(self) -> tuple[list[Number], list[Number]]:
         """Return speeds, each once and ascending, and mean coefficients, exact where the file had decimal text."""
         means = self.averaged()
         if means._exact is not None:
@@ -174,7 +173,7 @@ def read_measurements(path: str | Path) -> Measurements:
     path = Path(path)
     table = read_table(path)
     exactly = len(table.lines) <= _EXACTLY
-    values: dict[str, Any] = {}
+    values: dict[str, Column] = {}
     for name, cells in table.cells.items():
         size = table.columns.sizes[name]
         if exactly:

@@ -6,18 +6,19 @@ from typing import Any, Protocol, Self
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.numbers import Number
+from stickslip_sym.model.expression.parameters import Parameter
 
 __all__ = ["FittedLaw", "Parametric"]
 
 FloatArray = NDArray[np.float64]
 
-_AT_REST = (
-    1e-200  # m/s, for a speed of 0: mu(0+), where a power of v has no derivative to its exponent at 0 itself
-)
+_AT_REST = 1e-200  # m/s, in place of 0, where a power of v has no derivative with respect to its exponent
 
 
 class FittedLaw(Protocol):
@@ -26,22 +27,22 @@ class FittedLaw(Protocol):
     name: str | None
 
     @property
-    def expr(self) -> Any:
+    def expr(self) -> Expr:
         """The coefficient as an expression."""
 
     @property
-    def parameters(self) -> Mapping[str, Any]:
+    def parameters(self) -> Mapping[str, Parameter]:
         """The law's parameters by name."""
 
     @property
-    def values(self) -> Mapping[str, Any]:
+    def values(self) -> Mapping[str, Rational]:
         """The bound values by name, exact."""
 
     @property
     def text(self) -> str:
         """The formula as plain text."""
 
-    def bind(self, **values: Any) -> Self:
+    def bind(self, **values: Number) -> Self:
         """Return the law with values for some or all of its parameters."""
 
     def at_speeds(self, speeds: FloatArray) -> FloatArray:
@@ -94,7 +95,7 @@ class Parametric:
         values[self._free] = p
         return values
 
-    def _real(self, value: Any) -> FloatArray:
+    def _real(self, value: ArrayLike) -> FloatArray:
         array = np.asarray(value)
         if np.iscomplexobj(array):
             array = np.where(array.imag == 0, array.real, np.nan)
@@ -104,12 +105,12 @@ class Parametric:
 class _Compiled:
     """A formula and its derivatives to its parameters as functions of arrays."""
 
-    def __init__(self, expr: Any, parameters: tuple[Any, ...]) -> None:
+    def __init__(self, expr: Expr, parameters: tuple[Expr, ...]) -> None:
         arguments = [symbols.v, *parameters]
         derivatives = [sp.diff(expr, parameter) for parameter in parameters]
         self.value: Callable[..., Any] = function_of(arguments, expr, "numpy")
         self.derivatives: Callable[..., Any] = function_of(arguments, derivatives, "numpy")
-        linear: list[Any] = []
+        linear: list[Expr] = []
         for parameter, derivative in zip(parameters, derivatives, strict=True):
             if not derivative.has(parameter, *linear):
                 linear.append(parameter)
@@ -117,5 +118,5 @@ class _Compiled:
 
 
 @lru_cache(maxsize=128)
-def _compiled(expr: Any, parameters: tuple[Any, ...]) -> _Compiled:
+def _compiled(expr: Expr, parameters: tuple[Expr, ...]) -> _Compiled:
     return _Compiled(expr, parameters)

@@ -1,13 +1,16 @@
 """The picture of a fit: measured points, the curve with its band, and the residuals below."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output.drawing import require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["draw_fit"]
 
@@ -22,7 +25,7 @@ def draw_fit(
     residuals: FloatArray,
     curve: Callable[[FloatArray], FloatArray],
     band: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
-) -> Any:
+) -> "Figure":
     """Return a figure of a fit, of the fitted curve and its band as functions of the slip speed.
 
     Raises

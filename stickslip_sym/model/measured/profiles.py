@@ -2,13 +2,16 @@
 
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stickslip_sym.model.measured.least_squares import Problem, require_lmfit
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.measured.parametric import FittedLaw, Parametric
+
+if TYPE_CHECKING:
+    from lmfit.minimizer import MinimizerResult
 
 __all__ = ["profile_intervals"]
 
@@ -35,7 +38,7 @@ def profile_intervals(
     for i, error in enumerate(errors.values()):
         result.params[f"p{i}"].stderr = error / scale[i]  # the first step of the search
 
-    def probability(best: Any, other: Any) -> float:
+    def probability(best: "MinimizerResult", other: "MinimizerResult") -> float:
         return float(chdtr(1, other.chisqr - best.chisqr))
 
     test: Callable[..., float] | None = None if measured.sigma is None else probability

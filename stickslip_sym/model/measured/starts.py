@@ -18,10 +18,10 @@ FloatArray = NDArray[np.float64]
 
 _SEED = 1785
 _TRIALS = 40  # for each parameter that is sought
-_BEYOND = 3.0  # times the largest measured speed, or below the smallest: how far speeds are sought
+_BEYOND = 3.0  # factor above the largest and below the smallest measured speed, between which speeds are sought
 _EXPONENTS = 0.2, 4.0  # the range of pure numbers that are sought
 _APART = 0.7  # natural logarithms by which some value differs between two starts
-_LEAST = 1e-4  # of its natural size, what a positive value starts at where it would be below 0
+_LEAST = 1e-4  # start of a positive value that would be below 0, over its natural size
 
 
 def starts(law: FittedLaw, model: Parametric, v: FloatArray, mu: FloatArray, weights: FloatArray, count: int) -> (

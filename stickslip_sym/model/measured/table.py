@@ -15,8 +15,8 @@ from stickslip_sym.output.files import require_name
 __all__ = ["Table", "read_table"]
 
 SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", ",": "commas"}
-"""What parts columns, by preference: a comma may also be a decimal sign."""
-MOST_ROWS = 1_000_000  # that are read before a file is refused unread
+"""What separates columns, by preference: a comma may also be a decimal sign."""
+MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _NUMBER = r"[+-]?(\d+{sign}?\d*|{sign}\d+)([eE][+-]?\d{{1,4}})?"
@@ -87,7 +87,7 @@ def _text(path: Path) -> str:
 
 def _split(line: str, separator: str) -> list[str]:
     cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
-    return cells[:-1] if len(cells) > 1 and not cells[-1] else cells  # a separator at the end parts nothing
+    return cells[:-1] if len(cells) > 1 and not cells[-1] else cells  # a separator at the end begins no column
 
 
 def _is_number(cell: str) -> bool:
@@ -95,7 +95,7 @@ def _is_number(cell: str) -> bool:
 
 
 def _separator(lines: Sequence[str]) -> str:
-    """Return what parts the columns: that of a header, else of most lines of numbers, else of most lines."""
+    """Return what separates the columns: that of a header, else of most lines of numbers, else of most lines."""
     scores: dict[str, tuple[bool, int, int]] = {}
     for separator in SEPARATORS:
         cells = [_split(line, separator) for line in lines]

@@ -18,7 +18,7 @@ __all__ = ["SCENE", "Axis", "AxisValues", "fixed_values", "read_axes", "read_axi
 AxisValues = tuple[str, ArrayLike]
 """The name of an axis, and its values."""
 SCENE = ("V", "N", "m", "k", "c")
-_MOST_CELLS = 1_000_000
+_MOST_CELLS = 1_000_000  # of a map; more are taken for a mistake
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def read_axes(law: FrictionLaw, x: AxisValues, y: AxisValues) -> tuple[Axis, Axi
 
 
 def require_few(columns: int, rows: int) -> None:
-    """Refuse a map of more cells than anybody waits for."""
+    """Refuse a map of more than a million cells."""
     if columns * rows > _MOST_CELLS:
         raise InputError(f"{columns} x {rows} cells are more than {_MOST_CELLS}; take fewer values on an axis")
 

@@ -1,4 +1,4 @@
-"""The curves that part the basins of attraction in the phase plane, as slip phases that can be cut."""
+"""The boundaries of the basins of attraction in the phase plane, as slip phases that can be intersected."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,8 +14,8 @@ from stickslip_sym.motion.simulation.steppers import Point
 
 __all__ = ["Boundary", "Box", "touching_orbit"]
 
-_LONGEST = 1e3  # of dimensionless time, for one orbit
-_HALVINGS = 60  # of a step, after which a place on it is known to rounding
+_LONGEST = 1e3  # dimensionless time for which one orbit is followed at most
+_HALVINGS = 60  # bisections of a step, after which a place on it is known to rounding
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(9)  # exact where q and w are of degree 8 in a step
 _SLOPES = np.linalg.solve(
     np.vander(_NODES, increasing=True).T,

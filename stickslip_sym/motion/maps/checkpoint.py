@@ -68,7 +68,7 @@ def collect(
 
 
 def limited(function: Function) -> Function:
-    """Let a function heed in other processes, too, what is left of the time here."""
+    """Return a function that keeps, in other processes too, to the time that is left here."""
     left = time_left()
     return function if math.isinf(left) else partial(_until, time.time() + left, function)
 
@@ -98,7 +98,7 @@ def _opened(path: Path) -> Iterator["_File"]:
 
 @contextmanager
 def _explained(path: Path) -> Iterator[None]:
-    """Say which file it was that failed."""
+    """Name the file that failed."""
     try:
         yield
     except OSError as error:

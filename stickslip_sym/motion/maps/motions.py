@@ -54,7 +54,7 @@ class MotionMap(drawing.Drawn):
         each is a curve. Negative where a smooth law's motions need energy fed in; NaN where a threshold was not
         found, and, for a law that is not smooth, where no c >= 0 is the exact one.
     notes : dict of (int, int) to str
-        By row and column, what is to be said of cells that failed or were not decided.
+        By row and column, why a cell failed or was not decided.
     """
 
     x: Axis

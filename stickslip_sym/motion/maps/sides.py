@@ -27,8 +27,8 @@ __all__ = ["FINEST", "Sides", "sides_of"]
 FINEST = 1e-12
 """The relative tolerance of separatrices: they are few, and decide about many starts."""
 
-_NEAR = 100  # times the tolerance, around a boundary
-_JUMP = 1e-12  # of mu, relative, below which it is rounding
+_NEAR = 100  # tolerances: starts closer to a boundary are simulated
+_JUMP = 1e-12  # relative jump of mu; a smaller one is rounding
 
 
 @dataclass(frozen=True)

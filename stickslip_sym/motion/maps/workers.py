@@ -22,7 +22,7 @@ Task = TypeVar("Task")
 Result = TypeVar("Result")
 Mapper = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
 Workers = int | Mapper
-_MOST_STARTS = 3
+_MOST_STARTS = 3  # times that a pool is started; after so many the cause is no accident
 
 
 def check_workers(workers: Workers) -> None:
@@ -94,7 +94,7 @@ def _pooled(function: Callable[[Task], Result], tasks: Sequence[Task], count: in
         except BrokenProcessPool:
             continue
         finally:
-            for process in started if todo else ():  # nobody waits for the tasks that they are at
+            for process in started if todo else ():  # the tasks that they still carry out are not needed
                 process.terminate()
             pool.shutdown(cancel_futures=True)
     raise NotConverged(

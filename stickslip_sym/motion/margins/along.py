@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip_sym.core import deadline, symbols
+from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
 from stickslip_sym.core.numbers import real
 from stickslip_sym.criteria.criterion import Criterion, harmonic
@@ -27,20 +28,20 @@ from stickslip_sym.motion.thresholds.sensitivity import sensitivities, slope_mea
 
 __all__ = ["Along"]
 
-_PER_DECADE = 8
+_PER_DECADE = 8  # values sampled
 _STRONG = 1e-2  # relative size of the next order, from which the orbit takes longer than a simulation
-_AROUND = 100.0  # times a parameter's value, and its inverse: where it is sought
+_AROUND = 100.0  # factor above and below a parameter's value within which it is sought
 _WEAKEST, _STRONGEST = 1e-3, 1e2  # N/(V sqrt(k m)) between which N, m and k are sought
 _LOOSE, _TIGHT, _SINGLE = 1e-6, 1e-12, 1e-9  # relative errors on a grid, at a root, and by simulation
-_ROUNDING = float(4 * np.finfo(np.float64).eps)
-_HALVINGS = 8  # of an interval of the grid, to the last value whose motions stay within the measured speeds
-_NEWTON = 1e-6  # relative size of a last step that is a correction
+_ROUNDING = float(4 * np.finfo(np.float64).eps)  # relative, of a root
+_HALVINGS = 8  # bisections of an interval of the grid, for the last value at which mu is known at all speeds
+_NEWTON = 1e-6  # relative size of a last Newton step, up to which it is taken
 
 
 class Along(Search):
     """The search for the roots of threshold minus c along one quantity or parameter."""
 
-    closest = 1e-9  # a Newton step, by the exact derivative, goes the rest of the way
+    closest = 1e-9  # tolerance of the logarithm of a root, which a Newton step with the exact slope then refines
 
     def __init__(
         self, of: str, law: FrictionLaw, given: Mapping[str, float], within: tuple[float, float] | None
@@ -56,7 +57,7 @@ class Along(Search):
 
     @property
     def unit(self) -> str | None:
-        """Of what is sought."""
+        """The unit of what is sought; None if it is not known."""
         if self.of in symbols.QUANTITIES:
             return symbols.QUANTITIES[self.of].unit
         return self.law.parameters[self.of].unit
@@ -67,7 +68,7 @@ class Along(Search):
             return self.law, {**self.given, self.of: x}
         return self.law.bind(**{self.of: x}), self.given
 
-    def excess(self, rung: Rung, V: Any, orbit_rtol: float = _TIGHT) -> Any:
+    def excess(self, rung: Rung, V: FloatArray, orbit_rtol: float = _TIGHT) -> FloatArray:
         """Return threshold minus c at sizes of what is sought; NaN where there is none."""
         deadline.check_time()
         x = self.sign * np.asarray(V)
@@ -80,11 +81,11 @@ class Along(Search):
             found.append(self._values(rung, Scenes.of(law, **scene), tolerance)[0] - self.c)
         return np.array(found)
 
-    def _values(self, rung: Rung, scenes: Scenes, tolerance: float) -> Any:
+    def _values(self, rung: Rung, scenes: Scenes, tolerance: float) -> FloatArray:
         try:
             found = rung.compute(scenes, tolerance)
         except NoThreshold:
-            return np.full(len(scenes), -1.0 - abs(self.c))  # it lies below 0, nobody knows how far
+            return np.full(len(scenes), -1.0 - abs(self.c))  # below 0, by an unknown amount
         except NotConverged:
             return np.full(len(scenes), np.nan)
         except InputError:
@@ -94,7 +95,7 @@ class Along(Search):
         return np.where(np.isfinite(found.error), found.value, np.nan)
 
     def found(self, rung: Rung | None, rtol: float) -> tuple[Critical, ...]:
-        """Return what is sought, by one rung or by the one that serves."""
+        """Return the critical values, by the given rung or, without one, by that which "auto" takes."""
         if self.of == "V":
             return self._speeds(rung, rtol)
         automatic = rung is None
@@ -114,7 +115,7 @@ class Along(Search):
         results = [self._result(x, rung, rtol, automatic) for x in roots]
         return tuple(self._proved(one, rtol) for one in results) if proof else tuple(results)
 
-    def crossings(self, rung: Rung, V: Any) -> list[float]:
+    def crossings(self, rung: Rung, V: FloatArray) -> list[float]:
         """Return the sizes at which the excess changes sign, up to where motions leave the measured speeds."""
         if self.law.v_max is None:
             return super().crossings(rung, V)
@@ -157,7 +158,7 @@ class Along(Search):
         ]  # fmt: skip
         return tuple(self._proved(one, rtol) for one in results) if proof else tuple(results)
 
-    def grid(self) -> Any:
+    def grid(self) -> FloatArray:
         """Return the sizes at which the threshold is sampled."""
         if self.within is not None:
             low, high = (real("within", end) for end in self.within)
@@ -216,7 +217,7 @@ class Along(Search):
         positive = self.of in symbols.QUANTITIES or self.law.parameters[self.of].positive
         return [x for x in real_roots if low <= x <= high and (x > 0 or not positive)]
 
-    def _mean(self, law: FrictionLaw, criterion: Criterion, V: Any) -> float:
+    def _mean(self, law: FrictionLaw, criterion: Criterion, V: FloatArray) -> float:
         mean: float = slope_mean(law, criterion, V).item()
         return float(self.given["N"]) * mean
 
@@ -264,7 +265,7 @@ class Along(Search):
         return Critical(self.of, middle, one.unit, "proof", error, one.sensitivity, enclosure)
 
 
-def _easy(scenes: Scenes) -> Any:
+def _easy(scenes: Scenes) -> BoolArray:
     """Return where friction is so weak that the orbit costs less than a simulation."""
     _, resolution, next_order = second_order(scenes)
     return (next_order < _STRONG) & (resolution < _STRONG)

@@ -37,8 +37,7 @@ def critical(
     Parameters
     ----------
     of : str
-        "V", "N", "m", "k", "c", or a parameter of the law; its own value, if it has one, is not used but to say
-        where to look.
+        "V", "N", "m", "k", "c", or a parameter of the law; if the parameter has a value, it is sought around that.
     law : FrictionLaw
         With all other parameters bound.
     c, V, N, m, k : float, optional
@@ -53,7 +52,7 @@ def critical(
     within : (float, float), optional
         Two values of one sign between which to look. If not given, a parameter is sought from 1/100 of its value
         to 100 times it, and N, m and k where N/(V sqrt(k m)) is 1e-3 to 100. There are 8 points a decade: two
-        values closer together are found where an extremum between them shows, and may be missed else.
+        values closer together are found if the grid shows the extremum between them, and may otherwise be missed.
         An average that is linear or a polynomial needs no range: all values are found, by their polynomial.
     time_limit : float, optional
         Seconds of computation after which it is given up.
@@ -100,6 +99,8 @@ def critical(
         return search.found(rung, rtol)
 
 
-def _damping(law: FrictionLaw, given: Mapping[str, float], method: Any, rtol: float) -> Critical:
+def _damping(
+    law: FrictionLaw, given: Mapping[str, float], method: str | Criterion | Rung, rtol: float
+) -> Critical:
     found = pure_slip_damping(law, **given, method=method, rtol=rtol)
     return Critical("c", found.value, "kg/s", found.method, found.error, found.sensitivity, found.enclosure)

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any
 
 import numpy as np
 
@@ -26,7 +25,7 @@ from stickslip_sym.output.tables import table
 __all__ = ["Margin", "Margins", "margins"]
 
 _REACH = 10.0  # times a value, and its inverse: where a change is looked for
-_SEED = 20160428
+_SEED = 20160428  # of the samples
 _LOOSE = 1e-6  # relative error of the threshold of a sample
 
 
@@ -133,7 +132,7 @@ def margins(
     law: FrictionLaw,
     osc: Oscillator,
     *,
-    errors: Mapping[str, Any] | None = None,
+    errors: Mapping[str, str | UFloat] | None = None,
     method: str | Criterion | Rung = "auto",
     rtol: float = 1e-3,
     samples: int = 200,
@@ -209,7 +208,7 @@ def margins(
     )
 
 
-def _method(law: FrictionLaw, osc: Oscillator, method: Any) -> Any:
+def _method(law: FrictionLaw, osc: Oscillator, method: str | Criterion | Rung) -> str | Criterion | Rung:
     if method != "auto":
         return method
     return "orbit" if obstacle(law, osc.V) is None else "simulation"

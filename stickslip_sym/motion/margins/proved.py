@@ -1,11 +1,12 @@
 """Two values of a quantity between which it is proved that the slip from P ceases to return."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy as sp
 
+from stickslip_sym.core.aliases import Rational
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.thresholds.box_scene import BoxScene
@@ -15,14 +16,15 @@ from stickslip_sym.motion.thresholds.taylor_boxes import Undecided
 
 __all__ = ["proved"]
 
-_BITS = (128, 256, 512)
-_WIDEST = 1e-2  # of half an enclosure, relative
-_WIDER = 4
+At: TypeAlias = Callable[[Any], tuple[FrictionLaw, Mapping[str, float]]]
+"""From a value to a law and V, N, m and k."""
+
+_BITS = (128, 256, 512)  # of precision, tried in turn
+_WIDEST = 1e-2  # relative half width of an enclosure
+_WIDER = 4  # ratio of a half width to the one tried before
 
 
-def proved(
-    at: Callable[[Any], tuple[FrictionLaw, dict[str, Any]]], c: float, value: float, error: float, rtol: float
-) -> tuple[Fraction, Fraction]:
+def proved(at: At, c: float, value: float, error: float, rtol: float) -> tuple[Fraction, Fraction]:
     """Return two values around one, at one of which the slip from P returns, and at the other not.
 
     Parameters
@@ -58,7 +60,7 @@ def proved(
     raise NotConverged(f"no two values within 1 % of {value:g} enclose a change: {words}")
 
 
-def _returns(at: Callable[[Any], tuple[FrictionLaw, dict[str, Any]]], c: float, x: Any) -> bool:
+def _returns(at: At, c: float, x: Rational) -> bool:
     law, given = at(x)
     scene = BoxScene(law, **{name: sp.Rational(number) for name, number in given.items()})
     checked_hypotheses(scene)

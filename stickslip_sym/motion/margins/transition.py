@@ -26,18 +26,18 @@ from stickslip_sym.output import markup
 
 __all__ = ["Search", "TransitionSpeed", "transition_speed"]
 
-_DECADES = (-12, 12)
-_PER_DECADE = 16
+_DECADES = (-12, 12)  # powers of ten of the belt speeds in m/s that are sampled
+_PER_DECADE = 16  # belt speeds sampled
 _NEAR = 0.5  # relative distance of c from the threshold by slopes, within which the exact one is looked at
-_FINER = 4  # times as dense there
-_RESOLVED = 1e-2  # relative error of an expansion from its grid, above which it is no number
+_FINER = 4  # ratio of the density of the grid there to that elsewhere
+_RESOLVED = 1e-2  # relative error of an expansion from its grid, above which it is not used
 _LOOSE, _TIGHT = 1e-6, 1e-12  # relative errors of orbits on a grid of belt speeds, and at a root
-_SINGLE = 1e-9  # and of rungs that take scenes one by one
+_SINGLE = 1e-9  # relative error of rungs that take scenes one by one
 _BESIDE = 1e-4  # relative distance at which the slope of the threshold is taken
 _SINGLE_NEAR = 1e-3  # relative distance from the orbit's root within which simulation's is sought
 _SHARE = 0.4  # of the last measured speed, up to which belt speeds are tried: motions slip at a little over 2 V
 _COARSE_GRID = 10.0 ** np.linspace(-4, 4, 25)  # belt speeds in m/s at which a law that is not smooth is sampled
-_ROOT = float(4 * np.finfo(np.float64).eps)
+_ROOT = float(4 * np.finfo(np.float64).eps)  # relative tolerance of a root, the least that brentq takes
 _WEAK = rungs()[harmonic.name]  # the limit of weak friction
 
 
@@ -132,7 +132,7 @@ class Search:
     """The search for the roots of threshold minus c, for one law and scene, along the belt speed."""
 
     of = "V"
-    closest = 1e-15  # of the logarithm of a root
+    closest = 1e-15  # tolerance of the logarithm of a root
 
     def __init__(self, law: FrictionLaw, c: float, scene: Scenes) -> None:
         self.law, self.c, self.scene = law, c, scene
@@ -172,7 +172,7 @@ class Search:
         try:
             return float(rung.compute(scenes, _SINGLE).value[0]) - self.c
         except NoThreshold:
-            return -1.0 - abs(self.c)  # it lies below 0, nobody knows how far
+            return -1.0 - abs(self.c)  # below 0, by an unknown amount
         except NotConverged:
             return math.nan
 

@@ -18,6 +18,7 @@ import sympy as sp
 from scipy.special import roots_jacobi
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.model.coefficient import Coefficient
 from stickslip_sym.model.expression.pieces import branch_from, places
 from stickslip_sym.model.law import FrictionLaw
@@ -62,7 +63,7 @@ def grazing_variation(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     )  # fmt: skip
     branches = _branches(law, osc)
     names = ["c", "V", "N", "m", "k", *law.parameters]
-    Y = np.zeros((2, len(names)))
+    Y: FloatArray = np.zeros((2, len(names)))
     walk = _Walk(scene, osc, branches, names)
     number = 0
     for piece, (start, end) in zip(slip.interpolants, pairwise(slip.points), strict=True):
@@ -97,7 +98,7 @@ def _branches(law: FrictionLaw, osc: Oscillator) -> list[_Branch]:
     for start in (sp.Integer(0), *law.kinks()):
         expr = branch_from(law.expr, values, start)
 
-        def function(expr: Any = expr) -> Callable[[Any], Any]:
+        def function(expr: Expr = expr) -> Callable[[Any], Any]:
             free = sorted(expr.free_symbols - {symbols.v}, key=str)
             return Coefficient(expr, free).function(values, "numpy")
 
@@ -124,7 +125,7 @@ class _Walk:
             for name, parameter in law.parameters.items()
         }
 
-    def rates(self, q: Any, w: Any, number: int) -> tuple[Any, Any]:
+    def rates(self, q: FloatArray, w: FloatArray, number: int) -> tuple[FloatArray, FloatArray]:
         """Return A and B at states on a piece of mu."""
         osc, branch, scene = self.osc, self.branches[number], self.scene
         w = np.maximum(w, _NEAREST)
@@ -151,7 +152,7 @@ class _Walk:
             B[:, 1, column] = push[name]
         return A, B
 
-    def step(self, Y: Any, piece: Any, start: Point, end: Point, number: int) -> Any:
+    def step(self, Y: FloatArray, piece: Any, start: Point, end: Point, number: int) -> FloatArray:
         """Return the variation at the end of a step."""
         nodes, weights = _radau()
         h = end.tau - start.tau
@@ -165,13 +166,13 @@ class _Walk:
         right = np.tile(Y, (_STAGES, 1)) + h * np.einsum("ij,jab->iab", weights, B).reshape(2 * _STAGES, -1)
         return np.linalg.solve(matrix, right)[-2:]
 
-    def cross(self, Y: Any, now: Point, number: int, entered: int) -> None:
+    def cross(self, Y: FloatArray, now: Point, number: int, entered: int) -> None:
         """Pass from one piece of mu to the next."""
         before, after = (self._rate(now, one) for one in (number, entered))
         if before:
             Y[1] += (before - after) * (self._level(max(number, entered)) - Y[1]) / before
 
-    def slide(self, Y: Any, start: Point, end: Point) -> None:
+    def slide(self, Y: FloatArray, start: Point, end: Point) -> None:
         """Slide at the slip speed of a jump: w is held there, and q' = 1 - w."""
         number = next(i for i, branch in enumerate(self.branches) if branch.low == start.w)
         Y[1] = self._level(number)
@@ -181,12 +182,12 @@ class _Walk:
         mu = float(self.branches[number].mu(self.osc.V * now.w))
         return self.scene.eta * (self.scene.static - mu) + now.q - 2 * self.scene.zeta * now.w
 
-    def _level(self, number: int) -> Any:
+    def _level(self, number: int) -> FloatArray:
         shift = self.branches[number].shift
         return np.array([shift.get(name, 0.0) for name in self.names])
 
 
-def _to_the_minimum(walk: _Walk, Y: Any, slip: SlipPhase, number: int) -> None:
+def _to_the_minimum(walk: _Walk, Y: FloatArray, slip: SlipPhase, number: int) -> None:
     """Go on from a return, just before the minimum that a threshold has at w = 0, where w'' = 1."""
     last = slip.last
     if slip.end is End.RETURN:
@@ -198,7 +199,7 @@ def _to_the_minimum(walk: _Walk, Y: Any, slip: SlipPhase, number: int) -> None:
 
 
 @cache
-def _radau() -> tuple[Any, Any]:
+def _radau() -> tuple[FloatArray, FloatArray]:
     """Return the nodes of Radau's collocation on [0, 1], the last one 1, and its integration weights."""
     inner, _ = roots_jacobi(_STAGES - 1, 1.0, 0.0)
     nodes = np.append((1 + inner) / 2, 1.0)

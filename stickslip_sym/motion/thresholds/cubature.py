@@ -3,10 +3,11 @@
 import warnings
 from collections.abc import Mapping
 from itertools import combinations, product
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stickslip_sym.core.aliases import FloatArray, Numbers
 from stickslip_sym.core.errors import InputWarning, OutOfTime, StickSlipError
 from stickslip_sym.motion.thresholds.rungs import Rung, rungs
 from stickslip_sym.motion.thresholds.scenes import Scenes
@@ -19,7 +20,9 @@ _SERVES = 0.1  # of the first order's standard error, by which the second order'
 _RANK = 1e-12  # of the largest eigenvalue of the correlations, below which one is 0
 
 
-def to_second_order(scenes: Scenes, method: Any, errors: Errors, own: Rung | None) -> tuple[Any, str]:
+def to_second_order(
+    scenes: Scenes, method: NDArray[np.str_], errors: Errors, own: Rung | None
+) -> tuple[FloatArray, str]:
     """Return the standard error of thresholds to second order, and why it is NaN where it is.
 
     The threshold is computed at the 2 n^2 + 1 points of a cubature of the fifth degree (McNamee and Stenger 1967)
@@ -51,7 +54,7 @@ def to_second_order(scenes: Scenes, method: Any, errors: Errors, own: Rung | Non
     return found, reason
 
 
-def _by_cubature(scenes: Scenes, rung: Rung, covariance: Any, names: tuple[str, ...]) -> Any:
+def _by_cubature(scenes: Scenes, rung: Rung, covariance: FloatArray, names: tuple[str, ...]) -> FloatArray:
     directions = _directions(covariance)
     points, weights = _fifth_degree(directions.shape[1])
     values = np.array([
@@ -84,16 +87,17 @@ def shifted(scenes: Scenes, by: Mapping[str, float]) -> Scenes:
     return Scenes.of(law.bind(**parameters), **moved)
 
 
-def _directions(covariance: Any) -> Any:
+def _directions(covariance: FloatArray) -> FloatArray:
     """Return a matrix L with L L^T = covariance, without columns of zeros."""
     size = np.sqrt(np.diagonal(covariance))
     unit = np.where(size > 0, size, 1.0)
     eigenvalues, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
     kept = eigenvalues > _RANK * eigenvalues.max(initial=0.0)
-    return unit[:, None] * vectors[:, kept] * np.sqrt(eigenvalues[kept])
+    matrix: FloatArray = unit[:, None] * vectors[:, kept] * np.sqrt(eigenvalues[kept])
+    return matrix
 
 
-def _fifth_degree(n: int) -> tuple[Any, Any]:
+def _fifth_degree(n: int) -> tuple[FloatArray, FloatArray]:
     """Return points and weights that integrate polynomials of degree 5 over n standard normal variables."""
     unit, far = np.eye(n), np.sqrt(3.0)
     axes = [sign * far * one for one in unit for sign in (-1, 1)]
@@ -106,7 +110,7 @@ def _fifth_degree(n: int) -> tuple[Any, Any]:
     return np.array([np.zeros(n), *axes, *pairs]), np.array(weights)
 
 
-def warn_of_ratio(ratio: Any, reason: str) -> None:
+def warn_of_ratio(ratio: Numbers, reason: str) -> None:
     """Warn where the second order says that the first does not serve.
 
     Warns

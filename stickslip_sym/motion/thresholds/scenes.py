@@ -91,7 +91,7 @@ class Scenes:
         return ", ".join(f"{name} = {column[row]:g}" for name, column in columns if column is not None)
 
 
-def _split(value: Any, name: str) -> tuple[Any, Any]:
+def _split(value: ArrayLike | UFloat | None, name: str) -> tuple[Any, Any]:
     """Separate numbers from their standard errors, one by one in an array that has any."""
     array = np.asarray(value, dtype=object) if isinstance(value, list | tuple | np.ndarray) else None
     if array is None or not any(isinstance(item, UFloat) for item in array.flat):

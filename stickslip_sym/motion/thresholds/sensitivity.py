@@ -12,6 +12,7 @@ import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.expression.pieces import jumps
@@ -29,7 +30,7 @@ __all__ = ["sensitivities", "slope_mean"]
 _SHARP = 1e-11  # relative error of a threshold at which the simulated slip may be differentiated
 
 
-def sensitivities(scenes: Scenes, rung: Rung, value: Any, error: Any) -> dict[str, Any]:
+def sensitivities(scenes: Scenes, rung: Rung, value: FloatArray, error: FloatArray) -> dict[str, FloatArray]:
     """Return dc/dname for V, N, m and k, as far as they are given, and every parameter of the law.
 
     Parameters
@@ -58,7 +59,7 @@ def sensitivities(scenes: Scenes, rung: Rung, value: Any, error: Any) -> dict[st
 # -- averages --------------------------------------------------------------------------------------
 
 
-def slope_mean(law: FrictionLaw, criterion: Criterion, V: Any) -> Any:
+def slope_mean(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray:
     """Return the average of minus the slope of a law with all its values, at belt speeds V."""
     if not law.expr.has(symbols.v):
         return np.zeros_like(V)
@@ -67,10 +68,10 @@ def slope_mean(law: FrictionLaw, criterion: Criterion, V: Any) -> Any:
     return -slopes(law)(V) if criterion.weight is None else averages(law, V, criteria=[criterion])[0]
 
 
-def _of_average(scenes: Scenes, criterion: Criterion) -> dict[str, Any]:
+def _of_average(scenes: Scenes, criterion: Criterion) -> dict[str, FloatArray]:
     law, N, V = scenes.law, scenes.N, scenes.V
 
-    def changed(name: str) -> Any:
+    def changed(name: str) -> FloatArray:
         return N * (slope_mean(law.partial(name), criterion, V) + _of_jumps(law, criterion, V, name))
 
     nothing = {} if scenes.m is None else {"m": np.zeros_like(V), "k": np.zeros_like(V)}
@@ -81,7 +82,7 @@ def _of_average(scenes: Scenes, criterion: Criterion) -> dict[str, Any]:
     )
 
 
-def _of_jumps(law: FrictionLaw, criterion: Criterion, V: Any, name: str) -> Any:
+def _of_jumps(law: FrictionLaw, criterion: Criterion, V: FloatArray, name: str) -> FloatArray:
     """Return what places bring at which mu jumps, and that move: c is the integral of mu times a kernel K(v)."""
     found = np.zeros_like(V)
     if criterion.weight is None:
@@ -100,20 +101,20 @@ def _of_jumps(law: FrictionLaw, criterion: Criterion, V: Any, name: str) -> Any:
 # -- with m and k ----------------------------------------------------------------------------------
 
 
-def _by_impedance(scenes: Scenes, by_impedance: Any) -> dict[str, Any]:
+def _by_impedance(scenes: Scenes, by_impedance: FloatArray) -> dict[str, FloatArray]:
     """Return the derivatives by m and k: both enter by sqrt(k m) alone."""
     whole = by_impedance * scenes.impedance / 2
     return {"m": whole / scenes.m, "k": whole / scenes.k}
 
 
-def _second_order(scenes: Scenes, value: Any, error: Any) -> dict[str, Any]:
+def _second_order(scenes: Scenes, value: FloatArray, error: FloatArray) -> dict[str, FloatArray]:
     """Differentiate c = N (h + e^2 s), e = N/sqrt(k m)."""
     del value, error
     law, N, impedance = scenes.law, scenes.N, scenes.impedance
     weak, tangent = tangents(law, scenes.V, ["V", *law.parameters])
     e = N / impedance
 
-    def changed(name: str) -> Any:
+    def changed(name: str) -> FloatArray:
         return N * (tangent[name].harmonic + e**2 * tangent[name].second)
 
     return (
@@ -123,7 +124,7 @@ def _second_order(scenes: Scenes, value: Any, error: Any) -> dict[str, Any]:
     )
 
 
-def _on_orbit(scenes: Scenes, value: Any, error: Any) -> dict[str, Any]:
+def _on_orbit(scenes: Scenes, value: FloatArray, error: FloatArray) -> dict[str, FloatArray]:
     """Differentiate c = sqrt(k m) d(V, N/sqrt(k m))."""
     del value, error
     impedance, strength = scenes.impedance, scenes.N / scenes.impedance
@@ -137,7 +138,7 @@ def _on_orbit(scenes: Scenes, value: Any, error: Any) -> dict[str, Any]:
     )
 
 
-def _simulated(scenes: Scenes, value: Any, error: Any) -> dict[str, Any]:
+def _simulated(scenes: Scenes, value: FloatArray, error: FloatArray) -> dict[str, FloatArray]:
     """Differentiate the lowest slip speed after the slip from P, which is 0 at the threshold."""
     found: dict[str, Any] = {}
     for row, (V, N, m, k) in enumerate(zip(scenes.V, scenes.N, scenes.m, scenes.k, strict=True)):

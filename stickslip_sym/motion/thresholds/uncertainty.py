@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip_sym.core.aliases import FloatArray, Numbers, ObjectArray, Rows
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.criteria.criterion import harmonic
 from stickslip_sym.motion.thresholds.rungs import rungs
@@ -34,10 +35,10 @@ class Errors:
     """
 
     names: tuple[str, ...]
-    covariance: Any
+    covariance: FloatArray
 
     @property
-    def deviations(self) -> Any:
+    def deviations(self) -> FloatArray:
         """Standard errors, one row a scene."""
         return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
 
@@ -55,14 +56,14 @@ class Errors:
             if abs(largest[i, j]) > _CORRELATED
         ]
 
-    def rows(self, chosen: Any) -> "Errors":
+    def rows(self, chosen: Rows) -> "Errors":
         """Return those of some scenes."""
         return Errors(self.names, self.covariance if len(self.covariance) == 1 else self.covariance[chosen])
 
 
 def standard_errors(scenes: Scenes) -> Errors | None:
     """Return the covariance of all that carries a standard error in some scenes; None where nothing does."""
-    given: dict[str, Any] = {**scenes.uncertain, **scenes.law.uncertain}
+    given: dict[str, UFloat | ObjectArray] = {**scenes.uncertain, **scenes.law.uncertain}
     if not given:
         return None
     single = all(isinstance(value, UFloat) for value in given.values())
@@ -74,7 +75,7 @@ def standard_errors(scenes: Scenes) -> Errors | None:
     return Errors(tuple(given), covariance)
 
 
-def _covariance(values: list[Any]) -> Any:
+def _covariance(values: list[float | UFloat]) -> FloatArray:
     import uncertainties
 
     carrying = [place for place, value in enumerate(values) if isinstance(value, UFloat)]
@@ -120,7 +121,7 @@ class Budget:
     correlated: list[tuple[str, str, float]]
 
     @classmethod
-    def of(cls, errors: Errors, sensitivity: Mapping[str, Any], shape: tuple[int, ...]) -> "Budget":
+    def of(cls, errors: Errors, sensitivity: Mapping[str, Numbers], shape: tuple[int, ...]) -> "Budget":
         """Return the budget of thresholds with given sensitivities."""
         s = np.stack([np.ravel(sensitivity[name]) for name in errors.names], axis=1)
         parts = s * np.einsum(
@@ -131,7 +132,7 @@ class Budget:
             shares = np.where(variance[:, None] > 0, parts / variance[:, None], 0.0)
         sizes = np.broadcast_to(errors.deviations, s.shape)
 
-        def columns(values: Any) -> dict[str, Any]:
+        def columns(values: FloatArray) -> dict[str, Any]:
             shaped = {name: _shaped(values[:, i], shape) for i, name in enumerate(errors.names)}
             return {name: shaped[name] for name in order}
 
@@ -172,11 +173,11 @@ class Budget:
         return markup.table(header, rows, caption=self._remark or "budget of the standard error")
 
 
-def _shaped(column: Any, shape: tuple[int, ...]) -> Any:
+def _shaped(column: FloatArray, shape: tuple[int, ...]) -> Any:
     return float(column[0]) if shape == () else np.asarray(column).reshape(shape)
 
 
-def _range(values: Any, form: str) -> str:
+def _range(values: Numbers, form: str) -> str:
     if not np.size(values):
         return ""
     low, high = (format(float(end(values)), form) for end in (np.min, np.max))

@@ -103,7 +103,8 @@ def test_the_band_is_what_uncertainties_propagates(fits):
     for v in (0.01, 0.3, 1.5):
         mu = p["mu_m"] + (p["mu_s"] - p["mu_m"]) * umath.exp(-p["alpha"] * v)
         low, high = fit.band([v], level=0.6826894921370859)
-        one_sided = fit._quantile(0.6826894921370859)
+        below, above = fit.confidence(0.6826894921370859)["alpha"]
+        one_sided = (above - below) / 2 / fit.standard_errors["alpha"]
         assert (low[0] + high[0]) / 2 == pytest.approx(mu.nominal_value)
         assert (high[0] - low[0]) / 2 == pytest.approx(one_sided * mu.std_dev, rel=1e-6)
     assert fit.law.mu(0.3) == pytest.approx((p["mu_m"] + (p["mu_s"] - p["mu_m"]) * umath.exp(-p["alpha"] * 0.3)).n)
