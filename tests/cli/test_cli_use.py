@@ -29,6 +29,7 @@ COMMANDS = {
     "critical": ["mu_s", "exponential", "-c", "2"],
     "simulate": ["linear", "--t-end", "1"],
     "map": ["linear", "--x", "V=1:1:1", "--y", "c=1:1:1"],
+    "study": ["linear", "-c", "1", "-o", "study.html"],
     "tradeoff": ["coulomb_viscous", "--criterion", "equilibrium"],
     "export": ["coulomb", "--python", "/dev/stdout" if Path("/dev/stdout").exists() else "coulomb.py"],
 }
@@ -49,7 +50,7 @@ def test_every_command_is_tried_here():
 def test_every_command_of_one_law_has_all_options_of_a_law_and_a_scene():
     commands = typer.main.get_command(program.app).commands
     one_law = [name for name, command in commands.items() if any("--from-csv" in p.opts for p in command.params)]
-    assert one_law == ["derive", "damping", "critical", "simulate", "map", "tradeoff"]
+    assert one_law == ["derive", "damping", "critical", "simulate", "map", "study", "tradeoff"]
     wanted = {field.name for group in (LawOptions, options.SceneOptions) for field in dataclasses.fields(group)}
     for name in one_law:
         assert wanted <= {parameter.name for parameter in commands[name].params}

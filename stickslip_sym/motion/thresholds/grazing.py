@@ -28,6 +28,7 @@ _MOST_SECANTS = 16  # as many as a root takes where friction is strong; a canard
 _NEAR = 1e-3  # relative distance of a root from which on integrations are tight
 _LEFT = 1e-2  # of the tolerance, what the last secant may leave
 _SURE = 1e-2  # relative error; of a root that is less certain brackets say whether there is one
+_FLAT = 1e-12  # fall of mu along an orbit, below which it is none
 _PHASES = 128  # for the first guess
 _COARSE = 1e-5  # tolerance of a first root, whose orbits cost little
 
@@ -87,9 +88,10 @@ def _root(
         return found / (1 + abs(found)) if found > -math.inf else -1.0
 
     tight = max(min(rtol, _LOOSEST) / 10, _TIGHTEST)
-    found = _by_secants(lowest, _harmonic(law, osc), math.pi / osc.impedance, tight, sides)
+    guess = _harmonic(law, osc)
+    found = _by_secants(lowest, guess, math.pi / osc.impedance, tight, sides)
     if found is None:
-        found = _by_brackets(lowest, _steep(law, osc, scene.static), tight, osc)
+        found = _by_brackets(lowest, guess, _steep(law, osc, scene.static), tight, osc)
     value, error = found
     return value, max(error, rtol)
 
@@ -139,11 +141,11 @@ def _by_secants(
 
 
 def _by_brackets(
-    lowest: Callable[[float, float], float], high: float, tight: float, osc: Oscillator
+    lowest: Callable[[float, float], float], guess: float, high: float, tight: float, osc: Oscillator
 ) -> tuple[float, float]:
     """Return the root between 0 and a damping that is doubled until it is one, and its error."""
     undamped = lowest(0.0, tight)
-    if 0 <= undamped <= _OFF * tight:
+    if 0 <= undamped <= _OFF * tight and guess * osc.V > _FLAT * osc.N:
         raise NotConverged(
             "whether the slip that leaves P returns to the belt's speed without damping is lost in rounding: "
             f"friction changes too little at V = {osc.V:g}, N = {osc.N:g}"
