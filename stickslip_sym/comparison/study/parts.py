@@ -162,7 +162,9 @@ def _carried(errors: Mapping[str, str | UFloat], osc: Oscillator) -> dict[str, U
     carried = {}
     for name, given in errors.items():
         if name not in ("V", "N", "m", "k", "c"):
-            raise InputError(f"errors has {name!r}; it takes V, N, m, k and c; a parameter carries its own in the law")
+            raise InputError(
+                f"errors has {name!r}; it takes V, N, m, k and c; a parameter carries its own in the law"
+            )
         _, read = split(given, name)
         if read is None:
             continue
