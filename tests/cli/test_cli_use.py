@@ -32,8 +32,7 @@ COMMANDS = {
     "study": ["linear", "-c", "1", "-o", "study.html"],
     "tradeoff": ["coulomb_viscous", "--criterion", "equilibrium"],
     "export": ["coulomb", "--python", "/dev/stdout" if Path("/dev/stdout").exists() else "coulomb.py"],
-}
-"""What makes each command do its work, quickly."""
+}  # what makes each command do its work, quickly
 DISC = "v [mm/s],mu\n" + "".join(f"{v},{0.3 + 10 / (50 + v):.3f}\n" for v in range(5, 900, 30))
 """Measured friction, for those that read a file."""
 
