@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Fit", "rounded"]
 
+_HEADS = ["parameter", "value", "95 % interval", "unit"]
+
 FloatArray = NDArray[np.float64]
 
 
@@ -161,10 +163,9 @@ class Fit(Drawn):
     def _model(self, v: FloatArray) -> Parametric:
         return Parametric(self.free_law, v)
 
-    def __str__(self) -> str:
-        intervals = self.confidence()
-        errors = self.standard_errors
-        rows = [
+    def _rows(self) -> list[list[str]]:
+        errors, intervals = self.standard_errors, self.confidence()
+        return [
             [
                 name,
                 rounded(value, errors[name]),
@@ -173,23 +174,15 @@ class Fit(Drawn):
             ]
             for name, value in self.values.items()
         ]
+
+    def __str__(self) -> str:
         head = f"{self.name}: mu(v) = {self.law.text}" if self.law.name else f"mu(v) = {self.law.text}"
         about = f"residual standard deviation {self.sigma:.3g}, AICc {self.aicc:.6g}, weight {self.weight:.2g}"
-        parts = [head, table(["parameter", "value", "95 % interval", "unit"], rows), about]
+        parts = [head, table(_HEADS, self._rows()), about]
         return "\n\n".join([*parts, *(f"warning: {text}" for text in self.warnings)])
 
     def _repr_html_(self) -> str:
-        errors, intervals = self.standard_errors, self.confidence()
-        rows = [
-            [
-                name,
-                rounded(value, errors[name]),
-                "{:.4g} to {:.4g}".format(*intervals[name]),
-                _unit(self.law, name),
-            ]
-            for name, value in self.values.items()
-        ]
-        values = markup.table(["parameter", "value", "95 % interval", "unit"], rows)
+        values = markup.table(_HEADS, self._rows())
         drawn = picture(self._figure, f"measured friction and the fitted law {self.name}")
         return markup.block(f"{self.name}: mu(v) = {self.law.text}", values, drawn, *self.warnings)
 
