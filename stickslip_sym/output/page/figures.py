@@ -8,7 +8,7 @@ import base64
 import io
 from typing import Any
 
-from stickslip_sym import InputError
+from stickslip_sym.core.errors import InputError
 
 __all__ = [
     "BLUE",
