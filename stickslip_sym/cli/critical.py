@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip_sym.cli.shared import json_output
+from stickslip_sym.cli.shared import json_answers, json_output
 from stickslip_sym.cli.shared.completion import complete_method
 from stickslip_sym.cli.shared.law import LawOptions
 from stickslip_sym.cli.shared.options import AsJson, MaybeOscillator
@@ -13,7 +13,6 @@ from stickslip_sym.model.operating_point import PAPER
 
 if TYPE_CHECKING:
     from stickslip_sym.model.law import FrictionLaw
-    from stickslip_sym.motion.margins.value import Critical
 
 __all__ = ["critical"]
 
@@ -77,20 +76,10 @@ def critical(
             law=json_output.law(bound),
             scene=json_output.values(texts),
             of=of,
-            values=[_as_json(one) for one in found],
+            values=[json_answers.critical(one) for one in found],
         )
     else:
         typer.echo("\n".join(map(str, found)) or f"there is no such value of {of}")
-
-
-def _as_json(one: "Critical") -> json_output.Json:
-    return {
-        "value": json_output.quantity(one.value, one.unit),
-        "method": one.method,
-        "relative_error": json_output.number(one.error),
-        "sensitivity": {name: json_output.number(value) for name, value in one.sensitivity.items()},
-        "proved": one.enclosure is not None,
-    }
 
 
 def _print_margins(
@@ -110,25 +99,10 @@ def _print_margins(
     if not as_json:
         typer.echo(str(found))
         return
-    rows = [
-        {
-            "name": row.name,
-            "value": row.value,
-            "below": None if row.below is None else _as_json(row.below),
-            "above": None if row.above is None else _as_json(row.above),
-            "change": json_output.number(row.change),
-        }
-        for row in found.rows
-    ]
     json_output.echo(
         "critical",
         law=json_output.law(law),
         scene=json_output.values(texts),
         of="all",
-        stick_slip=found.stick_slip,
-        threshold=json_output.quantity(found.threshold.value, "kg/s"),
-        margins=rows,
-        probability=found.probability,
-        sampled=None if found.sampled is None else list(found.sampled),
-        refused=dict(found.refused),
+        **json_answers.margins(found),
     )

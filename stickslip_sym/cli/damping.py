@@ -1,10 +1,10 @@
 """``stickslip damping``: the threshold to a tolerance, or every rung of the ladder."""
 
-from typing import TYPE_CHECKING, Annotated, Union, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from stickslip_sym.cli.shared import json_output
+from stickslip_sym.cli.shared import json_answers, json_output
 from stickslip_sym.cli.shared.completion import complete_method
 from stickslip_sym.cli.shared.law import LawOptions
 from stickslip_sym.cli.shared.options import AsJson, MaybeOscillator
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.threshold import Threshold
 
 __all__ = ["damping"]
-
-Found = Union["Threshold", StickSlipError]  # a text has no |
-"""A threshold, or why there is none."""
 
 
 def damping(
@@ -65,14 +62,14 @@ def damping(
         if isinstance(error := found[method][0], StickSlipError):
             raise error
     if as_json:
-        thresholds = [_as_json(method, *result) for method, result in found.items()]
+        thresholds = [json_answers.threshold(method, *result) for method, result in found.items()]
         json_output.echo(
             "damping", law=json_output.law(bound), scene=json_output.values(given), thresholds=thresholds
         )
     elif everything:
         rows = [
             [method, f"none: {in_options(str(threshold))}", "", "", ""]
-            if isinstance(threshold, StickSlipError)
+            if isinstance(threshold, StickSlipError | str)
             else [
                 method,
                 f"{threshold.value:.12g}",
@@ -92,7 +89,7 @@ def damping(
 
 def _threshold(
     law: "FrictionLaw", scene: dict[str, str], method: str, rtol: float | None, limit: float | None
-) -> tuple[Found, float]:
+) -> tuple[json_answers.Found, float]:
     """Return a threshold, or the error that says why there is none, and the seconds it took."""
     import time
 
@@ -100,7 +97,7 @@ def _threshold(
 
     begin = time.perf_counter()
     try:
-        found: Found = pure_slip_damping(law, **scene, method=method, rtol=rtol, time_limit=limit)
+        found: json_answers.Found = pure_slip_damping(law, **scene, method=method, rtol=rtol, time_limit=limit)
     except StickSlipError as error:
         found = error
     return found, time.perf_counter() - begin
@@ -116,39 +113,3 @@ def _with_budget(threshold: "Threshold") -> str:
             "their relative standard error; give --rtol for more"
         )
     return "\n".join([*lines, "", str(threshold.budget)])
-
-
-def _uncertainty(threshold: "Threshold") -> json_output.Json:
-    """Return the standard error that the parameters give a threshold, and its budget, if they carry any."""
-    budget = threshold.budget
-    if budget is None:
-        return {}
-    shares = [
-        {
-            "name": name,
-            "standard_error": json_output.number(budget.deviations[name]),
-            "sensitivity": json_output.number(threshold.sensitivity[name]),
-            "alone": json_output.number(budget.alone[name]),
-            "share": json_output.number(budget.shares[name]),
-        }
-        for name in budget.names
-    ]
-    return {
-        "standard_error": json_output.quantity(threshold.uncertainty, "kg/s"),
-        "second_order_ratio": json_output.number(threshold.nonlinearity),
-        "budget": shares,
-        "correlations": [{"names": [one, other], "value": r} for one, other, r in budget.correlated],
-        "deserved_rtol": threshold.deserved,
-    }
-
-
-def _as_json(method: str, threshold: Found, seconds: float) -> json_output.Json:
-    if isinstance(threshold, StickSlipError):
-        return {"method": method, "c": json_output.missing("kg/s", in_options(str(threshold)))}
-    return {
-        "method": threshold.method,
-        "c": json_output.quantity(threshold.value, "kg/s"),
-        "relative_error": json_output.number(threshold.error),
-        "status": threshold.status,
-        "seconds": seconds,
-    } | _uncertainty(threshold)

@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stickslip_sym.cli.fit import laws_to_fit, progress_of_laws
+from stickslip_sym.cli.shared import json_answers, json_output
 from stickslip_sym.cli.shared.law import LawOptions
-from stickslip_sym.cli.shared.options import SceneOptions, file_option
+from stickslip_sym.cli.shared.options import AsJson, SceneOptions, file_option
 from stickslip_sym.cli.shared.reading import read_numbers, require_writable
 from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:
+    from stickslip_sym.comparison.study.study import Study
     from stickslip_sym.model.law import FrictionLaw
     from stickslip_sym.model.measured.fit import Fit
     from stickslip_sym.model.measured.measurements import Measurements
@@ -37,6 +39,7 @@ def study(
     time_limit: Annotated[
         str | None, typer.Option("--time-limit", metavar="S", help="Seconds for each part (20).")
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Write one page on one operating point: law, thresholds, motions, uncertainty, margins, formulas.
 
@@ -68,11 +71,33 @@ def study(
         time_limit=limit,
     )
     found.save(output)
+    if pdf is not None:
+        found.print(pdf)
+    if as_json:
+        known = {"law": json_output.law(found.law), "scene": json_output.values(texts)}
+        json_output.echo("study", **known, **_as_json(found), page=str(output), pdf=pdf and str(pdf))
+        return
     typer.echo(in_options(str(found)))
     typer.echo(f"{output}: {len(found.page) / 1000:.0f} kB, in {found.seconds:.1f} s")
     if pdf is not None:
-        found.print(pdf)
         typer.echo(f"{pdf}: the same, printed")
+
+
+def _as_json(found: "Study") -> json_output.Json:
+    """Return what the page says in numbers; what could not be computed is in "refused", with the reason."""
+    return {
+        "verdict": found.verdict,
+        "attractors": None if found.regime is None else list(map(json_answers.attractor, found.regime.attractors)),
+        "thresholds": [
+            json_answers.threshold(one.method, one.threshold or one.refused, one.seconds) for one in found.answers
+        ],
+        "margins": None if found.margins is None else json_answers.margins(found.margins),
+        "formulas": {name: json_output.form(form) for name, form in found.forms.items()},
+        "refused": {part: in_options(why) for part, why in found.refused.items()},
+        "warnings": list(found.doubts),
+        "assumed": list(found.assumed),
+        "seconds": found.seconds,
+    }
 
 
 def _law(law: LawOptions, fit: Path | None) -> "tuple[FrictionLaw | Fit, Measurements | None]":

@@ -1,5 +1,6 @@
 """``stickslip study``: from files of three instruments to a page in one command each, and what is refused."""
 
+import json
 import re
 
 import numpy as np
@@ -55,6 +56,26 @@ def test_through_measured_points(tmp_path, monkeypatch, capsys):
     text = (tmp_path / "pin.html").read_text(encoding="utf-8")
     check_well_formed(text)
     assert "Measured: 5 rows" in text
+
+
+def test_numbers_for_a_program(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    line = ["study", "linear", "-c", "1.2", "-p", "mu_s=0.50+/-0.02", "-o", "page.html", "--json"]
+    code, out, err = run(monkeypatch, capsys, *line)
+    assert (code, err) == (0, "")
+    told = json.loads(out)
+    law = ss.laws.linear.typical(mu_s="0.50+/-0.02")
+    found = ss.study(law, ss.Oscillator(m=1, k=100, c=1.2, V=0.5, N=9.81))
+    assert (told["command"], told["page"], told["verdict"]) == ("study", "page.html", found.verdict)
+    (cycle,) = told["attractors"]
+    assert cycle["stick_time"] == {"value": found.regime.stick_slip.stick_time, "unit": "s"}
+    by_method = {one["method"]: one["c"]["value"] for one in told["thresholds"]}
+    assert by_method == {one.method: one.threshold.value for one in found.answers}
+    assert told["margins"]["threshold"]["value"] == found.margins.threshold.value
+    changes = {row["name"]: row["change"] for row in told["margins"]["margins"]}
+    assert changes == {row.name: row.change if np.isfinite(row.change) else None for row in found.margins.rows}
+    assert told["formulas"].keys() == found.forms.keys()
+    assert (tmp_path / "page.html").exists()
 
 
 @pytest.mark.parametrize(

@@ -72,11 +72,11 @@ def _standard_error(errors: "Mapping[str, UFloat]", name: str) -> Json:
     return {"standard_error": float(errors[name].std_dev)} if name in errors else {}
 
 
-def form(found: "ClosedForm | NoClosedForm") -> Json:
+def form(found: "ClosedForm | NoClosedForm | str") -> Json:
     """Return a closed form with its verdict, or why there is none."""
     from stickslip_sym.output import printing
 
-    if isinstance(found, NoClosedForm):
+    if isinstance(found, NoClosedForm | str):
         return {"formula": None, "reason": in_options(str(found))}
     return {"formula": printing.text(found.expr), "unit": "kg/s", "status": found.verdict.status.value}
 

@@ -31,7 +31,7 @@ from stickslip_sym.output import drawing, markup
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Regime", "Rest", "Separatrix", "graze", "grows_far_out", "regime", "swing"]
+__all__ = ["Attractor", "Regime", "Rest", "Separatrix", "graze", "grows_far_out", "regime", "swing"]
 
 _SAMPLES = 257  # of a separatrix
 _LONGEST = 1e3  # of dimensionless time, for a separatrix
@@ -70,6 +70,7 @@ class Rest:
         return f"Rest: {self}, {'stable' if self.stable else 'unstable'}, growth rate {self.rate:.6g} 1/s"
 
 
+Attractor = Rest | LimitCycle | StickSlipCycle
 SeparatrixKind = Literal["limit cycle", "graze"]
 
 
@@ -126,9 +127,9 @@ class Regime(drawing.Drawn):
     oscillator: Oscillator | None = None
 
     @property
-    def attractors(self) -> tuple[Rest | LimitCycle | StickSlipCycle, ...]:
+    def attractors(self) -> tuple[Attractor, ...]:
         """The motions that attract others, from inside out."""
-        found: list[Rest | LimitCycle | StickSlipCycle] = [self.rest] if self.rest.stable else []
+        found: list[Attractor] = [self.rest] if self.rest.stable else []
         found += [cycle for cycle in self.cycles if cycle.stable]
         return tuple(found if self.stick_slip is None else [*found, self.stick_slip])
 

@@ -13,17 +13,18 @@ from stickslip_sym.motion.thresholds.rungs import Rung, rungs
 from stickslip_sym.motion.thresholds.scenes import Scenes
 from stickslip_sym.motion.thresholds.uncertainty import Errors
 
-__all__ = ["shifted", "to_second_order", "warn_of_ratio"]
+__all__ = ["second_over_first", "shifted", "warn_of_ratio"]
 
 _TIGHT = 1e-8  # relative error of a threshold at a point of the cubature, far below what it is compared with
+_HIDDEN = 10.0  # times that error, what two thresholds may differ by for no other reason
 _SERVES = 0.1  # of the first order's standard error, by which the second order's may differ
 _RANK = 1e-12  # of the largest eigenvalue of the correlations, below which one is 0
 
 
-def to_second_order(
-    scenes: Scenes, method: NDArray[np.str_], errors: Errors, own: Rung | None
+def second_over_first(
+    scenes: Scenes, first: FloatArray, method: NDArray[np.str_], errors: Errors, own: Rung | None
 ) -> tuple[FloatArray, str]:
-    """Return the standard error of thresholds to second order, and why it is NaN where it is.
+    """Return the standard error of thresholds to second order over that to first, and why it is NaN where it is.
 
     The threshold is computed at the 2 n^2 + 1 points of a cubature of the fifth degree (McNamee and Stenger 1967)
     for n normal quantities, correlated as they are: the variance is exact for a threshold that is a quadratic
@@ -32,6 +33,8 @@ def to_second_order(
     Parameters
     ----------
     scenes : Scenes
+    first : numpy.ndarray, shape (n,)
+        The standard errors to first order.
     method : numpy.ndarray of str
         Of each scene.
     errors : Errors
@@ -45,8 +48,8 @@ def to_second_order(
         rung = own or rungs()["simulation" if chosen == "proof" else str(chosen)]
         for part in rows[:, None] if apart else [rows]:
             try:
-                found[part] = _by_cubature(scenes.rows(part), rung, errors.rows(part[0]).covariance.reshape(
-                    len(errors.names), -1), errors.names)  # fmt: skip
+                covariance = errors.rows(part[0]).covariance.reshape(len(errors.names), -1)
+                found[part] = _by_cubature(scenes.rows(part), first[part], rung, covariance, errors.names)
             except OutOfTime:
                 raise
             except StickSlipError as error:
@@ -54,7 +57,9 @@ def to_second_order(
     return found, reason
 
 
-def _by_cubature(scenes: Scenes, rung: Rung, covariance: FloatArray, names: tuple[str, ...]) -> FloatArray:
+def _by_cubature(
+    scenes: Scenes, first: FloatArray, rung: Rung, covariance: FloatArray, names: tuple[str, ...]
+) -> FloatArray:
     directions = _directions(covariance)
     points, weights = _fifth_degree(directions.shape[1])
     values = np.array([
@@ -64,8 +69,11 @@ def _by_cubature(scenes: Scenes, rung: Rung, covariance: FloatArray, names: tupl
     off = values - values[0]  # the first point is the mean itself
     mean = (weights[:, None] * off).sum(axis=0)
     variance = (weights[:, None] * off**2).sum(axis=0) - mean**2
-    with np.errstate(invalid="ignore"):
-        return np.where(variance >= 0, np.sqrt(variance), np.inf)
+    # Standard errors that the thresholds' own errors hide are too small for a second order.
+    hidden = _HIDDEN * _tolerance(rung) * np.abs(values[0])
+    with np.errstate(all="ignore"):
+        second = np.where(variance >= 0, np.sqrt(variance), np.inf)
+        return np.where((first <= hidden) & (np.abs(off).max(axis=0) <= hidden), 1.0, second / first)
 
 
 def _tolerance(rung: Rung) -> float:

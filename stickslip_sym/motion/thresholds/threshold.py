@@ -110,16 +110,14 @@ class Threshold:
 
     @cached_property
     def _second_order(self) -> tuple[Any, str]:
-        from stickslip_sym.motion.thresholds.cubature import to_second_order
+        from stickslip_sym.motion.thresholds.cubature import second_over_first
 
         assert self.scenes is not None
         errors, shape = standard_errors(self.scenes), self.scenes.shape
         if self.budget is None or errors is None:
             return (1.0 if shape == () else np.ones(shape)), ""
         first = np.ravel(self.budget.uncertainty)
-        second, reason = to_second_order(self.scenes, np.ravel(self.method), errors, self.rung)
-        with np.errstate(all="ignore"):
-            ratio = np.where(second == first, 1.0, second / first)
+        ratio, reason = second_over_first(self.scenes, first, np.ravel(self.method), errors, self.rung)
         return (float(ratio[0]) if shape == () else ratio.reshape(shape)), reason
 
     @property

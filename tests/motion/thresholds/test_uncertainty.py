@@ -100,6 +100,19 @@ def test_where_the_first_order_does_not_serve_it_is_said():
         assert ss.pure_slip_damping(correlated(), **SCENE, method="harmonic").uncertainty > 0
 
 
+@pytest.mark.parametrize("method", ["harmonic", "second_order", "orbit", "simulation"])
+def test_an_error_that_does_not_show_needs_no_second_order(method):
+    """That of mu_s, on which the threshold of a falling line does not depend, and one of nine digits less."""
+    line = ss.pure_slip_damping(ss.laws.linear.typical(mu_s="0.50(2)"), **SCENE, method=method)
+    law = ss.laws.exponential.typical(mu_s=ufloat(0.5, 5e-10))
+    small = ss.pure_slip_damping(law, **SCENE, method=method)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert line.uncertainty == pytest.approx(0, abs=1e-12)
+        assert small.uncertainty > 0
+    assert (line.nonlinearity, small.nonlinearity) == (1.0, 1.0)
+
+
 def test_arrays_each_with_its_own_error():
     V = np.array([ufloat(0.3, 0.01), 0.5, ufloat(0.7, 0.03)])
     found = ss.pure_slip_damping(correlated(), **SCENE | {"V": V}, method="orbit")
