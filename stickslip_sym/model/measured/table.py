@@ -14,10 +14,13 @@ from stickslip_sym.output.files import require_name
 
 __all__ = ["Table", "read_table"]
 
-SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", ",": "commas"}
-"""What separates columns, by preference: a comma may also be a decimal sign."""
+SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", ",": "commas", " ": "blanks"}
+"""What separates columns, by preference: a comma may also be a decimal sign, and blanks may stand in a name."""
 MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
+_LONGEST = 10_000  # characters of a line
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
+_BEFORE_UNIT = re.compile(r"(?<=[^\s\])])\s+(?=[\[(])")
+_BETWEEN_BLANKS = re.compile(r'"[^"]*"|(?:\[[^\[\]]*\]|\([^()]*\)|\S)+')
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _NUMBER = r"[+-]?(\d+{sign}?\d*|{sign}\d+)([eE][+-]?\d{{1,4}})?"
 _NUMBERS = {sign: re.compile(_NUMBER.format(sign=re.escape(sign)), re.ASCII) for sign in ".,"}
@@ -53,6 +56,9 @@ def read_table(path: Path) -> Table:
     """
     name = repr(str(path))
     lines = _text(path).splitlines()
+    for number, line in enumerate(lines, 1):
+        if len(line) > _LONGEST:
+            raise InputError(f"{name}, line {number}: it has {len(line)} characters; a row is a line of its own")
     first = [_COMMENT.sub("", line, count=1) for line in lines[:_LOOKED_AT] if line.strip()]
     if not first:
         raise InputError(f"{name} has no points; write a line for each, like 0.1,0.35")
@@ -86,6 +92,8 @@ def _text(path: Path) -> str:
 
 
 def _split(line: str, separator: str) -> list[str]:
+    if separator == " ":  # but v [mm/s] is one name
+        return [name.strip('"') for name in _BETWEEN_BLANKS.findall(_BEFORE_UNIT.sub("", line))]
     cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
     return cells[:-1] if len(cells) > 1 and not cells[-1] else cells  # a separator at the end begins no column
 
@@ -101,7 +109,8 @@ def _separator(lines: Sequence[str]) -> str:
         cells = [_split(line, separator) for line in lines]
         numbers = Counter(len(row) for row in cells if sum(map(_is_number, row)) > 1)
         named = any(is_header(read_header(row)) for row in cells)
-        scores[separator] = named, max(numbers.values(), default=0), sum(len(row) > 1 for row in cells)
+        parted = 0 if separator == " " else sum(len(row) > 1 for row in cells)  # any sentence has blanks
+        scores[separator] = named, max(numbers.values(), default=0), parted
     return max(scores, key=lambda separator: scores[separator])
 
 
@@ -145,7 +154,8 @@ def _units_below(rows: Sequence[tuple[int, str]], place: int, separator: str, co
 def _no_header(rows: Sequence[tuple[int, str]], separator: str, name: str) -> str:
     number, line = next(((n, text) for n, text in rows if not _COMMENT.match(text)), rows[0])
     shown = repr(line[:60]) + ("..." if len(line) > 60 else "")
-    parted = f"{len(_split(line, separator))} columns, parted by {SEPARATORS[separator]}"
+    count = len(_split(line, separator))
+    parted = _columns(count) + (f", parted by {SEPARATORS[separator]}" if count > 1 else "")
     return (
         f"{name}, line {number}: got {shown}, {parted}; a table begins with a header that names the slip speed "
         "and friction, like v [mm/s],mu or v [m/s];F_t [N];F_n [N];sigma_mu, or with its first point"
@@ -154,8 +164,11 @@ def _no_header(rows: Sequence[tuple[int, str]], separator: str, name: str) -> st
 
 def _cells(body: Sequence[tuple[int, str]], columns: Columns, separator: str, name: str) -> Table:
     """Return the needed cells of all rows, or refuse the first row that lacks one."""
-    rows = list(csv.reader([line for _, line in body], delimiter=separator, skipinitialspace=True))
     lines = [number for number, _ in body]
+    if separator == " ":
+        rows = [line.split() for _, line in body]
+    else:
+        rows = list(csv.reader([line for _, line in body], delimiter=separator, skipinitialspace=True))
     if len(rows) != len(body):
         line = next((number for number, text in body if text.count('"') % 2), body[-1][0])
         raise InputError(f"{name}, line {line}: a quotation mark is not closed; a row is a line of its own")
@@ -195,11 +208,15 @@ def _bad_cell(line: int, row: Sequence[str], columns: Columns, quantity: str, se
     where = f"{name}, line {line}, column {place + 1}, {columns.names[quantity]!r}"
     got = separator.join(row)[:60]
     if place >= len(row) or len(row) <= widest:
-        return f"{where}: the row has {len(row)} columns, and the header names more; got {got!r}"
+        return f"{where}: the row has {_columns(len(row))}, and the header names more; got {got!r}"
     cell = row[place].strip()
     if _is_number(cell):
         return (
-            f"{where}: the row has {len(row)} columns, and the header "
+            f"{where}: the row has {_columns(len(row))}, and the header "
             f"{columns.count}; got {got!r}; where a comma is the decimal sign, part the columns by semicolons"
         )
     return f"{where}: a finite number is needed, like 0.35; got {cell[:40]!r}; mend the row, or begin it with # "
+
+
+def _columns(count: int) -> str:
+    return "1 column" if count == 1 else f"{count} columns"

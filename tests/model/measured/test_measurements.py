@@ -30,6 +30,7 @@ WORDS = {
     "sigma": ["sigma_mu", "std(mu)", "s_mu", "σ", "std", "uncertainty", "standard deviation"],
     "other": ["time [s]", "temperature (degC)", "Cycle", "humidity in %"],
 }
+DIALECTS = [(",", "."), (";", "."), (";", ","), ("\t", "."), ("\t", ","), ("|", ","), (" ", "."), (" ", ",")]
 FRAMES = ["{} [{}]", "{} ({})", "{} in {}", "{} / {}", "{}[{}]", '"{}, {}"', "{}_{}"]
 UMT = """Instrument;pin on disc\r
 # 12.03.2021, disc 7\r
@@ -65,7 +66,7 @@ def random_table(rng):
     """A table in a random dialect, with the numbers that it means."""
     count = int(rng.integers(4, 12))
     forces, with_sigma, both = rng.random() < 0.5, rng.random() < 0.4, rng.random() < 0.4
-    separator, sign = [(",", "."), (";", "."), (";", ","), ("\t", "."), ("\t", ","), ("|", ",")][rng.integers(6)]
+    separator, sign = DIALECTS[rng.integers(len(DIALECTS))]
     unit = str(rng.choice(list(SPEED_UNITS)))
     directions = rng.choice([-1, 1], count) if both else np.ones(count, dtype=int)
     loads = np.round(rng.uniform(5, 50, count), 2)
@@ -87,26 +88,33 @@ def random_table(rng):
         columns["F_n"].append(n_text)
         meant.append((v, f / n if forces else mu, sigma))
     names = ["v", *(["F_t", "F_n"] if forces else ["mu"]), *(["sigma"] if with_sigma else [])]
-    frame = str(rng.choice(FRAMES))
+    blanks = separator == " "
+
+    def word(kind):
+        words = SPEED_WORDS if kind == "v" else WORDS[kind]
+        return str(rng.choice([one for one in words if not blanks or " " not in one]))
+
+    frame = str(rng.choice([one for one in FRAMES if not blanks or one[2:4] in ("[{", " [", " (", "_{")]))
     if "_" in frame[2:] and any(mark in unit for mark in " ^·"):
         frame = FRAMES[0]
     units = {"v": unit, "F_t": f_unit, "F_n": n_unit}
     header = {
-        name: frame.format(rng.choice(SPEED_WORDS if name == "v" else WORDS[name]), units[name]).strip('"')
-        if name in units
-        else str(rng.choice(WORDS[name]))
-        for name in names
+        name: frame.format(word(name), units[name]).strip('"') if name in units else word(name) for name in names
     }
     if forces and with_sigma:
         header["sigma"] = "sigma_mu"
     if rng.random() < 0.4:
-        other = str(rng.choice(WORDS["other"]))
+        other = word("other") if not blanks else "time [s]"
         names, header[other] = [*names, other], other
         columns[other] = [f"{i}" for i in range(count)]
     rng.shuffle(names)
     quoted = [f'"{header[name]}"' if separator in header[name] else header[name] for name in names]
+
+    def between():
+        return separator * int(rng.integers(1, 4)) if blanks else separator
+
     rows = [
-        separator.join(columns[name][i].replace(".", sign) for name in names) + separator * int(rng.random() < 0.1)
+        between().join(columns[name][i].replace(".", sign) for name in names) + separator * int(rng.random() < 0.1)
         for i in range(count)
     ]
     lines = [*(["# made by a machine, 3;4,5"] if rng.random() < 0.5 else []), separator.join(quoted), *rows]
@@ -225,11 +233,14 @@ FORCES = "v [m/s],F_t [N],F_n [N]\n"
         ("time,force\n1,2\n", "line 1: got 'time,force'"),
         ("0,1,2\n1,2,3\n", "line 1: got '0,1,2', 3 columns"),
         ("nan,0.5\n1,0.4\n", "line 1: got 'nan,0.5'"),
-        ("0.1 0.5\n0.2 0.4\n", "line 1: got '0.1 0.5', 1 columns"),
+        ("0.1 0.5 7\n0.2 0.4 7\n", "line 1: got '0.1 0.5 7', 3 columns, parted by blanks"),
+        ("v\n0.1\n0.2\n", "line 1: got 'v', 1 column; a table begins"),
+        ("v mu\n0.1 0.5 7\n", "line 2.*the row has 3 columns, and the header 2"),
+        ("v,mu\n" + "[" * 300_000, "line 2: it has 300000 characters; a row is a line of its own"),
         ("v,mu\n# note\n0,0.5\n1,0.4x\n", "line 4, column 2, 'mu': a finite number is needed.*got '0.4x'"),
         ("v,mu\n0,0.5\n1,nan\n", "line 3, column 2, 'mu': a finite number"),
         ("v,mu\n0,0.5\n1,\n", "line 3, column 2, 'mu': a finite number is needed, like 0.35; got ''"),
-        ("v,mu,t\n0,0.5,1\n1\n", "line 3, column 2, 'mu': the row has 1 columns"),
+        ("v,mu,t\n0,0.5,1\n1\n", "line 3, column 2, 'mu': the row has 1 column, and"),
         ("v,mu\n0,05,0,3\n", "line 2.*the row has 4 columns, and the header 2.*part the columns by semicolons"),
         (
             "v;mu\n0,5;0,4\n1;0.3\n",
