@@ -20,14 +20,14 @@ from stickslip_sym.output.tables import table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Fit", "rounded"]
+__all__ = ["Fit"]
 
 _HEADS = ["parameter", "value", "95 % interval", "unit"]
 
 FloatArray = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Fit(Drawn):
     """A friction law fitted to measurements.
 
@@ -168,7 +168,7 @@ class Fit(Drawn):
         return [
             [
                 name,
-                rounded(value, errors[name]),
+                _rounded(value, errors[name]),
                 "{:.4g} to {:.4g}".format(*intervals[name]),
                 _unit(self.law, name),
             ]
@@ -180,6 +180,14 @@ class Fit(Drawn):
         about = f"residual standard deviation {self.sigma:.3g}, AICc {self.aicc:.6g}, weight {self.weight:.2g}"
         parts = [head, table(_HEADS, self._rows()), about]
         return "\n\n".join([*parts, *(f"warning: {text}" for text in self.warnings)])
+
+    def __repr__(self) -> str:
+        return f"Fit: {self.name}, {self.values_in_words()}"
+
+    def values_in_words(self) -> str:
+        """Return the fitted parameters with their standard errors, in a line."""
+        errors = self.standard_errors
+        return ", ".join(f"{name} = {_rounded(value, errors[name])}" for name, value in self.values.items())
 
     def _repr_html_(self) -> str:
         values = markup.table(_HEADS, self._rows())
@@ -220,7 +228,7 @@ class Fit(Drawn):
         return draw_fit(self.name, self.measured, self.residuals, self.law.at_speeds, self.band)
 
 
-def rounded(value: float, error: float) -> str:
+def _rounded(value: float, error: float) -> str:
     """Return a value with its standard error, two digits of it."""
     if error == 0:
         return f"{value:g}"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 
 from stickslip_sym.core.numbers import lookup
-from stickslip_sym.model.measured.fit import Fit, rounded
+from stickslip_sym.model.measured.fit import Fit
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import markup
 from stickslip_sym.output.drawing import picture
@@ -65,11 +65,12 @@ class Fits(Sequence[Fit]):
             parts.append(table(["not fitted", "because"], [[name, why] for name, why in self.rejected.items()]))
         return "\n\n".join(parts)
 
+    def __repr__(self) -> str:
+        return f"Fits: {', '.join(f'{fit.name} ({fit.weight:.2g})' for fit in self._fits)}; {self.measured}"
+
     def _table(self) -> tuple[list[str], list[list[str]]]:
         rows = []
         for fit in self._fits:
-            errors = fit.standard_errors
-            values = ", ".join(f"{name} = {rounded(value, errors[name])}" for name, value in fit.values.items())
             doubts = f"{len(fit.warnings)} warning{'s' * (len(fit.warnings) > 1)}" if fit.warnings else ""
             rows.append(
                 [
@@ -77,7 +78,7 @@ class Fits(Sequence[Fit]):
                     f"{fit.aicc - self.best.aicc:.1f}",
                     f"{fit.weight:.3f}",
                     f"{fit.sigma:.3g}",
-                    values,
+                    fit.values_in_words(),
                     doubts,
                 ]
             )

@@ -160,7 +160,8 @@ def _loose(
     for i, name in enumerate(model.names):
         if held[i]:
             said.append(
-                f"{name} is held at its bound 0: the measurements ask for no {name}; fix it: law.bind({name}=0)"
+                f"{name} is held at its bound 0, where the measurements ask for less; fix it: law.bind({name}=0), "
+                f"or declare Parameter({name!r}, positive=False) if any sign is meant"
             )
         elif model.positive[i] and errors[i] > _LOOSE * p[i]:
             said.append(

@@ -1,7 +1,7 @@
 """`Measurements`: slip speeds, coefficients of friction and their standard deviations, from arrays or a file."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 _EXACTLY = 5000  # rows up to which numbers are kept exactly; more are averaged, or fitted, in double precision
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Measurements:
     """Measured friction: rows of a slip speed, a coefficient and, where known, its standard deviation.
 
@@ -43,7 +43,7 @@ class Measurements:
     sigma: FloatArray | None = None
     understood: str = ""
     name: str | None = None
-    _exact: tuple[tuple[Fraction, ...], tuple[Fraction, ...]] | None = field(default=None, repr=False)
+    _exact: tuple[tuple[Fraction, ...], tuple[Fraction, ...]] | None = None
 
     @classmethod
     def of(cls, v: ArrayLike, mu: ArrayLike, sigma: ArrayLike | None = None) -> "Measurements":
@@ -76,6 +76,9 @@ class Measurements:
 
     def __str__(self) -> str:
         return self.understood
+
+    def __repr__(self) -> str:
+        return f"Measurements: {self.understood or f'{len(self)} rows'}"
 
     @property
     def speeds(self) -> FloatArray:

@@ -110,6 +110,13 @@ def test_the_band_is_what_uncertainties_propagates(fits):
     assert fit.law.mu(0.3) == pytest.approx((p["mu_m"] + (p["mu_s"] - p["mu_m"]) * umath.exp(-p["alpha"] * 0.3)).n)
 
 
+def test_what_a_prompt_shows_is_a_line(fits):
+    assert repr(fits).startswith(f"Fits: {fits.best.name} (")
+    assert repr(fits.best).startswith(f"Fit: {fits.best.name}, mu_s = 0.")
+    assert repr(fits.measured).startswith("Measurements: ")
+    assert "\n" not in repr(fits) + repr(fits.best) + repr(fits.measured)
+
+
 def test_profiles_agree_with_standard_errors_where_the_law_bends_little(fits):
     fit = fits["exponential"]
     profile, plain = fit.confidence(profile=True), fit.confidence()
@@ -123,6 +130,9 @@ def test_a_value_that_would_be_negative_is_held_at_its_bound():
     fit = ss.fit(v, mu - 0.02 * v, laws="exponential_viscous").best
     assert fit.values["mu_v"] == 0
     assert any("mu_v is held at its bound 0" in text and "law.bind(mu_v=0)" in text for text in fit.warnings)
+    assert any("Parameter('mu_v', positive=False)" in text for text in fit.warnings)
+    either = ss.FrictionLaw("a + b*exp(-alpha*v) + d*v", parameters=[ss.Parameter("d", positive=False)])
+    assert ss.fit(v, mu - 0.02 * v, laws=either).best.values["d"] == pytest.approx(-0.02, abs=0.004)
     free = ss.FrictionLaw("a + b*exp(-alpha*v) - d*v")
     assert ss.fit(v, mu - 0.02 * v, laws=free).best.values["d"] == pytest.approx(0.02, abs=0.004)
 
