@@ -1,11 +1,16 @@
 """A friction law as plain content that JSON holds, exact, and back: for files, and for other processes."""
 
 import json
+import math
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact
+from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.law import FrictionLaw, Parameter
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.trees import from_tree, to_tree
@@ -26,6 +31,8 @@ def law_out(law: FrictionLaw) -> dict[str, object]:
         "values": {name: str(value) for name, value in law.values.items()},
         "static": None if law.static is None else to_tree(law.static),
     }
+    if law.uncertain:
+        content["errors"] = _errors_out(law.uncertain)
     if law.curve is not None:
         cubics = [[str(coefficient) for coefficient in cubic] for cubic in law.curve.cubics]
         end = None if law.curve.end is None else str(law.curve.end)
@@ -66,7 +73,32 @@ def law_in(content: dict[str, Any]) -> FrictionLaw:
             parameters=parameters,
             **about,
         )
-    return law.bind(**content["values"])
+    law = law.bind(**content["values"])
+    if "errors" in content:
+        law._uncertain = _errors_in(content["errors"], law)  # to bind them would round the values to doubles
+    return law
+
+
+def _errors_out(uncertain: Mapping[str, UFloat]) -> dict[str, object]:
+    from uncertainties import correlation_matrix
+
+    return {
+        "standard": {name: value.std_dev for name, value in uncertain.items()},
+        "correlation": correlation_matrix(list(uncertain.values())).tolist(),
+    }
+
+
+def _errors_in(content: dict[str, Any], law: FrictionLaw) -> dict[str, UFloat]:
+    """Return the values of a law that carry a standard error, correlated as they were."""
+    from uncertainties import correlated_values_norm, ufloat
+
+    pairs = {name: (float(law.values[name]), float(error)) for name, error in content["standard"].items()}
+    correlation = np.array(content["correlation"], dtype=np.float64)
+    if not all(0 < error < math.inf for _, error in pairs.values()) or correlation.shape != (len(pairs),) * 2:
+        raise InputError("a standard error is positive and finite, and each has its row of correlations")
+    if (correlation == np.eye(len(pairs))).all():
+        return {name: ufloat(*pair) for name, pair in pairs.items()}
+    return dict(zip(pairs, correlated_values_norm(list(pairs.values()), correlation), strict=True))
 
 
 def text_of_law(law: FrictionLaw) -> str:

@@ -4,8 +4,10 @@ import hashlib
 import json
 import random
 
+import numpy as np
 import pytest
 import sympy as sp
+from uncertainties import correlated_values
 
 import stickslip_sym as ss
 from stickslip_sym import criteria
@@ -44,6 +46,29 @@ def test_a_form_comes_back_as_it_was(name, tmp_path):
     assert [step.statement for step in again.derivation.steps] == [s.statement for s in form.derivation.steps]
     assert (again.verdict, again.gate) == (form.verdict, form.gate)
     assert again.evaluate(30, V="0.3", N=2) == form.evaluate(30, V="0.3", N=2)
+
+
+def test_standard_errors_and_correlations_come_back(tmp_path):
+    rng = np.random.default_rng(6)
+    scene = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+    free = ss.laws.exponential.typical(mu_s="0.531(7)", alpha="2.90+/-0.25")  # exact, and not doubles
+    half = rng.normal(size=(3, 3)) * 0.02
+    fitted = ss.laws.exponential.bind(
+        **dict(zip(("mu_s", "mu_m", "alpha"), correlated_values([0.5, 0.2, 3.0], half @ half.T), strict=True))
+    )
+    for law in (free, fitted):
+        _, path = kept(law, "equilibrium", tmp_path)
+        again = ss.load(path).law
+        assert (again.values, again.uncertain.keys()) == (law.values, law.uncertain.keys())
+        before, after = (ss.pure_slip_damping(one, **scene, method="orbit").budget for one in (law, again))
+        assert after.uncertainty == pytest.approx(before.uncertainty, rel=1e-12)
+        assert after.shares == pytest.approx(before.shares, rel=1e-12)
+        assert len(after.correlated) == len(before.correlated) == (3 if law is fitted else 0)
+        content = json.loads(path.read_text())["law"]
+        for wrong in ({"standard": {"mu_s": -1.0}}, {"standard": {"b": 1.0}}, {"correlation": [[1.0]]}):
+            rewrite(path, law=content | {"errors": content["errors"] | wrong})
+            with pytest.raises(ss.InputError, match=r"standard error|lacks a part|one has another shape"):
+                ss.load(path)
 
 
 @pytest.mark.parametrize("criterion", list(criteria.catalogue))
