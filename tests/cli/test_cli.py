@@ -2,13 +2,11 @@
 
 import re
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
-from commands import inside, shell, stickslip
+from commands import inside, shell, started, stickslip
 from systems import FOLDER_OPENED, needs_posix_shell
 
 from stickslip_sym import Status, load
@@ -111,23 +109,20 @@ def _is_gone(child):
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs /proc to see a process's children")
 def test_ctrl_c_leaves_nothing_behind(tmp_path):
     """Interrupted while SymPy's integrator runs in its own process."""
-    run = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()"]
-    command = [*run, "derive", "andersson", "--save", "kept.json", "--latex", "kept.tex"]
-    with subprocess.Popen(
-        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    ) as process:
+    line = ["derive", "andersson", "--save", "kept.json", "--latex", "kept.tex"]
+    with started(*line, cwd=tmp_path) as process:
         children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
         deadline = time.monotonic() + 60
-        while not (started := children.read_text().split()) and time.monotonic() < deadline:
+        while not (integrators := children.read_text().split()) and time.monotonic() < deadline:
             time.sleep(0.05)
-        assert started
+        assert integrators
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30)
     assert (process.returncode, out, err.strip()) == (130, "", "")
     # A child that was only just being started ends when it finds that nobody is there.
-    while not all(map(_is_gone, started)) and time.monotonic() < deadline:
+    while not all(map(_is_gone, integrators)) and time.monotonic() < deadline:
         time.sleep(0.05)
-    assert all(map(_is_gone, started))
+    assert all(map(_is_gone, integrators))
     assert list(tmp_path.iterdir()) == []
 
 

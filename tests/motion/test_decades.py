@@ -2,12 +2,12 @@
 
 import math
 import signal
-import subprocess
 import sys
 import time
 
 import numpy as np
 import pytest
+from commands import started
 from scenes import paper_oscillator
 
 import stickslip_sym as ss
@@ -71,10 +71,9 @@ def test_blocks_solve_what_all_at_once_solves(K):
     ],
 )
 def test_control_c_ends_a_long_map_at_once(command):
-    run = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()", *command]
-    process = subprocess.Popen(run, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(4)
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=20)
+    with started(*command) as process:
+        time.sleep(4)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=20)
     assert process.returncode == 130, err
     assert "Traceback" not in err

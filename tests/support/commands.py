@@ -3,12 +3,16 @@
 import contextlib
 import io
 import json
+import signal
 import subprocess
 import sys
 
 import pytest
+from systems import WINDOWS
 
 from stickslip_sym.cli import program
+
+_RUN = "from stickslip_sym.cli.program import main; main()"
 
 
 def run(monkeypatch, capsys, *arguments):
@@ -32,13 +36,35 @@ def inside(*arguments, cwd="."):
 
 def stickslip(*arguments, cwd=None):
     """Run the command in a process of its own."""
-    command = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()", *arguments]
+    command = [sys.executable, "-c", _RUN, *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=cwd, check=False)
+
+
+@contextlib.contextmanager
+def started(*arguments, cwd="."):
+    """Start the command in a process, and a group, of its own; it is ended if it does not end by itself."""
+
+    def heed():  # an interrupt, also where the tests run in the background of a shell, which ignores it
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+    with subprocess.Popen(
+        [sys.executable, "-c", _RUN, *arguments],
+        cwd=cwd,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=None if WINDOWS else heed,
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 def shell(line, cwd):
     """Run a line of shell in which $RUN is the command."""
-    run = f"{sys.executable} -c 'from stickslip_sym.cli.program import main; main()'"
+    run = f"{sys.executable} -c '{_RUN}'"
     command = ["bash", "-c", "set -o pipefail; " + line.replace("$RUN", run)]
     return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=cwd, check=False)
 

@@ -10,6 +10,7 @@ import time
 
 import numpy as np
 import pytest
+from commands import started
 from parallel_tasks import KILL, die_once, slow_line, slow_square, square
 from systems import needs_groups
 
@@ -212,16 +213,8 @@ def test_a_run_killed_midway_goes_on_to_the_same_output(run, tmp_path):
 
 @needs_groups
 def test_ctrl_c_ends_quietly_and_the_checkpoint_remains(tmp_path):
-    run = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()", "map", "exponential"]
     axes = ["--x", "V=0.2:0.9:1200", "--y", "c=0.5:6:20", "--workers", "2", "--checkpoint", "kept"]
-    with subprocess.Popen(
-        [*run, *axes],
-        cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    ) as process:
+    with started("map", "exponential", *axes, cwd=tmp_path) as process:
         file = tmp_path / "kept"
         deadline = time.monotonic() + 60
         while not (file.exists() and file.read_bytes().count(b"\n") > 2) and time.monotonic() < deadline:
