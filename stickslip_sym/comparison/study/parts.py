@@ -13,7 +13,7 @@ from stickslip_sym.comparison.study.plane import plane
 from stickslip_sym.comparison.study.study import Study
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputError, InputWarning, NoClosedForm, StickSlipError
-from stickslip_sym.core.uncertain import UFloat, split
+from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.formula.derivation.closed_form import ClosedForm, derive
 from stickslip_sym.model.law import FrictionLaw
@@ -21,7 +21,7 @@ from stickslip_sym.model.measured.fit import Fit
 from stickslip_sym.model.measured.fits import Fits
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.margins.margins import margins
+from stickslip_sym.motion.margins.margins import carried_by, margins
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.regimes.attractors import regime
 from stickslip_sym.motion.simulation.automaton import simulate
@@ -95,7 +95,7 @@ def study(
     assert isinstance(friction, FrictionLaw)
     friction.function("numpy")  # refuses a law with parameters that have no value
     friction.at_speeds(np.array([osc.V]))  # and one that was not measured so far
-    carried = _carried(errors or {}, osc)
+    carried = carried_by(osc, errors or {})
     with limited(time_limit):  # refuses what is no time
         refused: dict[str, str] = {}
     seconds = _EACH if time_limit is None else time_limit
@@ -155,26 +155,6 @@ def _fitted(fit: Fit) -> FrictionLaw:
     """Return the law of a fit with the values' standard errors and correlations."""
     law: FrictionLaw = fit.law
     return law.bind(**fit.uncertain)
-
-
-def _carried(errors: Mapping[str, str | UFloat], osc: Oscillator) -> dict[str, UFloat]:
-    """Return the quantities that carry a standard error; each must have the oscillator's value."""
-    carried = {}
-    for name, given in errors.items():
-        if name not in ("V", "N", "m", "k", "c"):
-            raise InputError(
-                f"errors has {name!r}; it takes V, N, m, k and c; a parameter carries its own in the law"
-            )
-        _, read = split(given, name)
-        if read is None:
-            continue
-        if not math.isclose(read.nominal_value, getattr(osc, name), rel_tol=1e-12):
-            raise InputError(
-                f"{name} is {getattr(osc, name):g} in the oscillator and {read.nominal_value:g} in errors; "
-                "give the same value"
-            )
-        carried[name] = read
-    return carried
 
 
 def _answer(law: FrictionLaw, scene: Mapping[str, float | UFloat], method: str, seconds: float) -> Answer:

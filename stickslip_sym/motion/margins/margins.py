@@ -22,7 +22,7 @@ from stickslip_sym.motion.thresholds.uncertainty import standard_errors
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import table
 
-__all__ = ["Margin", "Margins", "margins"]
+__all__ = ["Margin", "Margins", "carried_by", "margins"]
 
 _REACH = 10.0  # times a value, and its inverse: where a change is looked for
 _SEED = 20160428  # of the samples
@@ -155,7 +155,8 @@ def margins(
         Seeded samples for the probability; each takes a threshold. Samples at which a parameter is negative that
         may not be, or which have no threshold, are left out. 0 for none.
     reach : float
-        How far changes are looked for: from a value over it to the value times it, above 1.
+        How far changes are looked for: from a value over it to the value times it, above 1. That of c needs no
+        search, and is given wherever it lies.
     each : float, optional
         Seconds for the critical values of one quantity, after which it is among the refused.
     time_limit : float, optional
@@ -169,18 +170,14 @@ def margins(
     Raises
     ------
     InputError
-        As `critical`, and for an error of what has none.
+        As `critical`, and for an error of what has none, or of another value than the oscillator's.
     OutOfTime
         When the time limit is reached.
     """
     if not reach > 1:
         raise InputError(f"reach = {reach:g} is no factor above 1, by which a value may change; 10 is usual")
     given = {one.name: getattr(osc, one.name) for one in fields(osc)}
-    carried: dict[str, UFloat] = {}
-    for name, value in (errors or {}).items():
-        _, read = split(value, name)
-        if read is not None:
-            carried[name] = read
+    carried = carried_by(osc, errors or {})
     with deadline.time_limit(time_limit):
         c = given.pop("c")
         scene = {name: carried.get(name, value) for name, value in given.items()}
@@ -206,6 +203,26 @@ def margins(
     return Margins(
         threshold, c, tuple(sorted(rows, key=lambda row: abs(row.change))), probability, sampled, refused
     )
+
+
+def carried_by(osc: Oscillator, errors: Mapping[str, str | UFloat]) -> dict[str, UFloat]:
+    """Return the quantities that carry a standard error; each must have the oscillator's value."""
+    carried = {}
+    for name, given in errors.items():
+        if name not in ("V", "N", "m", "k", "c"):
+            raise InputError(
+                f"errors has {name!r}; it takes V, N, m, k and c; a parameter carries its own in the law"
+            )
+        _, read = split(given, name)
+        if read is None:
+            continue
+        if not math.isclose(read.nominal_value, getattr(osc, name), rel_tol=1e-12):
+            raise InputError(
+                f"{name} is {getattr(osc, name):g} in the oscillator and {read.nominal_value:g} in errors; "
+                "give the same value"
+            )
+        carried[name] = read
+    return carried
 
 
 def _method(law: FrictionLaw, osc: Oscillator, method: str | Criterion | Rung) -> str | Criterion | Rung:

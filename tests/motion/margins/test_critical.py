@@ -160,7 +160,7 @@ def test_what_cannot_be_found_is_refused(of, given, message):
 @pytest.fixture(scope="module")
 def found():
     law = ss.laws.exponential.typical(mu_s="0.50(3)")
-    return ss.margins(law, ss.Oscillator(c=2.8, **SCENE), errors={"N": "9.8(2)"}, samples=80)
+    return ss.margins(law, ss.Oscillator(c=2.8, **SCENE), errors={"N": "9.81(20)"}, samples=80)
 
 
 def test_margins_are_the_nearest_critical_values(found):
@@ -173,6 +173,33 @@ def test_margins_are_the_nearest_critical_values(found):
     assert rows["V"].change < 0 < rows["N"].change
     changes = [abs(row.change) for row in found.rows]
     assert changes == sorted(changes)
+
+
+def test_margins_look_no_further_and_no_longer_than_they_are_told(found):
+    """Within a factor of 1.06 only what is nearer than 6 %; no quantity gets more time than each has."""
+    law, osc = ss.laws.exponential.typical(), ss.Oscillator(c=2.8, **SCENE)
+    near = ss.margins(law, osc, reach=1.06, samples=0)
+    whole = {row.name: row.change for row in found.rows}
+    for row in near.rows:
+        within = row.name == "c" or 1 / 1.06 <= 1 + whole[row.name] <= 1.06  # that of c needs no search
+        assert row.change == (pytest.approx(whole[row.name], rel=1e-6) if within else math.inf)
+    assert {row.name for row in near.rows if math.isfinite(row.change)} == {"c", "mu_s"}
+    hurried = ss.margins(law, osc, each=1e-9, samples=0)
+    assert not hurried.rows
+    assert set(hurried.refused) == set(whole)
+    assert hurried.refused["V"] == "not found within 1e-09 s"
+
+
+@pytest.mark.parametrize(
+    ("errors", "message"),
+    [
+        ({"N": "9.8(2)"}, "N is 9.81 in the oscillator and 9.8 in errors; give the same value"),
+        ({"mu_s": "0.5(1)"}, "errors has 'mu_s'; it takes V, N, m, k and c"),
+    ],
+)
+def test_errors_are_those_of_the_oscillator(errors, message):
+    with pytest.raises(ss.InputError, match=message):
+        ss.margins(ss.laws.exponential.typical(), ss.Oscillator(c=2.8, **SCENE), errors=errors)
 
 
 def test_the_probability_of_stick_slip(found):
