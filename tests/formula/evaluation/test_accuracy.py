@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 import sympy as sp
 from accuracy import MOST_UNITS, MOST_UNITS_BY_GAUSS, MOST_UNITS_OF_THE_PAPER, by_quadrature, compiled
-from forms import FORMS, NO_HARMONIC, NO_LEAST_SQUARES, form_of
+from forms import FORMS, IN_ONE_PROCESS, NO_HARMONIC, NO_LEAST_SQUARES, form_of
 
 import stickslip_sym as ss
 from derivations import paper
 
+pytestmark = IN_ONE_PROCESS
 PAPER = ("exponential", "polynomial")
 SLOW_REFERENCE = {
     "tanh",
@@ -43,7 +44,7 @@ def test_over_eight_decades(name, criterion):
 
 
 @pytest.mark.parametrize("regime", ["small", "large"])
-@pytest.mark.parametrize(("name", "criterion"), [form for form in FORMS if form.values[0] not in SLOW_REFERENCE])
+@pytest.mark.parametrize(("name", "criterion"), [form for form in FORMS if form[0] not in SLOW_REFERENCE])
 def test_at_the_limits(name, criterion, regime):
     if (name, regime) == ("quintic", "large"):
         pytest.skip("V^4 leaves the range of double precision")
