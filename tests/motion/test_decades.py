@@ -63,18 +63,20 @@ def test_blocks_solve_what_all_at_once_solves(K):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a signal cannot be sent to one process there")
-@pytest.mark.parametrize(
-    "command",
-    [
-        ["map", "tanh", "--x", "V=0.1:1:300", "--y", "N=1:50:300", "-c", "1.5"],
-        ["map", "tanh", "--x", "V=0.1:1:300", "--y", "c=1:50:300", "--workers", "2"],
-    ],
-)
-def test_control_c_ends_a_long_map_at_once(command):
-    run = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()", *command]
-    process = subprocess.Popen(run, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+def test_control_c_ends_a_long_map_at_once():
+    """By one process, and by two."""
+    run = [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()", "map", "tanh"]
+    axes = (["--y", "N=1:50:300", "-c", "1.5"], ["--y", "c=1:50:300", "--workers", "2"])
+    started = [
+        subprocess.Popen(
+            [*run, "--x", "V=0.1:1:300", *rest], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        for rest in axes
+    ]
     time.sleep(4)
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=20)
-    assert process.returncode == 130, err
-    assert "Traceback" not in err
+    for process in started:
+        process.send_signal(signal.SIGINT)
+    for process in started:
+        _, err = process.communicate(timeout=20)
+        assert process.returncode == 130, err
+        assert "Traceback" not in err

@@ -3,6 +3,7 @@
 import sys
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 
 import pytest
 from verdicts import CHECKS, verdict
@@ -11,6 +12,7 @@ from paper_checks import proved, scene, test_numbers
 from paper_checks.claims import CLAIMS
 from paper_checks.printed import PRINTED
 
+pytestmark = pytest.mark.xdist_group("claims")
 MODULES = {proved, scene, *(sys.modules[check.__module__] for check in CHECKS.values())}
 
 SCANNED = 2.574
@@ -73,14 +75,14 @@ MUTANTS = [
 
 
 @pytest.fixture
-def _fresh():
-    """Let nothing be remembered from before, nor what is wrong be remembered afterwards."""
-    caches = [value for module in MODULES for value in vars(module).values() if hasattr(value, "cache_clear")]
-    for cache in caches:
-        cache.cache_clear()
-    yield
-    for cache in caches:
-        cache.cache_clear()
+def _fresh(monkeypatch):
+    """Let nothing be remembered from before, nor what is wrong be remembered afterwards; what is right is kept."""
+    places = [
+        (module, *item) for module in MODULES for item in vars(module).items() if hasattr(item[1], "cache_clear")
+    ]
+    empty = {value: cache(value.__wrapped__) for _, _, value in places}
+    for module, name, value in places:
+        monkeypatch.setattr(module, name, empty[value])
 
 
 @pytest.mark.usefixtures("_fresh")
