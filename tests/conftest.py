@@ -1,4 +1,4 @@
-"""Fixtures that several test files use."""
+"""Fixtures that several test files use, and how tests are shared out among processes."""
 
 import os
 from functools import partial
@@ -10,6 +10,15 @@ import commands
 import pytest
 
 import stickslip_sym as ss
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest-xdist looks at the groups
+def pytest_collection_modifyitems(items):
+    """Let one process check the claims, which share orbits and proofs; begin with the tests that take longest."""
+    for item in items:
+        if item.get_closest_marker("claim"):
+            item.add_marker(pytest.mark.xdist_group("claims"))
+    items.sort(key=lambda item: item.path.parent.name != "whole")
 
 
 @pytest.fixture(params=["exponential", "polynomial"])

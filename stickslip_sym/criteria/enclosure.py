@@ -213,6 +213,8 @@ def _per_force(law: FrictionLaw, criterion: Criterion, speed: Expr) -> arb:
         return -ball_value(slope, {**point, symbols.v: speed}).real
     starts = [sp.Integer(0), *(place for place in law.kinks() if place < 2 * speed)]
     parts = [ball_function(branch_from(law.expr, point, start), symbols.v, point) for start in starts]
+    if not parts[0](acb(0), False).is_finite():
+        return arb.nan()  # no panel that begins at v = 0 has a bound, however often it is halved
     over = _over_speed if criterion.is_polynomial else _over_angle
     return over(parts, [*starts, 2 * speed], criterion, speed)
 

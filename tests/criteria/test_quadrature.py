@@ -141,10 +141,22 @@ def test_a_measured_law_is_integrated_up_to_its_last_speed():
             ss.quadrature.damping(law, criterion, V=f"{reach}0001" if "." in reach else "3.0001", N=1, digits=5)
 
 
-def test_a_slope_is_returned_only_when_a_second_look_agrees(monkeypatch):
-    looks = iter([mpmath.mpf(one) for one in ("1", "1.001", "2", "2.0000001", "3", "3.000000000001")])
-    monkeypatch.setattr(quadrature, "_following_cancellation", lambda *_: next(looks))
-    assert quadrature._confirmed_slope(None, 1, 1, 10) == mpmath.mpf("3.000000000001")
+class Cancelling(ss.FrictionLaw):
+    """A law whose formula loses digits inside: below so many its slope at v = 0.5 is wrong, unseen."""
+
+    enough = 0
+
+    def function(self, backend, *, derivative=False):
+        mu = super().function(backend, derivative=derivative)
+        return lambda v: mu(v) + ((v - 0.5) / mpmath.mp.dps if mpmath.mp.dps < self.enough else 0)
+
+
+@pytest.mark.parametrize("digits", [5, 10, 30])
+@pytest.mark.parametrize("enough", [0, 60, 100, 300])
+def test_a_slope_is_returned_only_when_a_second_look_agrees(monkeypatch, digits, enough):
+    monkeypatch.setattr(Cancelling, "enough", enough)
+    law = Cancelling("1 - v")
+    assert abs(quadrature.damping(law, "equilibrium", V=0.5, N=1, digits=digits) - 1) <= mpmath.mpf(10) ** -digits
 
 
 class Counted(ss.FrictionLaw):

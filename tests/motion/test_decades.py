@@ -1,5 +1,6 @@
 """Over decades of mass and belt speed, and where rest loses stability, what is found is right or named."""
 
+import contextlib
 import math
 import signal
 import sys
@@ -63,17 +64,16 @@ def test_blocks_solve_what_all_at_once_solves(K):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a signal cannot be sent to one process there")
-@pytest.mark.parametrize(
-    "command",
-    [
-        ["map", "tanh", "--x", "V=0.1:1:300", "--y", "N=1:50:300", "-c", "1.5"],
-        ["map", "tanh", "--x", "V=0.1:1:300", "--y", "c=1:50:300", "--workers", "2"],
-    ],
-)
-def test_control_c_ends_a_long_map_at_once(command):
-    with started(*command) as process:
+def test_control_c_ends_a_long_map_at_once():
+    """By one process, and by two."""
+    axes = (["--y", "N=1:50:300", "-c", "1.5"], ["--y", "c=1:50:300", "--workers", "2"])
+    with contextlib.ExitStack() as stack:
+        line = ["map", "tanh", "--x", "V=0.1:1:300"]
+        processes = [stack.enter_context(started(*line, *rest)) for rest in axes]
         time.sleep(4)
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=20)
-    assert process.returncode == 130, err
-    assert "Traceback" not in err
+        for process in processes:
+            process.send_signal(signal.SIGINT)
+        for process in processes:
+            _, err = process.communicate(timeout=20)
+            assert process.returncode == 130, err
+            assert "Traceback" not in err

@@ -95,13 +95,15 @@ def form_of(name, criterion):
         return None
 
 
-def by_quadrature(average, columns, digits=20):
-    """Evaluate a slope average by quadrature of its definition."""
+def by_definition(average, columns, digits=20):
+    """Evaluate a slope average by an enclosure of its definition."""
     exact = []
     for i in range(len(columns["V"])):
         values = {name: float(column[i]) for name, column in columns.items()}
         V, N = values.pop("V"), values.pop("N")
-        exact.append(ss.quadrature.damping(average.law.bind(**values), average.criterion, V=V, N=N, digits=digits))
+        middle = ss.enclose(average.law.bind(**values), average.criterion, V=V, N=N, digits=digits).mid
+        with mpmath.workdps(digits):
+            exact.append(mpmath.mpf(middle.numerator) / middle.denominator)
     return exact
 
 

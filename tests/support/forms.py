@@ -27,12 +27,10 @@ def with_forms(criterion):
     return [name for name in LAWS if name not in WITHOUT[criterion]]
 
 
-FORMS = [
-    pytest.param(name, criterion, marks=pytest.mark.xdist_group(f"{name}, {criterion}"))
-    for criterion in WITHOUT
-    for name in with_forms(criterion)
-]
-"""Each law and criterion with a closed form; all tests of one run in one process, which derives it once."""
+FORMS = [(name, criterion) for criterion in WITHOUT for name in with_forms(criterion)]
+"""Each law and criterion with a closed form."""
+IN_ONE_PROCESS = pytest.mark.xdist_group("closed forms")
+"""Of all tests that use them: each is derived, and its branches are found, once."""
 
 
 def point_of(form, number):

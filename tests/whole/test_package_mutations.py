@@ -1,32 +1,19 @@
 """The checks of the paper notice a package that is wrong, not only a paper that is."""
 
+import sys
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 
 import pytest
-from verdicts import verdict
+from verdicts import CHECKS, verdict
 
-from paper_checks import (
-    proved,
-    scene,
-    test_equations,
-    test_figures,
-    test_numbers,
-    test_statements_on_criteria,
-    test_statements_on_motion,
-)
+from paper_checks import proved, scene, test_numbers
 from paper_checks.claims import CLAIMS
 from paper_checks.printed import PRINTED
 
-MODULES = (
-    proved,
-    scene,
-    test_equations,
-    test_figures,
-    test_numbers,
-    test_statements_on_criteria,
-    test_statements_on_motion,
-)
+pytestmark = pytest.mark.xdist_group("claims")
+MODULES = {proved, scene, *(sys.modules[check.__module__] for check in CHECKS.values())}
 
 SCANNED = 2.574
 """What the scan gives for the exponential law, in kg/s; it takes long, and is run elsewhere."""
@@ -88,14 +75,14 @@ MUTANTS = [
 
 
 @pytest.fixture
-def _fresh():
-    """Let nothing be remembered from before, nor what is wrong be remembered afterwards."""
-    caches = [value for module in MODULES for value in vars(module).values() if hasattr(value, "cache_clear")]
-    for cache in caches:
-        cache.cache_clear()
-    yield
-    for cache in caches:
-        cache.cache_clear()
+def _fresh(monkeypatch):
+    """Let nothing be remembered from before, nor what is wrong be remembered afterwards; what is right is kept."""
+    places = [
+        (module, *item) for module in MODULES for item in vars(module).items() if hasattr(item[1], "cache_clear")
+    ]
+    empty = {value: cache(value.__wrapped__) for _, _, value in places}
+    for module, name, value in places:
+        monkeypatch.setattr(module, name, empty[value])
 
 
 @pytest.mark.usefixtures("_fresh")

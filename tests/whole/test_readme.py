@@ -12,6 +12,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from commands import inside
 
 import stickslip_sym as ss
 from paper_checks.claims import CLAIMS
@@ -54,21 +55,21 @@ SESSIONS = [
 
 @pytest.mark.parametrize(("command", "output"), SESSIONS, ids=[command for command, _ in SESSIONS])
 def test_console_blocks_print_what_they_say(command, output, tmp_path):
+    """Away from the repository, for a command may write files."""
     program, *arguments = shlex.split(command)
-    start = {
-        "stickslip": [sys.executable, "-c", "from stickslip_sym.cli.program import main; main()"],
-        "python": [sys.executable],
-    }[program]
-    # Away from the repository, for a command may write files.
-    done = subprocess.run(
-        [*start, *arguments],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        timeout=120,
-        check=False,
-    )
+    assert program in ("stickslip", "python")
+    if program == "stickslip":
+        done = inside(*arguments, cwd=tmp_path)
+    else:
+        done = subprocess.run(
+            [sys.executable, *arguments],
+            capture_output=True,
+            text=True,
+            cwd=tmp_path,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+            timeout=120,
+            check=False,
+        )
     assert done.returncode == 0, done.stderr
     assert without_times(done.stdout) == without_times(output)
 

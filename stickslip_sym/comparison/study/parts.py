@@ -160,7 +160,7 @@ def _fitted(fit: Fit) -> FrictionLaw:
 def _answer(law: FrictionLaw, scene: Mapping[str, float | UFloat], method: str, seconds: float) -> Answer:
     begin = time.perf_counter()
     try:
-        found = pure_slip_damping(law, **scene, method=method, rtol=_RTOL, time_limit=seconds)  # type: ignore[arg-type]  # a number with its error
+        found = pure_slip_damping(law, **scene, method=method, rtol=_RTOL, time_limit=seconds)
     except StickSlipError as error:
         return Answer(method, None, str(error), time.perf_counter() - begin)
     return Answer(method, found, "", time.perf_counter() - begin)

@@ -60,8 +60,7 @@ def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -
     top = _WIDEST * speed if law.v_max is None else min(_WIDEST * speed, float(law.v_max) / 2)
     grid = np.linspace(top / _POINTS, top, _POINTS)
     averages = {
-        name: np.asarray(pure_slip_damping(law, V=grid, N=given["N"], method=name).value)  # type: ignore[arg-type]  # a number with its error
-        for name in _AVERAGES
+        name: np.asarray(pure_slip_damping(law, V=grid, N=given["N"], method=name).value) for name in _AVERAGES
     }
     if obstacle(law, grid) is None:
         try:
@@ -87,7 +86,8 @@ def _threshold(
     law: FrictionLaw, given: Mapping[str, float | UFloat], V: float | FloatArray, method: str
 ) -> Threshold:
     rung = rungs()[method]
-    return pure_slip_damping(law, V=V, **given, method=method, rtol=max(_RTOL, rung.tightest))  # type: ignore[arg-type]  # a number with its error
+    N, m, k = (given[name] for name in "Nmk")
+    return pure_slip_damping(law, V=V, N=N, m=m, k=k, method=method, rtol=max(_RTOL, rung.tightest))
 
 
 def _spread(found: Threshold) -> FloatArray | None:

@@ -16,7 +16,7 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 
-__all__ = ["Found", "Nothing", "antiderivative", "definite_integral", "limit"]
+__all__ = ["Found", "Nothing", "antiderivative", "carried_out", "definite_integral", "limit"]
 
 _RULE = "SymPy's integrator"
 _LEAST = 0.5  # seconds; with less there is no point in starting a process
@@ -92,8 +92,8 @@ def _done(expr: Expr, deadline: float) -> Expr:
     return pickle.loads(done.stdout)
 
 
-def _carried_out(expr: Expr) -> Expr:
-    """Carry out an integral or a limit, or say how that ended."""
+def carried_out(expr: Expr) -> Expr:
+    """Carry out an integral or a limit in this process, or say how that ended."""
     # A limit on memory beside the one on time; only Unix has it.
     with contextlib.suppress(ImportError, ValueError, OSError):
         import resource
@@ -109,6 +109,6 @@ def _carried_out(expr: Expr) -> Expr:
 
 if __name__ == "__main__":
     # As the module's own, for the classes to be the parent's.
-    from stickslip_sym.formula.integration.search import _carried_out as carried_out
+    from stickslip_sym.formula.integration import search
 
-    sys.stdout.buffer.write(pickle.dumps(carried_out(pickle.load(sys.stdin.buffer))))
+    sys.stdout.buffer.write(pickle.dumps(search.carried_out(pickle.load(sys.stdin.buffer))))

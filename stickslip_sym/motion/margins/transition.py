@@ -193,7 +193,7 @@ class Search:
         if self.law.v_max is not None:
             V = np.geomspace(1e-4, _SHARE, V.size) * float(self.law.v_max)
         if rung.smooth:
-            V = self._near(V)
+            V = self.near(V)
         elif rung.singly and smooth:
             orbit = rungs()["orbit"]
             V = np.array([V * (1 + sign * _SINGLE_NEAR) for V in self.roots(orbit) for sign in (-1, 1)])
@@ -213,7 +213,7 @@ class Search:
         found = {float(root.evalf(20)) for root in polynomial.real_roots()}
         return np.array(sorted(root for root in found if root > 0))
 
-    def _near(self, V: FloatArray) -> FloatArray:
+    def near(self, V: FloatArray) -> FloatArray:
         """Return a finer grid, near where the harmonic threshold comes close to c."""
         with np.errstate(all="ignore"):
             off = self.excess(_WEAK, V)
@@ -280,7 +280,7 @@ class Search:
             expected = self.roots(lower[-1])
             for rung in lower:
                 V = self.roots(rung)
-                if V.size == expected.size and ((error := self._distance(V, rtol)) <= rtol).all():
+                if V.size == expected.size and ((error := self.distance(V, rtol)) <= rtol).all():
                     return _speeds(V, rung, error)
         for rung in climbed:
             if rung.knows_its_error:
@@ -289,7 +289,7 @@ class Search:
                     return _speeds(V, rung, error)
         raise NotConverged(f"the belt speeds are known to {error.max():.1e} relative only, not to rtol = {rtol:g}")
 
-    def _distance(self, V: FloatArray, rtol: float) -> FloatArray:
+    def distance(self, V: FloatArray, rtol: float) -> FloatArray:
         """Return how far speeds are from the exact ones, by a step of Newton's method on the orbit."""
         if not V.size:
             return V

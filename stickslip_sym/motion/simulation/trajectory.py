@@ -230,18 +230,9 @@ class Trajectory:
         Parameters
         ----------
         path : str or Path, optional
-            A file to draw to: SVG, PNG or PDF, by its ending.
+            A file to draw to, as for `Drawn.plot`; so is what is returned and raised.
         since : float, optional
             Time in s; what came before is left out.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not installed, or cannot write the file.
         """
         drawing.require_matplotlib()
         from matplotlib.figure import Figure

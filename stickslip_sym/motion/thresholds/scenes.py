@@ -1,9 +1,9 @@
 """`Scenes`: where thresholds are asked for, by arrays."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +15,10 @@ from stickslip_sym.core.numbers import exact, fraction, read_array
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["Scenes"]
+__all__ = ["Quantity", "Scenes"]
+
+Quantity: TypeAlias = ArrayLike | UFloat | Sequence[UFloat]
+"""One number or an array of them, as users give it; each may carry a standard error."""
 
 
 @dataclass(frozen=True)
@@ -36,17 +39,17 @@ class Scenes:
     uncertain: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, law: FrictionLaw, **values: ArrayLike | None) -> "Scenes":
+    def of(cls, law: FrictionLaw, **values: Quantity | None) -> "Scenes":
         """Broadcast V, N, m and k.
 
         Raises `InputError` for numbers that are not finite or have the wrong sign, shapes that do not broadcast,
           or only one of m and k.
         """
         pairs = {name: _split(value, name) for name, value in values.items()}
-        values = {name: number for name, (number, _) in pairs.items()}
+        plain = {name: number for name, (number, _) in pairs.items()}
         errors = {name: read for name, (_, read) in pairs.items() if read is not None}
-        exactly = {name: fraction(value, name) for name, value in values.items() if isinstance(value, str)}
-        numbers = values | {name: float(value) for name, value in exactly.items()}
+        exactly = {name: fraction(value, name) for name, value in plain.items() if isinstance(value, str)}
+        numbers = plain | {name: float(value) for name, value in exactly.items()}
         given = {name: _column(name, value) for name, value in numbers.items() if value is not None}
         if ("m" in given) != ("k" in given):
             raise InputError("give both the mass m and the stiffness k, or neither")
@@ -91,7 +94,7 @@ class Scenes:
         return ", ".join(f"{name} = {column[row]:g}" for name, column in columns if column is not None)
 
 
-def _split(value: ArrayLike | UFloat | None, name: str) -> tuple[Any, Any]:
+def _split(value: Quantity | None, name: str) -> tuple[Any, Any]:
     """Separate numbers from their standard errors, one by one in an array that has any."""
     array = np.asarray(value, dtype=object) if isinstance(value, list | tuple | np.ndarray) else None
     if array is None or not any(isinstance(item, UFloat) for item in array.flat):

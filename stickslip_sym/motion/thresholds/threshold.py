@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray, ObjectArray
@@ -19,7 +18,7 @@ from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.thresholds import rungs
 from stickslip_sym.motion.thresholds.climb import accuracy, by_name, climb
 from stickslip_sym.motion.thresholds.rungs import Rung
-from stickslip_sym.motion.thresholds.scenes import Scenes
+from stickslip_sym.motion.thresholds.scenes import Quantity, Scenes
 from stickslip_sym.motion.thresholds.uncertainty import Budget, deserved_tolerance, standard_errors
 from stickslip_sym.output import markup
 
@@ -202,10 +201,10 @@ _Found: TypeAlias = "tuple[FloatArray, ObjectArray, FloatArray | None, tuple[The
 def pure_slip_damping(
     law: FrictionLaw,
     *,
-    V: ArrayLike,
-    N: ArrayLike,
-    m: ArrayLike | None = None,
-    k: ArrayLike | None = None,
+    V: Quantity,
+    N: Quantity,
+    m: Quantity | None = None,
+    k: Quantity | None = None,
     method: str | Criterion | Rung = "auto",
     rtol: float | None = None,
     time_limit: float | None = None,
@@ -260,16 +259,15 @@ def pure_slip_damping(
     rung = rungs.find(method)
     best, worst = (1e-13, 1.0) if rung is None else (rung.tightest, rung.loosest)
     scenes = Scenes.of(law, V=V, N=N, m=m, k=k)
+    law.function("numpy")  # refuses a law with parameters that have no value
     deserved = None
     if rtol is None:
-        law.function("numpy")
         found = deserved_tolerance(scenes) if rung is None and scenes.m is not None else 0.0
         deserved = found if found > _ENOUGH else None
         rtol = max(found, _ENOUGH)
     rtol = read_rtol(rtol, least=best, most=worst)
     if rung is not None:
         rung.require_oscillator(scenes.m)
-    law.function("numpy")  # refuses a law with parameters that have no value
     if len(scenes):
         warn_where_negative(law, float(scenes.V.max()))
     with deadline.time_limit(time_limit):

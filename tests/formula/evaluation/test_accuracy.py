@@ -10,12 +10,13 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from accuracy import MOST_UNITS, MOST_UNITS_BY_GAUSS, MOST_UNITS_OF_THE_PAPER, by_quadrature, compiled
-from forms import FORMS, NO_HARMONIC, NO_LEAST_SQUARES, form_of
+from accuracy import MOST_UNITS, MOST_UNITS_BY_GAUSS, MOST_UNITS_OF_THE_PAPER, by_definition, compiled
+from forms import FORMS, IN_ONE_PROCESS, NO_HARMONIC, NO_LEAST_SQUARES, form_of
 
 import stickslip_sym as ss
 from derivations import paper
 
+pytestmark = IN_ONE_PROCESS
 PAPER = ("exponential", "polynomial")
 SLOW_REFERENCE = {
     "tanh",
@@ -43,7 +44,7 @@ def test_over_eight_decades(name, criterion):
 
 
 @pytest.mark.parametrize("regime", ["small", "large"])
-@pytest.mark.parametrize(("name", "criterion"), [form for form in FORMS if form.values[0] not in SLOW_REFERENCE])
+@pytest.mark.parametrize(("name", "criterion"), [form for form in FORMS if form[0] not in SLOW_REFERENCE])
 def test_at_the_limits(name, criterion, regime):
     if (name, regime) == ("quintic", "large"):
         pytest.skip("V^4 leaves the range of double precision")
@@ -108,7 +109,7 @@ def test_laws_without_a_closed_form(name, criterion):
     average = ss.slope_average(ss.laws.catalogue[name], criterion)
     columns = accuracy.samples(average.law, "middle", 4, seed=3)
     got = average(**columns)
-    assert accuracy.units(average, columns, got, by_quadrature(average, columns)).max() <= MOST_UNITS_BY_GAUSS
+    assert accuracy.units(average, columns, got, by_definition(average, columns)).max() <= MOST_UNITS_BY_GAUSS
 
 
 @pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
@@ -126,7 +127,7 @@ def test_kinks_and_waves(text, criterion):
     average = ss.slope_average(ss.FrictionLaw(text), criterion)
     columns = {"V": np.array([0.21, 0.351, 0.36, 0.5, 3.0]), "N": np.full(5, 2.0)}
     got = average(**columns)
-    assert accuracy.units(average, columns, got, by_quadrature(average, columns)).max() <= MOST_UNITS_BY_GAUSS
+    assert accuracy.units(average, columns, got, by_definition(average, columns)).max() <= MOST_UNITS_BY_GAUSS
 
 
 def test_confluent_parameters():
@@ -213,6 +214,6 @@ def test_parameters_of_any_sign(text, a, criterion):
     average = ss.slope_average(law.bind(a=a), criterion)
     columns = {"V": np.array([0.01, 0.5, 0.9]), "N": np.full(3, 2.0)}
     got = average(**columns)
-    expected = by_quadrature(average, columns)
+    expected = by_definition(average, columns)
     assert got == pytest.approx([float(value) for value in expected], rel=1e-13, abs=1e-15)
     assert average(V=0.5, N=2.0) == pytest.approx(got[1], rel=1e-14, abs=1e-15)

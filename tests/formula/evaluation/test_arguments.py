@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from forms import form_of
+from forms import IN_ONE_PROCESS, form_of
 
 import stickslip_sym as ss
 
+pytestmark = IN_ONE_PROCESS
 SAME = 4 * 2.0**-52  # an array multiplies in another order than a number does
 
 
@@ -118,7 +119,8 @@ def test_an_array_of_shapes_is_taken_apart():
     rest = {"N": 1.0, "mu_s": 0.5, "mu_m": 0.2, "v_s": 0.5}
     got = form(V=V, delta=delta, **rest)
     for i in (3, 150):
-        assert got[i] == pytest.approx(form(V=float(V[i]), delta=float(delta[i]) + 1e-14, **rest), rel=1e-12)
+        exact = form.evaluate(20, V=float(V[i]), delta=float(delta[i]), **rest)
+        assert got[i] == pytest.approx(float(exact), rel=1e-12)
 
 
 @pytest.mark.parametrize("value", [None, 10**400, np.datetime64("2020"), "fast"])

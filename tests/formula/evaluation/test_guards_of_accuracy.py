@@ -16,7 +16,7 @@ from accuracy import (
     MOST_UNITS,
     MOST_UNITS_BY_GAUSS,
     MOST_UNITS_OF_THE_PAPER,
-    by_quadrature,
+    by_definition,
     compiled,
 )
 
@@ -59,7 +59,7 @@ def test_a_call_is_accurate_however_near_its_terms_are_to_cancelling(text):
     values = CANCELLING[text]
     columns = {name: np.full(8, value) for name, value in values.items()}
     columns |= {"V": 10 ** np.random.default_rng(32).uniform(-1, 1, 8), "q": values["q"] * (1 + off)}
-    right = by_quadrature(average, columns)
+    right = by_definition(average, columns)
     for got in (average(**columns), [average(**{k: float(x[i]) for k, x in columns.items()}) for i in range(8)]):
         assert accuracy.units(average, columns, got, right).max() <= MOST_UNITS_BY_GAUSS
 
@@ -104,7 +104,7 @@ def scenes(text, offsets):
     w = 10 ** np.random.default_rng(34).uniform(-2, 2, len(offsets))
     ones = np.ones_like(w)
     columns = {"V": w * offsets, "N": 2 * ones, "a": 0.3 * ones, "w": w}
-    return average, columns, by_quadrature(average, columns)
+    return average, columns, by_definition(average, columns)
 
 
 @pytest.fixture(scope="module")

@@ -4,21 +4,19 @@ import re
 import shutil
 import subprocess
 import sys
-from functools import lru_cache
 
 import accuracy
 import numpy as np
 import pytest
 from accuracy import MOST_UNITS, compiled
 from commands import stickslip
-from forms import NO_LEAST_SQUARES, agrees
+from forms import IN_ONE_PROCESS, NO_LEAST_SQUARES, agrees, form_of
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.formula.derivation import closed_form
-from stickslip_sym.formula.derivation.proving import Status, Verdict
 from stickslip_sym.formula.export import limits
 
+pytestmark = IN_ONE_PROCESS
 FEW = [
     ("exponential", "least_squares"), ("exponential_viscous", "harmonic"), ("gaussian", "least_squares"),
     ("stribeck", "least_squares"), ("tanh", "least_squares"), ("hyperbolic", "equilibrium"),
@@ -41,14 +39,6 @@ def pdflatex(text, directory):
 NEEDS_LATEX = pytest.mark.skipif(
     shutil.which("pdflatex") is None, reason="there is no pdflatex; Debian has it in texlive-latex-recommended"
 )
-
-
-@lru_cache
-def form_of(name, criterion):
-    """Derive a form without its comparison with quadrature, which other tests make and which takes long."""
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(closed_form, "verify", lambda *_: Verdict(Status.CHECKED, "a gate that was left out"))
-        return ss.derive(ss.laws.catalogue[name], criterion, search=False)
 
 
 HARMONIC = (

@@ -23,7 +23,7 @@ def test_the_finer_grid_encloses_every_root():
     """In every interval of the coarse one, the first and the last too."""
     ends = np.random.default_rng(7).uniform(0, 1, GRID.size - 1)
     for root in (GRID[:-1] * (GRID[1:] / GRID[:-1]) ** ends)[[0, 1, 57, 200, -2, -1]]:
-        near = search_of(lambda V: V, root)._near(GRID)
+        near = search_of(lambda V: V, root).near(GRID)
         assert near[0] < root < near[-1]
         assert np.diff(np.log10(near)) == pytest.approx(1 / 64)
 
@@ -64,5 +64,5 @@ def test_how_far_a_speed_is_from_the_exact_one_is_told_by_a_step():
     search = transition.Search(law, c, Scenes.of(law, V=1.0, **SCENE))
     (exact,) = search.roots(rungs()["orbit"])
     for off in (-1e-2, 1e-3, 1e-4):
-        assert search._distance(np.array([exact * (1 + off)]), 1e-6) == pytest.approx(abs(off), rel=0.1)
-    assert search._distance(np.empty(0), 1e-6).size == 0
+        assert search.distance(np.array([exact * (1 + off)]), 1e-6) == pytest.approx(abs(off), rel=0.1)
+    assert search.distance(np.empty(0), 1e-6).size == 0

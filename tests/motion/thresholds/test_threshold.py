@@ -87,8 +87,9 @@ def test_auto_climbs_no_further(exponential, monkeypatch):
         raise AssertionError("climbed too far")
 
     def forbid(name):
-        above = ladder.rungs()[name]
-        monkeypatch.setitem(ladder._table, name, replace(above, compute=no))
+        all_others = ladder.rungs()
+        forbidden = replace(all_others[name], compute=no)
+        monkeypatch.setattr(ladder, "rungs", lambda: all_others | {name: forbidden})
 
     forbid("simulation")
     assert ss.pure_slip_damping(exponential, **SCENE, rtol=1e-9).method == "orbit"
@@ -128,12 +129,12 @@ def test_twelve_decades_of_each_quantity(exponential, name, size):
         with pytest.raises(ss.NotConverged, match=r"rtol = 0\.001 is not reached for .*; try another rtol"):
             ss.pure_slip_damping(exponential, **scene, rtol=1e-3)
         return
-    found = ss.pure_slip_damping(exponential, **scene, rtol=1e-3)
-    assert math.isfinite(found.value)
-    assert found.error <= 1e-3
     # m and k matter by their product only, and N and k m by the ratio of their squares.
-    other = ss.pure_slip_damping(exponential, **(scene | {"m": scene["m"] * 64, "k": scene["k"] / 64}), rtol=1e-3)
-    assert other.value == pytest.approx(found.value, rel=1e-9)
+    both = scene | {"m": scene["m"] * np.array([1, 64]), "k": scene["k"] / np.array([1, 64])}
+    found = ss.pure_slip_damping(exponential, **both, rtol=1e-3)
+    assert np.isfinite(found.value).all()
+    assert (found.error <= 1e-3).all()
+    assert found.value[1] == pytest.approx(found.value[0], rel=1e-9)
 
 
 KINKED = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.36)")
