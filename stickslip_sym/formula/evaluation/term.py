@@ -8,21 +8,25 @@ import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Numbers
+from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, IntArray, Numbers
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.evaluation.branches import Branch
+from stickslip_sym.formula.evaluation.branches import Branch, Profile
 from stickslip_sym.formula.evaluation.products import (
     extremes,
     largest_exponent,
-    multiply_by_power,
     plain_product,
+    power_of,
     scaled_product,
 )
-from stickslip_sym.formula.evaluation.profile import Profile, profile_of
+from stickslip_sym.formula.evaluation.profile import profile_of
+from stickslip_sym.formula.evaluation.room import Room, multiply_by_power
 from stickslip_sym.formula.evaluation.splitting import Term
 
-__all__ = ["TermFunction"]
+__all__ = ["Ends", "TermFunction"]
+
+Ends = tuple[float, float]
+"""The smallest and the largest of some values."""
 
 _SAFE = 900.0  # binary exponents that no product may pass, lest something overflows on the way
 _MOST = 0.9  # of a block: a branch that serves so much of it is taken for all
@@ -56,72 +60,86 @@ class TermFunction:
             self._profiles[shape] = profile_of(self.term.mu.xreplace(exact), self.criterion)
         return self._profiles[shape]
 
-    def __call__(self, values: list[Numbers]) -> FloatArray:
-        """Evaluate at floats and at least one flat array, all of one length; NaN where no branch serves."""
-        count = next(value.size for value in values if not isinstance(value, float))
+    def fill(self, values: list[Numbers], ends: list[Ends], out: FloatArray, room: Room) -> None:
+        """Evaluate at floats and flat arrays into `out`; NaN where no branch serves.
+
+        Parameters
+        ----------
+        values : list of float or numpy.ndarray
+            Of the length of `out`; at least one is an array.
+        ends : list of tuple of float
+            The smallest and the largest of each.
+        """
         columns = [values[i] for i in self.shapes]
         floats = [column for column in columns if isinstance(column, float)]
         if len(floats) == len(columns):
-            return self._by_branches(values, self.profile(tuple(floats), count), count)
-        shapes = np.stack([np.broadcast_to(column, (count,)) for column in columns])
+            self._by_branches(values, ends, self.profile(tuple(floats), out.size), out, room)
+            return
+        shapes = np.stack([np.broadcast_to(column, out.shape) for column in columns])
         kinds, which = np.unique(shapes, axis=1, return_inverse=True)
-        result = np.full(count, np.nan)
-        if kinds.shape[1] * _WORTH_A_TABLE <= count:
+        out.fill(np.nan)
+        if kinds.shape[1] * _WORTH_A_TABLE <= out.size:
             for kind in range(kinds.shape[1]):
                 here = np.flatnonzero(which.ravel() == kind)
-                taken = [value if isinstance(value, float) else value[here] for value in values]
                 shape = tuple(float(x) for x in kinds[:, kind])
-                result[here] = self._by_branches(taken, self.profile(shape, here.size), here.size)
-        return result
+                self._some(values, here, self.profile(shape, here.size), out)
 
-    def _by_branches(self, values: list[Numbers], profile: Profile | None, count: int) -> FloatArray:
+    def _some(self, values: list[Numbers], here: IntArray, profile: Profile | None, out: FloatArray) -> None:
+        """Evaluate at some elements."""
+        if here.size:
+            taken = [value if isinstance(value, float) else value[here] for value in values]
+            result = np.empty(here.size)
+            self._by_branches(taken, [extremes(value) for value in taken], profile, result, Room())
+            out[here] = result
+
+    def _by_branches(
+        self, values: list[Numbers], ends: list[Ends], profile: Profile | None, out: FloatArray, room: Room
+    ) -> None:
         if profile is None:
-            return np.full(count, np.nan)
+            out.fill(np.nan)
+            return
         bases = [values[base] if isinstance(base, int) else base(*values) for base in self.bases]
-        ends = [extremes(base) for base in bases]
-        reach = [largest_exponent(*end) for end in ends]
+        base_ends = [
+            ends[base] if isinstance(base, int) else extremes(value)
+            for base, value in zip(self.bases, bases, strict=True)
+        ]
         most = max((abs(branch.power) for branch in profile.branches if branch is not None), default=0.0)
-        plain = (
-            sum(
-                r * (abs(a) + (1 + most) * abs(b))
-                for r, a, b in zip(reach, self.amplitude, self.ratio, strict=True)
-                if r
-            )
-            < _SAFE
-        )
+        reach = [
+            (largest_exponent(*end), abs(a) + (1 + most) * abs(e))
+            for end, a, e in zip(base_ends, self.amplitude, self.ratio, strict=True)
+        ]
+        plain = sum(exponent * times for exponent, times in reach if exponent) < _SAFE
         ratio = [(base, e) for base, e in zip(bases, self.ratio, strict=True) if e]
         if plain:
-            r = plain_product(1 / self.size, ratio)
+            r = plain_product(1 / self.size, ratio, room)
         else:
             with np.errstate(invalid="ignore"):
-                r = scaled_product(1 / self.size, ratio, np.ones(count))
+                r = scaled_product(1 / self.size, ratio, np.ones(out.size))
         if isinstance(r, float):
-            r = np.full(count, r)
+            r = np.full(out.size, r)
         if plain and all(isinstance(base, float) for base in bases[1:]):  # r rises with V
-            low, high = (plain_product(1 / self.size, [(end, 1.0), *ratio[1:]]) for end in ends[0])
+            low, high = (
+                float(plain_product(1 / self.size, [(end, 1.0), *ratio[1:]], room)) for end in base_ends[0]
+            )
         else:
-            low, high = float(r.min()), float(r.max())
+            low, high = extremes(r)
         if not high < np.inf:
             # One over a scale of 0, or V far beyond all scales.
-            finite = np.isfinite(r)
-            result = np.full(count, np.nan)
-            taken = [value if isinstance(value, float) else value[finite] for value in values]
-            if finite.any():
-                result[finite] = self._by_branches(taken, profile, int(finite.sum()))
-            return result
-        first, last = bisect_right(profile.starts, low) - 1, bisect_right(profile.starts, high) - 1
-        if first == last:
-            return self._branch(profile.branches[first], r, bases, plain)
-        branches = profile.branches[first : last + 1]
-        masks = _parted(r, profile.starts[first + 1 : last + 1])
+            out.fill(np.nan)
+            self._some(values, np.flatnonzero(np.isfinite(r)), profile, out)
+            return
+        branches, edges = profile.cover(low, high)
+        if not edges:
+            self._branch(branches[0], r, bases, plain, out, room)
+            return
+        masks = _parted(r, edges)
         counts = [int(np.count_nonzero(mask)) for mask in masks]
         common = max(range(len(counts)), key=counts.__getitem__)
         branch = branches[common]
-        if branch is not None and (branch.is_light or counts[common] > _MOST * count):
-            result = self._branch(branch, r, bases, plain)  # for all, without copies; the others are put right
+        if branch is not None and (branch.is_light or counts[common] > _MOST * out.size):
+            # For all, without copies; the others are put right.
+            self._branch(branch, r, bases, plain, out, room)
             counts[common] = 0
-        else:
-            result = np.empty(count)
         for branch, mask, some in zip(branches, masks, counts, strict=True):
             if not some:
                 continue
@@ -130,21 +148,33 @@ class TermFunction:
                 base if isinstance(base, float) or (plain and not a) else base.take(here)
                 for base, a in zip(bases, self.amplitude, strict=True)
             ]
-            result[here] = self._branch(branch, r.take(here), part, plain)
-        return result
+            taken, found = room("some r", some), room("some", some)
+            r.take(here, out=taken, mode="clip")  # which needs no room of its own
+            self._branch(branch, taken, part, plain, found, room)
+            out[here] = found
 
-    def _branch(self, branch: Branch | None, r: FloatArray, bases: list[Numbers], plain: bool) -> FloatArray:
+    def _branch(
+        self, branch: Branch | None, r: FloatArray, bases: list[Numbers], plain: bool, out: FloatArray, room: Room
+    ) -> None:
         if branch is None:
-            return np.full(r.shape, np.nan)
-        value, work = np.empty_like(r), np.empty_like(r)
-        branch.fill(r, value, work)
+            out.fill(np.nan)
+            return
         if plain:
-            value *= plain_product(self.number, [(b, a) for b, a in zip(bases, self.amplitude, strict=True) if a])
-            multiply_by_power(value, r, branch.power, work)
-            return value
+            number = self.number
+            arrays = []
+            for base, a in zip(bases, self.amplitude, strict=True):
+                if a and isinstance(base, float):
+                    number *= power_of(base, a)
+                elif a:
+                    arrays.append((base, a))
+            branch.fill(r, out, room, number, branch.power)
+            for base, a in arrays:
+                multiply_by_power(out, base, a, room)
+            return
+        branch.fill(r, out, room)
         exponents = [a + branch.power * e for a, e in zip(self.amplitude, self.ratio, strict=True)]
         factors = [(base, e) for base, e in zip(bases, exponents, strict=True) if e]
-        return scaled_product(self.number * self.size**-branch.power, factors, value)
+        out[...] = scaled_product(self.number * self.size**-branch.power, factors, out)
 
     def single(self, values: list[float]) -> float:
         """Evaluate at floats; NaN where no branch serves, or a product might overflow on the way."""
