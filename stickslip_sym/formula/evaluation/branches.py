@@ -210,6 +210,11 @@ class Profile:
     branches: tuple[Branch | None, ...]
     ends: tuple[float, ...]
 
+    @cached_property
+    def steepest(self) -> float:
+        """The largest size of a branch's power."""
+        return max((abs(branch.power) for branch in self.branches if branch is not None), default=0.0)
+
     def cover(self, low: float, high: float) -> tuple[list[Branch | None], list[float]]:
         """Return the fewest branches that serve from `low` to `high`, and where one follows another."""
         which = bisect_right(self.starts, low) - 1

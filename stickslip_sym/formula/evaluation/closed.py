@@ -96,7 +96,7 @@ class Closed:
             part = room("part", r.size)
         if number != 1:
             out *= number
-        multiply_by_power(out, z, -power, room)
+        multiply_by_power(out, r, power, room)  # not of z, which is rounded once more
 
     def _reflect(self, first: FloatArray, z: FloatArray, out: FloatArray, room: Room) -> None:
         """Write s p(-z) into `out`, given p(z): twice the even part less that, in half the passes."""

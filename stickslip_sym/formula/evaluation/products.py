@@ -1,9 +1,7 @@
 """Products of powers of floats that over- or underflow only where their value does."""
 
 import math
-import operator
 from collections.abc import Sequence
-from functools import reduce
 
 import numpy as np
 
@@ -30,19 +28,16 @@ def largest_exponent(low: float, high: float) -> float:
     return max(abs(math.log2(low)), abs(math.log2(high)))
 
 
-def plain_product(number: float, factors: Sequence[tuple[Numbers, float]], room: Room) -> Numbers:
-    """Multiply powers of floats and arrays; first all floats, then the arrays."""
-    arrays = []
-    for value, exponent in factors:
-        if isinstance(value, float):
-            number *= power_of(value, exponent)
-        else:
-            arrays.append((value, exponent))
-    if not arrays or (number == 1 and len(arrays) == 1 and arrays[0][1] == 1):
-        return arrays[0][0] if arrays else number
-    arrays.sort(key=lambda factor: factor[1] < 0)  # those that divide come last
-    (first, exponent), *others = arrays
-    result = room("product", first.size)
+def plain_product(
+    number: float, factors: Sequence[tuple[FloatArray, float]], count: int, room: Room
+) -> FloatArray:
+    """Multiply a number and powers of arrays of a length, in the room's memory unless it is one array as it is."""
+    if not factors:
+        return np.full(count, number)
+    (first, exponent), *others = sorted(factors, key=lambda factor: factor[1] < 0)  # those that divide come last
+    if number == 1 and exponent == 1 and not others:
+        return first
+    result = room("product", count)
     if exponent == 1:
         np.multiply(first, number, out=result)
     else:
@@ -59,7 +54,7 @@ def power_of(value: float, exponent: float) -> float:
         return 1 / power_of(value, -exponent)
     if exponent != int(exponent) or exponent > _MOST_FACTORS:
         return float(value**exponent)
-    return reduce(operator.mul, [value] * int(exponent))
+    return math.prod([value] * int(exponent))
 
 
 def scaled_product(number: float, factors: Sequence[tuple[Numbers, float]], rest: FloatArray) -> FloatArray:

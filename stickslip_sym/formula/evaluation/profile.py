@@ -210,8 +210,11 @@ class _Builder:
         return float(r[min(int(wrong.max(initial=-1)) + 1, r.size - 1)])
 
     def _without_exponentials(self, start: float, branch: Branch) -> tuple[float, Series] | None:
-        """Return what is left of a closed form where its functions are negligible, and from where on."""
-        if not isinstance(branch, Closed) or branch.parts[0][0] is not None or len(branch.parts) == 1:
+        """Return what is left of a closed form where its exponentials are negligible, and from where on."""
+        if not isinstance(branch, Closed) or not branch.is_light:
+            return None
+        (alone, coefficients), *exponentials = branch.parts
+        if alone is not None or not exponentials:
             return None
         r = 2.0 ** np.arange(np.ceil(np.log2(start)), _HIGH + 0.01, 0.25)
         with np.errstate(all="ignore"):
@@ -220,7 +223,7 @@ class _Builder:
         first = int(needed.max(initial=-1)) + 1
         if first == r.size:
             return None
-        return float(r[first]), Series(branch.power, branch.parts[0][1], variable=-1.0)
+        return float(r[first]), Series(branch.power, coefficients, variable=-1.0)
 
     def _tail(self) -> tuple[float, Series] | None:
         """Fit r^-power F for large r by a polynomial in 1/r, or in its square root."""

@@ -16,10 +16,17 @@ _MOST_FACTORS = 8
 
 
 class Room:
-    """Arrays by names; who asks for a name again gets the same memory."""
+    """Arrays by names, for one call: who asks for a name again gets the same memory.
+
+    Attributes
+    ----------
+    kept : dict
+        What is the same for all blocks of the call, by who keeps it.
+    """
 
     def __init__(self) -> None:
         self._arrays: dict[str, FloatArray] = {}
+        self.kept: dict[object, object] = {}
 
     def __call__(self, name: str, count: int) -> FloatArray:
         """Return an array of a length, with anything in it."""

@@ -1,8 +1,10 @@
 """A term of a law: its branches, and the powers of the arguments that stand before them."""
 
+import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -31,6 +33,28 @@ Ends = tuple[float, float]
 _SAFE = 900.0  # binary exponents that no product may pass, lest something overflows on the way
 _MOST = 0.9  # of a block: a branch that serves so much of it is taken for all
 _WORTH_A_TABLE = 64  # elements with one shape for which branches are found
+
+
+class _Floats(NamedTuple):
+    """What the floats among the arguments give, the same for every block of a call.
+
+    Attributes
+    ----------
+    bases : list of float
+        NaN where an array takes part.
+    varying : list of int
+        Which those are.
+    exponent : float
+        The largest binary exponent that powers of the floats bring to a product.
+    factor, number : float
+        What they bring to r, and to the amplitude; 1 where that might overflow, and is not needed.
+    """
+
+    bases: list[Numbers]
+    varying: list[int]
+    exponent: float
+    factor: float
+    number: float
 
 
 class TermFunction:
@@ -98,29 +122,25 @@ class TermFunction:
         if profile is None:
             out.fill(np.nan)
             return
-        bases = [values[base] if isinstance(base, int) else base(*values) for base in self.bases]
-        base_ends = [
-            ends[base] if isinstance(base, int) else extremes(value)
-            for base, value in zip(self.bases, bases, strict=True)
-        ]
-        most = max((abs(branch.power) for branch in profile.branches if branch is not None), default=0.0)
-        reach = [
-            (largest_exponent(*end), abs(a) + (1 + most) * abs(e))
-            for end, a, e in zip(base_ends, self.amplitude, self.ratio, strict=True)
-        ]
-        plain = sum(exponent * times for exponent, times in reach if exponent) < _SAFE
-        ratio = [(base, e) for base, e in zip(bases, self.ratio, strict=True) if e]
+        floats = self._floats(values, profile, room)
+        bases, exponent = list(floats.bases), floats.exponent
+        ratio: list[tuple[FloatArray, float]] = []
+        for i in floats.varying:
+            base = self.bases[i]
+            value: FloatArray = np.asarray(values[base] if isinstance(base, int) else base(*values))
+            bases[i] = value
+            exponent += self._reach(i, ends[base] if isinstance(base, int) else extremes(value), profile)
+            if self.ratio[i]:
+                ratio.append((value, self.ratio[i]))
+        plain = exponent < _SAFE
         if plain:
-            r = plain_product(1 / self.size, ratio, room)
+            r = plain_product(floats.factor, ratio, out.size, room)
         else:
+            factors = [(base, e) for base, e in zip(bases, self.ratio, strict=True) if e]
             with np.errstate(invalid="ignore"):
-                r = scaled_product(1 / self.size, ratio, np.ones(out.size))
-        if isinstance(r, float):
-            r = np.full(out.size, r)
-        if plain and all(isinstance(base, float) for base in bases[1:]):  # r rises with V
-            low, high = (
-                float(plain_product(1 / self.size, [(end, 1.0), *ratio[1:]], room)) for end in base_ends[0]
-            )
+                r = scaled_product(1 / self.size, factors, np.ones(out.size))
+        if plain and floats.varying == [0]:  # r rises with V
+            low, high = floats.factor * ends[0][0], floats.factor * ends[0][1]
         else:
             low, high = extremes(r)
         if not high < np.inf:
@@ -128,9 +148,10 @@ class TermFunction:
             out.fill(np.nan)
             self._some(values, np.flatnonzero(np.isfinite(r)), profile, out)
             return
+        number = floats.number if plain else None
         branches, edges = profile.cover(low, high)
         if not edges:
-            self._branch(branches[0], r, bases, plain, out, room)
+            self._branch(branches[0], r, bases, number, out, room)
             return
         masks = _parted(r, edges)
         counts = [int(np.count_nonzero(mask)) for mask in masks]
@@ -138,7 +159,7 @@ class TermFunction:
         branch = branches[common]
         if branch is not None and (branch.is_light or counts[common] > _MOST * out.size):
             # For all, without copies; the others are put right.
-            self._branch(branch, r, bases, plain, out, room)
+            self._branch(branch, r, bases, number, out, room)
             counts[common] = 0
         for branch, mask, some in zip(branches, masks, counts, strict=True):
             if not some:
@@ -150,26 +171,48 @@ class TermFunction:
             ]
             taken, found = room("some r", some), room("some", some)
             r.take(here, out=taken, mode="clip")  # which needs no room of its own
-            self._branch(branch, taken, part, plain, found, room)
+            self._branch(branch, taken, part, number, found, room)
             out[here] = found
 
+    def _reach(self, i: int, end: Ends, profile: Profile) -> float:
+        """Return the largest binary exponent that powers of a base bring to a product."""
+        times = abs(self.amplitude[i]) + (1 + profile.steepest) * abs(self.ratio[i])
+        return float(largest_exponent(*end) * times)
+
+    def _floats(self, values: list[Numbers], profile: Profile, room: Room) -> _Floats:
+        """Return what the floats give; it is kept in the room."""
+        found = room.kept.get(self)
+        if isinstance(found, _Floats):
+            return found
+        bases = [values[base] if isinstance(base, int) else base(*values) for base in self.bases]
+        varying = [i for i, base in enumerate(bases) if not isinstance(base, float)]
+        exponent, factor, number = 0.0, 1 / self.size, self.number
+        for i, base in enumerate(bases):
+            if isinstance(base, float):
+                exponent += self._reach(i, (base, base), profile)
+        if exponent < _SAFE:
+            for base, a, e in zip(bases, self.amplitude, self.ratio, strict=True):
+                if isinstance(base, float):
+                    factor, number = factor * power_of(base, e), number * power_of(base, a)
+        found = _Floats(
+            [base if isinstance(base, float) else math.nan for base in bases], varying, exponent, factor, number
+        )
+        room.kept[self] = found
+        return found
+
     def _branch(
-        self, branch: Branch | None, r: FloatArray, bases: list[Numbers], plain: bool, out: FloatArray, room: Room
-    ) -> None:
+        self, branch: Branch | None, r: FloatArray, bases: list[Numbers], number: float | None, out: FloatArray,
+        room: Room,
+    ) -> None:  # fmt: skip
+        """Evaluate by one branch; `number` is what floats bring to the amplitude, None where it might overflow."""
         if branch is None:
             out.fill(np.nan)
             return
-        if plain:
-            number = self.number
-            arrays = []
-            for base, a in zip(bases, self.amplitude, strict=True):
-                if a and isinstance(base, float):
-                    number *= power_of(base, a)
-                elif a:
-                    arrays.append((base, a))
+        if number is not None:
             branch.fill(r, out, room, number, branch.power)
-            for base, a in arrays:
-                multiply_by_power(out, base, a, room)
+            for base, a in zip(bases, self.amplitude, strict=True):
+                if a and not isinstance(base, float):
+                    multiply_by_power(out, base, a, room)
             return
         branch.fill(r, out, room)
         exponents = [a + branch.power * e for a, e in zip(self.amplitude, self.ratio, strict=True)]
