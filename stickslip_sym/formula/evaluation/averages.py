@@ -12,6 +12,7 @@ from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.evaluation.arguments import OnInvalid, call, check_names, check_reach
 from stickslip_sym.formula.evaluation.exact import exact_value
 from stickslip_sym.formula.evaluation.stable import Exact, StableFunction
+from stickslip_sym.formula.evaluation.term import Loops
 from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["SlopeAverage", "slope_average"]
@@ -27,14 +28,18 @@ class SlopeAverage:
     criterion : Criterion
     exact : callable, optional
         The last resort, from the exact values of all arguments to the criterion; quadrature if not given.
+    loops : callable, optional
+        Returns all branches of a profile as one compiled loop, or None; see `compiled`.
     """
 
-    def __init__(self, law: FrictionLaw, criterion: Criterion, exact: Exact | None = None) -> None:
-        self.law, self.criterion, self._exact = law, criterion, exact
+    def __init__(
+        self, law: FrictionLaw, criterion: Criterion, exact: Exact | None = None, loops: Loops | None = None
+    ) -> None:
+        self.law, self.criterion, self._exact, self._loops = law, criterion, exact, loops
         parameters = {name: parameter.symbol for name, parameter in law.parameters.items()}
         self.arguments = {"V": symbols.V, "N": symbols.N, **parameters}
         self.function = StableFunction(
-            law.expr, criterion, list(self.arguments.values()), exact or self._by_definition
+            law.expr, criterion, list(self.arguments.values()), exact or self._by_definition, loops
         )
         self._defaults = {name: float(value) for name, value in law.values.items()}
 
@@ -74,7 +79,7 @@ class SlopeAverage:
         return call(self.function, self.arguments, given, on_invalid)
 
     def __reduce__(self) -> tuple[object, ...]:
-        return SlopeAverage, (self.law, self.criterion, self._exact)
+        return SlopeAverage, (self.law, self.criterion, self._exact, self._loops)
 
     def __repr__(self) -> str:
         return f"SlopeAverage: {self.law.name or self.law.text}, {self.criterion.name}"

@@ -23,7 +23,8 @@ from stickslip_sym.formula.evaluation.room import (
 )
 
 __all__ = [
-    "CENTERS", "MIDDLE", "STRETCHES", "Branch", "LogTail", "Profile", "R", "Series", "Table", "filled", "horner",
+    "CENTERS", "MIDDLE", "STRETCHES", "Branch", "LogTail", "Loop", "Profile", "R", "Series", "Table", "filled",
+    "horner",
 ]  # fmt: skip
 
 R = TypeVar("R", float, FloatArray)
@@ -46,6 +47,13 @@ class Branch(Protocol):
 
     def fill(self, r: FloatArray, out: FloatArray, room: Room, number: float = 1.0, power: float = 0.0) -> None:
         """Write number r^power G into `out`; the power is 0, or that of the branch."""
+
+
+class Loop(Protocol):
+    """All branches of a function at once, compiled."""
+
+    def __call__(self, speeds: FloatArray, factor: float, number: float, out: FloatArray) -> None:
+        """Write number F(factor speeds) into `out`; no power over- or underflows."""
 
 
 def filled(branch: Branch, r: FloatArray) -> FloatArray:
@@ -192,7 +200,7 @@ class LogTail:
         multiply_by_power(out, r, power, room)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Profile:
     """F(r) by branches.
 

@@ -24,7 +24,7 @@ from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_sca
 from stickslip_sym.formula.evaluation.products import extremes
 from stickslip_sym.formula.evaluation.room import Room
 from stickslip_sym.formula.evaluation.splitting import split
-from stickslip_sym.formula.evaluation.term import Ends, TermFunction
+from stickslip_sym.formula.evaluation.term import Ends, Loops, TermFunction
 from stickslip_sym.model.expression.pieces import jumps, places
 
 __all__ = ["Exact", "StableFunction"]
@@ -54,10 +54,14 @@ class StableFunction:
         V, N and the parameters, in the order in which values come.
     exact : callable
         The last resort.
+    loops : callable, optional
+        Returns all branches of a profile as one compiled loop, or None.
     """
 
-    def __init__(self, mu: Expr, criterion: Criterion, arguments: Sequence[Expr], exact: Exact) -> None:
-        self.mu, self.criterion, self.exact = mu, criterion, exact
+    def __init__(
+        self, mu: Expr, criterion: Criterion, arguments: Sequence[Expr], exact: Exact, loops: Loops | None = None
+    ) -> None:
+        self.mu, self.criterion, self.exact, self.loops = mu, criterion, exact, loops
         self.arguments = list(arguments)
 
     @cached_property
@@ -66,7 +70,11 @@ class StableFunction:
         if self.criterion.weight is None:
             return None
         terms = split(self.mu)
-        return None if terms is None else [TermFunction(term, self.criterion, self.arguments) for term in terms]
+        return (
+            None
+            if terms is None
+            else [TermFunction(term, self.criterion, self.arguments, self.loops) for term in terms]
+        )
 
     def single(self, values: list[float]) -> float:
         """Evaluate at one scene of finite floats."""

@@ -2,7 +2,7 @@
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, IntArray, Numbers
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.evaluation.branches import Branch, Profile
+from stickslip_sym.formula.evaluation.branches import Branch, Loop, Profile
 from stickslip_sym.formula.evaluation.products import (
     extremes,
     largest_exponent,
@@ -25,10 +25,12 @@ from stickslip_sym.formula.evaluation.profile import profile_of
 from stickslip_sym.formula.evaluation.room import Room, multiply_by_power
 from stickslip_sym.formula.evaluation.splitting import Term
 
-__all__ = ["Ends", "TermFunction"]
+__all__ = ["Ends", "Loops", "TermFunction"]
 
 Ends = tuple[float, float]
 """The smallest and the largest of some values."""
+Loops = Callable[[Profile], Loop | None]
+"""From a profile to its compiled loop."""
 
 _SAFE = 900.0  # binary exponents that no product may pass, lest something overflows on the way
 _MOST = 0.9  # of a block: a branch that serves so much of it is taken for all
@@ -58,10 +60,21 @@ class _Floats(NamedTuple):
 
 
 class TermFunction:
-    """A term of a law, compiled."""
+    """A term of a law, compiled.
 
-    def __init__(self, term: Term, criterion: Criterion, arguments: Sequence[Expr]) -> None:
-        self.term, self.criterion = term, criterion
+    Parameters
+    ----------
+    term : Term
+    criterion : Criterion
+    arguments : sequence of Symbol
+    loops : callable, optional
+        Returns all branches of a profile as one compiled loop, or None.
+    """
+
+    def __init__(
+        self, term: Term, criterion: Criterion, arguments: Sequence[Expr], loops: Loops | None = None
+    ) -> None:
+        self.term, self.criterion, self.loops = term, criterion, loops
         self.number, self.size = float(term.number), float(term.size)
         self.shapes = [arguments.index(symbol) for symbol in term.shapes]
         bases = list(dict.fromkeys([symbols.V, symbols.N, *term.amplitude, *term.scale]))
@@ -133,6 +146,12 @@ class TermFunction:
             if self.ratio[i]:
                 ratio.append((value, self.ratio[i]))
         plain = exponent < _SAFE
+        if plain and self.loops is not None and (loop := self.loops(profile)) is not None:
+            only_V = floats.varying == [0]
+            r = bases[0] if only_V else plain_product(floats.factor, ratio, out.size, room)
+            loop(np.asarray(r), floats.factor if only_V else 1.0, floats.number, out)
+            self._multiply(out, bases, room)
+            return
         if plain:
             r = plain_product(floats.factor, ratio, out.size, room)
         else:
@@ -210,14 +229,18 @@ class TermFunction:
             return
         if number is not None:
             branch.fill(r, out, room, number, branch.power)
-            for base, a in zip(bases, self.amplitude, strict=True):
-                if a and not isinstance(base, float):
-                    multiply_by_power(out, base, a, room)
+            self._multiply(out, bases, room)
             return
         branch.fill(r, out, room)
         exponents = [a + branch.power * e for a, e in zip(self.amplitude, self.ratio, strict=True)]
         factors = [(base, e) for base, e in zip(bases, exponents, strict=True) if e]
         out[...] = scaled_product(self.number * self.size**-branch.power, factors, out)
+
+    def _multiply(self, value: FloatArray, bases: list[Numbers], room: Room) -> None:
+        """Multiply in place by the amplitude's arrays."""
+        for base, a in zip(bases, self.amplitude, strict=True):
+            if a and not isinstance(base, float):
+                multiply_by_power(value, base, a, room)
 
     def single(self, values: list[float]) -> float:
         """Evaluate at floats; NaN where no branch serves, or a product might overflow on the way."""
