@@ -16,7 +16,9 @@ _LARGEST = 4000  # binary exponents beyond this are clipped: the value is 0 or i
 
 def extremes(value: Numbers) -> tuple[float, float]:
     """Return the smallest and the largest of an array's elements, or a float twice."""
-    return (value, value) if isinstance(value, float) else (float(value.min()), float(value.max()))
+    if isinstance(value, float):
+        return value, value
+    return float(np.minimum.reduce(value)), float(np.maximum.reduce(value))
 
 
 def largest_exponent(low: float, high: float) -> float:

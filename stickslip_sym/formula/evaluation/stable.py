@@ -102,7 +102,7 @@ class StableFunction:
         """
         with np.errstate(all="ignore"):  # what overflows on the way is mended
             self._sum(values, ends, out, room)
-            low, high = out.min(), out.max()
+            low, high = extremes(out)
         if low > 0 and high < np.inf:  # as it is nearly always
             return
         missing = np.flatnonzero(~np.isfinite(out))
