@@ -1,7 +1,7 @@
 """What a call of a closed form costs; run with ``pytest tests/benchmarks/bench_evaluate.py``.
 
 Ratios within one run: the stable function of the exponential law, as it is called and with compiled loops, against
-plain lambdify of (17) and one np.exp; its harmonic form against scipy.special.ive, and the polynomial law against the
+plain lambdify of (17) and one np.exp; its harmonic form against scipy.special.ive; the polynomial law against the
 same arithmetic by hand.
 """
 
