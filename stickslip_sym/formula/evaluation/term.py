@@ -49,7 +49,7 @@ class _Floats(NamedTuple):
     exponent : float
         The largest binary exponent that powers of the floats bring to a product.
     factor, number : float
-        What they bring to r, and to the amplitude; 1 where that might overflow, and is not needed.
+        What they bring to r, and to the amplitude; nothing where that might overflow, for then it is not used.
     """
 
     bases: list[Numbers]
@@ -147,9 +147,10 @@ class TermFunction:
                 ratio.append((value, self.ratio[i]))
         plain = exponent < _SAFE
         if plain and self.loops is not None and (loop := self.loops(profile)) is not None:
-            only_V = floats.varying == [0]
-            r = bases[0] if only_V else plain_product(floats.factor, ratio, out.size, room)
-            loop(np.asarray(r), floats.factor if only_V else 1.0, floats.number, out)
+            if floats.varying == [0]:
+                loop(ratio[0][0], floats.factor, floats.number, out)
+            else:
+                loop(plain_product(floats.factor, ratio, out.size, room), 1.0, floats.number, out)
             self._multiply(out, bases, room)
             return
         if plain:
