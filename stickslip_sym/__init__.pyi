@@ -15,6 +15,7 @@ from .criteria import quadrature as quadrature
 from .criteria.criterion import Criterion as Criterion
 from .criteria.enclosure import Enclosure as Enclosure
 from .criteria.enclosure import enclose as enclose
+from .formula.code.loops import compiled as compiled
 from .formula.derivation.closed_form import ClosedForm as ClosedForm
 from .formula.derivation.closed_form import derive as derive
 from .formula.derivation.keeping import load as load

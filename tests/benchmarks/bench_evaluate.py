@@ -1,7 +1,8 @@
 """What a call of a closed form costs; run with ``pytest tests/benchmarks/bench_evaluate.py``.
 
-Ratios within one run: the stable function of the exponential law against plain lambdify of (17) and one
-np.exp, its harmonic form against scipy.special.ive, the polynomial law against the same arithmetic by hand.
+Ratios within one run: the stable function of the exponential law, as it is called and with compiled loops, against
+plain lambdify of (17) and one np.exp; its harmonic form against scipy.special.ive; the polynomial law against the
+same arithmetic by hand.
 """
 
 import time
@@ -22,6 +23,7 @@ SPEEDS = {
     "large": np.linspace(1, 30, SIZE),
     "mixed": 10 ** np.random.default_rng(0).uniform(-4, 2, SIZE),
 }
+ROUNDS = 15
 EXPONENTIAL = {"N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
 POLYNOMIAL = {"N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "v_m": 1.0}
 
@@ -39,18 +41,20 @@ def forms():
 
 
 @pytest.mark.parametrize("speeds", SPEEDS)
-@pytest.mark.parametrize("way", ["stable", "lambdify", "np.exp"])
+@pytest.mark.parametrize("way", ["stable", "compiled", "lambdify", "np.exp"])
 def test_exponential_least_squares(benchmark, forms, way, speeds):
     benchmark.group = f"exponential, least_squares, 1e6 {speeds}"
     form, V = forms["least_squares"], SPEEDS[speeds]
     if way == "stable":
         benchmark(form, V=V, **EXPONENTIAL)
+    elif way == "compiled":
+        benchmark(ss.compiled(form), V=V, **EXPONENTIAL)
     elif way == "lambdify":
         plain = sp.lambdify(list(form.arguments.values()), form.expr, "numpy")
         values = [V, *(EXPONENTIAL[name] for name in form.arguments if name != "V")]
         benchmark(plain, *values)
     else:
-        benchmark(np.exp, -V)
+        benchmark(np.exp, V)
 
 
 @pytest.mark.parametrize("way", ["stable", "ive"])
@@ -110,37 +114,49 @@ def test_memory(benchmark, forms):
         return most / V.nbytes
 
     benchmark.extra_info["arrays"] = benchmark.pedantic(peak, rounds=2)
-    assert benchmark.extra_info["arrays"] < 12
+    assert benchmark.extra_info["arrays"] < 2
+
+
+def times(*calls):
+    """Return CPU seconds of calls, one row for each of some rounds in which they take turns."""
+
+    def seconds(call):
+        start = time.thread_time()
+        call()
+        return time.thread_time() - start
+
+    return np.array([[seconds(call) for call in calls] for _ in range(ROUNDS + 2)])[2:]
 
 
 def ratios():
-    """Print the ratios that the benchmarks above measure, best of nine each."""
-
-    def best(call):
-        times = []
-        for _ in range(9):
-            start = time.perf_counter()
-            call()
-            times.append(time.perf_counter() - start)
-        return min(times)
-
+    """Print the ratios that the benchmarks above measure: the median of those within each round."""
     form = ss.derive(ss.laws.exponential)
+    fast = ss.compiled(form)
     plain = sp.lambdify(list(form.arguments.values()), form.expr, "numpy")
+    rng = np.random.default_rng(2)
+    each = EXPONENTIAL | {"alpha": rng.uniform(1, 6, SIZE), "mu_s": rng.uniform(0.4, 0.6, SIZE)}
+    print(
+        "1e6 values         over np.exp: call, compiled; over call, compiled: batch of parameters; over lambdify"
+    )
     for name, V in SPEEDS.items():
-        stable = best(lambda V=V: form(V=V, **EXPONENTIAL))
         values = [V, *(EXPONENTIAL[key] for key in form.arguments if key != "V")]
-        print(f"least_squares {name}: {stable / best(lambda values=values: plain(*values)):.2f} x lambdify, "
-              f"{stable / best(lambda V=V: np.exp(-V)):.1f} x np.exp")  # fmt: skip
-        rng = np.random.default_rng(2)
-        each = EXPONENTIAL | {"alpha": rng.uniform(1, 6, SIZE), "mu_s": rng.uniform(0.4, 0.6, SIZE)}
-        batch = best(lambda V=V, each=each: form(V=V, **each))
-        print(f"  with parameters of its own for each element: {batch / stable:.2f} x that")
+        rounds = times(
+            lambda V=V: np.exp(V),
+            lambda V=V: form(V=V, **EXPONENTIAL),
+            lambda V=V: fast(V=V, **EXPONENTIAL),
+            lambda V=V: form(V=V, **each),
+            lambda V=V: fast(V=V, **each),
+            lambda values=values: plain(*values),
+        )
+        exp, call, compiled, batch, batch_compiled, text = rounds.T
+        pairs = (call / exp, compiled / exp, batch / call, batch_compiled / compiled, call / text)
+        print(f"least_squares {name:10}", *(f"{np.median(pair):7.2f}" for pair in pairs))
     harmonic, V = ss.derive(ss.laws.exponential, "harmonic"), SPEEDS["mixed"]
-    stable = best(lambda: harmonic(V=V, **EXPONENTIAL))
-    print(f"harmonic: {stable / best(lambda: scipy.special.ive(1, V)):.2f} x ive")
+    stable, ive = times(lambda: harmonic(V=V, **EXPONENTIAL), lambda: scipy.special.ive(1, V)).T
+    print(f"harmonic: {np.median(stable / ive):.2f} x ive")
     cubic, V = ss.derive(ss.laws.polynomial), SPEEDS["small"]
-    stable, plain_time = best(lambda: cubic(V=V, **POLYNOMIAL)), best(lambda: by_hand(V, **POLYNOMIAL))
-    print(f"polynomial: {stable / plain_time:.2f} x by hand")
+    stable, hand = times(lambda: cubic(V=V, **POLYNOMIAL), lambda: by_hand(V, **POLYNOMIAL)).T
+    print(f"polynomial: {np.median(stable / hand):.2f} x by hand")
 
 
 if __name__ == "__main__":

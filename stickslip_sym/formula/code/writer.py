@@ -14,7 +14,8 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.criteria.gauss import COARSE, FINE, FIRST_PANEL, angle_weight, gauss_legendre, weight_of
 from stickslip_sym.formula.code.dialect import numeric_list
 from stickslip_sym.formula.code.languages import Language, find
-from stickslip_sym.formula.evaluation.branches import Branch, Closed, Formula, LogTail, Series, Table
+from stickslip_sym.formula.evaluation.branches import Branch, LogTail, Series, Table
+from stickslip_sym.formula.evaluation.closed import Closed, Formula
 from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
 from stickslip_sym.formula.evaluation.stable import StableFunction
 from stickslip_sym.formula.evaluation.term import TermFunction
@@ -113,9 +114,9 @@ def _branch(branch: Branch, language: Language, table: str) -> tuple[str, str]:
     if isinstance(branch, Closed):
         parts = []
         for function, coefficients in branch.parts:
-            factor = "" if function is None else f"*({language.dialect.text(function.expr, {V: 'z'})})"
+            factor = "" if function is None else f"*({language.dialect.text(function.expr, {V: 'r'})})"
             parts.append(f"({_horner(coefficients)}){factor}")
-        return "", lines(z="r", g=" + ".join(parts))
+        return "", lines(z="1.0/r", g=" + ".join(parts))
     if isinstance(branch, Formula):
         return "", lines(g=language.dialect.text(branch.compiled.expr, {V: "r"}))
     if isinstance(branch, LogTail):

@@ -10,6 +10,8 @@ from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Numbers
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_array, suggestion
 from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.formula.evaluation.products import extremes
+from stickslip_sym.formula.evaluation.room import Room
 from stickslip_sym.formula.evaluation.stable import StableFunction
 from stickslip_sym.model.law import FrictionLaw
 
@@ -133,28 +135,29 @@ def _in_blocks(
     blocks: Any = np.nditer(  # type: ignore[call-overload]  # its stubs know no mixed lists
         [*varying, result],
         flags=["external_loop", "buffered", "zerosize_ok"],
-        op_flags=[["readonly"]] * len(varying) + [["writeonly"]],
+        op_flags=[["readonly", "contig"]] * len(varying) + [["writeonly", "contig"]],
         op_dtypes=[np.float64] * (len(varying) + 1),
         casting="unsafe",
         order="K",
         buffersize=_BLOCK,
     )
+    room, ends = Room(), [(0.0 if value is None else value,) * 2 for value in single]
     with blocks:
         for *columns, out in blocks:
+            if not out.size:
+                continue
             values: list[Any] = list(single)
             bad: BoolArray | bool = False
             for i, column in zip(places, columns, strict=True):
-                values[i] = column
-                if column.size and not (column.min() >= lowest[i] and column.max() < np.inf):
+                values[i], ends[i] = column, extremes(column)
+                if not (ends[i][0] >= lowest[i] and ends[i][1] < np.inf):
                     bad = bad | _bad(column, names[i], lowest[i], on_invalid)
             if bad is False:
-                if out.size:
-                    np.add(function.array(values), 0.0, out=out)  # -0.0 becomes 0.0
+                function.fill(values, ends, out, room)
                 continue
             good = np.flatnonzero(~bad)
             out[...] = np.nan
-            if good.size:
-                out[good] = function.array([v if isinstance(v, float) else v[good] for v in values]) + 0.0
+            out[good] = function.array([v if isinstance(v, float) else v[good] for v in values])
     return result
 
 

@@ -1,25 +1,24 @@
 """Products of powers of floats that over- or underflow only where their value does."""
 
 import math
-import operator
 from collections.abc import Sequence
-from functools import reduce
-from typing import TypeVar
 
 import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray, Numbers
+from stickslip_sym.formula.evaluation.room import Room, multiply_by_power
 
-__all__ = ["extremes", "largest_exponent", "multiply_by_power", "plain_product", "scaled_product"]
+__all__ = ["extremes", "largest_exponent", "plain_product", "power_of", "scaled_product"]
 
-R = TypeVar("R", float, FloatArray)
 _MOST_FACTORS = 8
 _LARGEST = 4000  # binary exponents beyond this are clipped: the value is 0 or infinite
 
 
 def extremes(value: Numbers) -> tuple[float, float]:
     """Return the smallest and the largest of an array's elements, or a float twice."""
-    return (value, value) if isinstance(value, float) else (float(value.min()), float(value.max()))
+    if isinstance(value, float):
+        return value, value
+    return float(np.minimum.reduce(value)), float(np.maximum.reduce(value))
 
 
 def largest_exponent(low: float, high: float) -> float:
@@ -31,52 +30,33 @@ def largest_exponent(low: float, high: float) -> float:
     return max(abs(math.log2(low)), abs(math.log2(high)))
 
 
-def plain_product(number: float, factors: Sequence[tuple[Numbers, float]]) -> Numbers:
-    """Multiply powers of floats and arrays; first all floats, then the arrays."""
-    arrays = []
-    for value, exponent in factors:
-        if isinstance(value, float):
-            number *= _power(value, exponent)
-        else:
-            arrays.append((value, exponent))
-    result: Numbers = number
-    denominator: Numbers | None = None
-    for value, exponent in arrays:
-        if exponent > 0:
-            result = result * _power(value, exponent)
-        else:
-            power = _power(value, -exponent)
-            denominator = power if denominator is None else denominator * power
-    return result if denominator is None else result / denominator
+def plain_product(
+    number: float, factors: Sequence[tuple[FloatArray, float]], count: int, room: Room
+) -> FloatArray:
+    """Multiply a number and powers of arrays of a length, in the room's memory unless it is one array as it is."""
+    if not factors:
+        return np.full(count, number)
+    (first, exponent), *others = sorted(factors, key=lambda factor: factor[1] < 0)  # those that divide come last
+    if number == 1 and exponent == 1 and not others:
+        return first
+    result = room("product", count)
+    if exponent == 1:
+        np.multiply(first, number, out=result)
+    else:
+        result.fill(number)
+        multiply_by_power(result, first, exponent, room)
+    for value, exponent in others:
+        multiply_by_power(result, value, exponent, room)
+    return result
 
 
-def _power(value: R, exponent: float) -> R:
-    """Raise to a power, whole ones by multiplication: that is faster than pow."""
+def power_of(value: float, exponent: float) -> float:
+    """Raise to a power, whole ones by multiplication, as it is done for arrays."""
     if exponent < 0:
-        return 1 / _power(value, -exponent)
+        return 1 / power_of(value, -exponent)
     if exponent != int(exponent) or exponent > _MOST_FACTORS:
-        power: R = value**exponent
-        return power
-    return reduce(operator.mul, [value] * int(exponent))
-
-
-def multiply_by_power(value: FloatArray, base: FloatArray, exponent: float, work: FloatArray) -> None:
-    """Multiply in place by a power of an array, a whole one by squaring; `work` is an array to compute in."""
-    size = abs(exponent)
-    if not size:
-        return
-    if size != int(size) or size > _MOST_FACTORS:
-        np.power(base, size, out=work)
-    else:
-        work[...] = base
-        for bit in bin(int(size))[3:]:
-            work *= work
-            if bit == "1":
-                work *= base
-    if exponent > 0:
-        value *= work
-    else:
-        value /= work
+        return float(value**exponent)
+    return math.prod([value] * int(exponent))
 
 
 def scaled_product(number: float, factors: Sequence[tuple[Numbers, float]], rest: FloatArray) -> FloatArray:

@@ -3,14 +3,14 @@
 Nothing is known of g but its expression. The branches are found when a law is first evaluated:
 
 - a power series for small r, with exponentials taken out;
-- the closed form, from where on its running error bound says that its terms no longer cancel;
+- the closed form, from where on its running error bound says that its terms no longer cancel, and what is left of
+  it from where on its exponentials are negligible;
 - polynomials fitted to Gauss averages of extended precision for what lies between;
 - a series in 1/r, or the leading power with its logarithm, for r beyond all scales.
 
 Every branch is compared with Gauss averages before it is used.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -23,16 +23,8 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.bounds import rounding_bound, slope_with_bound
-from stickslip_sym.formula.evaluation.branches import (
-    CENTERS,
-    STRETCHES,
-    Branch,
-    LogTail,
-    Series,
-    Table,
-    as_closed,
-    as_formula,
-)
+from stickslip_sym.formula.evaluation.branches import CENTERS, STRETCHES, Branch, LogTail, Profile, Series, Table
+from stickslip_sym.formula.evaluation.closed import Closed, as_closed, as_formula
 from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
 from stickslip_sym.formula.evaluation.fitting import (
     TERMS,
@@ -44,35 +36,20 @@ from stickslip_sym.formula.evaluation.fitting import (
 )
 from stickslip_sym.formula.integration.integrals import integrate_terms
 
-__all__ = ["Profile", "profile_of"]
+__all__ = ["profile_of"]
 
 _EPSILON = float(np.finfo(np.float64).eps)
 _LOW, _HIGH = -30, 60  # binary exponents of r between which branches are fitted
-_BOUND = 25.0  # units of the running bound up to which the closed form is used; the bound is far from sharp
+_BOUND = 30.0  # units of the running bound up to which the closed form is used; the bound is far from sharp
 _AGREED = 5.0  # units of difference from a Gauss average in double precision
 _MEASURED = 2.75  # units of error of the closed form, measured
+_NEGLIGIBLE = 2.0**-55  # of the value
 _CLOSE = 32  # points in an octave where that is measured
 _NODES = 19  # of the fit in a panel
 _FAR = (0, 140, 400)  # binary orders beyond the fitted range, where the leading term is read off
 _CONDITION = 1.5  # of a series: the sum of sizes over the size of the sum
 _TAIL_NODES = 31
 _TAILS = (3, 4, 5, 6, 7)  # binary exponents of r from where a series in 1/r is tried
-
-
-@dataclass(frozen=True)
-class Profile:
-    """F(r) by branches.
-
-    Attributes
-    ----------
-    starts : tuple of float
-        Where each branch begins; the first at 0.
-    branches : tuple of Branch or None
-        None where there is none.
-    """
-
-    starts: tuple[float, ...]
-    branches: tuple[Branch | None, ...]
 
 
 @lru_cache(maxsize=128)
@@ -95,7 +72,7 @@ class _Builder:
     def build(self) -> Profile | None:
         """Return the branches in order, or None."""
         if self.slope == 0:
-            return Profile((0.0,), (Series(0.0, (0.0,)),))
+            return Profile((0.0,), (Series(0.0, (0.0,)),), (np.inf,))
         if self.slope.is_polynomial(symbols.v):
             return self._polynomial()
         direct = self._direct()
@@ -122,7 +99,15 @@ class _Builder:
         for start, branch in outer:
             starts.append(max(start, opened))
             branches.append(branch)
-        return Profile(tuple(starts), tuple(branches)) if any(branches) else None
+        if not any(branches):
+            return None
+        ends = [*starts[1:], np.inf]
+        alone = self._without_exponentials(*direct) if direct is not None and len(outer) == 2 else None
+        if alone is not None and starts[-2] < alone[0] < starts[-1]:
+            starts.insert(-1, alone[0])
+            branches.insert(-1, alone[1])
+            ends.insert(-1, ends[-2])
+        return Profile(tuple(starts), tuple(branches), tuple(ends))
 
     # -- Gauss averages --------------------------------------------------------------------------
 
@@ -151,9 +136,9 @@ class _Builder:
         floats = tuple(float(c) for c in used[::step])
         small = Series(float(low), floats, variable=float(step))
         if degree == 0:
-            return Profile((0.0,), (small,))
+            return Profile((0.0,), (small,), (np.inf,))
         large = Series(float(low + degree), floats[::-1], variable=-float(step))
-        return Profile((0.0, 1.0), (small, large))
+        return Profile((0.0, 1.0), (small, large), (1.0, np.inf))
 
     def _series(self, closed: float) -> tuple[float, Series] | None:
         """Expand F around r = 0; return it and the r up to which it is good."""
@@ -223,6 +208,22 @@ class _Builder:
         value, size, _ = self.averages(r)
         wrong = np.flatnonzero(np.abs(_value(branch, r) - value) > _MEASURED * _EPSILON * size)
         return float(r[min(int(wrong.max(initial=-1)) + 1, r.size - 1)])
+
+    def _without_exponentials(self, start: float, branch: Branch) -> tuple[float, Series] | None:
+        """Return what is left of a closed form where its exponentials are negligible, and from where on."""
+        if not isinstance(branch, Closed) or not branch.is_light:
+            return None
+        (alone, coefficients), *exponentials = branch.parts
+        if alone is not None or not exponentials:
+            return None
+        r = 2.0 ** np.arange(np.ceil(np.log2(start)), _HIGH + 0.01, 0.25)
+        with np.errstate(all="ignore"):
+            rest, *others = (np.abs(Closed(0.0, (part,))(r)) for part in branch.parts)
+            needed = np.flatnonzero(~(sum(others) <= _NEGLIGIBLE * rest))
+        first = int(needed.max(initial=-1)) + 1
+        if first == r.size:
+            return None
+        return float(r[first]), Series(branch.power, coefficients, variable=-1.0)
 
     def _tail(self) -> tuple[float, Series] | None:
         """Fit r^-power F for large r by a polynomial in 1/r, or in its square root."""

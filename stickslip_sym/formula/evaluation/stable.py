@@ -21,8 +21,10 @@ from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.bounds import rounding_bound, slope_with_bound
 from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
+from stickslip_sym.formula.evaluation.products import extremes
+from stickslip_sym.formula.evaluation.room import Room
 from stickslip_sym.formula.evaluation.splitting import split
-from stickslip_sym.formula.evaluation.term import TermFunction
+from stickslip_sym.formula.evaluation.term import Ends, Loops, TermFunction
 from stickslip_sym.model.expression.pieces import jumps, places
 
 __all__ = ["Exact", "StableFunction"]
@@ -52,10 +54,14 @@ class StableFunction:
         V, N and the parameters, in the order in which values come.
     exact : callable
         The last resort.
+    loops : callable, optional
+        Returns all branches of a profile as one compiled loop, or None.
     """
 
-    def __init__(self, mu: Expr, criterion: Criterion, arguments: Sequence[Expr], exact: Exact) -> None:
-        self.mu, self.criterion, self.exact = mu, criterion, exact
+    def __init__(
+        self, mu: Expr, criterion: Criterion, arguments: Sequence[Expr], exact: Exact, loops: Loops | None = None
+    ) -> None:
+        self.mu, self.criterion, self.exact, self.loops = mu, criterion, exact, loops
         self.arguments = list(arguments)
 
     @cached_property
@@ -64,7 +70,11 @@ class StableFunction:
         if self.criterion.weight is None:
             return None
         terms = split(self.mu)
-        return None if terms is None else [TermFunction(term, self.criterion, self.arguments) for term in terms]
+        return (
+            None
+            if terms is None
+            else [TermFunction(term, self.criterion, self.arguments, self.loops) for term in terms]
+        )
 
     def single(self, values: list[float]) -> float:
         """Evaluate at one scene of finite floats."""
@@ -80,31 +90,39 @@ class StableFunction:
 
     def array(self, values: list[Numbers]) -> FloatArray:
         """Evaluate at finite floats and flat arrays of one length, at least one of them an array."""
-        count = next(value.size for value in values if not isinstance(value, float))
-        with np.errstate(all="ignore"):  # what overflows on the way is mended
-            result = np.full(count, np.nan) if self.terms is None else self._sum(values, count)
-            total = result.sum()
-        if np.isfinite(total):  # and so is every element, which is seldom otherwise
-            return result
-        missing = np.flatnonzero(~np.isfinite(result))
-        if missing.size:
-            self._mend(result, missing, values)
+        result = np.empty(next(value.size for value in values if not isinstance(value, float)))
+        if result.size:
+            self.fill(values, [extremes(value) for value in values], result, Room())
         return result
 
-    def _sum(self, values: list[Numbers], count: int) -> FloatArray:
-        assert self.terms is not None
+    def fill(self, values: list[Numbers], ends: list[Ends], out: FloatArray, room: Room) -> None:
+        """Evaluate as `array` does, given the smallest and the largest of each, into an array of one piece.
+
+        Zeros have no sign.
+        """
+        with np.errstate(all="ignore"):  # what overflows on the way is mended
+            self._sum(values, ends, out, room)
+            low, high = extremes(out)
+        if low > 0 and high < np.inf:  # as it is nearly always
+            return
+        missing = np.flatnonzero(~np.isfinite(out))
+        if missing.size:
+            self._mend(out, missing, values)
+        out += 0.0  # -0.0 becomes 0.0
+
+    def _sum(self, values: list[Numbers], ends: list[Ends], out: FloatArray, room: Room) -> None:
         if not self.terms:
-            return np.zeros(count)
-        total = self.terms[0](values)
+            out.fill(np.nan if self.terms is None else 0.0)
+            return
+        self.terms[0].fill(values, ends, out, room)
         if len(self.terms) == 1:
-            return total
-        sizes = np.abs(total)
+            return
+        sizes, part = np.abs(out, out=room("sizes", out.size)), room("term", out.size)
         for term in self.terms[1:]:
-            part = term(values)
-            total += part
+            term.fill(values, ends, part, room)
+            out += part
             sizes += np.abs(part, out=part)
-        total[sizes > _CANCELLED * np.abs(total)] = np.nan
-        return total
+        out[sizes > _CANCELLED * np.abs(out, out=part)] = np.nan
 
     def _mend(self, result: FloatArray, missing: IntArray, values: list[Numbers]) -> None:
         """Evaluate by other means what the terms did not give."""

@@ -53,6 +53,19 @@ def test_at_the_limits(name, criterion, regime):
     assert accuracy.units(form, columns, form(**columns)).max() <= most(name)
 
 
+def test_the_exponential_law_where_its_branches_meet():
+    """Some ten thousand speeds in each stretch: a few may all be lucky."""
+    average = ss.slope_average(ss.laws.exponential)
+    V = np.concatenate([start * np.linspace(1, 1.02, 20_000) for start in (1.97, 2.0, 2.24, 2.8, 4.0, 19.0, 22.6)])
+    speed = V.astype(np.longdouble)
+    term, right = np.exp(-speed), np.zeros_like(speed)
+    for k in range(60):  # of exp(-r) sum <s^2k> r^2k/(2k)!, where nothing cancels
+        right += term * 5 / ((2 * k + 1) * (2 * k + 5))
+        term *= speed**2 / ((2 * k + 1) * (2 * k + 2))
+    values = average(V=V, N=1.0, mu_s=1.0, mu_m=0.5, alpha=1.0)
+    assert np.abs(values / (right / 2) - 1).max() <= MOST_UNITS_OF_THE_PAPER * accuracy.EPSILON
+
+
 @pytest.mark.parametrize("name", ["exponential", "gaussian", "lorentzian", "tanh", "polynomial"])
 def test_the_slope_at_one_point(name):
     form = form_of(name, "equilibrium")
