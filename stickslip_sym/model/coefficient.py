@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 from stickslip_sym.core import symbols
@@ -73,7 +73,7 @@ class Coefficient:
         key, known = (expr, backend), (*self.parameters, *more)
         if key not in self._functions:
             # Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
-            self._functions[key] = function_of([symbols.v, *known], expr, backend)
+            self._functions[key] = function_of([*known, symbols.v], expr, backend)
         compiled, ordered = self._functions[key], [values[symbol] for symbol in known]
         if backend == "mpmath":
             rounded: dict[int, list[Any]] = {}  # by working precision
@@ -82,11 +82,10 @@ class Coefficient:
                 precision = mpmath.mp.prec
                 if precision not in rounded:
                     rounded[precision] = [to_mpf(value) for value in ordered]
-                return compiled(v, *rounded[precision])
+                return compiled(*rounded[precision], v)
 
             return at_precision
-        floats = [float(value) for value in ordered]
-        return lambda v: compiled(v, *floats)
+        return partial(compiled, *map(float, ordered))
 
     def kinks(self, values: Mapping[Expr, Expr]) -> set[Expr]:
         """Return where mu or its slope may jump, exact."""

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum, auto
+from functools import cached_property
 from itertools import pairwise
 from typing import Literal
 
@@ -60,6 +61,16 @@ class SlipPhase:
     def points(self) -> list[Point]:
         """The states at the ends of the steps, from the beginning of the phase to its end."""
         return [*(interpolant.start for interpolant in self.interpolants), self.last]
+
+    @property
+    def start(self) -> Point:
+        """The state at the beginning."""
+        return self.interpolants[0].start if self.interpolants else self.last
+
+    @cached_property
+    def states(self) -> FloatArray:
+        """The rows tau, q and w at the ends of the steps, once the phase is over."""
+        return np.array([(point.tau, point.q, point.w) for point in self.points]).T
 
     def turns(self, extremum: Point, rising: bool, until: Until) -> bool:
         """Note an extremum of w after which it rises or falls, and return whether the phase ends there."""
