@@ -16,10 +16,10 @@ from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.simulation.steppers import Interpolant, Point
 
-__all__ = ["RUNAWAY", "End", "SlipPhase", "Until", "attracted_to_rest", "passage", "root"]
+__all__ = ["REST_WITHIN", "RUNAWAY", "End", "SlipPhase", "Until", "attracted_to_rest", "passage", "root"]
 
 RUNAWAY = 1e100  # times the units of the state
-_CLOSE = 10  # times the tolerance of a step: nearer to a rest the errors of steps do not let the mass come
+REST_WITHIN = 10  # times the tolerance of a step: nearer to a rest the errors of steps do not let the mass come
 
 
 class End(Enum):
@@ -109,7 +109,7 @@ def attracted_to_rest(scene: Scene, side: int, rtol: float) -> Callable[[Point],
     if side < 0 or not scene.decay(1.0) > 0:
         return lambda now: False
     q, w = scene.rest
-    close = _CLOSE * rtol
+    close = REST_WITHIN * rtol
     return lambda now: abs(now.w - w) <= close and abs(now.q - q) <= close * max(1.0, abs(q))
 
 
