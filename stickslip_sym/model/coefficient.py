@@ -132,7 +132,9 @@ class Coefficient:
         gained = rise(piece, symbols.v, _start() if start else start)
         before = self._between(values, lowest, piece, start) if start else 0.0
         if gained is None or not math.isfinite(before):
-            return (lambda v: float(plain(v)) - onset) if backend == "math" else (lambda v: _reals(plain(v)) - onset)
+            return (
+                (lambda v: float(plain(v)) - onset) if backend == "math" else (lambda v: _reals(plain(v)) - onset)
+            )
         compiled = self._at(gained, {**values, _start(): start}, backend, _start())
 
         def risen(v: float) -> float:

@@ -4,7 +4,6 @@ All that come to P go on alike, so one such table serves them all: that of the m
 comes back there. The motion of a start that the steps of many do not serve is a table too.
 """
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -82,7 +81,7 @@ class Course:
         self._list_places()
 
     def _list_events(self) -> None:
-        events, kind = [], EventKind.START
+        events, kind = list[tuple[float, float, int, int]](), EventKind.START
         for part in self._parts:
             if isinstance(part, Sticking):
                 kind = EventKind.STICKS if events else kind
@@ -107,7 +106,7 @@ class Course:
             phase, later = part.phase, part.later
             at_rest = phase.crossings(1.0) if phase.side > 0 else []
             turns += [(point.tau + later, point.q) for point in at_rest]
-            points = [phase.start, *phase.extrema, *at_rest, phase.last]
+            points = [*phase.points, *phase.extrema, *at_rest]
             marks += sorted((point.tau + later, point.q, 1 - phase.side * point.w) for point in points)
         self._turns = np.array(turns).reshape(-1, 2).T
         self._times, *values = np.array(marks).T
@@ -131,7 +130,9 @@ class Course:
         # The end of a round belongs to it.
         around = np.maximum(np.ceil(tau / self._lap) - 1, 0.0) if self._lap else np.zeros(tau.size)
         part = np.clip(tau - around * self._lap, 0.0, self._end)
-        ended = tau - around * self._lap >= self._end if self._outcome is not Outcome.FINISHED else np.zeros(tau.size)
+        ended = (
+            tau - around * self._lap >= self._end if self._outcome is not Outcome.FINISHED else np.zeros(tau.size)
+        )
         index = np.maximum(np.searchsorted(self._events[0], part) - 1, 0)
         q, u = self._states(part, index)
         mark = np.searchsorted(self._times, part, side="right") - 1
@@ -167,8 +168,10 @@ class Course:
             if isinstance(part, Sticking):
                 q[chosen], u[chosen] = part.q + (tau[chosen] - part.tau), 1.0
             else:
-                q[chosen], w = part.phase.at(tau[chosen] - part.later)
-                u[chosen] = 1 - part.phase.side * w
+                phase, times = part.phase, tau[chosen] - part.later
+                ended = times >= phase.last.tau
+                q[chosen], w = np.where(ended, [[phase.last.q], [phase.last.w]], phase.at(times))
+                u[chosen] = 1 - phase.side * w
         return q, u
 
     def _latest(self, around: FloatArray, tau: FloatArray, index: IntArray) -> FloatArray:

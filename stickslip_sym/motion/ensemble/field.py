@@ -1,7 +1,7 @@
 """The rates of slip of many masses at once, and a step of all of them: DOP853 with a step length for each.
 
-In the stages of a step only w' is new. Since q' = 1 - side w, and w' has q linearly, what q adds up to at a stage is
-a second sum of the same rates, with the square of the method's matrix:
+In the stages of a step only w' is new. Since q' = 1 - side w, and w' has q linearly, what q adds up to at a stage
+is a second sum of the same rates, with the square of the method's matrix:
 
     w_i = w + h sum_j A_ij w'_j,    side q_i = side q + c_i h (side - w) - h^2 sum_j (A^2)_ij w'_j.
 
@@ -55,8 +55,10 @@ class Field:
             _of_w(rise, scene.speed, low, high, everywhere=everywhere)
             for rise, low, high in zip(rises, self.lows.tolist(), self.highs.tolist(), strict=True)
         ]
-        ends = [(scene.onset + self.pieces[max(i - 1, 0)](low), scene.onset + self.pieces[i](low))
-                for i, low in enumerate(self.lows[:, None])]
+        ends = [
+            (scene.onset + self.pieces[max(i - 1, 0)](low), scene.onset + self.pieces[i](low))
+            for i, low in enumerate(self.lows[:, None])
+        ]
         before, after = np.array(ends)[..., 0].T
         self.jumps = np.abs(after - before) > _JUMP * np.maximum(np.abs(before), np.abs(after))
         self._stages = np.empty((12, 0))
@@ -73,7 +75,7 @@ class Field:
                 found[rows] = piece(w[rows])
             return found
 
-        return of_each if len(groups) > 1 else groups[0][0]
+        return of_each if len(groups) != 1 else groups[0][0]
 
     def slope(self, rise: Rise, q: FloatArray, w: FloatArray, side: FloatArray) -> FloatArray:
         """Return w'."""
@@ -123,7 +125,7 @@ def error_of(
     fifth, fifth_q, third, third_q = errors
     high, low = (fifth / of_w) ** 2 + (fifth_q / of_q) ** 2, (third / of_w) ** 2 + (third_q / of_q) ** 2
     both = 2 * (high + 0.01 * low)
-    return np.where(both > 0, h * high / np.sqrt(np.where(both > 0, both, 1.0)), 0.0) / rtol
+    return np.where(both == 0, 0.0, h * high / np.sqrt(both)) / rtol
 
 
 def _of_w(rise: Rise, speed: float, low: float, high: float, *, everywhere: bool) -> Rise:

@@ -1,8 +1,8 @@
 """Where, within a step, w turns or passes a level: Newton's method on steps of the integration itself.
 
-The cubic through the states and rates at both ends of a step gives a first guess, good to 1e-5. From there on every
-try is a fresh step of that length from the same state, so that a root is as exact as the integration, as in a single
-motion; what is left is a parabola. Where Newton's method leaves the bracket, it is halved.
+The cubic through the states and rates at both ends of a step gives a first guess, good to 1e-5. From there on
+every try is a fresh step of that length from the same state, so that a root is as exact as the integration, as for
+a single motion; what is left is a parabola. Where Newton's method leaves the bracket, it is halved.
 """
 
 from typing import NamedTuple
@@ -80,7 +80,7 @@ def _located(
     """Return the root of w - level, or of w' without a level, in brackets at whose lower ends it is `positive`."""
     found = Place(t.copy(), *np.empty((2, t.size)))
     todo = np.arange(t.size)
-    for left in reversed(range(_MOST_TRIES)):
+    for left in reversed(range(_MOST_TRIES if t.size else 0)):
         some, side = step.before.taken(todo), step.before.side[todo]
         rise = field.rise(some.segment)
         q, w, _ = field.step(rise, some.q, some.w, side, some.slope, t)

@@ -5,12 +5,15 @@ import numpy as np
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.motion.simulation.trajectory import EventKind, Outcome, Phase
 
-__all__ = ["KINDS", "OUTCOMES", "PHASES", "Log"]
+__all__ = ["BACK", "FORWARD", "KINDS", "OUTCOMES", "PHASES", "STICK", "TURNS", "Log"]
 
 PHASES, KINDS, OUTCOMES = tuple(Phase), tuple(EventKind), tuple(Outcome)
 """Their places are what is noted."""
 STICK, BACK, FORWARD = (PHASES.index(phase) for phase in (Phase.STICK, Phase.SLIP_BACK, Phase.SLIP_FORWARD))
-TURNS = 4  # last turns of x that are kept
+TURNS = 4
+"""How many of the last extremes of x are kept."""
+
+_MOST = 200_000  # extremes of x on the list, before it is shortened to what is kept
 
 
 class Log:
@@ -34,16 +37,17 @@ class Log:
 
     def __init__(self, q: FloatArray, u: FloatArray) -> None:
         count = q.size
+        self._start = q, u
         self.tau, self.q, self.u, self.side = np.zeros(count), q.copy(), u.copy(), np.where(u < 1, 1.0, -1.0)
         self.phase, self.outcome = np.full(count, BACK), np.full(count, -1)
         self.onset = np.full(count, np.nan)
         self.lowest, self.highest = np.array((q, u)), np.array((q, u))
         self.latest = np.full((len(PHASES), count), -np.inf)
-        self._start = q.copy(), u.copy()
         self._events: list[FloatArray] = []
+        self._anew: dict[int, FloatArray] = {}  # all events of the motions that began anew
         self._turns: list[FloatArray] = []
-        self._forgotten: list[int] = []
-        self._instead: list[FloatArray] = []
+        self._listed = 0
+        self._dropped = np.zeros(count, dtype=np.intp)
 
     def place(self, rows: IntArray, q: FloatArray | None = None, u: FloatArray | None = None) -> None:
         """Note displacements or velocities that motions came to."""
@@ -56,52 +60,64 @@ class Log:
         """Note that a phase begins where the motions are."""
         self.phase[rows] = phase
         lines = np.empty((5, rows.size))
-        lines[:] = rows, self.tau[rows], self.q[rows], self.phase[rows], np.full(rows.size, KINDS.index(kind))
+        lines[0], lines[1], lines[2], lines[3] = rows, self.tau[rows], self.q[rows], phase
+        lines[4] = KINDS.index(kind)
         self._events.append(lines)
-
-    def turn(self, rows: IntArray, tau: FloatArray, q: FloatArray) -> None:
-        """Note extremes of x, at which v = 0."""
-        self.place(rows, q=q)
-        self._turns.append(np.array((rows, tau, q)))
 
     def moved(self, rows: IntArray, tau: FloatArray, q: FloatArray, u: FloatArray | float) -> None:
         """Note where motions are, in the phase in which they have been."""
         self.tau[rows], self.q[rows], self.u[rows] = tau, q, u
         self.latest[self.phase[rows], rows] = tau
-        self.place(rows, q=q, u=np.broadcast_to(u, rows.shape))
+        self.place(rows, self.q[rows], self.u[rows])
 
     def ended(self, rows: IntArray, outcome: Outcome) -> None:
         """Note that motions have ended."""
         self.outcome[rows] = OUTCOMES.index(outcome)
 
-    def restart(self, row: int) -> None:
-        """Forget a motion, and take it back to its start."""
+    def begin_anew(self, row: int) -> None:
+        """Forget a motion but for its extremes of x, and take it back to its start."""
         self.tau[row], self.onset[row], self.outcome[row], self.latest[:, row] = 0.0, np.nan, -1, -np.inf
         self.q[row], self.u[row] = (line[row] for line in self._start)
         self.lowest[:, row] = self.highest[:, row] = self.q[row], self.u[row]
-        self._forgotten.append(row)
+        self._anew[row] = np.empty((5, 0))
 
     def events_are(self, row: int, lines: FloatArray) -> None:
-        """Note all events of a motion that was forgotten, rows tau, q, phase and kind."""
-        self._instead.append(np.concatenate((np.full((1, lines.shape[1]), row), lines)))
+        """Note all events of a motion that began anew, rows tau, q, phase and kind."""
+        self._anew[row] = np.concatenate((np.full((1, lines.shape[1]), row), lines))
 
     @property
     def events(self) -> FloatArray:
         """The events in order of start and time, rows: number of the start, tau, q, phase and kind."""
         found = np.concatenate([np.empty((5, 0)), *self._events], axis=1)
-        found = found[:, ~np.isin(found[0], self._forgotten)]
-        found = np.concatenate([found, *self._instead], axis=1)
-        return found[:, np.lexsort((found[1], found[0]))]
+        if self._anew:
+            kept = found[:, ~np.isin(found[0], list(self._anew))]
+            found = np.concatenate([kept, *self._anew.values()], axis=1)
+        return found[:, np.argsort(found[0], kind="stable")]  # those of one start are noted in their order
+
+    def turn(self, rows: IntArray, tau: FloatArray, q: FloatArray) -> None:
+        """Note extremes of x, at which v = 0."""
+        self.place(rows, q=q)
+        self._turns.append(np.array((rows, tau, q)))
+        self._listed += rows.size
+        if self._listed > _MOST:
+            self._shorten()
 
     @property
     def turns(self) -> tuple[IntArray, FloatArray]:
-        """How many turns of x each motion had, and tau and q of the last of them, the latest first."""
+        """How many extremes of x each motion had, and tau and q of the last ones, the latest first, else NaN."""
+        found, rows, place = self._shorten()
+        last = np.full((2, TURNS, self.tau.size), np.nan)
+        last[:, place, rows] = found[1:]
+        return self._dropped + np.bincount(rows, minlength=self.tau.size), last
+
+    def _shorten(self) -> tuple[FloatArray, IntArray, IntArray]:
+        """Drop all extremes of x but the last ones; return their list, whose they are, and which from the end."""
         found = np.concatenate([np.empty((3, 0)), *self._turns], axis=1)
         found = found[:, np.lexsort((-found[1], found[0]))]
         rows = found[0].astype(np.intp)
         count = np.bincount(rows, minlength=self.tau.size)
         place = np.arange(rows.size) - (np.cumsum(count) - count)[rows]
-        last = np.full((2, TURNS, self.tau.size), np.nan)
         kept = place < TURNS
-        last[:, place[kept], rows[kept]] = found[1:, kept]
-        return count, last
+        self._dropped += np.maximum(count - TURNS, 0)
+        self._turns, self._listed = [found[:, kept]], 0
+        return found[:, kept], rows[kept], place[kept]

@@ -1,19 +1,19 @@
 """`Ensemble`: what became of many starts."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import FloatArray, IntArray, ObjectArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.ensemble.course import Course
-from stickslip_sym.motion.ensemble.log import BACK, KINDS, PHASES, STICK
+from stickslip_sym.motion.ensemble.log import KINDS, PHASES
 from stickslip_sym.motion.simulation.tendency import word
-from stickslip_sym.motion.simulation.trajectory import Event, EventKind, Outcome, Phase, Tendency
+from stickslip_sym.motion.simulation.trajectory import Event, Phase, Tendency
 from stickslip_sym.output import files, markup
 
 __all__ = ["Changes", "Ensemble", "Rounds"]
@@ -62,8 +62,8 @@ class Rounds:
     latest: FloatArray
     turned: IntArray
     turns: FloatArray
-    released: FloatArray
-    back: FloatArray
+    released: BoolArray
+    back: BoolArray
 
     def words(self, outcomes: ObjectArray, *, length: float, rtol: float) -> tuple[ObjectArray, FloatArray]:
         """Return what each motion has come to, and the relative change of its swing, NaN where it has none."""
@@ -193,8 +193,9 @@ class Ensemble:
         InputError
             If the file cannot be written.
         """
-        numbers = {"x0 (m)": self.x0, "v0 (m/s)": self.v0, "t (s)": self.t, "x (m)": self.x, "v (m/s)": self.v}
-        numbers |= {"x_min (m)": self.x_min, "x_max (m)": self.x_max, "v_min (m/s)": self.v_min}
-        numbers |= {"v_max (m/s)": self.v_max, "changes": self.changes, "sticks": self.sticks}
-        texts = {"outcome": files.texts(self.outcome), "tendency": files.texts(self.tendency)}
-        files.write_csv(Path(path), numbers | {"first_stick (s)": self.first_stick} | texts)
+        units = {"x0": "m", "v0": "m/s", "t": "s", "x": "m", "v": "m/s", "x_min": "m", "x_max": "m"}
+        units |= {"v_min": "m/s", "v_max": "m/s", "first_stick": "s"}
+        columns: dict[str, ArrayLike] = {f"{name} ({unit})": getattr(self, name) for name, unit in units.items()}
+        columns |= {"changes": self.changes, "sticks": self.sticks}
+        columns |= {"outcome": files.texts(self.outcome), "tendency": files.texts(self.tendency)}
+        files.write_csv(Path(path), columns)

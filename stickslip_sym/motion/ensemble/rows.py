@@ -9,8 +9,6 @@ from stickslip_sym.core.aliases import Rows as Chosen
 
 __all__ = ["Rows", "Step"]
 
-_LINES = 11
-
 
 class Rows:
     """Masses in slip. One array holds all, a column for each mass, so that some are taken out in one piece.
@@ -34,28 +32,27 @@ class Rows:
     def __init__(self, data: FloatArray) -> None:
         self.data = data
         self._row, self._segment, self.tau, self.q, self.w, self.slope = data[:6]
-        self.side, self.length, self.rises, self.shortened, self.since = data[6:11]
-        self.steps = data[11]
+        self.side, self.length, self.rises, self.since, self.shortened, self.steps = data[6:]
 
     @classmethod
-    def of(cls, *lines: FloatArray) -> "Rows":
-        """Return the rows of the lines row, segment, tau, q, w, slope, side, length, rises, shortened, since."""
-        return cls(np.array((*lines, np.zeros(lines[0].size))))
+    def of(cls, *lines: FloatArray | IntArray | BoolArray) -> "Rows":
+        """Return the rows of the lines row, segment, tau, q, w, slope, side, length, rises and since."""
+        return cls(np.array((*lines, *np.zeros((2, lines[0].size)))))
 
     @classmethod
     def none(cls) -> "Rows":
         """Return no masses."""
-        return cls(np.empty((_LINES + 1, 0)))
+        return cls(np.empty((12, 0)))
 
     @property
     def row(self) -> IntArray:
         """The numbers of the starts."""
-        return self._row.astype(np.intp)
+        return np.asarray(self._row, dtype=np.intp)
 
     @property
     def segment(self) -> IntArray:
         """The segments of mu."""
-        return self._segment.astype(np.intp)
+        return np.asarray(self._segment, dtype=np.intp)
 
     @segment.setter
     def segment(self, values: IntArray) -> None:

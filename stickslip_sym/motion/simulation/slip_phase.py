@@ -120,4 +120,11 @@ def root(function: Callable[[float], float], low: float, high: float) -> float:
 
 def passage(interpolant: Interpolant, level: float, low: float, high: float) -> float:
     """Return when w passes a level between two times of a step."""
-    return root(lambda tau: float(interpolant(tau)[1]) - level, low, high)
+
+    def height(tau: float) -> float:
+        return float(interpolant(tau)[1]) - level
+
+    ends = height(low), height(high)
+    if ends[0] * ends[1] >= 0:  # at an end the interpolant is off by rounding, which may be the larger one
+        return low if abs(ends[0]) < abs(ends[1]) else high
+    return root(height, low, high)

@@ -24,7 +24,8 @@ def tendency(motion: Trajectory, *, length: float, rtol: float) -> tuple[Tendenc
     - `length`: V / omega in m, the size of displacements.
     - `rtol`: the relative tolerance of a step that it was integrated with.
     """
-    turns = _last_turns(motion)
+    # Where a motion grows without bound its turns are lost in rounding.
+    turns = _last_turns(motion) if motion.outcome is not Outcome.UNBOUNDED else []
     since = turns[-3] if len(turns) > 2 else -np.inf
     kinds = [event.kind for event in motion.events]
     released = EventKind.SLIPS in kinds
