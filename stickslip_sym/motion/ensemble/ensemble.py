@@ -46,7 +46,7 @@ def ensemble(
     accurate as `Trajectory.at`. Laws with kinks, with jumps, and through measured points are served as well.
 
     One by one, as by `simulate`, are followed the starts whose slip decays so fast that explicit steps number over
-    sixty in 1/omega, those that come to where mu has no value or was not measured, and those that begin, slowing
+    twenty in 1/omega, those that come to where mu has no value or was not measured, and those that begin, slowing
     down, at the very slip speed of a kink: `alone` says how many. From some twenty starts on this is faster than
     one by one.
 

@@ -10,7 +10,7 @@ from stickslip_sym.motion.ensemble.rows import Step
 
 __all__ = ["Extrema"]
 
-_MOST = 20_000  # steps that wait, of 130 bytes each
+_MOST = 4000  # steps that wait, of 130 bytes each
 
 
 class Extrema:
