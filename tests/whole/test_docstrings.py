@@ -144,7 +144,8 @@ CHECKS = {
     "w' = u,    u' = (g - d) u + 1 - w,    g = -N mu'(V w)/sqrt(k m),    d = c/sqrt(k m).": check_slip_speed,
     "q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.": check_scene,
     "dq/dw = (1 - w)/w',    w' = eta (mu_static - mu(V w)) + q - 2 zeta w.": check_levels,
-    "w_i = w + h sum_j A_ij w'_j,    side q_i = side q + c_i h (side - w) - h^2 sum_j (A^2)_ij w'_j.": check_stages,
+    "w_i = w + h sum_j A_ij w'_j,    side q_i = side q + c_i h (side - w) - h^2 sum_j (A^2)_ij w'_j.":
+        check_stages,
 }  # fmt: skip
 
 
