@@ -45,10 +45,10 @@ def ensemble(
     so the motion from there is integrated once for all; its state between events, where `t_end` falls there, is as
     accurate as `Trajectory.at`. Laws with kinks, with jumps, and through measured points are served as well.
 
-    One by one, as by `simulate`, are followed the starts whose slip decays so fast that explicit steps number over
-    twenty in 1/omega, those that come to where mu has no value or was not measured, and those that begin, slowing
-    down, at the very slip speed of a kink: `alone` says how many. From some twenty starts on this is faster than
-    one by one.
+    One by one, as by `simulate`, are followed the starts whose slip decays so fast that stability holds hundreds
+    of explicit steps short, those that come to where mu has no value or was not measured, and those that begin,
+    slowing down, at the very slip speed of a kink: `alone` says how many. The others take less time together than
+    one by one where there are twenty or more.
 
     Parameters
     ----------

@@ -84,9 +84,12 @@ class Field:
 
     def bend(self, rise: Rise, w: FloatArray, side: FloatArray, slope: FloatArray) -> FloatArray:
         """Return w'', side - w less what w' loses as w changes."""
+        return side - w - self.decay(rise, w) * slope
+
+    def decay(self, rise: Rise, w: FloatArray) -> FloatArray:
+        """Return -dw'/dw."""
         half = _NEAR * np.maximum(np.abs(w), 1.0)
-        decay = self.scene.eta * (rise(w + half) - rise(w - half)) / (2 * half) + 2 * self.scene.zeta
-        return side - w - decay * slope
+        return self.scene.eta * (rise(w + half) - rise(w - half)) / (2 * half) + 2 * self.scene.zeta
 
     def step(
         self, rise: Rise, q: FloatArray, w: FloatArray, side: FloatArray, slope: FloatArray, h: FloatArray

@@ -27,22 +27,24 @@ class Rows:
         1 where the step has been tried before, longer, else 0.
     since, steps : numpy.ndarray
         When the phase began, and the steps that were tried in it.
+    held : numpy.ndarray
+        Steps of late that stability held short.
     """
 
     def __init__(self, data: FloatArray) -> None:
         self.data = data
         self._row, self._segment, self.tau, self.q, self.w, self.slope = data[:6]
-        self.side, self.length, self.rises, self.since, self.shortened, self.steps = data[6:]
+        self.side, self.length, self.rises, self.since, self.shortened, self.steps, self.held = data[6:]
 
     @classmethod
     def of(cls, *lines: FloatArray | IntArray | BoolArray) -> "Rows":
         """Return the rows of the lines row, segment, tau, q, w, slope, side, length, rises and since."""
-        return cls(np.array((*lines, *np.zeros((2, lines[0].size)))))
+        return cls(np.array((*lines, *np.zeros((3, lines[0].size)))))
 
     @classmethod
     def none(cls) -> "Rows":
         """Return no masses."""
-        return cls(np.empty((12, 0)))
+        return cls(np.empty((13, 0)))
 
     @property
     def row(self) -> IntArray:

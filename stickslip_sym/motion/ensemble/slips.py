@@ -12,12 +12,13 @@ import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.deadline import time_left
+from stickslip_sym.motion.ensemble.beginning import begun
 from stickslip_sym.motion.ensemble.extrema import Extrema
-from stickslip_sym.motion.ensemble.field import EXPONENT, Field, error_of
+from stickslip_sym.motion.ensemble.field import EXPONENT, Field, Rise, error_of
 from stickslip_sym.motion.ensemble.locating import level_passed, turn_estimated, turn_located
 from stickslip_sym.motion.ensemble.log import BACK, FORWARD, STICK, Log
 from stickslip_sym.motion.ensemble.rows import Rows, Step
-from stickslip_sym.motion.simulation.slip_phase import REST_WITHIN, RUNAWAY
+from stickslip_sym.motion.simulation.slip_phase import REST_WITHIN, RUNAWAY, End, Until
 from stickslip_sym.motion.simulation.trajectory import EventKind, Outcome
 
 __all__ = ["Slips"]
@@ -27,29 +28,37 @@ _MANY = 400  # steps set aside, that are looked at together
 _LONGEST_STEP = 0.25  # of dimensionless time, as in a single motion
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 10.0
 _TINY = 1e-30  # error of a step, below which it is none
-_FEW, _RATE = (
-    500,
-    60,
-)  # tries of a step in a phase, and more for each unit of time: beyond, a decay holds them short
+_FEW, _RATE = 500, 60  # tries of a step in a phase, and more for each unit of time
+_STIFF, _STABLE = 10.0, 2.5  # decay of w, and decay times a step, from which stability holds steps short
+_MOST_HELD = 600  # steps held short one after another
+_SELDOM = 20  # steps, of which one is looked at for that
 _MARGIN = 0.05  # of w, and relative, from a level: more than the cubic of a step is off
-_LEVEL = 1e-13  # of the terms of w', below which it may be nothing but rounding
 
 
 class Slips:
     """The motions of a log, followed up to where they come to P, end, or are given up.
 
+    - `until`: `End.MINIMUM`: end also at a minimum of w above 0 of a mass slower than the belt, and where a mass
+      begins to be slower than the belt for the second time, without having come to P.
+    - `lowest`: for each start the slip speed at such a minimum, else NaN.
+    - `rounds`: rows of q where a mass began to be slower for the first and second time, else NaN.
     - `alone`: numbers of the starts that are given up: a decay holds steps short, or mu has no value on the
       way, or is not known so far.
     """
 
-    def __init__(self, field: Field, log: Log, *, horizon: float, rtol: float, deadline: float) -> None:
+    def __init__(
+        self, field: Field, log: Log, *, horizon: float, rtol: float, deadline: float, until: Until = End.RETURN
+    ) -> None:
         self.field, self.log, self.scene = field, log, field.scene
         self.horizon, self.rtol, self.deadline = horizon, rtol, deadline
+        self.ends_at_minima = until is End.MINIMUM
+        self.lowest, self.rounds = np.full(log.tau.size, np.nan), np.full((2, log.tau.size), np.nan)
         self.extrema = Extrema(field, log)
         self.attracts = self.scene.decay(1.0) > 0
         self.under_way = Rows.none()
         self.waiting: list[IntArray] = []  # motions whose next phase is a slip
         self.aside: list[Step] = []
+        self.taken = 0  # steps of all
         self.alone: list[int] = []
 
     def follow(self) -> None:
@@ -85,7 +94,7 @@ class Slips:
         log.event(leaves, BACK, before)
         log.side[slips] = np.where(log.q[slips] >= 0, 1.0, -1.0)
         log.event(slips, np.where(log.q[slips] >= 0, BACK, FORWARD), before)
-        self.waiting.append(slips)
+        self.waiting.append(self._not_around(slips) if self.ends_at_minima else slips)
 
         log.event(sticks, STICK, EventKind.STICKS if before is EventKind.CROSSES else before)
         end = log.tau[sticks] - log.q[sticks]
@@ -97,6 +106,15 @@ class Slips:
         log.onset[come] = end[comes]
         log.event(come, BACK, EventKind.SLIPS)
 
+    def _not_around(self, rows: IntArray) -> IntArray:
+        """Note where masses leave the belt's speed, and return those that have not done so before."""
+        slower = rows[self.log.q[rows] >= 0]
+        again = slower[np.isfinite(self.rounds[0, slower])]
+        self.rounds[1, again] = self.log.q[again]
+        self.rounds[0, np.setdiff1d(slower, again)] = self.log.q[np.setdiff1d(slower, again)]
+        self.log.ended(again, Outcome.FINISHED)
+        return np.setdiff1d(rows, again)
+
     def _fill_up(self) -> None:
         """Begin slips where there is room for many, or for all that wait."""
         room = _ROOM - self.under_way.size
@@ -104,27 +122,11 @@ class Slips:
         self.waiting = [waiting]
         if waiting.size and room >= min(_ROOM // 8, waiting.size):
             self.waiting = [waiting[room:]]
-            self.under_way = self.under_way.joined(self._begun(waiting[:room]))
-
-    def _begun(self, row: IntArray) -> Rows:
-        """Return slips at their beginnings, as a single one begins."""
-        log, scene, field = self.log, self.scene, self.field
-        tau, q, side = log.tau[row], log.q[row], log.side[row]
-        w = side * (1 - log.u[row])
-        segment = np.searchsorted(field.lows, w, side="right") - 1
-        rise = field.rise(segment)
-        slope = field.slope(rise, q, w, side)
-        held, risen = scene.eta * (side * scene.static - scene.onset), scene.eta * rise(w)
-        terms = np.max(np.abs((held, risen, q, 2 * scene.zeta * w)), axis=0)
-        level = (np.abs(slope) <= _LEVEL * terms) & (w < side)  # at a minimum of w
-        rises = (w == 0) | level | (slope > 0)
-        fast = np.maximum(1.0, np.maximum(np.abs(1 - side * w), np.abs(slope)))
-        length = np.maximum(self.rtol**-EXPONENT / fast, 100 * np.spacing(tau))
-        begun = Rows.of(row, segment, tau, q, w, slope, side, length, rises, tau)
-        # One that begins where mu has a kink, and falls, is on the other side of it.
-        odd = ~np.isfinite(slope) | (w > scene.w_max) | (~rises & (segment > 0) & (w == field.lows[segment]))
-        self.alone += row[odd].tolist()
-        return begun.taken(~odd)
+            row, log = waiting[:room], self.log
+            w = log.side[row] * (1 - log.u[row])
+            some, odd = begun(self.field, row, log.tau[row], log.q[row], w, log.side[row], rtol=self.rtol)
+            self.alone += row[odd].tolist()
+            self.under_way = self.under_way.joined(some.taken(~odd))
 
     def _stop(self) -> None:
         """Leave all motions where they are, as the time is up."""
@@ -166,7 +168,7 @@ class Slips:
         now.length[:] = h * np.where(sound, longer, np.maximum(_LEAST, factor))
         now.shortened[:] = ~sound
         now.steps += 1
-        lost = now.steps > _FEW + _RATE * (now.tau - now.since)
+        lost = (now.steps > _FEW + _RATE * (now.tau - now.since)) | self._held(now, rise, h)
         lost |= ~sound & (now.length <= 10 * np.spacing(now.tau))
         lost |= sound & (w > self.scene.w_max)
         beyond = sound & ~lost & ~(np.maximum(np.abs(q), np.abs(w)) < RUNAWAY)
@@ -187,6 +189,15 @@ class Slips:
         gone = aside | lost | beyond
         self.under_way = self._going_on(now.taken(~gone) if gone.any() else now)
 
+    def _held(self, now: Rows, rise: Rise, h: FloatArray) -> BoolArray:
+        """Whether stability has held steps short for long: an implicit method takes fewer."""
+        self.taken += 1
+        if self.taken % _SELDOM:
+            return np.zeros(now.size, dtype=bool)
+        decay = self.field.decay(rise, now.w)
+        now.held[:] = np.where((decay > _STIFF) & (decay * h > _STABLE), now.held + _SELDOM, 0.0)
+        return np.asarray(now.held > _MOST_HELD)
+
     def _sorted(self, step: Step, sound: BoolArray) -> tuple[BoolArray, BoolArray]:
         """Return which steps are to be looked at by themselves, and in which of the others w turns."""
         now, field = step.before, self.field
@@ -200,6 +211,8 @@ class Slips:
         near = np.where(up, (turn >= high - margin) | (some.w <= low), (turn <= low + margin) | (some.w >= high))
         # Between its ends w may have passed 1, and come back.
         near |= ((before - 1) * (turn - 1) < 0) & ((before - 1) * (some.w - 1) >= 0)
+        if self.ends_at_minima:
+            near |= ~up & (some.before.side > 0)
         aside[turns] = near
         # Where w' = 0, w'' = side - w whatever mu is: any other turn is an error of the integration.
         flips[turns] = ~near & ((turn < some.before.side) != up)
@@ -222,7 +235,9 @@ class Slips:
         turns &= ~early
         late = turns & np.where(rising, step.w <= low, step.w >= high)
         rising ^= turns
-        left = early | late
+        lowest = turns & rising & (now.side > 0) & self.ends_at_minima
+        self._end_at_minimum(now.taken(lowest), w_turn[lowest])
+        left = (early | late) & ~lowest
         level = np.where(rising, high, low)
         first, last = np.where(late, t_turn, 0.0)[left], np.where(late, step.h, t_turn)[left]
         t, q, w = step.h.copy(), step.q.copy(), np.where(left, level, step.w)
@@ -237,11 +252,15 @@ class Slips:
         over = ~left & (step.h >= self.horizon - now.tau)
         now.tau[:] = np.where(over, self.horizon, now.tau + t)
         now.q[:], now.w[:], now.slope[:] = q, w, step.slope
-        self._go_on(now.taken(~left))
+        self._go_on(now.taken(~left & ~lowest))
         back = now.taken(left & (w == 0))
         self.log.moved(back.row, back.tau, back.q, 1.0)
         self._from_belt(back.row, EventKind.CROSSES)
         self._enter(now.taken(left & (w != 0)))
+
+    def _end_at_minimum(self, some: Rows, w: FloatArray) -> None:
+        self.lowest[some.row] = w
+        self.log.ended(some.row, Outcome.FINISHED)
 
     def _note_passages(
         self, step: Step, one: FloatArray, other: FloatArray, low: FloatArray, high: FloatArray
@@ -277,6 +296,10 @@ class Slips:
         self._end(some.taken(held), Outcome.AT_REST)
         some, rate = some.taken(~held), rate[~held]
         upward = some.side * rate > 0
+        if self.ends_at_minima:
+            lowest = upward & (some.rises == 0) & (some.side > 0)
+            self._end_at_minimum(some.taken(lowest), some.w[lowest])
+            some, rate, upward = some.taken(~lowest), rate[~lowest], upward[~lowest]
         some.segment = some.segment + upward
         rise = self.field.rise(some.segment)
         # Where the slope of w on the side of the exit is 0.
