@@ -32,7 +32,7 @@ class Cut:
     rounds : numpy.ndarray
         How often it came back to P.
     turned, turns : numpy.ndarray
-        How many extremes of x there were, and tau and q of the last of them, the latest first.
+        How many extremes of x there were, and tau and q of the last ones, the latest first.
     """
 
     tau: FloatArray

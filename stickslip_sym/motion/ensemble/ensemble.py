@@ -82,7 +82,7 @@ def ensemble(
     >>> law, osc = ss.laws.exponential.typical(), ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)
     >>> found = ss.ensemble(law, osc, x0=np.linspace(-0.1, 0.1, 5), v0=0.0, t_end=20.0)
     >>> found.sticks
-    array([31, 31,  0,  0, 31])
+    array([32, 32,  0,  0, 31])
     """
     t_end = real("t_end", t_end)
     if t_end <= 0:

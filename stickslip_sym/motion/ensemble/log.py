@@ -47,7 +47,6 @@ class Log:
         self._anew: dict[int, FloatArray] = {}  # all events of the motions that began anew
         self._turns: list[FloatArray] = []
         self._listed = 0
-        self._dropped = np.zeros(count, dtype=np.intp)
 
     def place(self, rows: IntArray, q: FloatArray | None = None, u: FloatArray | None = None) -> None:
         """Note displacements or velocities that motions came to."""
@@ -104,11 +103,11 @@ class Log:
 
     @property
     def turns(self) -> tuple[IntArray, FloatArray]:
-        """How many extremes of x each motion had, and tau and q of the last ones, the latest first, else NaN."""
+        """How many of the last extremes of x are kept, and tau and q of these, the latest first, else NaN."""
         found, rows, place = self._shorten()
         last = np.full((2, TURNS, self.tau.size), np.nan)
         last[:, place, rows] = found[1:]
-        return self._dropped + np.bincount(rows, minlength=self.tau.size), last
+        return np.bincount(rows, minlength=self.tau.size), last
 
     def _shorten(self) -> tuple[FloatArray, IntArray, IntArray]:
         """Drop all extremes of x but the last ones; return their list, whose they are, and which from the end."""
@@ -118,6 +117,5 @@ class Log:
         count = np.bincount(rows, minlength=self.tau.size)
         place = np.arange(rows.size) - (np.cumsum(count) - count)[rows]
         kept = place < TURNS
-        self._dropped += np.maximum(count - TURNS, 0)
         self._turns, self._listed = [found[:, kept]], 0
         return found[:, kept], rows[kept], place[kept]

@@ -207,10 +207,8 @@ class Slips:
         flips = np.zeros(now.size, dtype=bool)
         some, low, high = step.taken(turns), low[turns], high[turns]
         up, turn = some.before.rises > 0, turn_estimated(some)[1]
-        before, margin = some.before.w, _MARGIN * np.maximum(1.0, turn)
+        margin = _MARGIN * np.maximum(1.0, turn)
         near = np.where(up, (turn >= high - margin) | (some.w <= low), (turn <= low + margin) | (some.w >= high))
-        # Between its ends w may have passed 1, and come back.
-        near |= ((before - 1) * (turn - 1) < 0) & ((before - 1) * (some.w - 1) >= 0)
         if self.ends_at_minima:
             near |= ~up & (some.before.side > 0)
         aside[turns] = near

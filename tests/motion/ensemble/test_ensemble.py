@@ -15,6 +15,7 @@ BETWEEN = 1e-9  # of states between events, which are interpolated, and of extre
 DENSE = 400  # times at which the extremes of a motion are looked for
 BISTABLE = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2), ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)
 JUMPS = ss.FrictionLaw("Piecewise((0.5 - 0.1*v, v < 0.2), (0.7 - 0.1*v, v < 0.6), (0.4, True))")
+SLIDES = ss.FrictionLaw("Piecewise((0.5 - 0.1*v, v < 0.8), (0.7 - 0.1*v, v < 5.2), (0.4, True))")
 SCENES = {
     "bistable": (*BISTABLE, 200),
     "static coefficient": (ss.laws.exponential.typical().with_static("0.55"), paper_oscillator(1.5), 200),
@@ -26,6 +27,8 @@ SCENES = {
     "cycle in pure slip": (ss.laws.polynomial.typical(), paper_oscillator(2.9), 30),
     "kinked": (ss.FrictionLaw("0.5 - 0.3*Min(v, 0.3) + 0.1*Max(v - 0.8, 0)"), paper_oscillator(2.0), 30),
     "jumps": (JUMPS, paper_oscillator(1.0), 40),
+    "slides": (SLIDES, ss.Oscillator(m=0.2, k=0.92, c=0.065, V=6.16, N=1.85), 40),
+    "held by a jump": (ss.FrictionLaw("Piecewise((0.3, v < 1/2), (0.5, True))"), paper_oscillator(1.0), 20),
 }  # fmt: skip
 """A law, an oscillator, and how many starts."""
 
@@ -134,6 +137,18 @@ def test_long_motions_are_the_cycle_again_and_again():
     assert found.v_min[2] == pytest.approx(cycle.v_min, rel=1e-9)
     assert (found.x_min[2], found.x_max[2]) == pytest.approx((cycle.x_min, cycle.x_max), abs=1e-9)
     assert (found.x_min[:2] < cycle.x_min).all()
+
+
+@pytest.mark.parametrize("rounds", [0.5, 0.99, 1.3, 1.99, 2.3])
+def test_what_the_motion_from_p_has_come_to(rounds):
+    """It is stick-slip once static friction has given way and the mass sticks again."""
+    law, osc = BISTABLE
+    t_end = rounds * ss.stick_slip_cycle(law, osc).period
+    found = ss.ensemble(law, osc, x0=osc.onset(law), t_end=t_end)
+    motion = ss.simulate(law, osc, x0=osc.onset(law), t_end=t_end)
+    assert found.tendency.item() is motion.tendency
+    assert motion.tendency is (Tendency.STICK_SLIP if rounds > 1.9 else Tendency.SHORT)
+    assert found.first_stick.item() == pytest.approx(motion.events[1].t if rounds > 0.9 else math.nan, nan_ok=True)
 
 
 def test_starts_do_not_depend_on_their_company():
