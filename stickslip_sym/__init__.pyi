@@ -42,6 +42,8 @@ from .model.measured.fits import Fits as Fits
 from .model.measured.measurements import Measurements as Measurements
 from .model.measured.measurements import read_measurements as read_measurements
 from .model.oscillator import Oscillator as Oscillator
+from .motion.ensemble.ensemble import ensemble as ensemble
+from .motion.ensemble.result import Ensemble as Ensemble
 from .motion.maps.basins import BasinMap as BasinMap
 from .motion.maps.basins import basin_map as basin_map
 from .motion.maps.motions import MotionMap as MotionMap

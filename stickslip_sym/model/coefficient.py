@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.algebra import sp
-from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
 from stickslip_sym.core.lambdify import Backend, function_of
 from stickslip_sym.core.numbers import to_mpf
 
@@ -35,6 +37,13 @@ def limit_at_rest(expr: Expr) -> float:
         return float(sp.limit(at_rest(expr, {}), symbols.v, 0, "+"))
     except (ArithmeticError, NotImplementedError, TypeError, ValueError):
         return math.nan
+
+
+def _reals(values: Any) -> FloatArray:
+    """Return values that a function of NumPy gives as real numbers, NaN where they are complex."""
+    if np.iscomplexobj(values):
+        return np.where(np.isreal(values), np.real(values), np.nan)
+    return np.asarray(values, dtype=np.float64)
 
 
 class Coefficient:
@@ -73,7 +82,7 @@ class Coefficient:
         key, known = (expr, backend), (*self.parameters, *more)
         if key not in self._functions:
             # Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
-            self._functions[key] = function_of([symbols.v, *known], expr, backend)
+            self._functions[key] = function_of([*known, symbols.v], expr, backend)
         compiled, ordered = self._functions[key], [values[symbol] for symbol in known]
         if backend == "mpmath":
             rounded: dict[int, list[Any]] = {}  # by working precision
@@ -82,11 +91,10 @@ class Coefficient:
                 precision = mpmath.mp.prec
                 if precision not in rounded:
                     rounded[precision] = [to_mpf(value) for value in ordered]
-                return compiled(v, *rounded[precision])
+                return compiled(*rounded[precision], v)
 
             return at_precision
-        floats = [float(value) for value in ordered]
-        return lambda v: compiled(v, *floats)
+        return partial(compiled, *map(float, ordered))
 
     def kinks(self, values: Mapping[Expr, Expr]) -> set[Expr]:
         """Return where mu or its slope may jump, exact."""
@@ -95,11 +103,13 @@ class Coefficient:
         return {place.xreplace(values) for place in places(self.expr)}
 
     def rises(
-        self, values: Mapping[Expr, Expr], kinks: Sequence[Expr]
-    ) -> list[tuple[float, Callable[[float], float]]]:
-        """Return where each smooth piece begins, ascending from 0, and mu(v) - mu(0+) on it, of a float.
+        self, values: Mapping[Expr, Expr], kinks: Sequence[Expr], backend: Backend = "math"
+    ) -> list[tuple[float, Callable[[Any], Any]]]:
+        """Return where each smooth piece begins, ascending from 0, and mu(v) - mu(0+) on it.
 
         The difference has the digits that are lost when two coefficients are subtracted.
+
+        - `backend`: "math" for functions of a float, or "numpy" for functions of an array, NaN where no value is.
         """
         from stickslip_sym.model.expression.pieces import branch_from
 
@@ -108,22 +118,24 @@ class Coefficient:
         starts = [sp.Integer(0), *kinks]
         pieces = [branch_from(self.expr, values, start) for start in starts] if kinks else [self.expr]
         return [
-            (float(start), self._rise(values, pieces[0], piece, start))
+            (float(start), self._rise(values, pieces[0], piece, start, backend))
             for piece, start in zip(pieces, starts, strict=True)
         ]
 
     def _rise(
-        self, values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr
-    ) -> Callable[[float], float]:
+        self, values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr, backend: Backend
+    ) -> Callable[[Any], Any]:
         from stickslip_sym.model.expression.rises import rise
 
-        plain, onset = self._at(piece, values, "math"), limit_at_rest(lowest.xreplace(values))
+        plain, onset = self._at(piece, values, backend), limit_at_rest(lowest.xreplace(values))
         # A piece that begins at 0 has the 0 itself in its formula, so that what is 0 there is left out.
         gained = rise(piece, symbols.v, _start() if start else start)
         before = self._between(values, lowest, piece, start) if start else 0.0
         if gained is None or not math.isfinite(before):
-            return lambda v: float(plain(v)) - onset
-        compiled = self._at(gained, {**values, _start(): start}, "math", _start())
+            return (
+                (lambda v: float(plain(v)) - onset) if backend == "math" else (lambda v: _reals(plain(v)) - onset)
+            )
+        compiled = self._at(gained, {**values, _start(): start}, backend, _start())
 
         def risen(v: float) -> float:
             try:
@@ -132,7 +144,12 @@ class Coefficient:
                 found = math.nan
             return found if math.isfinite(found) else float(plain(v)) - onset
 
-        return risen
+        def all_risen(v: FloatArray) -> FloatArray:
+            found = _reals(compiled(v)) + before
+            lost = ~np.isfinite(found)
+            return np.where(lost, _reals(plain(v)) - onset, found) if lost.any() else found
+
+        return risen if backend == "math" else all_risen
 
     def _between(self, values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -> float:
         """Return what mu gains from 0+ to where a piece begins; NaN where that cannot be computed."""

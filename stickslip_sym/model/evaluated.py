@@ -213,13 +213,18 @@ class Evaluated:
                 raise InputError(f"{self._label()} has a kink at v = {str(place)[:40]}, which is not real")
         return sorted(place for place in found if place > 0)
 
-    def rises(self) -> list[tuple[float, Callable[[float], float]]]:
-        """Return where each smooth piece of mu begins, ascending from 0, and mu(v) - mu(0+) on it, of a float.
+    def rises(self, backend: Backend = "math") -> list[tuple[float, Callable[[Any], Any]]]:
+        """Return where each smooth piece of mu begins, ascending from 0, and mu(v) - mu(0+) on it.
 
         Each function continues smoothly beyond the ends of its piece, where another piece holds. Where v is small
         it has the digits that are lost when two coefficients are subtracted.
+
+        Parameters
+        ----------
+        backend : {"math", "numpy"}
+            Whether they are functions of a float, or of an array, with NaN where mu has no value.
         """
-        return self._coefficient.rises(self._known(), self.kinks() if self.curve is None else ())
+        return self._coefficient.rises(self._known(), self.kinks() if self.curve is None else (), backend)
 
     def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
         speed = np.asarray(v, dtype=np.float64)

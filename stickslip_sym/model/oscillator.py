@@ -142,8 +142,13 @@ def _of_w(
             return math.nan
 
     def continued(w: float) -> float:
+        if low < w < high:  # as a rule; `value` written out saves a call in the innermost loop
+            try:
+                return float(rise(speed * w))
+            except (ArithmeticError, TypeError, ValueError):
+                return math.nan
         found = value(w if w > -1.0 else -1.0)
-        if low < w < high or math.isfinite(found):
+        if math.isfinite(found):
             return found
         # A piece such as sqrt(v) has no value beyond its end: it goes on with its last one.
         return value(min(max(w, low), high)) if w > 0 else 0.0

@@ -155,6 +155,25 @@ def test_cycle(benchmark, way, engine):
         benchmark(to_steady_state, engine, 1e-12)
 
 
+SLIPPING = paper_oscillator(2.3)
+"""Where starts near rest come to it in slip: no round repeats another."""
+
+
+@pytest.mark.parametrize("engine", ["scipy", "heyoka"])
+def test_ten_rounds_of_slip(benchmark, engine):
+    """Here every round is integrated.
+
+    A round takes 25 steps of DOP853, and each of them, in 36 us, 12 rates of 0.6 us and 26 sums of products of up
+    to 12 terms, 0.5 us each, before its error is estimated and extrema are looked for: that is the limit of plain
+    Python. A Taylor step of heyoka is twice as long, and takes less time than the sums alone.
+    """
+    benchmark.group = "ten rounds of slip at rtol = 1e-10"
+    t_end = 10 * 2 * math.pi / SLIPPING.omega
+    x0 = SLIPPING.N * float(LAW.mu(SLIPPING.V)) / SLIPPING.k
+    motion = benchmark(ss.simulate, LAW, SLIPPING, t_end=t_end, x0=x0, v0=0.1, engine=engine)
+    assert len(motion.events) == 1
+
+
 def compile_afresh():
     """Translate and compile the law of `LAW`, without what heyoka keeps of earlier ones."""
     import heyoka

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 import sympy as sp
 from scenes import paper_oscillator
+from scipy.integrate import DOP853
 from sympy.parsing.sympy_parser import implicit_multiplication, parse_expr, standard_transformations
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.model.oscillator import Scene
+from stickslip_sym.motion.ensemble.field import Field
 from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.steppers import Point
 
@@ -112,6 +114,26 @@ def check_levels():
         assert abs(dw) > 1e-8 * step
 
 
+def check_stages():
+    """A step of many masses, stage by stage as the method is written down for q and w."""
+    scene, rng = Scene.of(LAW, paper_oscillator(1.3)), np.random.default_rng(9)
+    q, w, h = rng.normal(size=9), rng.uniform(0.5, 3, 9), rng.uniform(0.01, 0.2, 9)
+    side, field = np.tile((1.0, -1.0, 1.0), 3), Field(scene)
+    rise = field.rise(np.zeros(9, dtype=int))
+    rates = []
+    for i in range(12):
+        at_q, at_w = (
+            line + h * sum((a * rate[k] for a, rate in zip(DOP853.A[i], rates, strict=False)), np.zeros(9))
+            for k, line in enumerate((q, w))
+        )
+        slopes = [scene.acceleration(*state) for state in zip(at_q, at_w, side, strict=True)]
+        rates.append((1 - side * at_w, np.array(slopes)))
+    expected = [line + h * (DOP853.B @ [rate[k] for rate in rates]) for k, line in enumerate((q, w))]
+    found = field.step(rise, q, w, side, field.slope(rise, q, w, side), h)
+    assert found[0] == pytest.approx(expected[0], rel=1e-13)
+    assert found[1] == pytest.approx(expected[1], rel=1e-13)
+
+
 CHECKS = {
     "c = N <-mu'(V(1 + s))>_w = -N * integral_{-1}^{1} w(s) mu'(V(1 + s)) ds,    integral of w = 1.":
         check_slope_average,
@@ -122,6 +144,8 @@ CHECKS = {
     "w' = u,    u' = (g - d) u + 1 - w,    g = -N mu'(V w)/sqrt(k m),    d = c/sqrt(k m).": check_slip_speed,
     "q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.": check_scene,
     "dq/dw = (1 - w)/w',    w' = eta (mu_static - mu(V w)) + q - 2 zeta w.": check_levels,
+    "w_i = w + h sum_j A_ij w'_j,    side q_i = side q + c_i h (side - w) - h^2 sum_j (A^2)_ij w'_j.":
+        check_stages,
 }  # fmt: skip
 
 

@@ -19,7 +19,7 @@ ROOMS = {
     "output": ["page"],
     "model": ["expression", "measured"],
     "formula": ["integration", "evaluation", "code", "derivation", "export"],
-    "motion": ["simulation", "orbits", "thresholds", "margins", "regimes", "maps"],
+    "motion": ["simulation", "ensemble", "orbits", "thresholds", "margins", "regimes", "maps"],
     "comparison": ["study"],
     "cli": ["shared"],
 }

@@ -21,7 +21,7 @@ from stickslip_sym.motion.maps.shares import Share, counted_shares, shares_of
 from stickslip_sym.motion.maps.sides import FINEST, sides_of
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.attractors import Regime, regime
-from stickslip_sym.motion.regimes.classification import Motion, classify
+from stickslip_sym.motion.regimes.classification import Motion, classify_all
 from stickslip_sym.output import drawing, files, markup
 
 if TYPE_CHECKING:
@@ -218,12 +218,11 @@ def classify_line(task: Plain) -> Plain:
     """Classify starts of one line of a basin map: plain content in, plain content out."""
     law, osc = law_of_text(task["law"]), Oscillator(**task["oscillator"])
     motion, notes, unfinished = [], [], False
-    for place, x0 in enumerate(task["x0"]):
-        try:
-            deadline.check_time()
-            found = classify(law, osc, x0=x0, v0=task["v0"], rtol=task["rtol"])
-        except StickSlipError as error:
-            found, unfinished = Motion.UNDECIDED, unfinished or isinstance(error, OutOfTime)
-            notes.append([place, str(error)])
-        motion.append(MOTIONS.index(found))
+    places = np.array(task["x0"], dtype=np.float64)
+    found = classify_all(law, osc, places, np.full(places.size, task["v0"]), rtol=task["rtol"])
+    for place, one in enumerate(found):
+        if isinstance(one, StickSlipError):
+            unfinished = unfinished or isinstance(one, OutOfTime)
+            notes.append([place, str(one)])
+        motion.append(MOTIONS.index(Motion.UNDECIDED if isinstance(one, StickSlipError) else one))
     return {"motion": motion, "notes": notes, UNFINISHED: unfinished}

@@ -7,9 +7,12 @@ from functools import cached_property
 import numpy as np
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.errors import OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
+from stickslip_sym.motion.ensemble.ends import Ends, first_ends
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.attractors import graze, grows_far_out
 from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits
@@ -18,10 +21,11 @@ from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase, Until
 from stickslip_sym.motion.simulation.steppers import Point
 from stickslip_sym.motion.simulation.transit import horizon, stick_slip_cycle
 
-__all__ = ["Motion", "classify"]
+__all__ = ["Motion", "classify", "classify_all"]
 
 _ROUNDS = 12  # looked at on the way from far out
 _SAME = 1e-9  # relative change of a round that is periodic
+_MANY = 40  # starts, from which on it is faster to follow them together
 _NEAR = 100  # times the tolerance, around a separatrix
 
 
@@ -81,12 +85,37 @@ def classify(
     v0 = osc.V if v0 is None else real("v0", v0)
     scene = Scene.of(law, osc)
     start = Point(0.0, (real("x0", x0) - osc.onset(law)) / osc.length, abs(osc.V - v0) / osc.V)
-    q, w = scene.rest
-    near = _NEAR * rtol
-    if v0 < osc.V and abs(start.w - w) <= near and abs(start.q - q) <= near * max(1.0, abs(q)):
-        return Motion.DAMPED_SLIP if scene.decay(w) > 0 else Motion.UNDECIDED
     with deadline.time_limit(time_limit):
         return _Course(law, osc, scene, rtol).of(start, 1 if v0 < osc.V else -1)
+
+
+def classify_all(
+    law: FrictionLaw, osc: Oscillator, x0: FloatArray, v0: FloatArray, *, rtol: float
+) -> list[Motion | StickSlipError]:
+    """Return what each of many starts leads to, as `classify` says it, or the error that it raises.
+
+    The first slips are followed all at once, and what follows from P is found once; starts that the steps of many
+    do not serve are classified one by one, and so are few.
+
+    Raises
+    ------
+    InputError
+        For an unbound law.
+    """
+    scene = Scene.of(law, osc)
+    course = _Course(law, osc, scene, rtol)
+    q, u = (x0 - osc.onset(law)) / osc.length, v0 / osc.V
+    ends = first_ends(scene, q, u, horizon=horizon(scene), rtol=rtol) if x0.size >= _MANY else None
+    found: list[Motion | StickSlipError] = []
+    for i in range(x0.size):
+        point, side = Point(0.0, float(q[i]), abs(float(1 - u[i]))), 1 if u[i] < 1 else -1
+        try:
+            deadline.check_time()
+            known = None if ends is None or course.at_rest(point, side) else course.after(ends, i)
+            found.append(course.of(point, side) if known is None else known)
+        except StickSlipError as error:
+            found.append(error)
+    return found
 
 
 class _Course:
@@ -95,12 +124,36 @@ class _Course:
     def __init__(self, law: FrictionLaw, osc: Oscillator, scene: Scene, rtol: float) -> None:
         self.law, self.osc, self.scene, self.rtol = law, osc, scene, rtol
 
+    def at_rest(self, point: Point, side: int) -> bool:
+        """Whether a start is at the equilibrium, within the tolerance."""
+        q, w = self.scene.rest
+        near = _NEAR * self.rtol
+        return side > 0 and abs(point.w - w) <= near and abs(point.q - q) <= near * max(1.0, abs(q))
+
+    def after(self, ends: Ends, start: int) -> Motion | None:
+        """Return what one of many starts leads to after how it first ended; None where that is not known."""
+        if ends.late[start]:
+            raise OutOfTime("the time limit was reached")
+        if ends.onset[start]:
+            return self._from_onset
+        if ends.rests[start]:
+            return Motion.DAMPED_SLIP
+        if ends.unbounded[start]:
+            return self._beyond_all
+        if ends.lowest[start] == ends.lowest[start]:
+            return self._inside(1 - float(ends.lowest[start]))
+        before, now = ends.rounds[:, start].tolist()
+        return self._outside(before, now) if now == now else None
+
     def of(self, point: Point, side: int) -> Motion:
+        """Return what a start leads to."""
+        if self.at_rest(point, side):
+            return Motion.DAMPED_SLIP if self.scene.decay(self.scene.rest[1]) > 0 else Motion.UNDECIDED
         first: float | None = None  # where slip slower than the belt began, outside P's orbit
         while True:
             if point.w == 0:
                 if self.scene.sticks(point.q):
-                    return self._from_onset()
+                    return self._from_onset
                 side = 1 if point.q >= 0 else -1
                 if side > 0 and first is not None:
                     return self._outside(first, point.q)
@@ -125,17 +178,18 @@ class _Course:
             return self._beyond_all if all(self._grows(q) for q in farther) else Motion.PURE_SLIP
         # It may be a long way in: if no round there grows, it ends where P's orbit does.
         nearer = (now * np.linspace(0.0, 1.0, _ROUNDS + 1)[1:-1]).tolist()
-        return Motion.PURE_SLIP if any(self._grows(q) for q in nearer) else self._from_onset()
+        return Motion.PURE_SLIP if any(self._grows(q) for q in nearer) else self._from_onset
 
     def _grows(self, q: float) -> bool:
         return round_from(self.scene, q, self.rtol)[0] > q
 
+    @cached_property
     def _from_onset(self) -> Motion:
         """Return what the slip from P leads to."""
         height = graze(self.scene, self.rtol)
         if height == 0:
             return Motion.UNDECIDED
-        return self._inside(1 - height) if height > 0 else self._returned()
+        return self._inside(1 - height) if height > 0 else self._returned
 
     def _inside(self, peak: float) -> Motion:
         """Return what a peak below the belt's speed leads to."""
@@ -146,8 +200,9 @@ class _Course:
         fate = orbits.fate(peak * self.osc.V)
         if isinstance(fate, LimitCycle) or math.isnan(fate):
             return Motion.PURE_SLIP
-        return Motion.DAMPED_SLIP if fate == 0 else self._returned()
+        return Motion.DAMPED_SLIP if fate == 0 else self._returned
 
+    @cached_property
     def _returned(self) -> Motion:
         """Return what an orbit that grows up to the belt's speed leads to: no orbits cross, so where P's goes."""
         if graze(self.scene, self.rtol) >= 0:
@@ -157,7 +212,7 @@ class _Course:
         overtaking = overtaking_cycle(self.law, self.osc, rtol=self.rtol)
         return self._beyond_all if overtaking is None else Motion.PURE_SLIP
 
-    @property
+    @cached_property
     def _beyond_all(self) -> Motion:
         """What becomes of a motion for which no attractor was found further out."""
         return Motion.UNBOUNDED if grows_far_out(self.law, self.osc) else Motion.UNDECIDED

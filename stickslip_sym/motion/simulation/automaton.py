@@ -6,11 +6,13 @@ Three states: stick, slip slower than the belt, slip faster than the belt. Slip 
 
 import math
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.deadline import time_left
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
@@ -32,13 +34,14 @@ from stickslip_sym.motion.simulation.trajectory import (
 
 __all__ = ["simulate"]
 
-_ENDS = {
+ENDS = {
     End.REST: Outcome.AT_REST,
     End.STEPS: Outcome.STEP_LIMIT,
     End.DEADLINE: Outcome.TIME_LIMIT,
     End.UNBOUNDED: Outcome.UNBOUNDED,
     End.UNDEFINED: Outcome.UNDEFINED,
 }
+"""What ends a motion before its time."""
 _GROWS = "damping and friction feed the motion: try a shorter t_end, or a larger c"
 
 
@@ -105,33 +108,107 @@ def simulate(
     scene = Scene.of(law, osc)
     recorder = _Recorder(law, osc, rtol)
     horizon = t_end * osc.omega
-    tau, q, w = 0.0, recorder.q_of(x0), (osc.V - v0) / osc.V
-    side = 1 if w > 0 else -1
-    steps = 0
+    start = Point(0.0, recorder.q_of(x0), (osc.V - v0) / osc.V)
+    for part in parts(
+        scene, start, horizon=horizon, rtol=rtol, engine=chosen, max_steps=max_steps, deadline=deadline
+    ):
+        if isinstance(part, Sticking):
+            recorder.stick(part)
+            continue
+        phase = part.phase
+        recorder.slip(part)
+        if phase.end is End.REST:
+            recorder.rest(t_end, rest_of(scene, law, osc, phase.last))
+        if phase.end in ENDS:
+            note = str(phase.error or "") if phase.end is not End.UNBOUNDED else _GROWS
+            return recorder.trajectory(ENDS[phase.end], note)
+    return recorder.trajectory(Outcome.FINISHED)
+
+
+def rest_of(scene: Scene, law: FrictionLaw, osc: Oscillator, last: Point) -> float | None:
+    """Return the displacement in m at which the mass rests, or None where it rests as it was integrated.
+
+    Where rest is isolated it is known better than integrated; a jump of mu at V holds the mass anywhere.
+    """
+    held = last.w == 1 and any(branch.low == 1 for branch in scene.branches)
+    return None if held else osc.N * float(law.mu(osc.V)) / osc.k
+
+
+@dataclass(frozen=True)
+class Sticking:
+    """A stick phase: its start, its end, and the displacement q where it starts."""
+
+    tau: float
+    end: float
+    q: float
+
+
+@dataclass(frozen=True)
+class Slipping:
+    """A slip phase that begins at `tau`, and may have been integrated from another time on."""
+
+    tau: float
+    phase: SlipPhase
+
+    @property
+    def later(self) -> float:
+        """What is to be added to the times of the phase."""
+        return self.tau - self.phase.start.tau
+
+    @property
+    def end(self) -> float:
+        """The time at which it ends."""
+        return self.phase.last.tau + self.later
+
+
+def parts(
+    scene: Scene,
+    start: Point,
+    *,
+    horizon: float,
+    rtol: float,
+    engine: engines.Engine,
+    max_steps: int,
+    deadline: float,
+) -> Iterator[Sticking | Slipping]:
+    """Yield the phases of a motion one after another, up to the horizon or the first that does not go on.
+
+    Nothing depends on time itself, so a slip from where one began before is that one again: every stick ends at P,
+    and a motion that sticks is integrated for one round, whatever its length.
+
+    - `start`: with w negative where the mass is faster than the belt.
+    - The rest as for `slip.follow`, but that `max_steps` bounds the motion as a whole.
+    """
+    known = dict[tuple[float, int], SlipPhase]()
+    tau, q, w = start.tau, start.q, start.w
+    side, steps = 1 if w > 0 else -1, 0
     while tau < horizon:
         if w == 0 and scene.sticks(q) and q < 0:
             end = min(horizon, tau - q)
-            recorder.stick(tau, q, end)
+            yield Sticking(tau, end, q)
             tau, q = end, (0.0 if end < horizon else q + end - tau)
             continue
         if w == 0:  # at P, or beyond what static friction holds on either side
             side = 1 if q >= 0 else -1
-        phase = follow(
-            scene, Point(tau, q, abs(w)), side,
-            horizon=horizon, rtol=rtol, max_steps=max_steps - steps, deadline=deadline,
-            engine=chosen,
-        )  # fmt: skip
-        recorder.slip(phase)
-        if phase.end is End.REST:
-            # Where rest is isolated it is known better than integrated; a jump of mu at V holds the mass anywhere.
-            held = phase.last.w == 1 and any(branch.low == 1 for branch in scene.branches)
-            recorder.rest(horizon, None if held else osc.N * float(law.mu(osc.V)) / osc.k)
-        if phase.end in _ENDS:
-            note = str(phase.error or "") if phase.end is not End.UNBOUNDED else _GROWS
-            return recorder.trajectory(_ENDS[phase.end], note)
+        phase = known.get((q, side)) if w == 0 else None
+        if (
+            phase is None
+            or Slipping(tau, phase).end > horizon
+            or steps + len(phase.interpolants) >= max_steps
+            or min(deadline - time.monotonic(), time_left()) < 0
+        ):
+            phase = follow(
+                scene, Point(tau, q, abs(w)), side,
+                horizon=horizon, rtol=rtol, max_steps=max_steps - steps, deadline=deadline, engine=engine,
+            )  # fmt: skip
+            if w == 0 and phase.end is End.RETURN:
+                known[q, side] = phase
+        part = Slipping(tau, phase)
+        yield part
+        if phase.end in ENDS:
+            return
         steps += len(phase.interpolants)
-        tau, q, w = phase.last.tau, phase.last.q, phase.last.w
-    return recorder.trajectory(Outcome.FINISHED)
+        tau, q, w = part.end, phase.last.q, phase.last.w
 
 
 @dataclass(frozen=True)
@@ -151,11 +228,12 @@ class _Slip:
     """The course of a slip phase, in units."""
 
     phase: SlipPhase
+    later: float
     osc: Oscillator
     x_onset: float
 
     def __call__(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        q, w = self.phase.at(t * self.osc.omega)
+        q, w = self.phase.at(t * self.osc.omega - self.later)
         return self.x_onset + self.osc.length * q, self.osc.V * (1 - self.phase.side * w)
 
 
@@ -173,27 +251,30 @@ class _Recorder:
     def q_of(self, x: float) -> float:
         return (x - self.x_onset) / self.length
 
-    def stick(self, tau: float, q: float, end: float) -> None:
+    def stick(self, part: Sticking) -> None:
         # Two samples hold all there is to a straight line.
-        times = np.array([tau, end])
-        course = _Straight(tau / self.osc.omega, self.x_onset + self.length * q, self.osc.V)
-        self._add(times, q + times - tau, np.zeros(2), 1, Phase.STICK, course)
+        times = np.array([part.tau, part.end])
+        x = self.x_onset + self.length * (part.q + times - part.tau)
+        course = _Straight(part.tau / self.osc.omega, float(x[0]), self.osc.V)
+        self._add(times / self.osc.omega, x, np.full(2, self.osc.V), Phase.STICK, course)
 
-    def slip(self, phase: SlipPhase) -> None:
-        tau, q, w = np.array([(point.tau, point.q, point.w) for point in phase.points]).T
+    def slip(self, part: Slipping) -> None:
+        phase = part.phase
+        tau, q, w = phase.states
+        tau = tau + part.later
+        tau[0] = part.tau  # to the last digit
         kind = Phase.SLIP_BACK if phase.side > 0 else Phase.SLIP_FORWARD
-        self._add(tau, q, w, phase.side, kind, _Slip(phase, self.osc, self.x_onset))
+        x, v = self.x_onset + self.length * q, self.osc.V * (1 - phase.side * w)
+        self._add(tau / self.osc.omega, x, v, kind, _Slip(phase, part.later, self.osc, self.x_onset))
 
     def rest(self, end: float, known: float | None) -> None:
         """Prolong a slip phase that came to rest, where x is known or is as it was integrated."""
         before = self.stretches[-1]
         x = float(self.samples[-1][1][-1]) if known is None else known
-        t = np.array([end / self.osc.omega])
-        self.samples.append((t, np.array([x]), np.zeros(1)))
-        self.stretches.append(Stretch(before.phase, before.end, float(t[0]), _Straight(before.end, x, 0.0)))
+        self.samples.append((np.array([end]), np.array([x]), np.zeros(1)))
+        self.stretches.append(Stretch(before.phase, before.end, end, _Straight(before.end, x, 0.0)))
 
-    def _add(self, tau: FloatArray, q: FloatArray, w: FloatArray, side: int, phase: Phase, course: Course) -> None:
-        t, x, v = tau / self.osc.omega, self.x_onset + self.length * q, self.osc.V * (1 - side * w)
+    def _add(self, t: FloatArray, x: FloatArray, v: FloatArray, phase: Phase, course: Course) -> None:
         kind = EventKind.START
         if self.events:
             slipped = self.events[-1].begins is not Phase.STICK

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum, auto
+from functools import cached_property
 from itertools import pairwise
 from typing import Literal
 
@@ -15,10 +16,10 @@ from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.oscillator import Scene
 from stickslip_sym.motion.simulation.steppers import Interpolant, Point
 
-__all__ = ["RUNAWAY", "End", "SlipPhase", "Until", "attracted_to_rest", "passage", "root"]
+__all__ = ["REST_WITHIN", "RUNAWAY", "End", "SlipPhase", "Until", "attracted_to_rest", "passage", "root"]
 
 RUNAWAY = 1e100  # times the units of the state
-_CLOSE = 10  # times the tolerance of a step: nearer to a rest the errors of steps do not let the mass come
+REST_WITHIN = 10  # times the tolerance of a step: nearer to a rest the errors of steps do not let the mass come
 
 
 class End(Enum):
@@ -61,6 +62,16 @@ class SlipPhase:
         """The states at the ends of the steps, from the beginning of the phase to its end."""
         return [*(interpolant.start for interpolant in self.interpolants), self.last]
 
+    @property
+    def start(self) -> Point:
+        """The state at the beginning."""
+        return self.interpolants[0].start if self.interpolants else self.last
+
+    @cached_property
+    def states(self) -> FloatArray:
+        """The rows tau, q and w at the ends of the steps, once the phase is over."""
+        return np.array([(point.tau, point.q, point.w) for point in self.points]).T
+
     def turns(self, extremum: Point, rising: bool, until: Until) -> bool:
         """Note an extremum of w after which it rises or falls, and return whether the phase ends there."""
         self.extrema.append(extremum)
@@ -98,7 +109,7 @@ def attracted_to_rest(scene: Scene, side: int, rtol: float) -> Callable[[Point],
     if side < 0 or not scene.decay(1.0) > 0:
         return lambda now: False
     q, w = scene.rest
-    close = _CLOSE * rtol
+    close = REST_WITHIN * rtol
     return lambda now: abs(now.w - w) <= close and abs(now.q - q) <= close * max(1.0, abs(q))
 
 
@@ -109,4 +120,11 @@ def root(function: Callable[[float], float], low: float, high: float) -> float:
 
 def passage(interpolant: Interpolant, level: float, low: float, high: float) -> float:
     """Return when w passes a level between two times of a step."""
-    return root(lambda tau: float(interpolant(tau)[1]) - level, low, high)
+
+    def height(tau: float) -> float:
+        return float(interpolant(tau)[1]) - level
+
+    ends = height(low), height(high)
+    if ends[0] * ends[1] >= 0:  # at an end the interpolant is off by rounding, which may be the larger one
+        return low if abs(ends[0]) < abs(ends[1]) else high
+    return root(height, low, high)

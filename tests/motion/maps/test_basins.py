@@ -40,3 +40,29 @@ def test_basins_keep_what_is_done(tmp_path):
     assert first.count() == {Motion.PURE_SLIP: 6}
     with pytest.raises(ss.InputError, match="x0 holds a value that is not finite: inf"):
         ss.basin_map(law, osc, x0=[float("inf")], v0=[0.0])
+
+
+FALLING = ss.FrictionLaw("Piecewise((0.5 - 0.1*v, v < 0.3), (0.3, True))")
+RISING = ss.FrictionLaw("Piecewise((0.5 - 0.1*v, v < 0.2), (0.7 - 0.1*v, v < 0.6), (0.4, True))")
+UNSETTLED = {
+    "mu jumps down": (FALLING, paper_oscillator(1.0)),
+    "mu jumps up, and down": (RISING, paper_oscillator(1.0)),
+    "damping is negative": (ss.laws.exponential.typical(), paper_oscillator(-0.5)),
+    "P's orbit overtakes the belt": (
+        ss.laws.exponential.typical(alpha=0.8), ss.Oscillator(m=1, k=1, c=0.01, V=1, N=0.2),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", UNSETTLED)
+def test_lines_of_many_starts_are_classified_as_each_would_be(name):
+    """Where geometry does not settle them; a line of so many is followed together."""
+    law, osc = UNSETTLED[name]
+    x0, v0 = np.linspace(-5, 5, 40) * osc.length, np.array([0.4, 1.8]) * osc.V
+    found = ss.basin_map(law, osc, x0=x0, v0=v0)
+    assert found.simulated == found.motion.size
+    assert not found.notes
+    for row, column in np.random.default_rng(4).integers((2, 40), size=(6, 2)):
+        one = ss.classify(law, osc, x0=x0[column], v0=v0[row])
+        assert found.motion[row, column] is one
+    assert len(found.count()) == (2 if name == "mu jumps down" else 1)

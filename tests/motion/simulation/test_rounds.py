@@ -1,0 +1,79 @@
+"""A motion that sticks is integrated for one round, and is what it would be if every round were."""
+
+import numpy as np
+import pytest
+from motions import scenes
+from scenes import paper_oscillator
+
+import stickslip_sym as ss
+from stickslip_sym import EventKind, Outcome
+from stickslip_sym.motion.simulation import engines
+
+EXACT = 1e-9  # relative to the motion's size; a hundred steps at rtol = 1e-12, and grazes
+
+
+@pytest.fixture
+def slips(monkeypatch):
+    """The list of slip phases that are integrated."""
+    begun = []
+    engine = engines.find("scipy")
+
+    def counted(scene, phase, **options):
+        begun.append(phase)
+        return engine(scene, phase, **options)
+
+    monkeypatch.setitem(engines.ENGINES, "counted", counted)
+    return begun
+
+
+def test_a_motion_goes_on_from_any_point_as_it_did():
+    sticking, cut = 0, 0.43
+    for kind, law, osc, x0, v0 in scenes(18, seed=11):
+        t_end = 40 / osc.omega
+        whole = ss.simulate(law, osc, t_end=t_end, x0=x0, v0=v0, rtol=1e-12)
+        if whole.outcome is not Outcome.FINISHED:
+            continue
+        sticking += sum(event.kind is EventKind.STICKS for event in whole.events) > 3
+        middle = whole.at(cut * t_end)
+        rest = ss.simulate(law, osc, t_end=(1 - cut) * t_end, x0=float(middle.x), v0=float(middle.v), rtol=1e-12)
+        size = osc.length + np.abs(whole.x).max()
+        assert rest.x[-1] == pytest.approx(whole.x[-1], abs=EXACT * size), kind
+        later = [event.t for event in whole.events if event.t > cut * t_end]
+        assert [event.t + cut * t_end for event in rest.events[1:]] == pytest.approx(later, abs=EXACT * t_end)
+    assert sticking > 3
+
+
+def test_one_round_is_integrated_and_every_one_is_there(law, slips):
+    osc = paper_oscillator(1.0)
+    cycle = ss.stick_slip_cycle(law, osc)
+    motion = ss.simulate(law, osc, t_end=200.2 * cycle.period, x0=0.2, v0=0.0, engine="counted")
+    assert len(slips) <= 5  # three from the start to P, P's, and the one that the end cuts
+    sticks = motion.starts_of(ss.Phase.STICK)
+    assert len(sticks) in (199, 200, 201)
+    assert np.diff(sticks)[1:] == pytest.approx(cycle.period, rel=1e-9)
+    assert (np.diff(motion.t) >= 0).all()
+    t = np.linspace(100 * cycle.period, 101 * cycle.period, 50)
+    assert motion.at(t).x == pytest.approx(motion.at(t + 90 * cycle.period).x, abs=1e-8 * osc.length)
+
+
+def test_rounds_that_overtake_are_kept_too(slips):
+    """From P the mass overtakes the belt and comes back to stick: two slips a round."""
+    law = ss.laws.exponential.bind(mu_s=1.9, mu_m=0.25, alpha=16)
+    osc = ss.Oscillator(m=1, k=1, c=-0.1, V=1, N=0.95)
+    assert ss.stick_slip_cycle(law, osc).v_max > 1.5
+    motion = ss.simulate(law, osc, t_end=200.0, engine="counted")
+    kinds = [event.kind for event in motion.events]
+    assert kinds.count(EventKind.CROSSES) > 25 < kinds.count(EventKind.STICKS)
+    assert len(slips) <= 4
+
+
+def test_bounds_count_the_rounds_that_are_kept(law):
+    osc = paper_oscillator(1.0)
+    free = ss.simulate(law, osc, t_end=20.0)
+    bound = ss.simulate(law, osc, t_end=20.0, max_steps=200)
+    assert bound.outcome is Outcome.STEP_LIMIT
+    cycles = sum(event.kind is EventKind.STICKS for event in bound.events)
+    assert 5 < cycles < 12 < sum(event.kind is EventKind.STICKS for event in free.events)
+    timed = ss.simulate(law, osc, t_end=1e7, time_limit=0.05)
+    assert timed.outcome is Outcome.TIME_LIMIT
+    assert timed.t[-1] < 1e7
