@@ -18,7 +18,8 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, AxisValues, fixed_values, read_axes
 from stickslip_sym.motion.maps.cells import MOTIONS, REASONS, Attractor, Cells, Reason
 from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Plain, Progress, collect
-from stickslip_sym.motion.maps.columns import decide
+from stickslip_sym.motion.maps.columns import by_collocation
+from stickslip_sym.motion.maps.together import Asked, alone, decide_together
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output import drawing, files, markup
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["MotionMap", "motion_map"]
 
 _CURVES = ("equilibrium", "least_squares", "exact")
+_CELLS = 300  # that are decided at once, where that costs less than one by one
 
 
 @dataclass(frozen=True, repr=False)
@@ -205,19 +207,27 @@ def motion_map(
     turned = axes[0].name == "c"
     across, along = (axes[1], axes[0]) if turned else axes
     text, values = text_of_law(bound), along.values.tolist()
-    tasks = [
-        {"law": text, "fixed": fixed | {across.name: value}, "along": along.name, "values": values, "rtol": rtol}
-        for value in across.values.tolist()
-    ]
+    lines = [fixed | {across.name: value} for value in across.values.tolist()]
     with deadline.time_limit(time_limit):
-        lines = collect(decide_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
+        # Where collocation tells of one scene, it is likely to tell of its neighbours.
+        singly = along.name == "c" and by_collocation(*_scene(text, lines[len(lines) // 2]))
+        request = {"law": text, "along": along.name, "values": values, "rtol": rtol, "singly": singly}
+        count = 1 if singly else max(1, _CELLS // len(values))
+        tasks = [request | {"lines": lines[i : i + count]} for i in range(0, len(lines), count)]
+
+        def told(done: int, _: int) -> None:
+            if progress is not None:
+                progress(min(done * count, len(lines)), len(lines))
+
+        parts = collect(decide_lines, tasks, workers=workers, checkpoint=checkpoint, progress=told)
+    found_lines = [line for part in parts for line in part["lines"]]
 
     def grid(name: str, read: Callable[[Any], Any], dtype: Any) -> Any:
-        array = np.array([[read(entry) for entry in line[name]] for line in lines], dtype=dtype)
+        array = np.array([[read(entry) for entry in line[name]] for line in found_lines], dtype=dtype)
         return array if turned else array.T
 
     attractors = grid("attractors", int, int)
-    notes = {(i, j) if turned else (j, i): text for i, line in enumerate(lines) for j, text in line["notes"]}
+    notes = {(i, j) if turned else (j, i): text for i, line in enumerate(found_lines) for j, text in line["notes"]}
     found = MotionMap(
         *axes, law=bound, fixed=fixed,
         motion=grid("motion", MOTIONS.__getitem__, object),
@@ -233,19 +243,41 @@ def motion_map(
     return found
 
 
-def decide_line(task: Plain) -> Plain:
-    """Decide the cells along one line of a map: plain content in, plain content out.
+def _scene(text: str, values: dict[str, float]) -> tuple[FrictionLaw, Oscillator]:
+    law = law_of_text(text)
+    law = law.bind(**{name: value for name, value in values.items() if name in law.parameters})
+    return law, Oscillator(**{name: values[name] for name in "VNmk"})
 
-    - `task`: "law": a law as text; "fixed": values of quantities and parameters; "along": the name of another one,
-      and its "values"; "rtol".
 
-    Returns lists by the names in `Cells`; thresholds have one entry if the line is along c, else one a cell.
+def decide_lines(task: Plain) -> Plain:
+    """Decide the cells along some lines of a map: plain content in, plain content out.
+
+    - `task`: "law": a law as text; "lines": for each the values of quantities and parameters; "along": the name of
+      another one, and its "values"; "rtol"; "singly": whether to try each
+      scene by itself.
+
+    Returns "lines", each with lists by the names in `Cells`; thresholds have one entry if the lines are along c,
+      else one a cell.
     """
     along, values = task["along"], task["values"]
-    if along == "c":
-        parts = [_decided(task, task["fixed"], values)]
-    else:
-        parts = [_decided(task, task["fixed"] | {along: value}, [task["fixed"]["c"]]) for value in values]
+    places, scenes = list[tuple[int, int]](), list[tuple[dict[str, float], list[float]]]()
+    for i, fixed in enumerate(task["lines"]):
+        if along == "c":
+            parts = [(fixed, values)]
+        else:
+            parts = [(fixed | {along: value}, [fixed["c"]]) for value in values]
+        scenes += parts
+        places += [(i, j) for j in range(len(parts))]
+    found = _decided(task, scenes)
+    lines = [
+        _line([cells for (line, _), cells in zip(places, found, strict=True) if line == i])
+        for i in range(len(task["lines"]))
+    ]
+    late = REASONS.index(Reason.TIME)
+    return {"lines": lines, UNFINISHED: any(late in line["reason"] for line in lines)}
+
+
+def _line(parts: list[Cells]) -> Plain:
     line: Plain = {
         name: [entry for cells in parts for entry in getattr(cells, name)]
         for name in ("motion", "attractors", "reason")
@@ -256,17 +288,20 @@ def decide_line(task: Plain) -> Plain:
     line["notes"] = [
         [start + i, text] for start, cells in zip(starts, parts, strict=True) for i, text in cells.notes.items()
     ]
-    line[UNFINISHED] = REASONS.index(Reason.TIME) in line["reason"]
     return line
 
 
-def _decided(task: Plain, values: dict[str, float], c: list[float]) -> Cells:
-    """Decide the cells of one scene."""
-    V, N, m, k = (values[name] for name in "VNmk")
-    try:
-        deadline.check_time()
-        law = law_of_text(task["law"])
-        law = law.bind(**{name: value for name, value in values.items() if name in law.parameters})
-        return decide(law, Oscillator(V=V, N=N, m=m, k=k), c, rtol=task["rtol"])
-    except StickSlipError as error:
-        return Cells.failed(len(c), error)
+def _decided(task: Plain, scenes: list[tuple[dict[str, float], list[float]]]) -> list[Cells]:
+    """Decide the cells of some scenes."""
+    found: dict[int, Cells] = {}
+    asked: dict[int, Asked] = {}
+    for i, (values, c) in enumerate(scenes):
+        try:
+            deadline.check_time()
+            asked[i] = Asked(*_scene(task["law"], values), np.array(c))
+        except StickSlipError as error:
+            found[i] = Cells.failed(len(c), error)
+    for i in [i for i, one in asked.items() if task["singly"] and by_collocation(one.law, one.osc)]:
+        found[i] = alone(asked.pop(i), rtol=task["rtol"])
+    found |= dict(zip(asked, decide_together(list(asked.values()), rtol=task["rtol"]), strict=True))
+    return [found[i] for i in range(len(scenes))]
