@@ -14,18 +14,20 @@ with less. That leaves few cells, and these are simulated one by one.
 from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
+from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
-from stickslip_sym.motion.maps.averages import least_squares_dampings
 from stickslip_sym.motion.maps.cells import MOTIONS, REASONS, Attractor, Cells, Reason
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
@@ -33,14 +35,17 @@ from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify
 from stickslip_sym.motion.simulation.transit import stick_slip_cycle
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
+from stickslip_sym.motion.thresholds.rungs import average, numerical_averages
+from stickslip_sym.motion.thresholds.scenes import Scenes
 
-__all__ = ["KNOWN", "by_collocation", "decide"]
+__all__ = ["KNOWN", "by_collocation", "decide", "least_squares_dampings"]
 
 _MOST_WORK = 5e7  # cubes of grids; beyond, following the motions of a cell costs less
 KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _FIRST, _BESIDE = 1e-6, 100  # tolerance of a simulated threshold, and how many errors away no finer one is needed
 _FINER = 1e-2  # tolerance of simulations over that of thresholds
 _TIGHTEST = 1e-13
+_GAUSS = np.polynomial.legendre.leggauss(4)  # exact to degree 7; a slope times the weight has degree 6
 _BESIDE_REST = 1e-3  # velocity over the belt's of a motion that begins beside rest
 
 
@@ -203,6 +208,43 @@ class _Column:
         if found.undecided or motion is Motion.UNDECIDED:
             cells.motion[i], cells.attractors[i] = MOTIONS.index(Motion.UNDECIDED), 0
             cells.notes[i] = "; ".join(found.undecided or ["the start is within tolerance of a separatrix"])
+
+
+def least_squares_dampings(law: FrictionLaw, V: FloatArray, N: FloatArray) -> FloatArray:
+    """Return the damping of the criterion in kg/s, for belt speeds and normal forces; NaN where there is none."""
+    try:
+        return _together(law, V, N)
+    except NO_RESULT:
+        if len(V) == 1:
+            return np.full(1, np.nan)
+    return np.concatenate([least_squares_dampings(law, V[[i]], N[[i]]) for i in range(len(V))])
+
+
+def _together(law: FrictionLaw, V: FloatArray, N: FloatArray) -> FloatArray:
+    scenes = Scenes.of(law, V=V, N=N)
+    if obstacle(law, V, jump=False) is None:
+        return np.asarray(numerical_averages(scenes)[least_squares.name])
+    if law.curve is None:
+        return np.asarray(average(scenes, least_squares))
+    kinks = [float(place) for place in law.kinks()]
+    speeds, places = np.unique(V, return_inverse=True)
+    return np.asarray(N * np.array([_through_points(law, kinks, speed) for speed in speeds.tolist()])[places])
+
+
+@cache
+def _weight() -> Callable[[FloatArray], FloatArray]:
+    return function_of([symbols.s], least_squares.weight, "numpy")
+
+
+def _through_points(law: FrictionLaw, kinks: list[float], V: float) -> float:
+    """Return the damping over N of measured points: by Gauss, exact for the cubics between them."""
+    end = 2 * V
+    law.require_speed(end)
+    edges = np.array([0.0, *(place for place in kinks if place < end), end])
+    half = np.diff(edges)[:, None] / 2
+    v = edges[:-1, None] + half * (1 + _GAUSS[0])
+    weight = _weight()(v / V - 1)
+    return float(-(half * _GAUSS[1] * weight * law.slope(v)).sum() / V)
 
 
 @lru_cache(maxsize=64)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,16 +9,14 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
-from stickslip_sym.core.errors import NotConverged, StickSlipError
+from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import read_rtol
-from stickslip_sym.model.content import law_of_text, text_of_law
+from stickslip_sym.model.content import text_of_law
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, AxisValues, fixed_values, read_axes
-from stickslip_sym.motion.maps.cells import MOTIONS, REASONS, Attractor, Cells, Reason
-from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Plain, Progress, collect
-from stickslip_sym.motion.maps.columns import by_collocation
-from stickslip_sym.motion.maps.together import Asked, alone, decide_together
+from stickslip_sym.motion.maps.cells import CURVES, MOTIONS, REASONS, Attractor, Reason
+from stickslip_sym.motion.maps.checkpoint import Progress, collect
+from stickslip_sym.motion.maps.lines import decide_lines, tasks_of
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output import drawing, files, markup
@@ -28,9 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["MotionMap", "motion_map"]
-
-_CURVES = ("equilibrium", "least_squares", "exact")
-_CELLS = 300  # that are decided at once, where that costs less than one by one
 
 
 @dataclass(frozen=True, repr=False)
@@ -174,7 +168,8 @@ def motion_map(
     workers : int or map-like callable
         A number of processes, -1 for all processors, or a function such as ``pool.map``; results are the same.
     checkpoint : str or Path, optional
-        A file in which every finished line of cells is kept; a run that was killed goes on from it.
+        A file in which finished lines of cells are kept, those that are decided together at once; a run that was
+        killed goes on from it.
     progress : callable, optional
         Called with the number of lines that are done, and of all.
     time_limit : float, optional
@@ -206,18 +201,13 @@ def motion_map(
     # All cells of a line along c are decided together.
     turned = axes[0].name == "c"
     across, along = (axes[1], axes[0]) if turned else axes
-    text, values = text_of_law(bound), along.values.tolist()
     lines = [fixed | {across.name: value} for value in across.values.tolist()]
     with deadline.time_limit(time_limit):
-        # Where collocation tells of one scene, it is likely to tell of its neighbours.
-        singly = along.name == "c" and by_collocation(*_scene(text, lines[len(lines) // 2]))
-        request = {"law": text, "along": along.name, "values": values, "rtol": rtol, "singly": singly}
-        count = 1 if singly else max(1, _CELLS // len(values))
-        tasks = [request | {"lines": lines[i : i + count]} for i in range(0, len(lines), count)]
+        tasks = tasks_of(text_of_law(bound), lines, along.name, along.values.tolist(), rtol)
 
         def told(done: int, _: int) -> None:
             if progress is not None:
-                progress(min(done * count, len(lines)), len(lines))
+                progress(min(done * len(tasks[0]["lines"]), len(lines)), len(lines))
 
         parts = collect(decide_lines, tasks, workers=workers, checkpoint=checkpoint, progress=told)
     found_lines = [line for part in parts for line in part["lines"]]
@@ -235,73 +225,9 @@ def motion_map(
         rest=attractors & Attractor.REST > 0,
         pure_slip=attractors & Attractor.PURE_SLIP > 0,
         reason=grid("reason", REASONS.__getitem__, object),
-        thresholds={name: grid(name, lambda value: np.nan if value is None else value, float) for name in _CURVES},
+        thresholds={name: grid(name, lambda value: np.nan if value is None else value, float) for name in CURVES},
         notes=notes,
     )  # fmt: skip
     if (found.reason == Reason.FAILED).all():
         raise NotConverged(f"every cell failed, the first one since {next(iter(notes.values()))}")
     return found
-
-
-def _scene(text: str, values: dict[str, float]) -> tuple[FrictionLaw, Oscillator]:
-    law = law_of_text(text)
-    law = law.bind(**{name: value for name, value in values.items() if name in law.parameters})
-    return law, Oscillator(**{name: values[name] for name in "VNmk"})
-
-
-def decide_lines(task: Plain) -> Plain:
-    """Decide the cells along some lines of a map: plain content in, plain content out.
-
-    - `task`: "law": a law as text; "lines": for each the values of quantities and parameters; "along": the name of
-      another one, and its "values"; "rtol"; "singly": whether to try each
-      scene by itself.
-
-    Returns "lines", each with lists by the names in `Cells`; thresholds have one entry if the lines are along c,
-      else one a cell.
-    """
-    along, values = task["along"], task["values"]
-    places, scenes = list[tuple[int, int]](), list[tuple[dict[str, float], list[float]]]()
-    for i, fixed in enumerate(task["lines"]):
-        if along == "c":
-            parts = [(fixed, values)]
-        else:
-            parts = [(fixed | {along: value}, [fixed["c"]]) for value in values]
-        scenes += parts
-        places += [(i, j) for j in range(len(parts))]
-    found = _decided(task, scenes)
-    lines = [
-        _line([cells for (line, _), cells in zip(places, found, strict=True) if line == i])
-        for i in range(len(task["lines"]))
-    ]
-    late = REASONS.index(Reason.TIME)
-    return {"lines": lines, UNFINISHED: any(late in line["reason"] for line in lines)}
-
-
-def _line(parts: list[Cells]) -> Plain:
-    line: Plain = {
-        name: [entry for cells in parts for entry in getattr(cells, name)]
-        for name in ("motion", "attractors", "reason")
-    }
-    for name in _CURVES:
-        line[name] = [getattr(cells, name) for cells in parts]
-    starts = accumulate((len(cells.motion) for cells in parts[:-1]), initial=0)
-    line["notes"] = [
-        [start + i, text] for start, cells in zip(starts, parts, strict=True) for i, text in cells.notes.items()
-    ]
-    return line
-
-
-def _decided(task: Plain, scenes: list[tuple[dict[str, float], list[float]]]) -> list[Cells]:
-    """Decide the cells of some scenes."""
-    found: dict[int, Cells] = {}
-    asked: dict[int, Asked] = {}
-    for i, (values, c) in enumerate(scenes):
-        try:
-            deadline.check_time()
-            asked[i] = Asked(*_scene(task["law"], values), np.array(c))
-        except StickSlipError as error:
-            found[i] = Cells.failed(len(c), error)
-    for i in [i for i, one in asked.items() if task["singly"] and by_collocation(one.law, one.osc)]:
-        found[i] = alone(asked.pop(i), rtol=task["rtol"])
-    found |= dict(zip(asked, decide_together(list(asked.values()), rtol=task["rtol"]), strict=True))
-    return [found[i] for i in range(len(scenes))]

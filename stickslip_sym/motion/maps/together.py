@@ -1,9 +1,9 @@
 """Motions in many scenes of one map, decided together.
 
-Where the damping is no axis every cell is a scene of its own. What `columns` computes for each scene (the damping of
-the orbit that touches the belt's speed, and at which amplitudes slip orbits grow) is computed here for all of
-them at once (`touch`, `patterns`), and a comparison decides each cell. What is beside a threshold or a fold, and
-what these ways are not made for, is left to `columns`, scene by scene.
+Where the damping is no axis every cell is a scene of its own. The damping of the orbit that touches the belt's
+speed, and where slip orbits grow, are computed for all of them at once (`touch`, `patterns`), and comparisons
+decide the cells. What is beside a threshold or a fold, and what these ways are not made for, is left to `columns`,
+scene by scene.
 
 A law with mu(0+) = 0 holds no mass. Where the slip from P returns then, motions go out to one that overtakes the
 belt each round, since damping and friction bring those far out back in.
@@ -19,10 +19,8 @@ from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.errors import OutOfTime, StickSlipError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
-from stickslip_sym.motion.maps.averages import least_squares_dampings
 from stickslip_sym.motion.maps.cells import MOTIONS, REASONS, Attractor, Cells, Reason
-from stickslip_sym.motion.maps.columns import KNOWN, decide
-from stickslip_sym.motion.orbits.orbit import obstacle
+from stickslip_sym.motion.maps.columns import KNOWN, decide, least_squares_dampings
 from stickslip_sym.motion.regimes.attractors import grows_far_out
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.motion.regimes.patterns import Patterns, patterns
@@ -49,6 +47,40 @@ class Asked:
     c: FloatArray
 
 
+@dataclass(frozen=True)
+class _Facts:
+    """What scenes of one law have in common."""
+
+    law: FrictionLaw
+    kinks: tuple[float, ...]
+    static: float
+    onset: float
+    jumps: bool
+
+    @classmethod
+    def of(cls, law: FrictionLaw) -> "_Facts":
+        scene = Scene.of(law, Oscillator(m=1, k=1, V=1, N=1))
+        places = tuple(float(place) for place in law.kinks())
+        return cls(
+            law, places, scene.static, scene.onset, any(jumps(scene, *pair) for pair in pairwise(scene.branches))
+        )
+
+    @property
+    def held(self) -> bool:
+        """Whether static friction holds more than what slips."""
+        return self.static - self.onset > _SAME * abs(self.onset)
+
+    def suit(self, osc: Oscillator) -> bool:
+        """Tell whether steps of time from an onset to the next are made for a scene."""
+        end = self.law.v_max
+        beside = any(abs(place / osc.V - 1) <= _SAME for place in self.kinks)
+        return not (self.jumps or beside or (end is not None and end < 2 * osc.V)) and 0 < osc.eta <= _STRONGEST
+
+    def smooth(self, V: float) -> bool:
+        """Whether slip orbits are smooth up to the one that touches the belt's speed."""
+        return not self.held and all(place >= 2 * V for place in self.kinks)
+
+
 def decide_together(asked: Sequence[Asked], *, rtol: float) -> list[Cells]:
     """Return the motion from x = 0, x' = V, and every attractor, for dampings in scenes.
 
@@ -58,14 +90,33 @@ def decide_together(asked: Sequence[Asked], *, rtol: float) -> list[Cells]:
     What fails is in the cells.
     """
     found: dict[int, Cells] = {}
-    for places in _alike(asked):
+    for places, facts in _alike(asked):
         try:
-            found |= dict(zip(places, _Batch([asked[i] for i in places], rtol).cells(), strict=True))
+            cells = _Batch([asked[i] for i in places], facts, rtol).cells()
+            found |= dict(zip(places, cells, strict=True))
         except OutOfTime as error:
             found |= {i: Cells.failed(asked[i].c.size, error) for i in places}
         except (ArithmeticError, StickSlipError):  # of one scene: each may say it for itself
             continue
     return [found[i] if i in found else alone(one, rtol=rtol) for i, one in enumerate(asked)]
+
+
+def _alike(asked: Sequence[Asked]) -> list[tuple[list[int], list[_Facts]]]:
+    """Sort out scenes that can be followed together: those of laws without kinks, or of one law."""
+    groups: dict[int | None, tuple[list[int], list[_Facts]]] = {}
+    known: dict[int, _Facts | None] = {}
+    for i, one in enumerate(asked):
+        if id(one.law) not in known:
+            try:
+                known[id(one.law)] = _Facts.of(one.law)
+            except StickSlipError:
+                known[id(one.law)] = None
+        facts = known[id(one.law)]
+        if facts is not None and facts.suit(one.osc):
+            places, described = groups.setdefault(id(one.law) if facts.kinks else None, ([], []))
+            places.append(i)
+            described.append(facts)
+    return list(groups.values())
 
 
 def alone(one: Asked, *, rtol: float) -> Cells:
@@ -76,37 +127,16 @@ def alone(one: Asked, *, rtol: float) -> Cells:
         return Cells.failed(one.c.size, error)
 
 
-def _alike(asked: Sequence[Asked]) -> list[list[int]]:
-    """Sort out scenes that can be followed together: those that have a law whose kinks are the same."""
-    groups: dict[FrictionLaw | None, list[int]] = {}
-    for i, one in enumerate(asked):
-        if _suits(one.law, one.osc):
-            groups.setdefault(one.law if one.law.kinks() else None, []).append(i)
-    return list(groups.values())
-
-
-def _suits(law: FrictionLaw, osc: Oscillator) -> bool:
-    if not 0 < osc.eta <= _STRONGEST or (law.v_max is not None and law.v_max < 2 * osc.V):
-        return False
-    if any(abs(float(place) / osc.V - 1) <= _SAME for place in law.kinks()):
-        return False
-    try:
-        scene = Scene.of(law, osc)
-    except StickSlipError:
-        return False
-    return not any(jumps(scene, *pair) for pair in pairwise(scene.branches))
-
-
 class _Batch:
     """Scenes of one formula, and their dampings."""
 
-    def __init__(self, asked: Sequence[Asked], rtol: float) -> None:
-        self.asked, self.rtol = asked, rtol
+    def __init__(self, asked: Sequence[Asked], facts: Sequence[_Facts], rtol: float) -> None:
+        self.asked, self.facts, self.rtol = asked, facts, rtol
         self.V, self.N = (np.array([getattr(one.osc, name) for one in asked]) for name in "VN")
         self.ratio = 2 * np.array([one.osc.impedance for one in asked])  # damping over damping ratio
         self.equilibrium, self.least_squares, guess = np.empty((3, len(asked)))
-        for law, rows in self._laws():
-            V, N = self.V[rows], self.N[rows]
+        for one, rows in self._laws():
+            law, V, N = one.law, self.V[rows], self.N[rows]
             self.equilibrium[rows] = -N * law.slope(V)
             self.least_squares[rows] = least_squares_dampings(law, V, N)
             mu = law.at_speeds(V[:, None] * (1 - np.cos(_PHASES)))
@@ -125,28 +155,32 @@ class _Batch:
         nothing = np.zeros(rows.size)
         found = arrive(self.family.rows(rows), nothing, nothing, nothing, nothing + _RTOL)
         below = (found.end == TURN) & (found.w > _DEEP) | (found.end == CREEPS)
-        return rows[below]
+        return np.asarray(rows[below])
 
-    def _laws(self) -> list[tuple[FrictionLaw, IntArray]]:
-        rows: dict[FrictionLaw, list[int]] = {}
-        for i, one in enumerate(self.asked):
-            rows.setdefault(one.law, []).append(i)
-        return [(law, np.array(places)) for law, places in rows.items()]
+    def _laws(self) -> list[tuple[_Facts, IntArray]]:
+        rows: dict[int, list[int]] = {}
+        for i, one in enumerate(self.facts):
+            rows.setdefault(id(one), []).append(i)
+        return [(self.facts[places[0]], np.array(places)) for places in rows.values()]
 
     def _family(self) -> Family:
-        first = self.asked[0].law
-        laws = self._laws()
-        names = [name for name in first.values if any(law.values[name] != first.values[name] for law, _ in laws)]
-        eta = np.array([one.osc.eta for one in self.asked])
-        static, onset, *given = np.empty((2 + len(names), len(self.asked)))
-        for law, rows in laws:
-            scene = Scene.of(law, self.asked[rows[0]].osc)
-            static[rows], onset[rows] = scene.static, scene.onset
-            for column, name in zip(given, names, strict=True):
-                column[rows] = float(law.values[name])
-        end = np.inf if first.v_max is None else float(first.v_max)
-        places = np.array([-np.inf, *map(float, first.kinks()), end])
-        return Family(first.by_piece(names), self.V, eta, static, onset, places / self.V[:, None], tuple(given))
+        first, laws = self.facts[0], self._laws()
+        values = [(one.law.values, rows) for one, rows in laws]
+        names = [
+            name
+            for name, value in first.law.values.items()
+            if first.law.parameters[name].symbol in first.law.expr.free_symbols
+            and any(other[name] != value for other, _ in values)
+        ]
+        given = np.empty((len(names), len(self.asked)))
+        for other, rows in values:
+            given[:, rows] = np.array([float(other[name]) for name in names])[:, None]
+        end = np.inf if first.law.v_max is None else float(first.law.v_max)
+        return Family(
+            first.law.by_piece(names), self.V, np.array([one.osc.eta for one in self.asked]),
+            np.array([one.static for one in self.facts]), np.array([one.onset for one in self.facts]),
+            np.array([-np.inf, *first.kinks, end]) / self.V[:, None], tuple(given),
+        )  # fmt: skip
 
     # -- cells -------------------------------------------------------------------------------------
 
@@ -158,9 +192,9 @@ class _Batch:
         zeta = c / self.ratio[self.scene]
         sticks = known & (c < exact)
         rows = np.flatnonzero(known)
-        family = self.family.rows(self.scene[rows])
-        pattern = patterns(family, zeta[rows], (equilibrium / self.ratio[self.scene])[rows])
-        known[rows] &= pattern.known & self._as_expected(family, zeta[rows], sticks[rows], pattern)
+        scene = self.scene[rows]
+        pattern = patterns(self.family.rows(scene), zeta[rows], equilibrium[rows] / self.ratio[scene])
+        known[rows] &= pattern.known & self._as_expected(scene, zeta[rows], sticks[rows], pattern)
         cycle, stable = np.zeros((2, c.size), bool)
         cycle[rows], stable[rows] = pattern.cycle, pattern.stable
         held = (self.family.static > 0)[self.scene]
@@ -188,16 +222,17 @@ class _Batch:
         margin = max(self.rtol, KNOWN) * largest
         margin += _BESIDE * self.doubt[self.scene]
         clear: BoolArray = (c >= 0) & (np.abs(c - exact) > margin) & (np.abs(c - equilibrium) > margin)
-        far_out = np.array([grows_far_out(one.law, one.osc) for one in self.asked])
         static = self.family.static[self.scene]
         held = c * self.V[self.scene] <= static * self.N[self.scene]
-        return clear & np.where(static > 0, (c > exact) | held, (static == 0) & ~far_out[self.scene])
+        pairs = zip(self.facts, self.asked, strict=True)
+        come_in = [facts.static == 0 and not grows_far_out(facts.law, one.osc) for facts, one in pairs]
+        return np.where(static > 0, (c > exact) | held, np.array(come_in)[self.scene]) & clear
 
-    def _as_expected(self, family: Family, zeta: FloatArray, sticks: BoolArray, pattern: Patterns) -> BoolArray:
+    def _as_expected(self, scene: IntArray, zeta: FloatArray, sticks: BoolArray, pattern: Patterns) -> BoolArray:
         """Tell where the slips that decide end as the thresholds say: to stick, or below the belt's speed."""
+        family, held = self.family.rows(scene), np.array([one.held for one in self.facts])[scene]
         free = family.static == 0
-        jump = family.static - family.onset > _SAME * np.abs(family.onset)
-        agrees: BoolArray = np.where(jump, sticks | ~pattern.grows, sticks == pattern.grows)
+        agrees: BoolArray = np.where(held, sticks | ~pattern.grows, sticks == pattern.grows)
         rows = np.flatnonzero(sticks != free)
         # The start of a mass that nothing holds is not P.
         q, size = np.where(free, 2 * zeta, 0.0)[rows], np.full(rows.size, _RTOL)
@@ -211,7 +246,7 @@ class _Batch:
         self, i: int, motion: IntArray, attractors: IntArray, reason: IntArray, known: BoolArray
     ) -> Cells:
         one, exact, average = self.asked[i], self.exact[i], self.least_squares[i]
-        smooth = obstacle(one.law, one.osc.V) is None
+        smooth = self.facts[i].smooth(one.osc.V)
         cells = Cells(
             motion.tolist(), attractors.tolist(), reason.tolist(), float(self.equilibrium[i]),
             float(average) if np.isfinite(average) else None,

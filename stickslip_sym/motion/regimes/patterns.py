@@ -56,8 +56,8 @@ class _Ranges:
     bend: FloatArray  # of the growth, its second difference over the range and what is next to it
 
     def some(self, chosen: BoolArray) -> "_Ranges":
-        columns = (self.row, self.low, self.high, self.after_low, self.after_high, self.bend)
-        return _Ranges(*(column[chosen] for column in columns))
+        columns = (self.low, self.high, self.after_low, self.after_high, self.bend)
+        return _Ranges(self.row[chosen], *(column[chosen] for column in columns))
 
 
 def patterns(family: Family, zeta: FloatArray, at_rest: FloatArray) -> Patterns:
@@ -75,9 +75,7 @@ def patterns(family: Family, zeta: FloatArray, at_rest: FloatArray) -> Patterns:
     bends = np.abs(np.diff(growth, n=2))
     bends = np.maximum(bends[:, [0, *range(_FIRST - 1)]], bends[:, [*range(_FIRST - 1), _FIRST - 2]])
     low, high = (np.tile(side, count) for side in (places[:-1], places[1:]))
-    left = _Ranges(
-        np.repeat(rows, _FIRST), low, high, after[:, :-1].ravel(), after[:, 1:].ravel(), bends.ravel()
-    )
+    left = _Ranges(np.repeat(rows, _FIRST), low, high, after[:, :-1].ravel(), after[:, 1:].ravel(), bends.ravel())
     grows, falls = after[:, 0] > _NEAREST, after[:, 0] <= _NEAREST
     born = np.where(at_rest > zeta, falls, grows)  # a cycle that is smaller than all that are followed
     cycle |= born
@@ -111,11 +109,11 @@ def patterns(family: Family, zeta: FloatArray, at_rest: FloatArray) -> Patterns:
 
 
 def _amplitude(place: FloatArray) -> FloatArray:
-    return _NEAREST + (_LAST - _NEAREST) * (1 - np.cos(np.pi * place)) / 2
+    return np.asarray(_NEAREST + (_LAST - _NEAREST) * (1 - np.cos(np.pi * place)) / 2)
 
 
 def _after(family: Family, zeta: FloatArray, row: IntArray, place: FloatArray) -> FloatArray:
-    """Return the next peaks over V: 1 + w'^2/2 where the mass meets the belt, 0 at rest, NaN if it is not known."""
+    """Return the next peaks over V: 1 + w'^2/2 where the mass meets the belt, 0 at rest, NaN if not known."""
     some, A = family.rows(row), _amplitude(place)
     w = 1 - A
     q = 2 * zeta[row] * w - some.friction(w, some.piece(w))

@@ -68,8 +68,10 @@ class Family:
 
     def rows(self, chosen: IntArray | BoolArray) -> "Family":
         """Return some of the oscillators."""
-        columns = (column[chosen] for column in (self.V, self.eta, self.static, self.onset, self.edges))
-        return Family(self.mu, *columns, given=tuple(column[chosen] for column in self.given))
+        V, eta, static, onset, edges = (
+            column[chosen] for column in (self.V, self.eta, self.static, self.onset, self.edges)
+        )
+        return Family(self.mu, V, eta, static, onset, edges, tuple(column[chosen] for column in self.given))
 
     @property
     def backward(self) -> "Family":
@@ -137,7 +139,7 @@ class _Slips:
         state, piece = np.array([q, w]), self.family.piece(w)
         rates = some._rates(state, piece)
         rates[1] = np.maximum(rates[1], 0.0)  # it may be 0 but for rounding
-        piece = some._entered(state, rates, piece)
+        rates, piece = some._entered(state, rates, piece)
         h, time = np.full(len(q), _FIRST), np.zeros(len(q))
         wish = h  # the step that is tried after one that was shortened to end at a kink
         last, last_piece, length = self.state.copy(), piece.copy(), h.copy()  # before the step that ends a slip
@@ -157,8 +159,9 @@ class _Slips:
                 last[:, rows[ended]], last_piece[rows[ended]] = state[:, ended], piece[ended]
                 length[rows[ended]], self.end[rows[ended]] = h[ended], np.where(turns[ended], TURN, RETURN)
             time += np.where(sound, h, 0.0)
-            h, wish = np.minimum(np.where(sound, np.maximum(h * factor, wish), h * factor), _LONGEST), np.where(
-                sound, 0.0, np.where(error < 1, np.maximum(wish, h), 0.0)
+            h, wish = (
+                np.minimum(np.where(sound, np.maximum(h * factor, wish), h * factor), _LONGEST),
+                np.where(sound, 0.0, np.where(error < 1, np.maximum(wish, h), 0.0)),
             )
             state, rates = np.where(sound, after, state), np.where(sound, later, rates)
             creeps = ~ended & (time > _CREEPS)
@@ -166,7 +169,7 @@ class _Slips:
             self.end[rows[creeps]], self.end[rows[away]] = CREEPS, AWAY
             on = ~(ended | creeps | away) & (h > _SHORTEST)
             if some.kinks:
-                piece = some._entered(state, rates, piece)
+                rates, piece = some._entered(state, rates, piece)
                 on &= piece < some.family.edges.shape[1] - 1
             if not on.any():
                 break
@@ -208,11 +211,16 @@ class _Slips:
         edges, rows = self.family.edges, np.arange(len(piece))
         return edges[rows, piece], edges[rows, piece + 1]
 
-    def _entered(self, state: FloatArray, rates: FloatArray, piece: IntArray) -> IntArray:
-        """Return the piece of mu that holds from here on."""
+    def _entered(self, state: FloatArray, rates: FloatArray, piece: IntArray) -> tuple[FloatArray, IntArray]:
+        """Return the piece of mu that holds from here on, and the rates with it."""
         low, high = self._bounds(piece)
         w, rises = state[1], rates[1] >= 0
-        return piece + (rises & (high - w <= self.beside)) - (~rises & (w - low <= self.beside))
+        up, down = rises & (high - w <= self.beside), ~rises & (w - low <= self.beside)
+        if not (up | down).any():
+            return rates, piece
+        now = np.asarray(piece + up - down)
+        inside = np.minimum(now, self.family.edges.shape[1] - 2)
+        return np.where(up | down, self._rates(state, inside), rates), now
 
     def _to_kink(
         self,
@@ -223,22 +231,35 @@ class _Slips:
         piece: IntArray,
         h: FloatArray,
     ) -> FloatArray:
-        """Return which part of a step leads to a kink, by the cubic through its ends; infinity where none does."""
+        """Return which part of a step to take instead, up to a kink; infinity where it passes none.
+
+        Where w turns close to a kink, and the step is too long to tell whether it gets there, it is a half.
+        """
         rises = rates[1] >= 0
-        bound = np.where(rises, self._bounds(piece)[1], self._bounds(piece)[0])
-        sign = np.where(rises, 1.0, -1.0)
-        start, end = sign * (state[1] - bound), sign * (after[1] - bound)
+        low, high = self._bounds(piece)
+        bound, other, sign = np.where(rises, high, low), np.where(rises, low, high), np.where(rises, 1.0, -1.0)
+        start, gain = sign * (state[1] - bound), sign * (after[1] - state[1])  # below 0 on this side of the kink
         fast, slow = sign * rates[1] * h, sign * later[1] * h
+        # The cubic through the ends of the step, over parts of it.
+        bend, twist = 3 * gain - 2 * fast - slow, fast + slow - 2 * gain
         turned = slow < 0
-        highest = np.where(turned, start + fast**2 / (2 * np.where(turned, fast - slow, 1.0)), end)
-        passes = highest > self.beside
-        part = np.where(end > 0, start / np.where(end > 0, start - end, 1.0), -start / np.where(turned, fast, 1.0))
-        bend, twist = 3 * (end - start) - 2 * fast - slow, 2 * (start - end) + fast + slow
+        top = np.where(turned, fast / np.where(turned, fast - slow, 1.0), 1.0)
+        rough = top * fast / 2
+        for _ in range(_HERMITE):
+            fall = 2 * bend + 6 * twist * top
+            shift = (fast + top * (2 * bend + 3 * twist * top)) / np.where(fall < 0, fall, -np.inf)
+            top = np.where(turned, np.clip(top - shift, 0.0, 1.0), 1.0)
+        rise = top * (fast + top * (bend + top * twist))
+        highest, unsure = start + rise, np.where(turned, np.abs(rise - rough), 0.0)
+        passes, near = highest > self.beside, (np.abs(highest) <= unsure) & (unsure > self.beside)
+        part = top / 2
         for _ in range(_HERMITE):
             value = start + part * (fast + part * (bend + part * twist))
             slope = fast + part * (2 * bend + 3 * part * twist)
             part = np.clip(part - value / np.where(slope > 0, slope, np.inf), 0.0, 0.999)
-        return np.where(passes, np.maximum(part, _LEAST_PART), np.inf)
+        back = turned & (sign * (other - after[1]) > self.beside)  # it turns, and leaves the piece again
+        choices = [near, passes, back]
+        return np.select(choices, [0.5, np.maximum(part, _LEAST_PART), np.clip(top, 0.1, 0.9)], np.inf)
 
     # -- ends --------------------------------------------------------------------------------------
 
@@ -247,7 +268,8 @@ class _Slips:
     ) -> tuple[BoolArray, BoolArray]:
         """Tell in which steps w has its minimum, and in which it passes the level where slips end."""
         if self.ways is not None:
-            return np.zeros(len(self.ways), bool), (self.ways * (state[1] - 1) < 0) & (self.ways * (after[1] - 1) >= 0)
+            before, beyond = self.ways * (state[1] - 1), self.ways * (after[1] - 1)
+            return np.zeros(before.shape, bool), (before < 0) & (beyond >= 0)
         falls = rates[1] < 0
         turns = falls & (later[1] >= 0)
         return turns, ~turns & falls & (state[1] > 0) & (after[1] <= 0)
