@@ -70,7 +70,7 @@ def patterns(family: Family, zeta: FloatArray, at_rest: FloatArray) -> Patterns:
     cycle, stable, known = np.zeros((3, count), bool)
     known[:] = True
     rows, places = np.arange(count), np.arange(_FIRST + 1) / _FIRST
-    after = _after(family, zeta, np.repeat(rows, _FIRST + 1), np.tile(places, count)).reshape(count, -1)
+    after = _after(family, zeta, np.repeat(rows, _FIRST + 1), np.tile(places, count)).reshape(count, _FIRST + 1)
     growth = after / _amplitude(places) - 1
     bends = np.abs(np.diff(growth, n=2))
     bends = np.maximum(bends[:, [0, *range(_FIRST - 1)]], bends[:, [*range(_FIRST - 1), _FIRST - 2]])

@@ -22,11 +22,11 @@ __all__ = ["touching_dampings"]
 
 _COARSE, _TIGHT = 1e-6, 1e-11  # tolerances of the steps
 _NEAR = 1e-3  # F, from which on the tight tolerance is taken
-_DONE = 1e-7  # F after which the next secant is the last one
+_DONE = 1e-9  # F after which the next secant is the last one
 _MOST_SECANTS = 16
 _FALL = -np.pi  # of F with zeta, where friction is weak
 _FARTHEST = 0.3  # that a damping ratio is moved at once
-_OFF = 30  # tolerances by which F may be off, besides twice what one that is ten times looser changes
+_OFF = 100  # tolerances by which F may be off, besides twice what one that is ten times looser changes
 
 
 def touching_dampings(family: Family, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
