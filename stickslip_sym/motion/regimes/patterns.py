@@ -21,6 +21,7 @@ _FIRST = 8  # ranges of amplitude; graded towards the belt's speed, where laws a
 _CYCLE, _MOST_HALVINGS = 2, 8  # of these ranges: where there is a cycle, and where it is not known
 _BENT = 2.0  # times its second difference, by which the growth is far from 0; a parabola comes closer by an eighth
 _RTOL = 1e-7  # of steps, over the amplitude
+_ESCAPED = 1e6  # the next peak over V of a motion that goes on ever faster
 _UNSURE = 1e-5  # growth in a round of which integrations do not tell the sign
 
 
@@ -119,4 +120,4 @@ def _after(family: Family, zeta: FloatArray, row: IntArray, place: FloatArray) -
     q = 2 * zeta[row] * w - some.friction(w, some.piece(w))
     found = arrive(some, zeta[row], q, w, _RTOL * A)
     codes = [found.end == code for code in (TURN, RETURN, CREEPS, AWAY)]
-    return np.select(codes, [1 - found.w, 1 + found.slope**2 / 2, 0.0, np.inf], np.nan)
+    return np.select(codes, [1 - found.w, 1 + found.slope**2 / 2, 0.0, _ESCAPED], np.nan)
