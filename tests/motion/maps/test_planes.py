@@ -75,3 +75,12 @@ def test_a_cell_beside_a_threshold_is_not_decided():
         ss.motion_map(law, x=("N", [9.81]), y=("V", [0.5]), c=c, m=1, k=100).motion[0, 0].value for c in beside
     ]
     assert motions == ["stick-slip", "undecided, within tolerance of a boundary", "damped slip"]
+
+
+def test_the_least_squares_curve_of_measured_points_is_the_criterion():
+    rng = np.random.default_rng(5)
+    for law in laws_in_pieces(rng, 12)[::4]:
+        V, N = np.sort(rng.uniform(0.05, 1.5, 3)), np.array([3.0, 9.81])
+        found = ss.motion_map(law, x=("V", V), y=("N", N), c=50, m=1, k=100)
+        expected = ss.pure_slip_damping(law, V=V, N=N[:, None], method="least_squares").value
+        assert found.thresholds["least_squares"] == pytest.approx(expected, rel=1e-11)
