@@ -96,6 +96,32 @@ class Coefficient:
             return at_precision
         return partial(compiled, *map(float, ordered))
 
+    def by_piece(
+        self, values: Mapping[Expr, Expr], kinks: Sequence[Expr], names: Sequence[str]
+    ) -> Callable[..., Any]:
+        """Return mu of arrays of slip speeds, of the places of pieces, and of the parameters that have names."""
+        import numpy as np
+
+        from stickslip_sym.model.expression.pieces import branch_from
+
+        if self.curve is not None:
+            return self.curve.by_piece
+        branches = [branch_from(self.expr, values, start) for start in (sp.Integer(0), *kinks)]
+        compiled = [function_of([symbols.v, *self.parameters], branch, "numpy") for branch in branches]
+        floats = [float(values[symbol]) for symbol in self.parameters]
+        places = [[symbol.name for symbol in self.parameters].index(name) for name in names]
+
+        def mu(v: Any, piece: Any, *given: Any) -> Any:
+            arguments: list[Any] = list(floats)
+            for place, column in zip(places, given, strict=True):
+                arguments[place] = column
+            value = compiled[0](v, *arguments)
+            for i, branch in enumerate(compiled[1:], 1):
+                value = np.where(piece == i, branch(v, *arguments), value)
+            return value
+
+        return mu
+
     def kinks(self, values: Mapping[Expr, Expr]) -> set[Expr]:
         """Return where mu or its slope may jump, exact."""
         from stickslip_sym.model.expression.pieces import places

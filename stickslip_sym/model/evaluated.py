@@ -1,7 +1,7 @@
 """`Evaluated`: what is computed of a friction law once its parameters have values, each answer checked."""
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Self, SupportsFloat
@@ -225,6 +225,25 @@ class Evaluated:
             Whether they are functions of a float, or of an array, with NaN where mu has no value.
         """
         return self._coefficient.rises(self._known(), self.kinks() if self.curve is None else (), backend)
+
+    def by_piece(self, names: Sequence[str] = ()) -> Callable[..., Any]:
+        """Return mu of arrays of slip speeds and of the places of its smooth pieces, as a bare function.
+
+        Each piece continues smoothly beyond its ends. Further arguments are values of the parameters `names`.
+        """
+        self._require_values()
+        if (ready := self._formula.ready) is None:
+            return self._coefficient.by_piece(self._known(), self.kinks() if self.curve is None else (), names)
+        compiled, places = ready.mu, [list(ready.parameters).index(name) for name in names]
+        floats = [float(self._values[name]) for name in ready.parameters]
+
+        def mu(v: Any, _: Any, *given: Any) -> Any:
+            arguments: list[Any] = list(floats)
+            for place, column in zip(places, given, strict=True):
+                arguments[place] = column
+            return compiled(v, *arguments)
+
+        return mu
 
     def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
         speed = np.asarray(v, dtype=np.float64)

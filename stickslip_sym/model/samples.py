@@ -18,7 +18,7 @@ import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, FloatArray, Mpf, Rational
+from stickslip_sym.core.aliases import Expr, FloatArray, IntArray, Mpf, Rational
 from stickslip_sym.core.errors import InputError, InputWarning
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, exact, to_mpf
@@ -149,6 +149,20 @@ class SampledCurve:
             return value
 
         return evaluate
+
+    def by_piece(self, v: FloatArray, piece: IntArray) -> FloatArray:
+        """Return mu by the cubics at given places, which hold beyond their ends too."""
+        starts, columns = self._columns
+        distance = v - starts[piece]
+        value: FloatArray = columns[-1][piece]
+        for column in columns[-2::-1]:
+            value = value * distance + column[piece]
+        return value
+
+    @cached_property
+    def _columns(self) -> tuple[FloatArray, FloatArray]:
+        places, rows = self._tables(float, derivative=False)
+        return np.array(places), np.array(rows).T
 
     def _tables(self, number: Callable[[Rational], Any], derivative: bool) -> tuple[list[Any], list[list[Any]]]:
         """Return the places and the coefficients of the pieces, ascending, as one library's numbers."""

@@ -20,10 +20,10 @@ def slow_square(number):
 
 def slow_line(task):
     """Decide a line of a map, slowly enough to be killed at it."""
-    from stickslip_sym.motion.maps.motions import decide_line
+    from stickslip_sym.motion.maps.lines import decide_lines
 
     time.sleep(0.1)
-    return decide_line(task)
+    return decide_lines(task)
 
 
 def die_once(task):

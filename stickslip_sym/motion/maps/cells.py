@@ -6,10 +6,12 @@ from enum import Enum, IntFlag
 from stickslip_sym.core.errors import OutOfTime, StickSlipError
 from stickslip_sym.motion.regimes.classification import Motion
 
-__all__ = ["MOTIONS", "REASONS", "Attractor", "Cells", "Reason"]
+__all__ = ["CURVES", "MOTIONS", "REASONS", "Attractor", "Cells", "Reason"]
 
 
 MOTIONS = tuple(Motion)
+CURVES = ("equilibrium", "least_squares", "exact")
+"""The thresholds of a scene."""
 
 
 class Attractor(IntFlag):

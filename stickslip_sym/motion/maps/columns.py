@@ -6,8 +6,7 @@ exact threshold. The damping d(A) that a slip orbit of amplitude A V needs (`cyc
 root of d(A) = c, stable where d falls; d(0) is the equilibrium's threshold, below which rest is unstable. Which of
 these c lies above and which below tells all attractors, for all c at once.
 
-Where the law is not smooth, d is found at some amplitudes (`needed`), as closely as the cells of the column ask.
-Where that fails too, d still has one value for each A. So where the motion from P comes to rest there is no slip
+Where d is not found, it still has one value for each A. So where the motion from P comes to rest there is no slip
 cycle, nor is there with more damping; and where the motion from beside rest comes to stick-slip, there is none
 with less. That leaves few cells, and these are simulated one by one.
 """
@@ -15,7 +14,7 @@ with less. That leaves few cells, and these are simulated one by one.
 from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -34,18 +33,15 @@ from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import Motion, classify
-from stickslip_sym.motion.regimes.needed import NeededAtNodes, needed_at_nodes
-from stickslip_sym.motion.simulation.levels import Levels
-from stickslip_sym.motion.simulation.slip_phase import End
 from stickslip_sym.motion.simulation.transit import stick_slip_cycle
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from stickslip_sym.motion.thresholds.rungs import average, numerical_averages
 from stickslip_sym.motion.thresholds.scenes import Scenes
 
-__all__ = ["decide"]
+__all__ = ["KNOWN", "by_collocation", "decide", "least_squares_dampings"]
 
 _MOST_WORK = 5e7  # cubes of grids; beyond, following the motions of a cell costs less
-_KNOWN = 1e-8  # of the largest threshold, to which all of them are known
+KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _FIRST, _BESIDE = 1e-6, 100  # tolerance of a simulated threshold, and how many errors away no finer one is needed
 _FINER = 1e-2  # tolerance of simulations over that of thresholds
 _TIGHTEST = 1e-13
@@ -67,62 +63,25 @@ def decide(law: FrictionLaw, osc: Oscillator, c: ArrayLike, *, rtol: float) -> C
 
 
 class _Column:
-    """All dampings in one scene."""
-
-    nodes: NeededAtNodes | None = None
+    """All dampings in one scene; `turns` is None where collocation does not tell of its slip cycles."""
 
     def __init__(self, law: FrictionLaw, osc: Oscillator, c: FloatArray, rtol: float) -> None:
         self.law, self.osc, self.c, self.rtol = law, osc, c, rtol
         self.fine = max(rtol * _FINER, _TIGHTEST)
         self.scene = Scene.of(law, osc)
         self.static = self.scene.static
-        self.smooth = obstacle(law, osc.V, jump=False) is None
         self.equilibrium = self._equilibrium()
-        self.graze = self._graze()
+        self.graze = _graze(law, osc)
         self.exact, self.doubt = self._exact()
-        self.turns = self._turns()
-
-    @cached_property
-    def levels(self) -> Levels:
-        """The levels of the scene; smooth laws are decided without."""
-        return Levels(self.scene)
+        inner = None if self.graze is None else _folds(law, osc)
+        self.turns = None if inner is None else np.array([self.equilibrium, *inner, self.graze])
 
     # -- thresholds --------------------------------------------------------------------------------
 
     def _equilibrium(self) -> float | None:
-        if any(abs(float(place) / self.osc.V - 1) <= _KNOWN for place in self.law.kinks()):
+        if any(abs(float(place) / self.osc.V - 1) <= KNOWN for place in self.law.kinks()):
             return None
         return float(-self.osc.N * self.law.slope(self.osc.V))
-
-    def _graze(self) -> float | None:
-        """Return the damping of the orbit that grazes the belt's speed; None if it is not known by collocation."""
-        if not self.smooth:
-            return None
-        found = orbits(self.law, self.osc.V, self.osc.N / self.osc.impedance, most_work=_MOST_WORK / 5)
-        if not found.relative_error[0] < _KNOWN and not found.error[0] * found.scale[0] < _KNOWN:
-            return None
-        return float(found.d[0] * self.osc.impedance)
-
-    def _turns(self) -> FloatArray | None:
-        """Return the damping that orbits need at rest, at each fold and at the graze; None if unknown.
-
-        For a law that is not smooth they are those at amplitudes close to one another.
-        """
-        if self.graze is None:
-            return self._at_nodes()
-        try:
-            need = needed_damping(self.law, self.osc, most_work=_MOST_WORK)
-        except (InputError, NotConverged):
-            return None
-        inner = need.at(need.folds) * self.osc.impedance
-        return np.array([self.equilibrium, *inner, self.graze])
-
-    def _at_nodes(self) -> FloatArray | None:
-        if self.equilibrium is None or not np.isfinite(self.exact):
-            return None
-        ratio = 2 * self.osc.impedance
-        self.nodes = needed_at_nodes(self.levels, self.equilibrium / ratio, self.c / ratio, self.exact / ratio)
-        return None if self.nodes is None else self.nodes.zeta * ratio
 
     def _exact(self) -> tuple[float, float]:
         """Return the exact threshold and its error: -inf if no c >= 0 is one, NaN if it is not found."""
@@ -138,34 +97,22 @@ class _Column:
             return np.nan, 0.0
         return value, value * error
 
-    def _least_squares(self) -> float | None:
-        scenes = Scenes.of(self.law, V=self.osc.V, N=self.osc.N)
-        try:
-            if self.smooth:
-                return float(numerical_averages(scenes)[least_squares.name][0])
-            if self.law.curve is not None:
-                return _through_points(self.law, self.osc)
-            return float(average(scenes, least_squares)[0])
-        except NO_RESULT:
-            return None
-
     # -- cells -------------------------------------------------------------------------------------
 
     def cells(self) -> Cells:
         c = self.c
         folded = [] if self.turns is None else self.turns.tolist()
-        edges = [self.exact, *([] if self.equilibrium is None else [self.equilibrium])]
-        edges += folded if self.nodes is None else folded[-1:]
+        edges = [self.exact, *folded, *([] if self.equilibrium is None else [self.equilibrium])]
         edges = [edge for edge in edges if np.isfinite(edge)]
-        margin = max(self.rtol, _KNOWN) * max(map(abs, edges), default=0.0) + self.doubt
+        margin = max(self.rtol, KNOWN) * max(map(abs, edges), default=0.0) + self.doubt
         near = (np.abs(c[:, None] - np.array(edges)) <= margin).any(axis=1)
         sticks = c < self.exact
         reason = np.full(c.shape, REASONS.index(Reason.BETWEEN))
         if self.turns is None:
             reason[:] = REASONS.index(Reason.ALONG)
         else:
-            reason[c > max(edges + folded)] = REASONS.index(Reason.ABOVE)
-            reason[c < min(edges + folded)] = REASONS.index(Reason.BELOW)
+            reason[c > max(edges)] = REASONS.index(Reason.ABOVE)
+            reason[c < min(edges)] = REASONS.index(Reason.BELOW)
         reason[near] = REASONS.index(Reason.TOLERANCE)
         slips, stable = self._cycles(folded)
         motion = np.select(
@@ -177,10 +124,11 @@ class _Column:
         attractors = Attractor.STICK_SLIP * sticks + Attractor.REST * rest + Attractor.PURE_SLIP * stable
         attractors[near] = 0
         exact = self.exact if np.isfinite(self.exact) else None
-        least_squares = self._least_squares()
+        average = least_squares_dampings(self.law, np.array([self.osc.V]), np.array([self.osc.N])).item()
         cells = Cells(
-            motion.tolist(), attractors.tolist(), reason.tolist(), self.equilibrium, least_squares, exact
-        )
+            motion.tolist(), attractors.tolist(), reason.tolist(), self.equilibrium,
+            None if np.isnan(average) else average, exact,
+        )  # fmt: skip
         for i in np.flatnonzero(near):
             cells.notes[int(i)] = f"c = {c[i]:.12g} is within {margin:.1e} kg/s of a threshold or a fold"
         for i in np.flatnonzero(~near & ~self._comparable(~near)):
@@ -203,8 +151,6 @@ class _Column:
         if self.static == 0 or self.equilibrium is None or np.isnan(self.exact):
             return np.zeros(c.shape, dtype=bool)
         held = np.abs(c) * self.osc.V <= self.static * self.osc.N
-        if self.nodes is not None:
-            clear = clear & ~self.nodes.undecided(c / (2 * self.osc.impedance))
         below = np.unique(c[clear & held & (c < self.exact)])
         # With less damping the slip from P returns further back: it is one side of one place.
         below = below[_first(below, self._sticks_at_once) :]
@@ -219,10 +165,6 @@ class _Column:
 
     def _sticks_at_once(self, c: float) -> bool:
         """Tell whether the slip from P ends in stick, and not beyond what static friction holds."""
-        ratio = c / (2 * self.osc.impedance)
-        found = None if self.nodes is None else self.levels.arrive(ratio, 0.0, 0.0, self.fine)
-        if found is not None:
-            return found.end is End.RETURN and self.scene.sticks(found.q)
         try:
             cycle = stick_slip_cycle(self.law, replace(self.osc, c=c), rtol=self.fine)
         except NO_RESULT:
@@ -268,16 +210,69 @@ class _Column:
             cells.notes[i] = "; ".join(found.undecided or ["the start is within tolerance of a separatrix"])
 
 
-def _through_points(law: FrictionLaw, osc: Oscillator) -> float:
-    """Return the least-squares damping of measured points: by Gauss, exact for the cubics between them."""
-    end = 2 * osc.V
+def least_squares_dampings(law: FrictionLaw, V: FloatArray, N: FloatArray) -> FloatArray:
+    """Return the damping of the criterion in kg/s, for belt speeds and normal forces; NaN where there is none."""
+    try:
+        return _together(law, V, N)
+    except NO_RESULT:
+        if len(V) == 1:
+            return np.full(1, np.nan)
+    return np.concatenate([least_squares_dampings(law, V[[i]], N[[i]]) for i in range(len(V))])
+
+
+def _together(law: FrictionLaw, V: FloatArray, N: FloatArray) -> FloatArray:
+    scenes = Scenes.of(law, V=V, N=N)
+    if obstacle(law, V, jump=False) is None:
+        return np.asarray(numerical_averages(scenes)[least_squares.name])
+    if law.curve is None:
+        return np.asarray(average(scenes, least_squares))
+    kinks = [float(place) for place in law.kinks()]
+    speeds, places = np.unique(V, return_inverse=True)
+    return np.asarray(N * np.array([_through_points(law, kinks, speed) for speed in speeds.tolist()])[places])
+
+
+@cache
+def _weight() -> Callable[[FloatArray], FloatArray]:
+    return function_of([symbols.s], least_squares.weight, "numpy")
+
+
+def _through_points(law: FrictionLaw, kinks: list[float], V: float) -> float:
+    """Return the damping over N of measured points: by Gauss, exact for the cubics between them."""
+    end = 2 * V
     law.require_speed(end)
-    places = [float(place) for place in law.kinks() if place < end]
-    edges = np.array([0.0, *places, end])
+    edges = np.array([0.0, *(place for place in kinks if place < end), end])
     half = np.diff(edges)[:, None] / 2
     v = edges[:-1, None] + half * (1 + _GAUSS[0])
-    weight = function_of([symbols.s], least_squares.weight, "numpy")(v / osc.V - 1)
-    return float(-osc.N / osc.V * (half * _GAUSS[1] * weight * law.slope(v)).sum())
+    weight = _weight()(v / V - 1)
+    return float(-(half * _GAUSS[1] * weight * law.slope(v)).sum() / V)
+
+
+@lru_cache(maxsize=64)
+def _graze(law: FrictionLaw, osc: Oscillator) -> float | None:
+    """Return the damping of the orbit that grazes the belt's speed; None if it is not known by collocation."""
+    if obstacle(law, osc.V, jump=False) is not None:
+        return None
+    found = orbits(law, osc.V, osc.N / osc.impedance, most_work=_MOST_WORK / 5)
+    if not found.relative_error[0] < KNOWN and not found.error[0] * found.scale[0] < KNOWN:
+        return None
+    return float(found.d[0] * osc.impedance)
+
+
+def _folds(law: FrictionLaw, osc: Oscillator) -> FloatArray | None:
+    """Return the damping that slip orbits need at each fold; None if it is not known by collocation."""
+    try:
+        need = needed_damping(law, osc, most_work=_MOST_WORK)
+    except (InputError, NotConverged):
+        return None
+    return np.asarray(need.at(need.folds) * osc.impedance)
+
+
+def by_collocation(law: FrictionLaw, osc: Oscillator) -> bool:
+    """Tell whether collocation tells of all slip cycles in a scene."""
+    try:
+        return _graze(law, osc) is not None and _folds(law, osc) is not None
+    except StickSlipError:
+        return False
 
 
 def _only(found: Regime) -> Motion | None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,15 +9,14 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
-from stickslip_sym.core.errors import NotConverged, StickSlipError
+from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import read_rtol
-from stickslip_sym.model.content import law_of_text, text_of_law
+from stickslip_sym.model.content import text_of_law
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, AxisValues, fixed_values, read_axes
-from stickslip_sym.motion.maps.cells import MOTIONS, REASONS, Attractor, Cells, Reason
-from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Plain, Progress, collect
-from stickslip_sym.motion.maps.columns import decide
+from stickslip_sym.motion.maps.cells import CURVES, MOTIONS, REASONS, Attractor, Reason
+from stickslip_sym.motion.maps.checkpoint import Progress, collect
+from stickslip_sym.motion.maps.lines import decide_lines, tasks_of
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output import drawing, files, markup
@@ -27,8 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["MotionMap", "motion_map"]
-
-_CURVES = ("equilibrium", "least_squares", "exact")
 
 
 @dataclass(frozen=True, repr=False)
@@ -172,7 +168,8 @@ def motion_map(
     workers : int or map-like callable
         A number of processes, -1 for all processors, or a function such as ``pool.map``; results are the same.
     checkpoint : str or Path, optional
-        A file in which every finished line of cells is kept; a run that was killed goes on from it.
+        A file in which finished lines of cells are kept, those that are decided together at once; a run that was
+        killed goes on from it.
     progress : callable, optional
         Called with the number of lines that are done, and of all.
     time_limit : float, optional
@@ -204,20 +201,23 @@ def motion_map(
     # All cells of a line along c are decided together.
     turned = axes[0].name == "c"
     across, along = (axes[1], axes[0]) if turned else axes
-    text, values = text_of_law(bound), along.values.tolist()
-    tasks = [
-        {"law": text, "fixed": fixed | {across.name: value}, "along": along.name, "values": values, "rtol": rtol}
-        for value in across.values.tolist()
-    ]
+    lines = [fixed | {across.name: value} for value in across.values.tolist()]
     with deadline.time_limit(time_limit):
-        lines = collect(decide_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
+        tasks = tasks_of(text_of_law(bound), lines, along.name, along.values.tolist(), rtol)
+
+        def told(done: int, _: int) -> None:
+            if progress is not None:
+                progress(min(done * len(tasks[0]["lines"]), len(lines)), len(lines))
+
+        parts = collect(decide_lines, tasks, workers=workers, checkpoint=checkpoint, progress=told)
+    found_lines = [line for part in parts for line in part["lines"]]
 
     def grid(name: str, read: Callable[[Any], Any], dtype: Any) -> Any:
-        array = np.array([[read(entry) for entry in line[name]] for line in lines], dtype=dtype)
+        array = np.array([[read(entry) for entry in line[name]] for line in found_lines], dtype=dtype)
         return array if turned else array.T
 
     attractors = grid("attractors", int, int)
-    notes = {(i, j) if turned else (j, i): text for i, line in enumerate(lines) for j, text in line["notes"]}
+    notes = {(i, j) if turned else (j, i): text for i, line in enumerate(found_lines) for j, text in line["notes"]}
     found = MotionMap(
         *axes, law=bound, fixed=fixed,
         motion=grid("motion", MOTIONS.__getitem__, object),
@@ -225,48 +225,9 @@ def motion_map(
         rest=attractors & Attractor.REST > 0,
         pure_slip=attractors & Attractor.PURE_SLIP > 0,
         reason=grid("reason", REASONS.__getitem__, object),
-        thresholds={name: grid(name, lambda value: np.nan if value is None else value, float) for name in _CURVES},
+        thresholds={name: grid(name, lambda value: np.nan if value is None else value, float) for name in CURVES},
         notes=notes,
     )  # fmt: skip
     if (found.reason == Reason.FAILED).all():
         raise NotConverged(f"every cell failed, the first one since {next(iter(notes.values()))}")
     return found
-
-
-def decide_line(task: Plain) -> Plain:
-    """Decide the cells along one line of a map: plain content in, plain content out.
-
-    - `task`: "law": a law as text; "fixed": values of quantities and parameters; "along": the name of another one,
-      and its "values"; "rtol".
-
-    Returns lists by the names in `Cells`; thresholds have one entry if the line is along c, else one a cell.
-    """
-    along, values = task["along"], task["values"]
-    if along == "c":
-        parts = [_decided(task, task["fixed"], values)]
-    else:
-        parts = [_decided(task, task["fixed"] | {along: value}, [task["fixed"]["c"]]) for value in values]
-    line: Plain = {
-        name: [entry for cells in parts for entry in getattr(cells, name)]
-        for name in ("motion", "attractors", "reason")
-    }
-    for name in _CURVES:
-        line[name] = [getattr(cells, name) for cells in parts]
-    starts = accumulate((len(cells.motion) for cells in parts[:-1]), initial=0)
-    line["notes"] = [
-        [start + i, text] for start, cells in zip(starts, parts, strict=True) for i, text in cells.notes.items()
-    ]
-    line[UNFINISHED] = REASONS.index(Reason.TIME) in line["reason"]
-    return line
-
-
-def _decided(task: Plain, values: dict[str, float], c: list[float]) -> Cells:
-    """Decide the cells of one scene."""
-    V, N, m, k = (values[name] for name in "VNmk")
-    try:
-        deadline.check_time()
-        law = law_of_text(task["law"])
-        law = law.bind(**{name: value for name, value in values.items() if name in law.parameters})
-        return decide(law, Oscillator(V=V, N=N, m=m, k=k), c, rtol=task["rtol"])
-    except StickSlipError as error:
-        return Cells.failed(len(c), error)

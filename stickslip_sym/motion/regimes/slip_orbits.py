@@ -20,7 +20,6 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, Scene
 from stickslip_sym.motion.orbits.cycles import LimitCycle, cycles_among, needed_damping
-from stickslip_sym.motion.regimes.needed import NODES
 from stickslip_sym.motion.simulation.levels import Levels
 from stickslip_sym.motion.simulation.slip import follow
 from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase, Until
@@ -29,6 +28,11 @@ from stickslip_sym.motion.simulation.steppers import Point
 __all__ = ["SlipOrbits", "by_simulation", "next_peak", "overtaking_cycle", "round_from", "slip_orbits", "trough"]
 
 _MOST_WORK = 5e7  # cubes of grids: about as long as following the orbits at these amplitudes takes
+_NEAREST = 1e-3  # lowest amplitude that is looked at: a smaller cycle is not seen
+_NODES = sorted(
+    {float(A) for A in _NEAREST + (1 - _NEAREST) * (1 - np.cos(np.linspace(0.0, math.pi, 33))) / 2}
+    | {1 - 10.0**-decade for decade in range(3, 7)}
+)  # amplitudes over the belt's speed; graded towards the belt's speed, where laws are steep
 _NEUTRAL = 1e-11  # growth a round below which an integration cannot tell its sign
 _STEP = 1e-5  # of amplitude, for the slope of the return map
 _LONGEST = 1e3  # of dimensionless time, for one slip phase; more where damping makes it creep
@@ -128,15 +132,15 @@ class _Peaks:
     def lone_growth(self) -> int | None:
         """Whether all orbits grow (1) or shrink (-1), where one round from an end shows it; None elsewhere."""
         if self.scene.decay(1.0) > 0:
-            return -1 if self.after(1.0) <= NODES[0] else None
-        return 1 if self.after(NODES[0]) >= 1 else None
+            return -1 if self.after(1.0) <= _NODES[0] else None
+        return 1 if self.after(_NODES[0]) >= 1 else None
 
     def brackets(self) -> list[tuple[float, float]]:
         """Return pairs of amplitudes between which the growth changes its sign."""
-        found, open_ranges = [], [(0, len(NODES) - 1)]
+        found, open_ranges = [], [(0, len(_NODES) - 1)]
         while open_ranges:
             first, last = open_ranges.pop()
-            low, high = NODES[first], NODES[last]
+            low, high = _NODES[first], _NODES[last]
             if self.after(low) >= high or self.after(high) <= low:
                 continue  # the map is monotone, and passes over all that lies between
             if last - first > 1:

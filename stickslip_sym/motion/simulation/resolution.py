@@ -9,7 +9,7 @@ from numpy.polynomial import chebyshev
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.model.oscillator import Branch, Scene
 
-__all__ = ["levels_between"]
+__all__ = ["jumps", "levels_between"]
 
 _WIDEST = 0.25  # distance of levels; an eighth of the range of w of an orbit
 _HIGHEST = 8.0  # level; orbits that go higher are those of strong friction
@@ -32,7 +32,7 @@ def levels_between(scene: Scene) -> list[float]:
     friction is strong, there are none.
     """
     branches = scene.branches
-    if scene.eta > _STRONGEST or any(_jumps(scene, *pair) for pair in pairwise(branches)):
+    if scene.eta > _STRONGEST or any(jumps(scene, *pair) for pair in pairwise(branches)):
         return []
     top = min(scene.w_max, _HIGHEST)
     levels = [0.0]
@@ -54,7 +54,8 @@ def levels_between(scene: Scene) -> list[float]:
     return levels if levels[1] >= _THINNEST else []
 
 
-def _jumps(scene: Scene, before: Branch, after: Branch) -> bool:
+def jumps(scene: Scene, before: Branch, after: Branch) -> bool:
+    """Tell whether mu jumps from one smooth segment to the next."""
     one, other = (scene.onset + branch.rise(after.low) for branch in (before, after))
     return not abs(one - other) <= _JUMP * max(abs(one), abs(other))
 
