@@ -6,12 +6,9 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Self, SupportsFloat
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from stickslip_sym.core import symbols
 from stickslip_sym.core.algebra import sp
-from stickslip_sym.core.aliases import Expr, Rational
+from stickslip_sym.core.aliases import Expr, FloatArray, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
@@ -20,11 +17,11 @@ from stickslip_sym.model.formula import Formula, Given
 from stickslip_sym.output import printing
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from stickslip_sym.model.samples import SampledCurve
 
 __all__ = ["Evaluated"]
-
-FloatArray = NDArray[np.float64]
 
 
 class Evaluated:
@@ -144,7 +141,7 @@ class Evaluated:
         law._values = {key: value for key, value in self._values.items() if key in law._parameters}
         return law
 
-    def mu(self, v: ArrayLike) -> Any:
+    def mu(self, v: "ArrayLike") -> Any:
         """Return the friction coefficient mu(v) at slip speeds v >= 0 (m/s), float or array.
 
         Raises
@@ -154,7 +151,7 @@ class Evaluated:
         """
         return self._evaluate(v, derivative=False)
 
-    def slope(self, v: ArrayLike) -> Any:
+    def slope(self, v: "ArrayLike") -> Any:
         """Return the slope dmu/dv (s/m) at slip speeds v >= 0 (m/s), float or array.
 
         Raises
@@ -175,6 +172,8 @@ class Evaluated:
         return self._at_speeds(speeds, derivative=False)
 
     def _at_speeds(self, speeds: FloatArray, *, derivative: bool) -> FloatArray:
+        import numpy as np
+
         try:
             with np.errstate(all="ignore"):  # every piece of a law is computed, and one is taken
                 value = np.asarray(self.function("numpy", derivative=derivative)(speeds))
@@ -221,7 +220,9 @@ class Evaluated:
         """
         return self._coefficient.rises(self._known(), self.kinks() if self.curve is None else ())
 
-    def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
+    def _evaluate(self, v: "ArrayLike", *, derivative: bool) -> Any:
+        import numpy as np
+
         speed = np.asarray(v, dtype=np.float64)
         wrong = ~((speed >= 0) & np.isfinite(speed))
         if wrong.any():
