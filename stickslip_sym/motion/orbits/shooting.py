@@ -32,7 +32,7 @@ _ERRORS = np.array([DOP853.E5[:-1], DOP853.E3[:-1]])  # the rates at the end of 
 _EXPONENT = -1 / (DOP853.error_estimator_order + 1)
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 5.0
 _FIRST, _LONGEST = 1e-3, 0.5  # steps, in 1/omega; the longest one is a small part of a half
-_STAGES = ((1e-5, 3e-2), (1e-9, 1e-4), (1e-13, 1e-10))
+_STAGES = ((1e-5, 3e-2), (1e-9, 1e-4), (1e-13, 1e-11))
 """Tolerances of a step, one after another on the way to the root, and for each the mismatch at which the next one
 is taken: Newton's method squares it."""
 _LEFT = 1e-3  # of the last change of d, which the last tolerance makes: errors go as the tolerance, 1e-4 here
