@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self, SupportsFloat
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.algebra import sp
-from stickslip_sym.core.aliases import Expr, FloatArray, Rational
+from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
@@ -16,8 +16,9 @@ from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.formula import Formula, Given
 from stickslip_sym.output import printing
 
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+if TYPE_CHECKING:  # a formula is derived without NumPy
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
     from stickslip_sym.model.samples import SampledCurve
 
@@ -161,7 +162,7 @@ class Evaluated:
         """
         return self._evaluate(v, derivative=True)
 
-    def at_speeds(self, speeds: FloatArray) -> FloatArray:
+    def at_speeds(self, speeds: "NDArray[np.float64]") -> "NDArray[np.float64]":
         """Return mu at an array of slip speeds; NaN where it has no real value, and nothing is refused.
 
         Raises
@@ -171,7 +172,7 @@ class Evaluated:
         """
         return self._at_speeds(speeds, derivative=False)
 
-    def _at_speeds(self, speeds: FloatArray, *, derivative: bool) -> FloatArray:
+    def _at_speeds(self, speeds: "NDArray[np.float64]", *, derivative: bool) -> "NDArray[np.float64]":
         import numpy as np
 
         try:

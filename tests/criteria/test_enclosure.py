@@ -2,6 +2,7 @@
 
 import os
 import random
+import time
 from fractions import Fraction
 
 import mpmath
@@ -105,6 +106,18 @@ def test_digits_are_those_that_both_ends_share():
 def test_unusable_numbers_are_refused(arguments, complaint):
     with pytest.raises(ss.InputError, match=complaint):
         ss.enclose(ss.laws.exponential.typical(), **({"V": 1, "N": 1} | arguments))
+
+
+def test_an_infinite_coefficient_is_refused_at_once():
+    """Not after hundreds of thousands of values, five seconds of them."""
+    begin = time.process_time()
+    for text in ("1/sqrt(v)", "0.3 - log(v)", "v^(-0.1)"):
+        for criterion in ("harmonic", "least_squares"):
+            with pytest.raises(ss.NotConverged, match="not enclosed"):
+                ss.enclose(ss.FrictionLaw(text), criterion, V=0.5, N=10)
+    assert time.process_time() - begin < 2.5
+    for text in ("1 - sqrt(v)", "1 - v^(1/3)"):  # infinite is the slope alone
+        assert ss.enclose(ss.FrictionLaw(text), "harmonic", V=0.5, N=10).digits >= 29
 
 
 def test_an_infinite_coefficient_is_refused():

@@ -32,17 +32,17 @@ _ERRORS = np.array([DOP853.E5[:-1], DOP853.E3[:-1]])  # the rates at the end of 
 _EXPONENT = -1 / (DOP853.error_estimator_order + 1)
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 5.0
 _FIRST, _LONGEST = 1e-3, 0.5  # steps, in 1/omega; the longest one is a small part of a half
-_STAGES = ((1e-5, 3e-2), (1e-9, 1e-4), (1e-13, 1e-11))
+_STAGES = ((1e-5, 3e-2), (1e-9, 1e-4), (3e-14, 1e-11))
 """Tolerances of a step, one after another on the way to the root, and for each the mismatch at which the next one
 is taken: Newton's method squares it."""
 _LEFT = 1e-3  # of the last change of d, which the last tolerance makes: errors go as the tolerance, 1e-4 here
-_ROUNDING = 1e-14  # of d, as a part of the largest slope
+_ROUNDING = 1e-14  # of d, as a part of 1 and the largest slope
 _TINY = 1e-30  # error of a step, below which it is none
 _SMALL = 0.01  # components of the state below count as that large
 _NEAREST = 1e-12  # slip speed over belt speed that mu is asked for; a try may overshoot the belt
 _MOST_STEPS = 4000  # of one half
 _MOST_TRIES = 60  # dampings
-_CREEPS = 20.0  # time, times 2 + |d|, after which a half that has not come to w = 1 creeps to rest
+_CREEPS = 10.0  # time, times 2 + |d|, after which a half that has not come to w = 1 creeps to rest
 _SHORTEST = 1e-12  # step, in 1/omega, below which mu is too rough
 _FIRST_REACH = 0.05  # relative change of d that is tried where Newton's method does not help; doubled each time
 _PLACES = 5  # Newton steps to a place on the way, at most
@@ -135,17 +135,20 @@ def _settle(scenes: _Scenes, found: Shots, tolerance: float, settled: float) -> 
         check_time()
         now = found.d[active]
         halves = _halves(scenes.rows(active), now, tolerance)
-        step = -halves.mismatch / halves.slope
+        step, rounding = -halves.mismatch / halves.slope, _ROUNDING * (1 + halves.scale)
         low[active] = np.where(halves.mismatch > 0, now, low[active])
         high[active] = np.where(halves.mismatch <= 0, now, high[active])
-        done = (np.abs(halves.mismatch) <= settled) | (np.abs(step) <= _ROUNDING * halves.scale)
+        done = (np.abs(halves.mismatch) <= settled) | (np.abs(step) <= rounding)
         slow = np.abs(halves.mismatch) > before[active] / 2  # Newton's method does not help
+        lost = np.isnan(halves.mismatch) & np.isnan(
+            before[active]
+        )  # twice in turn: the law is too rough, or stiff
         before[active] = np.abs(halves.mismatch)
         safe = _within(now, np.where(slow, np.nan, step), low[active], high[active], reach[active])
-        ahead = np.where(done, now + step, safe)
+        ahead = np.where(lost, np.nan, np.where(done, now + step, safe))
         reach[active] *= 2
         found.d[active] = ahead
-        found.error[active] = _LEFT * np.abs(step) + _ROUNDING * halves.scale
+        found.error[active] = _LEFT * np.abs(step) + rounding
         found.period[active] = halves.period
         found.exponent[active] = halves.gathered / halves.period - ahead
         found.highest[active] = halves.highest
