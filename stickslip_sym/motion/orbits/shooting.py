@@ -36,7 +36,7 @@ _STAGES = ((1e-5, 3e-2), (1e-9, 1e-4), (3e-14, 1e-11))
 """Tolerances of a step, one after another on the way to the root, and for each the mismatch at which the next one
 is taken: Newton's method squares it."""
 _LEFT = 1e-3  # of the last change of d, which the last tolerance makes: errors go as the tolerance, 1e-4 here
-_ROUNDING = 1e-14  # of d, as a part of 1 and the largest slope
+_ROUNDING = 1e-14  # of d, as a part of the largest slope, or of 2 where that is smaller
 _TINY = 1e-30  # error of a step, below which it is none
 _SMALL = 0.01  # components of the state below count as that large
 _NEAREST = 1e-12  # slip speed over belt speed that mu is asked for; a try may overshoot the belt
@@ -135,7 +135,7 @@ def _settle(scenes: _Scenes, found: Shots, tolerance: float, settled: float) -> 
         check_time()
         now = found.d[active]
         halves = _halves(scenes.rows(active), now, tolerance)
-        step, rounding = -halves.mismatch / halves.slope, _ROUNDING * (1 + halves.scale)
+        step, rounding = -halves.mismatch / halves.slope, _ROUNDING * np.maximum(2, halves.scale)
         low[active] = np.where(halves.mismatch > 0, now, low[active])
         high[active] = np.where(halves.mismatch <= 0, now, high[active])
         done = (np.abs(halves.mismatch) <= settled) | (np.abs(step) <= rounding)

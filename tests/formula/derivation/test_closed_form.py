@@ -247,7 +247,7 @@ def test_a_law_that_grows_like_one_over_v_has_no_criterion():
 
 
 def test_what_grows_at_rest_has_a_criterion_while_the_weight_vanishes_faster():
-    """Whether the coefficient is a number or a parameter; the harmonic weight vanishes like a root, the other once."""
+    """Be its factor a number or a parameter; the harmonic weight vanishes like a root, the other once."""
     rng = random.Random(4)
     for criterion, limit in (("harmonic", 0.5), ("least_squares", 1.0)):
         for slower in (True, False):

@@ -1,4 +1,4 @@
-"""Orbits of strong friction: shooting from both ends against collocation, and against SciPy's other integrators."""
+"""Orbits of strong friction: shooting from both ends against collocation and another integrator."""
 
 import numpy as np
 import pytest
@@ -21,16 +21,16 @@ def shots(law, V, strength, A, start=1.0):
 
 
 def halves(law, V, strength, d, method, rtol):
-    """Follow the slip from the graze, both ways, to the belt's speed as slip speed: times, u, and the highest w."""
+    """Follow the slip from the graze both ways to w = 1: time, ratio of u there, and the highest w."""
     ends = []
     for direction in (1.0, -1.0):
 
-        def rates(t, y, direction=direction):
+        def rates(_, y, direction=direction):
             w, u = y
             g = -strength * law.slope(V * max(w, 0.0))
             return [direction * u, direction * ((g - d) * u + 1 - w)]
 
-        def arrives(t, y, direction=direction):
+        def arrives(_, y, direction=direction):
             return direction * (y[0] - 1)
 
         def crest(t, y):
