@@ -140,9 +140,8 @@ def _settle(scenes: _Scenes, found: Shots, tolerance: float, settled: float) -> 
         high[active] = np.where(halves.mismatch <= 0, now, high[active])
         done = (np.abs(halves.mismatch) <= settled) | (np.abs(step) <= rounding)
         slow = np.abs(halves.mismatch) > before[active] / 2  # Newton's method does not help
-        lost = np.isnan(halves.mismatch) & np.isnan(
-            before[active]
-        )  # twice in turn: the law is too rough, or stiff
+        # Twice in turn there is no value: the law is too rough, or too stiff.
+        lost = np.isnan(halves.mismatch) & np.isnan(before[active])
         before[active] = np.abs(halves.mismatch)
         safe = _within(now, np.where(slow, np.nan, step), low[active], high[active], reach[active])
         ahead = np.where(lost, np.nan, np.where(done, now + step, safe))
