@@ -1,6 +1,7 @@
 """The command line, ``stickslip``."""
 
 import errno
+import gc
 import os
 import sys
 import warnings
@@ -18,7 +19,7 @@ from stickslip_sym.cli.fit import fit
 from stickslip_sym.cli.laws import laws
 from stickslip_sym.cli.map import motion_map
 from stickslip_sym.cli.shared.options import spread_out
-from stickslip_sym.cli.shared.reading import Command
+from stickslip_sym.cli.shared.reading import Command, Commands
 from stickslip_sym.cli.shared.words import in_options
 from stickslip_sym.cli.simulate import simulate
 from stickslip_sym.cli.study import study
@@ -28,8 +29,9 @@ from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 # Everything that needs SymPy is imported by the command that uses it: help must come at once.
 from stickslip_sym.core.version import __version__
 
-app = typer.Typer(name="stickslip", rich_markup_mode=None, pretty_exceptions_enable=False)
+app = typer.Typer(name="stickslip", cls=Commands, rich_markup_mode=None, pretty_exceptions_enable=False)
 
+_RARELY = 50_000, 20, 20  # thresholds of the garbage collector: of what an import makes, nothing is garbage
 BAD_INPUT, NOT_FOUND, INTERRUPTED = 2, 1, 130
 
 
@@ -72,6 +74,7 @@ for name, command in COMMANDS.items():
 
 def main() -> None:
     """Run the command line; errors go to stderr in a line or two, and decide the exit code."""
+    gc.set_threshold(*_RARELY)
     with _warnings_in_a_line():
         _run()
 

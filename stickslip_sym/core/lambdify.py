@@ -7,8 +7,6 @@ The one place that calls `lambdify`. It generates source text, so only symbols t
 from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
-import numpy as np
-
 from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import Expr
 
@@ -24,14 +22,14 @@ def function_of(arguments: Sequence[Expr], expr: Expr, backend: Backend) -> Call
     """
     from stickslip_sym.core.lerch import lerch
 
+    modules: list[Any] = ["math"]
+    if backend == "mpmath":
+        modules = [{"Lerch": lerch}, "mpmath"]
     if backend == "numpy":
+        import numpy as np  # here: a formula is derived without it
+
         expr = _in_floats(expr)
-    # SciPy's expm1 takes no extended precision, NumPy's does.
-    modules = {
-        "numpy": [{"expm1": np.expm1}, "scipy", "numpy"],
-        "math": ["math"],
-        "mpmath": [{"Lerch": lerch}, "mpmath"],
-    }[backend]
+        modules = [{"expm1": np.expm1}, "scipy", "numpy"]  # SciPy's expm1 takes no extended precision
     compiled: Callable[..., Any] = sp.lambdify(
         list(arguments), expr, modules=modules, dummify=True, cse=isinstance(expr, list)
     )

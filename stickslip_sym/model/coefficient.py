@@ -16,7 +16,7 @@ from stickslip_sym.core.numbers import to_mpf
 if TYPE_CHECKING:
     from stickslip_sym.model.samples import SampledCurve
 
-__all__ = ["Coefficient", "limit_at_rest"]
+__all__ = ["Coefficient", "limit_at_rest", "symbolic_limit_at_rest"]
 
 _DIGITS = 50  # of mu where a piece begins, whose difference from mu(0+) may be small
 
@@ -29,14 +29,23 @@ def _start() -> Expr:
 
 @lru_cache(maxsize=256)
 def limit_at_rest(expr: Expr) -> float:
-    """Return the limit of an expression in v as v falls to 0; NaN where none is found."""
+    """Return the limit of an expression in v as v falls to 0; NaN where none is found, or it is no number."""
+    try:
+        return float(symbolic_limit_at_rest(expr))
+    except TypeError:
+        return math.nan
+
+
+def symbolic_limit_at_rest(expr: Expr) -> Expr:
+    """Return the limit of an expression in v and parameters as v falls to 0; `sympy.nan` if none is found."""
     from stickslip_sym.model.expression.pieces import at_rest
 
-    # SymPy says in these ways that it finds no limit, or that it is not real.
+    # SymPy says in these ways that it finds no limit.
     try:
-        return float(sp.limit(at_rest(expr, {}), symbols.v, 0, "+"))
+        limit = sp.limit(at_rest(expr, {}), symbols.v, 0, "+")
     except (ArithmeticError, NotImplementedError, TypeError, ValueError):
-        return math.nan
+        return sp.nan
+    return sp.nan if limit.has(symbols.v, sp.Limit, sp.AccumBounds) else limit
 
 
 def _reals(values: Any) -> FloatArray:

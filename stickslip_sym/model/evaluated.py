@@ -6,9 +6,6 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Self, SupportsFloat
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from stickslip_sym.core import symbols
 from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import Expr, Rational
@@ -19,12 +16,13 @@ from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.formula import Formula, Given
 from stickslip_sym.output import printing
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # a formula is derived without NumPy
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
     from stickslip_sym.model.samples import SampledCurve
 
 __all__ = ["Evaluated"]
-
-FloatArray = NDArray[np.float64]
 
 
 class Evaluated:
@@ -144,7 +142,7 @@ class Evaluated:
         law._values = {key: value for key, value in self._values.items() if key in law._parameters}
         return law
 
-    def mu(self, v: ArrayLike) -> Any:
+    def mu(self, v: "ArrayLike") -> Any:
         """Return the friction coefficient mu(v) at slip speeds v >= 0 (m/s), float or array.
 
         Raises
@@ -154,7 +152,7 @@ class Evaluated:
         """
         return self._evaluate(v, derivative=False)
 
-    def slope(self, v: ArrayLike) -> Any:
+    def slope(self, v: "ArrayLike") -> Any:
         """Return the slope dmu/dv (s/m) at slip speeds v >= 0 (m/s), float or array.
 
         Raises
@@ -164,7 +162,7 @@ class Evaluated:
         """
         return self._evaluate(v, derivative=True)
 
-    def at_speeds(self, speeds: FloatArray) -> FloatArray:
+    def at_speeds(self, speeds: "NDArray[np.float64]") -> "NDArray[np.float64]":
         """Return mu at an array of slip speeds; NaN where it has no real value, and nothing is refused.
 
         Raises
@@ -174,7 +172,9 @@ class Evaluated:
         """
         return self._at_speeds(speeds, derivative=False)
 
-    def _at_speeds(self, speeds: FloatArray, *, derivative: bool) -> FloatArray:
+    def _at_speeds(self, speeds: "NDArray[np.float64]", *, derivative: bool) -> "NDArray[np.float64]":
+        import numpy as np
+
         try:
             with np.errstate(all="ignore"):  # every piece of a law is computed, and one is taken
                 value = np.asarray(self.function("numpy", derivative=derivative)(speeds))
@@ -245,7 +245,9 @@ class Evaluated:
 
         return mu
 
-    def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
+    def _evaluate(self, v: "ArrayLike", *, derivative: bool) -> Any:
+        import numpy as np
+
         speed = np.asarray(v, dtype=np.float64)
         wrong = ~((speed >= 0) & np.isfinite(speed))
         if wrong.any():

@@ -28,14 +28,35 @@ def test_a_threshold_of_the_catalogue_takes_no_algebra():
     line = ["damping", "exponential", "-V", "0.5", "-N", "9.81", "-m", "1", "-k", "100"]
     (said, loaded), _ = run(COMMAND.format(line))
     assert said == str(ss.pure_slip_damping(ss.laws.exponential.typical(), **SCENE))
-    assert not {"sympy", "scipy", "mpmath", "flint"} & set(loaded.split())
+    assert not {"sympy", "scipy", "mpmath", "flint", "pydantic"} & set(loaded.split())
 
 
 @pytest.mark.parametrize("command", ["damping", "derive", "simulate"])
 def test_a_typo_takes_no_numbers(command):
     (loaded,), said = run(COMMAND.format([command, "exponentail", "-V", "0.5"]))
     assert "did you mean 'exponential'?" in said
-    assert not {"sympy", "scipy", "numpy", "mpmath", "flint"} & set(loaded.split())
+    assert not {"sympy", "scipy", "numpy", "mpmath", "flint", "pydantic"} & set(loaded.split())
+
+
+def test_a_new_law_is_proved_without_arrays():
+    said, _ = run(COMMAND.format(["derive", "mu_m + (mu_s - mu_m)/(1 + v/v_s)", "--unit", "v_s=m/s"]))
+    assert any(line.endswith("least_squares, PROVED") for line in said)
+    assert {"sympy"} == {"sympy", "numpy", "scipy", "pydantic", "rich"} & set(said[-1].split())
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (["damping", "exponential", "-V", "0.5", "-N", "1", "--rtol", "ab"], "--rtol"),
+        (["derive", "exponential", "--time-limit", "1e"], "--time-limit"),
+        (["derive", "exponential", "-p", "alpha"], "NAME=VALUE"),
+        (["derive", "exponential", "-p", "alpha=1", "-p", "alpha=2"], "given twice"),
+    ],
+)
+def test_what_is_no_text_is_still_read(line, said):
+    _, error = run(COMMAND.format(line))
+    assert said in error
+    assert len(error.splitlines()) == 1
 
 
 def test_thresholds_without_algebra_are_those_with_it():

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from typer.core import TyperCommand
+from typer.core import TyperCommand, TyperGroup
 
 from stickslip_sym.core.errors import InputError
 
@@ -19,11 +19,19 @@ if TYPE_CHECKING:
     from stickslip_sym.criteria.criterion import Criterion
 
 __all__ = [
-    "Command", "assignments", "check_size", "chosen_criteria", "progress_bar", "read_exact", "read_numbers",
-    "require_new", "require_writable",
+    "Command", "Commands", "assignments", "check_size", "chosen_criteria", "progress_bar", "read_exact",
+    "read_numbers", "require_new", "require_writable",
 ]  # fmt: skip
 
 LARGEST = 10**20  # of a number in SI units, and its inverse the smallest: the table needs time and doubles
+
+
+class Commands(TyperGroup):
+    """The program, with options of its own before the command."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return the options, that for help too, so that their texts and defaults are taken as they are."""
+        return _as_they_are(super().get_params(ctx))
 
 
 class Command(TyperCommand):
@@ -37,6 +45,32 @@ class Command(TyperCommand):
             if single and order.count(option) > 1:
                 raise InputError(f"{option.opts[0]} is given twice; give it once")
         return super().parse_args(ctx, args)
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return the options, as `Commands` does."""
+        return _as_they_are(super().get_params(ctx))
+
+
+def _as_they_are(params: list[Any]) -> list[Any]:
+    """Let texts and defaults pass: to read even these typer imports pydantic, which takes a tenth of a second."""
+
+    def passing(param: Any, declared: object) -> Callable[[Any, Any], Any]:
+        read = param.process_value
+
+        def process(context: Any, value: Any) -> Any:
+            several = declared == list[str] and isinstance(value, list | tuple)
+            is_text = all(isinstance(one, str) for one in value) if several else declared is str
+            if value is not None and value is not param.default and not is_text:
+                return read(context, value)
+            return param.callback(context, param, value) if param.callback else value
+
+        return process
+
+    for param in params:
+        known = getattr(param, "type_descriptor", None)  # typer 0.29 has it, and reads by pydantic
+        if known is not None and not param.required and "process_value" not in vars(param):
+            param.process_value = passing(param, known.annotation)
+    return params
 
 
 def assignments(texts: Sequence[str], example: str = "-p alpha=3") -> dict[str, str]:

@@ -1,6 +1,5 @@
 """`derive`: from a friction law and a criterion to a proved closed form."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
@@ -22,7 +21,8 @@ from stickslip_sym.formula.derivation.tidy import tidy
 from stickslip_sym.formula.evaluation.exact import exact_value
 from stickslip_sym.formula.integration.harmonic_proofs import AVERAGES_AGREE
 from stickslip_sym.formula.integration.integrals import Part, Progress, Told, integrate_terms
-from stickslip_sym.model.law import FrictionLaw, limit_at_rest
+from stickslip_sym.model.coefficient import symbolic_limit_at_rest
+from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.notation import check_known, notation_of
 
@@ -283,8 +283,8 @@ def _require_integrable(law: FrictionLaw, criterion: Criterion) -> None:
     if criterion.weight is None or law.expr.subs(v, 0).is_finite is not False:
         return
     order = criterion.order_at_rest
-    strength = abs(limit_at_rest(v**order * law.expr))
-    if strength > 0 and (order > 0 or strength == math.inf):
+    strength = symbolic_limit_at_rest(v**order * law.expr)
+    if strength.is_infinite or (order > 0 and strength is not sp.nan and sp.simplify(strength) != 0):
         raise NoClosedForm(
             f"mu is not integrable at v = 0+ with the weight of the criterion {criterion.name!r}, so it has no "
             "value; cut mu off there"

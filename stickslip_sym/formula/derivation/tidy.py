@@ -1,5 +1,7 @@
 """The shape in which a result is printed."""
 
+from functools import lru_cache
+
 import sympy as sp
 from sympy.core.random import rng
 
@@ -59,8 +61,9 @@ def _factored(expr: Expr, functions: list[Expr], model: Expr, small: Expr) -> Ex
     return sp.Mul(sign, *factors)
 
 
+@lru_cache(maxsize=128, typed=True)
 def _factor(expr: Expr) -> Expr:
-    """Factor a polynomial with the same random numbers every time: with some it takes minutes."""
+    """Factor a polynomial, once, with the same random numbers every time: with some it takes minutes."""
     before = rng.getstate()
     rng.seed(0)
     try:

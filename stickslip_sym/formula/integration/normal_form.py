@@ -71,6 +71,8 @@ def _exponentials_as_symbols(expr: Expr) -> Expr:
     Expanding merges the exponentials of every product first, so no relation between them is lost. To SymPy
     exp(-x/3) and exp(-1000 x) are powers of one generator, of a degree that nothing survives.
     """
+    if not expr.has(sp.exp):
+        return expr
     below = [node for node in expr.atoms(sp.Pow) if not (node.exp.is_Integer and node.exp > 0)]
     if any(node.has(sp.exp) for node in below):
         return expr

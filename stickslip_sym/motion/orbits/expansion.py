@@ -45,6 +45,8 @@ def slopes(law: FrictionLaw) -> Slope:
                 value = np.asarray(compiled(v))
             except ArithmeticError:  # of constants in the formula
                 return np.full(np.shape(v), np.nan)
+            if value.dtype == np.float64 and value.shape == v.shape:
+                return value
             if np.iscomplexobj(value):
                 value = np.where(value.imag == 0, value.real, np.nan)
         return np.broadcast_to(value, np.shape(v)).astype(np.float64, copy=False)

@@ -1,14 +1,19 @@
-"""Slip orbits of strong friction, by shooting: all scenes at once, each with steps of its own.
+"""Slip orbits of strong friction, by shooting from both ends: all scenes at once, each with steps of its own.
 
 With w = 1 - x'/V, u = w' and time in 1/omega an orbit obeys
 
     w' = u,    u' = (g - d) u + 1 - w,    g = -N mu'(V w)/sqrt(k m),    d = c/sqrt(k m).
 
-From its lowest slip speed, w = 1 - A and u = 0, it is followed to the next one, w = 1 - a; where it meets the
-belt's speed before, a = 1 + u^2/2. Damping rotates the field of directions one way, so a falls with d, and the
-growth log(a/A), a straight line for weak friction, has one root. Its slope follows along: a small deviation across
-the orbit obeys M' = (g - d) M + u^2, and -da/dd is M/u' at the end, or M at the belt's speed. The steps are those
-of DOP853, the explicit Runge-Kutta method of order 8.
+From its lowest slip speed, w = 1 - A and u = 0, it is followed forwards over the highest one to w = 1, and
+backwards to w = 1: there u < 0 on both ways. Where friction drives (g > d, at small w as a rule) neighbouring
+motions part, along the orbit's last stretch by many powers of ten if friction is strong; backwards they close up.
+So both ways to the middle are steady where one way round is not.
+
+Damping rotates the field of directions one way, so the mismatch log(u_f/u_b), a straight line for weak friction,
+falls with d and has one root. Its slope follows along: a small deviation across either half obeys
+M' = (g - d) M + u^2, M = 0 at the start, and du/dd = -M/u at w = 1. A half that creeps to rest, forwards with too
+much damping or backwards with too little, ends with u = 0. The steps are those of DOP853, the explicit
+Runge-Kutta method of order 8.
 """
 
 from dataclasses import dataclass, fields
@@ -23,24 +28,25 @@ from stickslip_sym.motion.orbits.expansion import Slope
 __all__ = ["Shots", "shoot"]
 
 _A, _B = np.array(DOP853.A), np.array(DOP853.B)
-_ERRORS = np.array(DOP853.E5[:-1]), np.array(DOP853.E3[:-1])  # the rates at the end of a step have no share
+_ERRORS = np.array([DOP853.E5[:-1], DOP853.E3[:-1]])  # the rates at the end of a step have no share
 _EXPONENT = -1 / (DOP853.error_estimator_order + 1)
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 5.0
-_FIRST, _LONGEST = 1e-4, 0.25  # steps, in 1/omega; at the longest one no extremum of w is passed over
-_STAGES = ((1e-5, 3e-2), (1e-9, 1e-4), (1e-13, 1e-10))
-"""Tolerances of a step, one after another on the way to the root, and for each the log(a/A) at which the next one
+_FIRST, _LONGEST = 1e-3, 0.5  # steps, in 1/omega; the longest one is a small part of a half
+_STAGES = ((1e-5, 3e-2), (1e-9, 1e-4), (3e-14, 1e-11))
+"""Tolerances of a step, one after another on the way to the root, and for each the mismatch at which the next one
 is taken: Newton's method squares it."""
 _LEFT = 1e-3  # of the last change of d, which the last tolerance makes: errors go as the tolerance, 1e-4 here
-_ROUNDING = 1e-14  # of d, as a part of the largest slope
+_ROUNDING = 1e-14  # of d, as a part of the largest slope, or of 2 where that is smaller
 _TINY = 1e-30  # error of a step, below which it is none
 _SMALL = 0.01  # components of the state below count as that large
 _NEAREST = 1e-12  # slip speed over belt speed that mu is asked for; a try may overshoot the belt
-_MOST_STEPS = 4000  # of one transit
+_MOST_STEPS = 4000  # of one half
 _MOST_TRIES = 60  # dampings
-_CREEPS = 40.0  # time after which an orbit that has not turned creeps to rest
+_CREEPS = 10.0  # time, times 2 + |d|, after which a half that has not come to w = 1 creeps to rest
 _SHORTEST = 1e-12  # step, in 1/omega, below which mu is too rough
 _FIRST_REACH = 0.05  # relative change of d that is tried where Newton's method does not help; doubled each time
-_PLACES = 5  # Newton steps to the time at which w has its minimum
+_PLACES = 5  # Newton steps to a place on the way, at most
+_THERE = 1e-8  # time to it after which a straight line serves
 
 
 @dataclass(frozen=True)
@@ -70,11 +76,11 @@ class Shots:
 
 
 @dataclass(frozen=True)
-class _Transit:
-    """From one lowest slip speed to the next."""
+class _Halves:
+    """Forwards and backwards from the lowest slip speed to w = 1."""
 
-    growth: FloatArray  # log(a/A); minus infinity where the mass creeps to rest
-    slope: FloatArray  # of the growth, over d
+    mismatch: FloatArray  # log(u_f/u_b); infinite where one of them creeps to rest
+    slope: FloatArray  # of the mismatch, over d
     period: FloatArray
     gathered: FloatArray  # the integral of g
     highest: FloatArray
@@ -91,13 +97,20 @@ class _Scenes:
     def rows(self, chosen: Rows) -> "_Scenes":
         return _Scenes(self.slope, self.V[chosen], self.strength[chosen], self.A[chosen])
 
+    def twice(self) -> "_Scenes":
+        return _Scenes(self.slope, *(np.tile(column, 2) for column in (self.V, self.strength, self.A)))
+
     def g(self, w: FloatArray) -> FloatArray:
         return -self.strength * self.slope(self.V * np.maximum(w, _NEAREST))
 
-    def rates(self, state: FloatArray, d: FloatArray) -> FloatArray:
+    def rates(self, state: FloatArray, d: FloatArray, into: FloatArray) -> FloatArray:
         w, u, across, _ = state
-        g = self.g(w)
-        return np.array([u, (g - d) * u + 1 - w, (g - d) * across + u * u, g])
+        into[3] = self.g(w)
+        excess = into[3] - d
+        into[0] = u
+        into[1] = excess * u + 1 - w
+        into[2] = excess * across + u * u
+        return into
 
 
 def shoot(slope: Slope, V: FloatArray, strength: FloatArray, A: FloatArray, d: FloatArray) -> Shots:
@@ -121,22 +134,24 @@ def _settle(scenes: _Scenes, found: Shots, tolerance: float, settled: float) -> 
             return
         check_time()
         now = found.d[active]
-        transit = _transit(scenes.rows(active), now, tolerance)
-        step = -transit.growth / transit.slope
-        low[active] = np.where(transit.growth > 0, now, low[active])
-        high[active] = np.where(transit.growth <= 0, now, high[active])
-        done = (np.abs(transit.growth) <= settled) | (np.abs(step) <= _ROUNDING * transit.scale)
-        slow = np.abs(transit.growth) > before[active] / 2  # Newton's method does not help
-        before[active] = np.abs(transit.growth)
+        halves = _halves(scenes.rows(active), now, tolerance)
+        step, rounding = -halves.mismatch / halves.slope, _ROUNDING * np.maximum(2, halves.scale)
+        low[active] = np.where(halves.mismatch > 0, now, low[active])
+        high[active] = np.where(halves.mismatch <= 0, now, high[active])
+        done = (np.abs(halves.mismatch) <= settled) | (np.abs(step) <= rounding)
+        slow = np.abs(halves.mismatch) > before[active] / 2  # Newton's method does not help
+        # Twice in turn there is no value: the law is too rough, or too stiff.
+        lost = np.isnan(halves.mismatch) & np.isnan(before[active])
+        before[active] = np.abs(halves.mismatch)
         safe = _within(now, np.where(slow, np.nan, step), low[active], high[active], reach[active])
-        ahead = np.where(done, now + step, safe)
+        ahead = np.where(lost, np.nan, np.where(done, now + step, safe))
         reach[active] *= 2
         found.d[active] = ahead
-        found.error[active] = _LEFT * np.abs(step) + _ROUNDING * transit.scale
-        found.period[active] = transit.period
-        found.exponent[active] = transit.gathered / transit.period - ahead
-        found.highest[active] = transit.highest
-        found.scale[active] = transit.scale
+        found.error[active] = _LEFT * np.abs(step) + rounding
+        found.period[active] = halves.period
+        found.exponent[active] = halves.gathered / halves.period - ahead
+        found.highest[active] = halves.highest
+        found.scale[active] = halves.scale
         active = active[~done & np.isfinite(ahead)]
     found.d[active] = np.nan
 
@@ -151,24 +166,26 @@ def _within(now: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray
     return np.where(ahead == now, np.nan, ahead)
 
 
-def _transit(scenes: _Scenes, d: FloatArray, rtol: float) -> _Transit:
+def _halves(scenes: _Scenes, d: FloatArray, rtol: float) -> _Halves:
     count = len(d)
-    state = np.zeros((4, count))
+    ahead = slice(count)
+    scenes, d = scenes.twice(), np.tile(d, 2)
+    forwards = np.repeat([1.0, -1.0], count)
+    state = np.zeros((4, 2 * count))
     state[0] = 1 - scenes.A
-    time, length = np.zeros(count), np.full(count, _FIRST)
+    time, length = np.zeros(2 * count), np.full(2 * count, _FIRST)
     scale = np.abs(scenes.g(state[0]))
-    crest, before_crest = state.copy(), np.zeros(count)  # the states before the highest w, and the step to it
-    turns, meets, creeps = np.zeros((3, count), dtype=bool)
-    active = np.arange(count)
+    crest, before_crest = state.copy(), np.zeros(2 * count)  # the states before the highest w, and the step to it
+    arrives, creeps = np.zeros((2, 2 * count), dtype=bool)
+    active = np.arange(2 * count)
     for _ in range(_MOST_STEPS):
-        some, before, h = scenes.rows(active), state[:, active], length[active]
-        after, error = _step(some, before, d[active], h, rtol)
+        some, before, h, way = scenes.rows(active), state[:, active], length[active], forwards[active]
+        after, error = _step(some, before, d[active], way * h, rtol)
         sound = error < 1
         factor = np.clip(_SAFETY * np.maximum(error, _TINY) ** _EXPONENT, _LEAST, np.where(sound, _MOST, 1.0))
-        turns[active] = sound & (before[1] < 0) & (after[1] >= 0)
-        meets[active] = sound & (before[0] > 0) & (after[0] <= 0) & ~turns[active]
-        ended = turns[active] | meets[active]  # within this step
-        passes = sound & (before[1] >= 0) & (after[1] < 0)
+        ended = sound & (way * before[0] > way) & (way * after[0] <= way)  # within this step
+        arrives[active] = ended
+        passes = sound & (before[1] >= 0) & (after[1] < 0) & (way > 0)
         crest[:, active[passes]], before_crest[active[passes]] = before[:, passes], h[passes]
         length[active] = np.where(ended, h, np.minimum(h * factor, _LONGEST))
         on = sound & ~ended
@@ -176,32 +193,40 @@ def _transit(scenes: _Scenes, d: FloatArray, rtol: float) -> _Transit:
         state[:, kept] = after[:, on]
         time[kept] += h[on]
         scale[kept] = np.maximum(scale[kept], np.abs(some.g(after[0]))[on])
-        creeps[kept] = time[kept] > _CREEPS
+        creeps[kept] = time[kept] > _CREEPS * (2 + np.abs(d[kept]))
         active = active[~ended & ~creeps[active] & (length[active] > _SHORTEST)]
         if not active.size:
             break
-    highest, _ = _arrival(scenes, crest, d, before_crest, rtol, 1)
-    growth, slope = np.where(creeps, -np.inf, np.nan), np.full(count, np.nan)
-    for chosen, row in ((turns, 1), (meets, 0)):
-        rows = np.flatnonzero(chosen)
-        some = scenes.rows(rows)
-        state[:, rows], part = _arrival(some, state[:, rows], d[rows], length[rows], rtol, row)
-        w, u, across, _ = state[:, rows]
-        time[rows] += part
-        height, steep = (1 - w, some.rates(state[:, rows], d[rows])[1]) if row else (1 + u * u / 2, 1.0)
-        growth[rows], slope[rows] = np.log(height / some.A), -across / steep / height
-    return _Transit(growth, slope, time, state[3], highest[0], scale)
+    highest, _ = _arrival(scenes.rows(ahead), crest[:, ahead], d[ahead], before_crest[ahead], 1, 0.0)
+    rows = np.flatnonzero(arrives)
+    ends, part = _arrival(scenes.rows(rows), state[:, rows], d[rows], (forwards * length)[rows], 0, 1.0)
+    state[:, rows], time[rows] = ends, time[rows] + np.abs(part)
+    speed = np.where(creeps, 0.0, np.where(arrives, -state[1], np.nan)).reshape(2, count)
+    changes, gathered = state[2].reshape(2, count) / speed**2, state[3].reshape(2, count)
+    return _Halves(
+        np.log(speed[0] / speed[1]),
+        changes[1] - changes[0],
+        time.reshape(2, count).sum(axis=0),
+        gathered[0] - gathered[1],
+        highest[0],
+        scale.reshape(2, count).max(axis=0),
+    )
 
 
 def _arrival(
-    scenes: _Scenes, state: FloatArray, d: FloatArray, longest: FloatArray, rtol: float, row: int
+    scenes: _Scenes, state: FloatArray, d: FloatArray, longest: FloatArray, row: int, value: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the states where w (row 0) or u (row 1) comes to 0 within a step, and the time to there."""
+    """Return the states where w (row 0) or u (row 1) comes to a value within a step, and the time to there."""
     part = longest
     for _ in range(_PLACES):
-        after, _ = _step(scenes, state, d, part, rtol)
-        part = np.clip(part - after[row] / scenes.rates(after, d)[row], 0, longest)
-    return _step(scenes, state, d, part, rtol)[0], part
+        after, _ = _step(scenes, state, d, part, 1.0)
+        rates = scenes.rates(after, d, np.empty_like(after))
+        place = part + (value - after[row]) / rates[row]
+        move = np.clip(place, np.minimum(longest, 0), np.maximum(longest, 0)) - part
+        part, after = part + move, after + move * rates
+        if not (np.abs(move) > _THERE).any():
+            break
+    return after, part
 
 
 def _step(
@@ -212,10 +237,10 @@ def _step(
     flat = rates.reshape(12, -1)
     for stage in range(12):
         moved = state + h * (_A[stage, :stage] @ flat[:stage]).reshape(state.shape) if stage else state
-        rates[stage] = scenes.rates(moved, d)
+        scenes.rates(moved, d, rates[stage])
     after = state + h * (_B @ flat).reshape(state.shape)
     size = rtol * (_SMALL + np.maximum(np.abs(state[:2]), np.abs(after[:2])))
     fifth, third = ((((row @ flat).reshape(state.shape)[:2] / size) ** 2).sum(axis=0) for row in _ERRORS)
     both = fifth + 0.01 * third
-    error = np.where(both > 0, h * fifth / np.sqrt(2 * np.where(both > 0, both, 1.0)), 0.0)
+    error = np.where(both > 0, np.abs(h) * fifth / np.sqrt(2 * np.where(both > 0, both, 1.0)), 0.0)
     return after, np.where(np.isfinite(after).all(axis=0) & np.isfinite(error), error, np.inf)

@@ -246,6 +246,23 @@ def test_a_law_that_grows_like_one_over_v_has_no_criterion():
         ss.derive(ss.FrictionLaw("0.3/v"))
 
 
+def test_what_grows_at_rest_has_a_criterion_while_the_weight_vanishes_faster():
+    """Be its factor a number or a parameter; the harmonic weight vanishes like a root, the other once."""
+    rng = random.Random(4)
+    for criterion, limit in (("harmonic", 0.5), ("least_squares", 1.0)):
+        for slower in (True, False):
+            order = sp.Rational(rng.randint(1, 9), 10) * sp.Rational(limit) + (0 if slower else sp.Rational(limit))
+            for factor in ("0.3", "b"):
+                law = ss.FrictionLaw(f"{factor}*v^(-{order})")
+                if slower:
+                    assert ss.derive(law, criterion).gate.status.value == "CHECKED"
+                else:
+                    with pytest.raises(ss.NoClosedForm, match=r"not integrable at v = 0\+"):
+                        ss.derive(law, criterion)
+        with pytest.raises(ss.NoClosedForm, match=r"not integrable at v = 0\+"):
+            ss.derive(ss.FrictionLaw(f"b/v^({sp.Rational(limit)})"), criterion)
+
+
 @pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf"), 1e300])
 def test_a_time_limit_is_a_number_of_seconds(seconds):
     with pytest.raises(ss.InputError, match="is not a number of seconds from 0 to 86400"):
