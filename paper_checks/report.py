@@ -12,8 +12,7 @@ from paper_checks.findings import Finding, summary
 from paper_checks.formulas import EQUATIONS
 from paper_checks.scene import LAWS, law, oscillator
 from paper_checks.terminal import SHORT
-from stickslip_sym.comparison.threshold_tradeoff import SPEEDS, threshold_tradeoff
-from stickslip_sym.comparison.tradeoff import Way
+from stickslip_sym.comparison.threshold_tradeoff import SPEEDS, ThresholdWay, threshold_tradeoff
 from stickslip_sym.output.page import document
 from stickslip_sym.output.page.figures import svg_uri
 
@@ -41,7 +40,7 @@ class Report:
 
     findings: dict[str, Finding]
     pictures: dict[int, str]
-    ladder: dict[str, list[Way]]
+    ladder: dict[str, tuple[ThresholdWay, ...]]
     versions: dict[str, str]
     time: str
 
@@ -57,7 +56,7 @@ def write(folder: Path, findings: Sequence[Finding]) -> Path:
     report = Report(
         {finding.id: finding for finding in findings},
         {figure.number: svg_uri(figure.draw()) for figure in FIGURES},
-        {name: threshold_tradeoff(law(name), SCENE) for name in LAWS},
+        {name: threshold_tradeoff(law(name), SCENE).ways for name in LAWS},
         document.versions(),
         document.now(),
     )

@@ -1,51 +1,81 @@
-"""Speed against accuracy of thresholds: every rung of the ladder, and the paper's own procedure."""
+"""Speed against accuracy of thresholds: every rung of the ladder, the paper's own procedure, and SciPy alone."""
 
 import math
-import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from stickslip_sym.comparison.newmark import Scan, pure_slip_by_scan
-from stickslip_sym.comparison.tradeoff import Way
+from stickslip_sym.comparison.plain import pure_slip_by_bisection
+from stickslip_sym.comparison.ways import NO_NUMBER, Trade, Way, shortest
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.rungs import Rung, rungs
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
-from stickslip_sym.output.tables import duration, table
 
-__all__ = ["SPEEDS", "threshold_report", "threshold_tradeoff"]
+__all__ = ["SPEEDS", "ThresholdWay", "threshold_tradeoff"]
 
 SPEEDS = np.linspace(0.05, 1.0, 20)
 """Belt speeds in m/s over which the largest error is taken, those without a threshold left out."""
 
-_NEWMARK = "Newmark scan"
+BISECTED = (1e-3, 1e-6, 1e-9)
+"""Tolerances of ``scipy.integrate.solve_ivp``, whose own is the first."""
+_UNITS = {"V": "m/s", "N": "N", "m": "kg", "k": "N/m"}
 _SCAN_STEP = 0.001  # kg/s, the paper's
+_SHORTEST = 0.02  # seconds that the measurement of a rung takes at least, all repetitions together
+
+
+@dataclass(frozen=True)
+class ThresholdWay(Way):
+    """One way to a threshold.
+
+    Attributes
+    ----------
+    largest : float
+        Largest relative error over `SPEEDS`; NaN where it was not measured.
+    status : str
+        PROVED, or ESTIMATED; empty where there is no number.
+    """
+
+    largest: float = NO_NUMBER
+    status: str = ""
+
+    @staticmethod
+    def further_columns() -> tuple[str, ...]:
+        """Return the titles of what else is known of every way of this kind."""
+        return ("largest up to V = 1 m/s", "status")
+
+    def further(self) -> tuple[str, ...]:
+        """Return what else is known of it, as text."""
+        return ("not measured" if math.isnan(self.largest) else f"{self.largest:.1e}", self.status or "none")
 
 
 def threshold_tradeoff(
     law: FrictionLaw, scene: Mapping[str, float], *, time_limit: float | None = None
-) -> list[Way]:
+) -> Trade[ThresholdWay]:
     """Measure every way to the threshold: its time for one, its error, and its largest error over `SPEEDS`.
 
     - `law`: smooth, with all parameters bound: the reference is the grazing orbit to 1e-12.
     - `scene`: V, N, m and k in SI units.
     - `time_limit`: seconds after which no other way is tried; those that are left give no number.
 
-    Returns the rungs, and the paper's scan of Newmark runs up to twice the threshold in steps of 0.001 kg/s, its
-      error in the one scene only.
+    They are the rungs, with errors over the speeds; and in the one scene only the paper's scan of Newmark runs up
+      to twice the threshold in steps of 0.001 kg/s, and bisection by runs of ``scipy.integrate.solve_ivp``.
 
     Raises `InputError`, `NoThreshold` or `NotConverged` where the scene itself has no exact threshold.
     Raises `OutOfTime` if the time is up before that is known.
     """
     with deadline.time_limit(time_limit):
-        return _measured(law, scene)
+        ways = _measured(law, scene)
+    where = ", ".join(f"{name} = {scene[name]:g} {unit}" for name, unit in _UNITS.items())
+    return Trade("threshold", f"threshold of {law.name or 'the law'}, {where}", tuple(ways), dict(scene))
 
 
-def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way]:
+def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[ThresholdWay]:
     orbit = rungs()["orbit"]
     exact = _rung(law, scene, orbit).value
     if not exact > 0:
@@ -64,9 +94,9 @@ def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way]:
     ways = []
     for method, rung in rungs().items():
         try:
-            found, seconds = _timed(partial(_rung, law, scene, rung))
+            found, seconds = shortest(partial(_rung, law, scene, rung), enough=_SHORTEST)
         except (OutOfTime, NotConverged, InputError):
-            ways.append(Way(method, math.nan, math.nan))
+            ways.append(ThresholdWay(method))
             continue
         try:
             largest = max(
@@ -74,19 +104,29 @@ def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[Way]:
                     _error(_rung(law, others | {"V": speed}, rung), reference)
                     for speed, reference in references.items()
                 ),
-                default=math.nan,
+                default=NO_NUMBER,
             )
         except (OutOfTime, NotConverged, NoThreshold):
-            largest = math.nan
-        ways.append(Way(method, seconds, _error(found, exact), largest, found.status))
+            largest = NO_NUMBER
+        ways.append(ThresholdWay(method, seconds, _error(found, exact), largest, found.status))
+    osc = Oscillator(**scene)
     scan = Scan(np.arange(0.0, 2 * exact, _SCAN_STEP))
-    start = time.perf_counter()
-    try:
-        scanned = pure_slip_by_scan(law, Oscillator(**scene), scan)
-    except OutOfTime:
-        return [*ways, Way(_NEWMARK, math.nan, math.nan)]
-    ways.append(Way(_NEWMARK, time.perf_counter() - start, abs(scanned / exact - 1), status="ESTIMATED"))
+    ways.append(_peer("Newmark scan", partial(pure_slip_by_scan, law, osc, scan), exact))
+    ways += [
+        _peer(f"solve_ivp and bisection, rtol {rtol:.0e}", partial(pure_slip_by_bisection, law, osc, rtol), exact)
+        for rtol in BISECTED
+    ]
     return ways
+
+
+def _peer(name: str, compute: Callable[[], float], exact: float) -> ThresholdWay:
+    """Measure, once, a way that takes long and knows no error."""
+    try:
+        deadline.check_time()
+        found, seconds = shortest(compute, least=1)
+    except (OutOfTime, NoThreshold):
+        return ThresholdWay(name)
+    return ThresholdWay(name, seconds, abs(found / exact - 1), status="ESTIMATED")
 
 
 def _rung(law: FrictionLaw, scene: Mapping[str, float], rung: Rung) -> Threshold:
@@ -99,32 +139,3 @@ def _error(found: Threshold, reference: float) -> float:
     """Return the error against the orbit; the orbit's own is its estimate, and that of a proof its bound."""
     own = found.method == "orbit" or found.status == "PROVED"
     return float(found.error) if own else abs(found.value / reference - 1)
-
-
-def _timed(compute: Callable[[], Threshold]) -> tuple[Threshold, float]:
-    """Return a value, and the shortest of three times to it."""
-    times = []
-    for _ in range(3):
-        start = time.perf_counter()
-        value = compute()
-        times.append(time.perf_counter() - start)
-    return value, min(times)
-
-
-def threshold_report(ways: list[Way]) -> str:
-    """Return the ways as a table."""
-
-    def shown(error: float) -> str:
-        return "not measured" if np.isnan(error) else f"{error:.1e}"
-
-    rows: list[list[str]] = [
-        [
-            way.name,
-            duration(way.seconds) if way.seconds == way.seconds else "no number",
-            shown(way.error),
-            shown(way.largest),
-            way.status or "none",
-        ]
-        for way in ways
-    ]
-    return table(["way", "time a threshold", "relative error", "largest up to V = 1 m/s", "status"], rows)

@@ -1,193 +1,177 @@
-"""Speed against accuracy, measured: every way to the number, its time for one value and its error."""
+"""`tradeoff`: speed against accuracy, measured, of every way to a criterion, a threshold and a share of starts."""
 
-import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
-from typing import Any
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
-import mpmath
-import numpy as np
-import sympy as sp
+from stickslip_sym.comparison.ways import Trade
+from stickslip_sym.core import deadline
+from stickslip_sym.core.errors import InputError, NotConverged, StickSlipError
+from stickslip_sym.core.numbers import Number, exact, suggestion
+from stickslip_sym.criteria.criterion import Criterion, find
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.operating_point import LOW_SPEED, PAPER
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
+from stickslip_sym.output import drawing, markup
 
-from stickslip_sym.core import deadline, symbols
-from stickslip_sym.core.aliases import FloatArray, Mpf
-from stickslip_sym.core.errors import InputError, StickSlipError
-from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import Number, exact
-from stickslip_sym.criteria import gauss
-from stickslip_sym.formula.derivation.closed_form import ClosedForm
-from stickslip_sym.formula.evaluation.conditioning import conditioned
-from stickslip_sym.model.expression.pieces import jumps
-from stickslip_sym.output import drawing
-from stickslip_sym.output.tables import duration, table
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-__all__ = ["Way", "plot", "report", "tradeoff"]
+__all__ = ["KINDS", "Tradeoff", "tradeoff"]
 
-Result = float | FloatArray | Mpf
-Slope = Callable[[FloatArray], FloatArray]
-GAUSS_NODES = (2, 4, 8, 16, 32)
-DIGITS = (15, 30, 50)
-_REFERENCE_DIGITS = 70
-_ARRAY = 100_000  # elements over which the time of an array function is averaged
-_SHORTEST = 0.02  # seconds that a measurement takes at least, all repetitions together
+KINDS = ("criterion", "threshold", "basin")
+_REACH = 4 / 3  # of the box of starts that is taken where none is given: in V/omega to both sides of 0, and in V
+_DERIVING = 120.0  # seconds of the search for a closed form
 
 
-@dataclass(frozen=True)
-class Way:
-    """One way to the number."""
+@dataclass(frozen=True, repr=False)
+class Tradeoff(drawing.Drawn):
+    """What each way to a number costs, and how far it is off, from one run.
 
-    name: str
-    seconds: float  # for one value; in a large array where the way takes arrays
-    error: float  # relative, in the scene at hand; NaN where the way gives no number
-    largest: float = float("nan")
-    """Of thresholds: the largest relative error over belt speeds; NaN where it was not measured."""
-    status: str = ""
-    """Of thresholds: PROVED, or ESTIMATED; empty where there is no number."""
-
-
-def tradeoff(form: ClosedForm, scene: Mapping[str, Number], *, time_limit: float | None = None) -> list[Way]:
-    """Measure the ways to a criterion in one scene.
-
-    - `form`: of a law with all parameters bound.
-    - `scene`: V in m/s and N in N.
-    - `time_limit`: seconds after which no other way is tried; those that are left give no number.
-
-    They are plain ``lambdify`` of the formula, the stable function, a Gauss rule with n nodes,
-      ``scipy.integrate.quad``, and mpmath at 15, 30 and 50 digits.
-
-    Raises `InputError` for an unbound law or unusable numbers, or where the criterion is 0.
+    Attributes
+    ----------
+    trades : dict of str to Trade
+        By kind: "criterion", "threshold" and "basin", as far as they were asked for and measured. Each has `ways`,
+        with `seconds` and relative `error`, and `dominators`.
+    refused : dict of str to str
+        Of the others that were asked for, why there is none.
     """
-    with deadline.time_limit(time_limit):
-        return _measured(form, scene)
+
+    trades: dict[str, Trade[Any]]
+    refused: dict[str, str] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        none = [f"{kind}: none: {reason}" for kind, reason in self.refused.items()]
+        return "\n\n".join([*map(str, self.trades.values()), *none])
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{len(trade.ways)} ways to a {kind}" for kind, trade in self.trades.items())
+        return f"Tradeoff: {counts or 'nothing'}"
+
+    def _repr_html_(self) -> str:
+        tables = [
+            markup.table(trade.header(), trade.rows(), caption=trade.title) for trade in self.trades.values()
+        ]
+        return markup.block(drawing.picture(self.plot, repr(self)), *tables)
+
+    def _figure(self) -> "Figure":
+        from stickslip_sym.comparison.tradeoff_picture import draw
+
+        return draw(tuple(self.trades.values()))
 
 
-def _measured(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:
-    values = {name: exact(scene[name], name) for name in ("V", "N")}
-    if form.law.missing:
-        raise InputError(f"the law has no value for {', '.join(form.law.missing)}; bind it first")
-    right = form.evaluate(_REFERENCE_DIGITS, **values)
-    if right == 0:
-        raise InputError("the criterion is 0 in this scene: nothing has a relative error")
-    numbers: dict[str, Any] = {name: float(value) for name, value in (values | dict(form.law.values)).items()}
-    # Floats are what every way gets, so that none is blamed for the rounding of the input.
-    right = form.evaluate(_REFERENCE_DIGITS, **numbers)
+def tradeoff(
+    law: FrictionLaw,
+    *,
+    of: str | Sequence[str] = KINDS,
+    criterion: str | Criterion = "least_squares",
+    x0: tuple[float, float] | None = None,
+    v0: tuple[float, float] | None = None,
+    time_limit: float | None = None,
+    V: Number | None = None,
+    N: Number | None = None,
+    m: Number | None = None,
+    k: Number | None = None,
+    c: Number | None = None,
+) -> Tradeoff:
+    """Measure what each way to a number costs, and how far it is off: this package's, and what one writes without.
 
-    def way(name: str, compute: Callable[[], Result], count: int = 1) -> Way:
-        with np.errstate(all="ignore"):
-            try:
-                deadline.check_time()
-                result = compute()
-            except (ArithmeticError, StickSlipError):
-                return Way(name, float("nan"), float("nan"))
-            seconds = _time(compute) / count
-        value = mpmath.mpf(float(np.ravel(result)[0])) if count > 1 or isinstance(result, float) else result
-        with mpmath.workdps(_REFERENCE_DIGITS):
-            error = abs(value - right) / abs(right)
-        return Way(name, seconds, float(error))
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound.
+    of : str or sequence of str
+        Of which numbers: "criterion", "threshold", "basin". Of several, one that cannot be measured here is left
+        out, with the reason.
+    criterion : str or Criterion
+    x0, v0 : tuple of float, optional
+        The box of starts, displacements in m and velocities in m/s. If not given 4/3 V/omega to both sides of 0,
+        and from 0 to 4/3 V.
+    time_limit : float, optional
+        Seconds after which no other way is tried; those that are left give no number.
+    V, N, m, k : float or str, optional
+        In SI units, text exactly. What is not given is the paper's; but the criterion is measured at V = 0.05 m/s,
+        where the ways to it differ.
+    c : float or str, optional
+        Damping in kg/s, of the basins. If not given it is halfway from the linear threshold to the exact one.
 
-    many: dict[str, Any] = {
-        name: np.full(_ARRAY, value) if name == "V" else value for name, value in numbers.items()
-    }
-    plain = function_of(list(form.arguments.values()), form.expr, "numpy")
-    ordered = [many[name] for name in form.arguments]
-    ways = [
-        way("plain lambdify, array", lambda: plain(*ordered), _ARRAY),
-        way("stable function, array", lambda: form(**many), _ARRAY),
-        way("stable function, one value", lambda: form(**numbers)),
-    ]
-    if form.criterion.weight is not None and not jumps(form.law.expr):  # a rule for the slope misses a jump
-        slope = function_of([symbols.v], form.law.substitute(conditioned(form.law.slope_expr)), "numpy")
-        ways += [way(f"Gauss rule, {n} nodes", _gauss_rule(form, slope, numbers, n)) for n in GAUSS_NODES]
-        ways.append(way("scipy.integrate.quad", _quad(form, slope, numbers)))
-    for digits in DIGITS:
-        ways.append(way(f"mpmath, {digits} digits", partial(form.evaluate, digits, **numbers)))
-    return ways
-
-
-def _time(compute: Callable[[], Result]) -> float:
-    """Return the shortest of several times."""
-    times: list[float] = []
-    total = 0.0
-    while total < _SHORTEST or len(times) < 3:
-        start = time.perf_counter()
-        compute()
-        times.append(time.perf_counter() - start)
-        total += times[-1]
-    return min(times)
-
-
-def _integrand(form: ClosedForm, slope: Slope, numbers: Mapping[str, float]) -> Slope:
-    places = sp.symbols("m p q", positive=True, cls=sp.Dummy)
-    weight = function_of(places, gauss.angle_weight(form.criterion, *places), "numpy")
-    V, N = numbers["V"], numbers["N"]
-
-    def integrand(angle: FloatArray) -> FloatArray:
-        sine, cosine = np.sin(angle), np.cos(angle)
-        share: FloatArray = weight((2 * sine * cosine) ** 2, 2 * sine * sine, 2 * cosine * cosine)
-        return -N * share * slope(2 * V * sine * sine)
-
-    return integrand
-
-
-def _gauss_rule(form: ClosedForm, slope: Slope, numbers: Mapping[str, float], n: int) -> Callable[[], float]:
-    integrand = _integrand(form, slope, numbers)
-    x, w = gauss.gauss_legendre(n)
-    angles, weights = (1 + x) * np.pi / 4, w * np.pi / 4
-    return lambda: float((weights * integrand(angles)).sum())
-
-
-def _quad(form: ClosedForm, slope: Slope, numbers: Mapping[str, float]) -> Callable[[], float]:
-    from scipy.integrate import quad
-
-    integrand = _integrand(form, slope, numbers)
-    return lambda: float(quad(integrand, 0, np.pi / 2, epsabs=0, epsrel=1e-13, full_output=1)[0])
-
-
-def report(ways: list[Way]) -> str:
-    """Return the ways as a table."""
-    rows = [
-        [way.name, duration(way.seconds) if way.seconds == way.seconds else "no number", f"{way.error:.1e}"]
-        for way in ways
-    ]
-    return table(["way", "time a value", "relative error"], rows)
-
-
-def plot(ways: list[Way], file: Path, title: str) -> None:
-    """Draw error against time.
+    Returns
+    -------
+    Tradeoff
 
     Raises
     ------
     InputError
-        If matplotlib is not installed, or cannot write the file.
+        For an unknown kind or criterion, or unusable numbers.
+    StickSlipError
+        If nothing can be measured, the reason of the first kind.
     """
-    drawing.require_matplotlib()
-    from matplotlib.figure import Figure
+    kinds = [of] if isinstance(of, str) else list(of)
+    for kind in kinds:
+        if kind not in KINDS:
+            known = ", ".join(KINDS)
+            raise InputError(f"there is no trade of {kind!r}{suggestion(kind, list(KINDS))}; there are: {known}")
+    if law.missing:
+        raise InputError(f"the law has no value for {', '.join(law.missing)}; bind it first")
+    chosen = find(criterion)
+    given = {name: value for name, value in {"V": V, "N": N, "m": m, "k": k}.items() if value is not None}
+    low, paper = {**PAPER, "V": LOW_SPEED, **given}, {**PAPER, **given}
+    numbers = {name: float(exact(value, name)) for name, value in paper.items()}
+    damping = None if c is None else float(exact(c, "c"))
+    found, first = Tradeoff({}), None
+    with deadline.time_limit(time_limit):
+        for kind in kinds:
+            try:
+                if kind == "criterion":
+                    trade = _of_criterion(law, chosen, low)
+                elif kind == "threshold":
+                    trade = _of_threshold(law, numbers)
+                else:
+                    trade = _of_basin(law, numbers, damping, x0, v0)
+            except StickSlipError as error:
+                first = first or error
+                found.refused[kind] = str(error)
+            else:
+                found.trades[kind] = trade
+    if first is not None and not found.trades:
+        raise first
+    return found
 
-    figure = Figure(figsize=(7.2, 4.4), layout="constrained")
-    axes = figure.add_subplot()
-    least = 1e-51
-    labels = []
-    for way in ways:
-        if way.seconds == way.seconds:
-            color = _COLORS.get(way.name.split(",")[0], "0.4")
-            place = way.seconds, max(way.error, least)
-            axes.plot(*place, "o", color=color)
-            labels.append((way.name, place, color))
-    axes.set(xscale="log", yscale="log", xlabel="time for one value (s)", ylabel="relative error", title=title)
-    axes.margins(0.08)
-    left, right = axes.get_xlim()
-    axes.set_xlim(left, right * 8)
-    axes.axhline(2.0**-52, color="0.8", zorder=0)
-    axes.grid(alpha=0.25)
-    drawing.label(axes, labels)
-    drawing.save(figure, file)
+
+def _of_criterion(law: FrictionLaw, criterion: Criterion, scene: dict[str, Number]) -> Trade[Any]:
+    from stickslip_sym.comparison.criterion_tradeoff import criterion_tradeoff
+    from stickslip_sym.formula.derivation.closed_form import derive
+
+    form = derive(law, criterion, time_limit=max(0.0, min(_DERIVING, deadline.time_left())))
+    return criterion_tradeoff(form, {name: scene[name] for name in "VN"})
 
 
-_COLORS = {
-    "plain lambdify": "tab:red",
-    "stable function": "tab:green",
-    "Gauss rule": "tab:blue",
-    "mpmath": "tab:purple",
-}
+def _of_threshold(law: FrictionLaw, scene: dict[str, float]) -> Trade[Any]:
+    from stickslip_sym.comparison.threshold_tradeoff import threshold_tradeoff
+
+    return threshold_tradeoff(law, scene)
+
+
+def _of_basin(
+    law: FrictionLaw,
+    scene: dict[str, float],
+    damping: float | None,
+    x0: tuple[float, float] | None,
+    v0: tuple[float, float] | None,
+) -> Trade[Any]:
+    from stickslip_sym.comparison.basin_tradeoff import basin_tradeoff
+
+    if damping is None:
+        ends = [float(pure_slip_damping(law, **scene, method=method).value) for method in ("equilibrium", "auto")]
+        damping = sum(ends) / 2
+        if not ends[0] < ends[1]:
+            raise NotConverged(
+                f"rest is stable from {ends[0]:.4g} kg/s on, and the threshold is {ends[1]:.4g} kg/s: rest and "
+                "stick-slip coexist at no damping; give a c and a box of starts of which some come to rest"
+            )
+    reach = _REACH * scene["V"]
+    across = reach / math.sqrt(scene["k"] / scene["m"])
+    osc = Oscillator(c=damping, **scene)
+    return basin_tradeoff(law, osc, x0=x0 or (-across, across), v0=v0 or (0.0, reach))

@@ -30,7 +30,9 @@ _INLINE = 90  # pixels an inch, of a picture among text
 _POINT = 4  # half the width of a point, in pixels
 _NEAR = 12  # points of height up to which a label needs no line to what it names
 _BESIDE = [
-    (side * (8 if abs(up) <= 12 else 20), up) for up in (0, 7, -7, 20, -20, 32, -32, 44) for side in (1, -1)
+    (side * (8 if abs(up) <= 12 else 20), up)
+    for up in (0, 7, -7, *(sign * up for up in range(20, 130, 12) for sign in (1, -1)))
+    for side in (1, -1)
 ]
 """Places of a label, by preference: to the right and up from its point, in points."""
 
@@ -51,7 +53,7 @@ class Drawn(ABC):
         """Return its matplotlib.figure.Figure."""
 
     def plot(self, path: str | Path | None = None) -> "Figure":
-        """Draw the regions or basins, told apart by colour and hatching, the curves between them, or the orbits.
+        """Draw it: regions or basins told apart by colour and hatching, curves between them, orbits, or costs.
 
         Parameters
         ----------
@@ -76,6 +78,7 @@ class Drawn(ABC):
 def label(axes: "Axes", labels: Sequence[tuple[str, tuple[float, float], str]]) -> None:
     """Write names beside points, each (name, place, colour), where none covers another or a point."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.text import Text
     from matplotlib.transforms import Bbox
 
     figure: Any = axes.figure
@@ -85,13 +88,19 @@ def label(axes: "Axes", labels: Sequence[tuple[str, tuple[float, float], str]]) 
     taken = [Bbox.from_bounds(x - _POINT, y - _POINT, 2 * _POINT, 2 * _POINT) for x, y in points]
     for name, place, color in labels:
         for right, up in _BESIDE:
+            line = {"arrowstyle": "-", "color": color, "lw": 0.5, "relpos": (float(right < 0), 0.5)}
             text = axes.annotate(
                 name, place, xytext=(right, up), textcoords="offset points", fontsize=8, color=color,
                 ha="left" if right > 0 else "right", va="center",
-                arrowprops={"arrowstyle": "-", "color": color, "lw": 0.5} if abs(up) > _NEAR else None,
+                arrowprops=line if abs(up) > _NEAR else None,
+                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
             )  # fmt: skip
-            box = text.get_window_extent(renderer)
-            if axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1 and not any(map(box.overlaps, taken)):
+            text.update_positions(renderer)
+            box = Text.get_window_extent(text, renderer)  # that of an annotation has its line too
+            inside = (
+                axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1 and axes.bbox.y0 < box.y0 and box.y1 < axes.bbox.y1
+            )
+            if inside and not any(map(box.overlaps, taken)):
                 break
             text.remove()
         else:

@@ -13,11 +13,11 @@ import typer
 from typer.models import OptionInfo
 
 from stickslip_sym.cli.shared.completion import complete_criterion, complete_criterion_or_all
-from stickslip_sym.model.operating_point import PAPER
+from stickslip_sym.model.operating_point import LOW_SPEED, PAPER
 
 __all__ = [
-    "LOW_SPEED", "SECONDS", "AsJson", "CriteriaName", "CriterionName", "LowSpeedScene", "MaybeOscillator",
-    "Overwrite", "SceneOptions", "TimeLimit", "file_option", "spread_out",
+    "SECONDS", "AsJson", "CriteriaName", "CriterionName", "LowSpeedScene", "MaybeOscillator", "Overwrite",
+    "SceneOptions", "TimeLimit", "file_option", "spread_out",
 ]  # fmt: skip
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
@@ -42,7 +42,6 @@ CriteriaName = Annotated[
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Let --csv replace a file.")]
 TimeLimit = Annotated[float, typer.Option("--time-limit", metavar="S", help="Seconds for each criterion.")]
 SECONDS = 120.0  # of the search for one closed form
-LOW_SPEED = "0.05"  # m/s: there the ways to a number differ
 
 
 def file_option(name: str, text: str) -> OptionInfo:
@@ -78,11 +77,13 @@ class MaybeOscillator(SceneOptions):
 
 @dataclass(frozen=True)
 class LowSpeedScene(SceneOptions):
-    """A scene at a low belt speed, whose mass and stiffness matter for thresholds only."""
+    """A scene at a low belt speed for criteria, to which mass and stiffness do not matter."""
 
-    V: Annotated[str | None, _quantity("V", "M/S", f"Belt speed ({LOW_SPEED}).")] = None
-    m: Annotated[str | None, _quantity("m", "KG", f"Mass, for --thresholds ({PAPER['m']}).")] = None
-    k: Annotated[str | None, _quantity("k", "N/M", f"Stiffness, for --thresholds ({PAPER['k']}).")] = None
+    V: Annotated[
+        str | None, _quantity("V", "M/S", f"Belt speed ({LOW_SPEED} for a criterion, else {PAPER['V']}).")
+    ] = None
+    m: Annotated[str | None, _quantity("m", "KG", f"Mass, not for a criterion ({PAPER['m']}).")] = None
+    k: Annotated[str | None, _quantity("k", "N/M", f"Stiffness, not for a criterion ({PAPER['k']}).")] = None
 
 
 def spread_out(command: Callable[..., None]) -> Callable[..., None]:

@@ -244,6 +244,7 @@ def orbits(
     *,
     rtol: float = 1e-13,
     most_work: float = np.inf,
+    shots: bool = True,
 ) -> Orbits:
     """Return the pure-slip orbits of given height.
 
@@ -254,6 +255,7 @@ def orbits(
     - `rtol`: relative error of d at which the grid is fine enough, where rounding allows.
     - `most_work`: cubes of grids, summed over Newton steps and rows, after which what is not found yet is given
       up.
+    - `shots`: whether those that collocation does not find are shot.
 
     An orbit that was not found has an infinite error, and no number for d.
     """
@@ -279,7 +281,7 @@ def orbits(
         work=work.done,
     )
     strong = np.flatnonzero(~np.isfinite(tail))
-    if work.left >= _SHOT * strong.size > 0:
+    if shots and work.left >= _SHOT * strong.size > 0:
         from stickslip_sym.motion.orbits.shooting import shoot
 
         with np.errstate(all="ignore"):

@@ -18,7 +18,7 @@ from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.expansion import averages, expand
+from stickslip_sym.motion.orbits.expansion import LARGEST_GRID, SMALLEST_GRID, averages, expand
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.thresholds.scenes import Scenes
 
@@ -33,6 +33,11 @@ __all__ = [
 ROUNDING = 1e-14
 _LOOSEST = 1e-7  # of a simulation: what it costs hardly depends on it, and stiff motions get lost in rounding
 _TIGHTER = (0.1, 1e-3, 1e-5)  # tolerances of simulation over rtol, until the error is at most that
+_RESOLVED = 0.1  # part of rtol that the grid of an expansion may leave unresolved
+_HOPELESS = 100.0  # times rtol: a next order that no finer grid brings down to it
+_FINE = 1e-6  # rtol below which a stiff simulation takes ten times as long
+_QUICK = (3e6, 3e7)  # cubes of grids that the orbit of one scene may take before a simulation is quicker; if fine
+_PART = 0.5  # of rtol, that an orbit is asked for: its error is not told from its tail alone
 
 
 class Basis(Enum):
@@ -56,9 +61,6 @@ class Found:
         of by itself, its resolution.
     reason : str
         Why an error is larger than was asked for.
-    doubt : numpy.ndarray, optional
-        An estimate of the whole error of a rung whose error rests on a difference, so that lower rungs can be
-        compared with it.
     theorems : tuple
         What was proved of each scene, if anything was.
     """
@@ -66,7 +68,6 @@ class Found:
     value: FloatArray
     error: FloatArray
     reason: str = ""
-    doubt: FloatArray | None = None
     theorems: "tuple[Theorem, ...]" = ()
 
 
@@ -87,10 +88,8 @@ class Rung:
         What its error rests on.
     criterion : Criterion or None
         That of an average.
-    oscillator : bool
-        Whether it needs m and k.
-    smooth : bool
-        Whether it needs a smooth law.
+    oscillator, smooth : bool
+        Whether it needs m and k, and whether a smooth law.
     singly : bool
         Whether scenes are computed one by one, each at some cost: "auto" asks it last.
     automatic : bool
@@ -102,6 +101,9 @@ class Rung:
         An error that is never refused.
     attempts : callable
         From the relative error that is wanted to those it is asked for, one after another, in "auto".
+    quickly : callable or None
+        As `compute`, where that takes less work than a simulation, with an estimate of the whole error; infinite
+        where it takes more. "auto" asks it first.
     """
 
     name: str
@@ -117,6 +119,7 @@ class Rung:
     loosest: float = 1.0
     reachable: float = 0.0
     attempts: Callable[[float], tuple[float, ...]] = _one_attempt
+    quickly: Callable[[Scenes, float], Found] | None = None
 
     @property
     def knows_its_error(self) -> bool:
@@ -124,22 +127,12 @@ class Rung:
         return self.rests_on is not Basis.DIFFERENCE
 
     def require_oscillator(self, m: FloatArray | None) -> None:
-        """Refuse to do without m and k where they are needed.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse to do without m and k where they are needed, by an `InputError`."""
         if self.oscillator and m is None:
             raise InputError(f'method="{self.name}" needs the mass m and the stiffness k')
 
     def require_smooth(self, law: FrictionLaw, V: ArrayLike) -> None:
-        """Refuse a law that is not smooth where it has to be.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse a law that is not smooth where it has to be, by an `InputError`."""
         reason = obstacle(law, V) if self.smooth else None
         if reason is not None:
             raise InputError(f'method="{self.name}" needs a law that is smooth: {reason}; try method="simulation"')
@@ -149,13 +142,7 @@ _table: dict[str, Rung] = {}
 
 
 def add(rung: Rung) -> None:
-    """Put a rung on top of the ladder.
-
-    Raises
-    ------
-    InputError
-        If there is one of that name.
-    """
+    """Put a rung on top of the ladder; raises `InputError` if there is one of that name."""
     if rung.name in rungs() or rung.name == "auto":
         raise InputError(f"there is a rung {rung.name!r} already; give the new one another name")
     _table[rung.name] = rung
@@ -239,45 +226,62 @@ def numerical_averages(scenes: Scenes) -> dict[str, FloatArray]:
 # -- the rungs that need m and k -------------------------------------------------------------------
 
 
-def second_order(scenes: Scenes) -> tuple[FloatArray, FloatArray, FloatArray]:
+def second_order(scenes: Scenes, rtol: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the damping to second order in the friction, its resolution, and what the next order may add.
 
-    Both are relative errors. The resolution is that of the grid. The expansion goes by the square of the orbit's
-    distortion, the amplitudes of the overtones times their orders: friction changes along an orbit as fast as its
-    highest overtones do. It is one of the largest slope, not of the average, in which slopes may cancel.
+    Both are relative errors. The resolution is that of the grid, which is no finer than `rtol` requires, nor
+    refined where the next order is far above it. The expansion goes by the square of the orbit's distortion, the
+    amplitudes of the overtones times their orders: friction changes along an orbit as fast as its highest ones do.
+    It is one of the largest slope, not of the average, in which slopes may cancel.
     """
-    strength = scenes.N / scenes.impedance
-    with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
-        weak = expand(scenes.law, scenes.V)
-        value = scenes.N * (weak.harmonic + strength**2 * weak.second)
-        # `tail` is relative to the largest slope.
-        resolution = np.where(weak.tail == 0, 0.0, weak.tail * weak.largest / np.abs(weak.harmonic))
-        # A layer of the law between v = 0 and the first phase would pass unseen.
-        (everything,) = averages(scenes.law, scenes.V)
-        unseen = np.abs(weak.harmonic - everything)
-        resolution += np.where(unseen == 0, 0.0, unseen / np.abs(weak.harmonic))
-        distortion = strength * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
-        size = scenes.N * np.maximum(weak.largest, np.abs(everything))
-        next_order = np.where(distortion == 0, 0.0, distortion**4 * size / np.abs(value))
-    resolution = np.where(np.isfinite(value), resolution, np.inf)
-    return value, resolution, np.where(np.isnan(next_order), np.inf, next_order)
+    found = np.empty((3, len(scenes)))
+    (everything,) = averages(scenes.law, scenes.V)
+    size, rows = SMALLEST_GRID, np.arange(len(scenes))
+    while rows.size:
+        weak = expand(scenes.law, scenes.V[rows], grid=size)
+        strength, N = scenes.N[rows] / scenes.impedance[rows], scenes.N[rows]
+        with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
+            value = N * (weak.harmonic + strength**2 * weak.second)
+            # `tail` is relative to the largest slope.
+            resolution = np.where(weak.tail == 0, 0.0, weak.tail * weak.largest / np.abs(weak.harmonic))
+            # A layer of the law between v = 0 and the first phase would pass unseen.
+            unseen = np.abs(weak.harmonic - everything[rows])
+            resolution += np.where(unseen == 0, 0.0, unseen / np.abs(weak.harmonic))
+            distortion = strength * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
+            scale = N * np.maximum(weak.largest, np.abs(everything[rows]))
+            next_order = np.where(distortion == 0, 0.0, distortion**4 * scale / np.abs(value))
+        resolution = np.where(np.isfinite(value), resolution, np.inf)
+        found[:, rows] = value, resolution, np.where(np.isnan(next_order), np.inf, next_order)
+        coarse = ~weak.resolved & ~(resolution <= _RESOLVED * rtol)
+        hopeless = (rtol > 0) & ~(next_order <= _HOPELESS * rtol)
+        size, rows = 2 * size, rows[coarse & ~hopeless] if size < LARGEST_GRID else rows[:0]
+    return found[0], found[1], found[2]
 
 
 def _second_order(scenes: Scenes, rtol: float) -> Found:
-    value, resolution, next_order = second_order(scenes)
-    reason = f"1024 phases do not resolve the slope of mu to {rtol:g}"
-    return Found(value, resolution, reason, next_order + resolution + ROUNDING)
+    value, resolution, _ = second_order(scenes)
+    return Found(value, resolution, f"1024 phases do not resolve the slope of mu to {rtol:g}")
 
 
-def _on_orbit(scenes: Scenes, rtol: float) -> Found:
-    """Return the damping of the grazing orbit."""
-    found = orbits(scenes.law, scenes.V, scenes.N / scenes.impedance, rtol=rtol)
+def _weak(scenes: Scenes, rtol: float) -> Found:
+    value, resolution, next_order = second_order(scenes, rtol)
+    return Found(value, next_order + resolution + ROUNDING, "friction is too strong for its second order")
+
+
+def _on_orbit(scenes: Scenes, rtol: float, most_work: float | None = None) -> Found:
+    """Return the damping of the grazing orbit; with a bound on the work by collocation alone."""
+    strength, bound = scenes.N / scenes.impedance, most_work or np.inf
+    found = orbits(scenes.law, scenes.V, strength, rtol=rtol, most_work=bound, shots=most_work is None)
     value, error = found.d * scenes.impedance, found.relative_error
     reason = obstacle(scenes.law, scenes.V, float(found.lowest.min(initial=0.0)))
     if reason is not None:
         return Found(np.full_like(value, np.nan), np.full_like(error, np.inf), reason)
     reason = "friction is too strong, or its law not smooth enough at v = 0, for the bound on work"
     return Found(value, error, reason)
+
+
+def _small_orbit(scenes: Scenes, rtol: float) -> Found:
+    return _on_orbit(scenes, _PART * rtol, _QUICK[rtol < _FINE] * len(scenes))
 
 
 def _simulated(scenes: Scenes, rtol: float) -> Found:
@@ -303,12 +307,12 @@ def _proved(scenes: Scenes, rtol: float) -> Found:
 
 
 def _tighter(rtol: float) -> tuple[float, ...]:
-    return tuple(min(max(rtol * part, 1e-13), _LOOSEST) for part in _TIGHTER)
+    return tuple(dict.fromkeys(min(max(rtol * part, 1e-13), _LOOSEST) for part in _TIGHTER))  # none twice
 
 
-add(Rung("second_order", _second_order, Basis.DIFFERENCE, smooth=True, best=1.0))
+add(Rung("second_order", _second_order, Basis.DIFFERENCE, smooth=True, best=1.0, quickly=_weak))
 # The orbit's error is rounding where thresholds are near 0.
-add(Rung("orbit", _on_orbit, Basis.ESTIMATE, smooth=True, reachable=1e-9))
+add(Rung("orbit", _on_orbit, Basis.ESTIMATE, smooth=True, reachable=1e-9, quickly=_small_orbit))
 add(Rung("simulation", _simulated, Basis.ESTIMATE, singly=True, best=1e-10, loosest=1e-3, reachable=np.inf,
          attempts=_tighter))  # fmt: skip
 add(Rung("proof", _proved, Basis.BOUND, singly=True, automatic=False, tightest=1e-40, loosest=1e-3))

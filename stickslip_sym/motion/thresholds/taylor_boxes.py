@@ -133,6 +133,8 @@ def flow(field: Field, q: arb, w: arb, terms: int, *, start: bool = False) -> Fl
     before = ctx.cap
     try:
         coefficients = _series(field, q, w, terms, start)
+    except (ValueError, ZeroDivisionError) as error:  # a series is divided by one whose first ball holds 0
+        raise Undecided(f"the field has no power series around w = {w.str(6)}: {error}") from None
     finally:
         ctx.cap = before
     time = arb(float(rho) * _SHARE)

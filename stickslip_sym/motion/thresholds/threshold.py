@@ -223,10 +223,11 @@ def pure_slip_damping(
         Mass in kg and stiffness in N/m. Without them the error of an average of slopes is not known, unless
         mu is a straight line, which all methods treat exactly.
     method : str, Criterion or Rung
-        "auto" gives the cheapest rung whose error is known to be at most `rtol`, and climbs no further than is
-        needed to know it. Without m and k it gives "harmonic", the limit of weak friction. Otherwise a rung: by
-        name "equilibrium", "least_squares", "harmonic", "second_order", "orbit" or "simulation", or the average
-        by a criterion of one's own. "proof" encloses the threshold, with every error bounded.
+        "auto" gives the first value that knows its own error to be at most `rtol`, the cheapest rung first: to
+        know how far an average is off takes a closer value. Without m and k it gives "harmonic", the limit of weak
+        friction. Otherwise a rung: by name "equilibrium", "least_squares", "harmonic", "second_order", "orbit" or
+        "simulation", or the average by a criterion of one's own. "proof" encloses the threshold, with every error
+        bounded.
     rtol : float, optional
         Relative error that is good enough, 1e-13 to 1; for "simulation" at most 1e-3; for "proof" 1e-40 to 1e-3.
         If not given 1e-3, or with "auto" a tenth of the relative standard error that the parameters give c, if

@@ -152,10 +152,10 @@ def speed_power(unit):
 def test_arrays_each_scene_by_its_own_method():
     law = ss.laws.exponential.typical()
     V = np.array([[0.2, 0.5], [1.0, 4.0]])
-    found = ss.pure_slip_damping(law, **SCENE | {"V": V}, rtol=1e-2)
+    found = ss.pure_slip_damping(law, **SCENE | {"V": V}, rtol=1e-3)
     assert len(set(found.method.ravel())) > 1
     for place in np.ndindex(V.shape):
-        one = ss.pure_slip_damping(law, **SCENE | {"V": V[place]}, method=str(found.method[place]), rtol=1e-2)
+        one = ss.pure_slip_damping(law, **SCENE | {"V": V[place]}, method=str(found.method[place]), rtol=1e-3)
         for name, column in found.sensitivity.items():
             assert column.shape == V.shape
             assert column[place] == pytest.approx(one.sensitivity[name], rel=1e-12)
