@@ -13,8 +13,8 @@ import stickslip_sym as ss
 
 TOGETHER = {
     "claims": ("paper_checks/", "tests/whole/test_mutations.py", "tests/whole/test_package_mutations.py"),
-    "closed forms": ("tests/formula/evaluation/test_a", "tests/formula/export/", "tests/model/test_catalogue.py",
-                     "tests/output/test_latex.py"),
+    "closed forms": ("tests/formula/evaluation/test_accuracy.py", "tests/formula/evaluation/test_arguments.py",
+                     "tests/formula/export/", "tests/model/test_catalogue.py", "tests/output/test_latex.py"),
     "printed formulas": ("tests/output/test_printers.py",),
     "measured points": ("tests/model/test_samples.py",),
 }  # fmt: skip
@@ -23,7 +23,10 @@ TOGETHER = {
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Share out tests one by one, save those in `TOGETHER`, which come first."""
+    """Share out tests one by one, save those in `TOGETHER`, which come first.
+
+    The marks that pytest-xdist has for that do nothing with pytest 9.2.
+    """
     from xdist.scheduler import LoadScopeScheduling
 
     class Scheduling(LoadScopeScheduling):
