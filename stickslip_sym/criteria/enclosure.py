@@ -195,8 +195,8 @@ def enclose(
     bits = goal + _GUARD
     while True:
         with working_precision(bits):
-            value = ball(force).real * _per_force(law, criterion, speed)
-            if not value.is_finite():
+            value = _per_force(law, criterion, speed)
+            if value is None or not (value := ball(force).real * value).is_finite():
                 raise NotConverged(
                     f"the {criterion.name} criterion of {law.text} is not enclosed at V = {float(speed):g}"
                 )
@@ -205,8 +205,8 @@ def enclose(
         bits += min(max(goal - reached + _GUARD, bits // 8), _MOST_LOST)
 
 
-def _per_force(law: FrictionLaw, criterion: Criterion, speed: Expr) -> arb:
-    """Return c/N."""
+def _per_force(law: FrictionLaw, criterion: Criterion, speed: Expr) -> arb | None:
+    """Return c/N; None if mu has no finite ball at v = 0: no smaller and smaller interval there has one."""
     point = {law.parameters[name].symbol: value for name, value in law.values.items()}
     if criterion.weight is None:
         slope = sp.diff(branch_from(law.expr, point, speed), symbols.v)
@@ -214,7 +214,7 @@ def _per_force(law: FrictionLaw, criterion: Criterion, speed: Expr) -> arb:
     starts = [sp.Integer(0), *(place for place in law.kinks() if place < 2 * speed)]
     parts = [ball_function(branch_from(law.expr, point, start), symbols.v, point) for start in starts]
     if not parts[0](acb(0), False).is_finite():
-        return arb.nan()  # no panel that begins at v = 0 has a bound, however often it is halved
+        return None
     over = _over_speed if criterion.is_polynomial else _over_angle
     return over(parts, [*starts, 2 * speed], criterion, speed)
 
