@@ -11,13 +11,33 @@ import pytest
 
 import stickslip_sym as ss
 
+TOGETHER = {
+    "claims": ("paper_checks/", "tests/whole/test_mutations.py", "tests/whole/test_package_mutations.py"),
+    "closed forms": ("tests/formula/evaluation/test_accuracy.py", "tests/formula/evaluation/test_arguments.py",
+                     "tests/formula/export/", "tests/model/test_catalogue.py", "tests/output/test_latex.py"),
+    "printed formulas": ("tests/output/test_printers.py",),
+    "measured points": ("tests/model/test_samples.py",),
+}  # fmt: skip
+"""Tests that share orbits and proofs, closed forms, or draws: one process makes them, once."""
 
-@pytest.hookimpl(tryfirst=True)  # before pytest-xdist looks at the groups
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Share out tests one by one, save those in `TOGETHER`, which come first.
+
+    The marks that pytest-xdist has for that do nothing with pytest 9.2.
+    """
+    from xdist.scheduler import LoadScopeScheduling
+
+    class Scheduling(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            return next((name for name, places in TOGETHER.items() if nodeid.startswith(places)), nodeid)
+
+    return Scheduling(config, log)
+
+
 def pytest_collection_modifyitems(items):
-    """Let one process check the claims, which share orbits and proofs; begin with the tests that take longest."""
-    for item in items:
-        if item.get_closest_marker("claim"):
-            item.add_marker(pytest.mark.xdist_group("claims"))
+    """Begin with the tests that take longest, so that no process is left alone with one at the end."""
     items.sort(key=lambda item: item.path.parent.name != "whole")
 
 

@@ -226,11 +226,9 @@ def test_ctrl_c_ends_every_command_quietly(name, monkeypatch, capsys, tmp_path):
 
 
 WRITERS = """
-import gc, os, sys
-import stickslip_sym.comparison.crosscheck, stickslip_sym.comparison.study.parts  # once for all, and
-import stickslip_sym.model.laws, stickslip_sym.motion.maps.motions, lmfit  # what they stand on
+import gc, os, sys, lmfit, stickslip_sym.comparison.crosscheck, stickslip_sym.comparison.study.parts
 from stickslip_sym.cli.program import main
-gc.freeze()  # else each child's collector copies all of it
+gc.freeze()  # what was imported, once for all: else the collector of each child copies it
 for line in sys.argv[1:]:
     if (child := os.fork()) == 0:
         sys.argv = ["stickslip", *line.split()]

@@ -4,13 +4,12 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from forms import FORMS, IN_ONE_PROCESS, LAWS, WITHOUT, form_of, with_forms
+from forms import FORMS, LAWS, WITHOUT, form_of, with_forms
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.model.expression.units import with_units
 
-pytestmark = IN_ONE_PROCESS
 SPEEDS = np.array([1e-3, 0.03, 0.2, 0.5, 1.0, 3.0])
 
 

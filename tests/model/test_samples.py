@@ -64,8 +64,12 @@ def test_its_criteria_are_exact_closed_forms(law, form, criterion):
     for V in ("0.01", "0.13", "0.6"):  # within the first piece, across some, across all
         exact = form.evaluate(40, V=V, N="9.81")
         with mpmath.workdps(40):
-            expected = ss.quadrature.damping(law, criterion, V=V, N="9.81", digits=40)
-            assert abs(exact - expected) <= abs(expected) * mpmath.mpf(10) ** -37
+            middle = ss.enclose(law, criterion, V=V, N="9.81", digits=40).mid
+            expected = [mpmath.mpf(middle.numerator) / middle.denominator]
+            if V == "0.13":  # by quadrature too, which takes longer
+                expected.append(ss.quadrature.damping(law, criterion, V=V, N="9.81", digits=40))
+            for one in expected:
+                assert abs(exact - one) <= abs(one) * mpmath.mpf(10) ** -37
         assert form(V=float(V), N=9.81) == pytest.approx(float(exact), rel=1e-12)
 
 

@@ -7,14 +7,13 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from forms import IN_ONE_PROCESS, agrees, form_of
+from forms import agrees, form_of
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.output import layout, printing
 from stickslip_sym.output.notation import latex_name, notation_of
 
-pytestmark = IN_ONE_PROCESS
 V, N, v = symbols.V, symbols.N, symbols.v
 a, b, mu_s, mu_m, alpha = (sp.Symbol(name, positive=True) for name in ("a", "b", "mu_s", "mu_m", "alpha"))
 

@@ -46,14 +46,7 @@ def draws(batch, plain=False):
     return found
 
 
-def group(batch):
-    """The tests of one batch run in one process, which draws its formulas once."""
-    return pytest.mark.xdist_group(f"printed formulas {batch}")
-
-
-batches = pytest.mark.parametrize(
-    "batch", [pytest.param(i, marks=group(i)) for i in range(max(COUNT // BATCH, 1))]
-)
+batches = pytest.mark.parametrize("batch", range(max(COUNT // BATCH, 1)))
 
 
 def agrees(got, expected):
@@ -108,7 +101,6 @@ def too_long(shown):
     return f"<i>a formula of {len(shown)} characters of LaTeX</i>"
 
 
-@group(0)
 @pytest.mark.parametrize("module", [latex_printer, text_printer])
 def test_a_printer_that_drops_brackets_is_caught(module, monkeypatch):
     """The negative control: without the brackets of sums and quotients many formulas have another value."""
@@ -282,7 +274,6 @@ def test_whole_numbers_are_divided_as_others_are(run, dialect, tmp_path, monkeyp
         assert got == pytest.approx(expected, rel=1e-15), f"{expr!r}\n{text}"
 
 
-@group(0)
 def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
     monkeypatch.setattr(python._Python, "parenthesize", lambda self, item, *_, **__: self._print(item))
     found = zip(written(python.dialect, 0), by_python(0, tmp_path), strict=True)

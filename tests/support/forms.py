@@ -4,7 +4,6 @@ from functools import cache
 
 import latex_reader
 import mpmath
-import pytest
 import sympy as sp
 
 import stickslip_sym as ss
@@ -29,8 +28,6 @@ def with_forms(criterion):
 
 FORMS = [(name, criterion) for criterion in WITHOUT for name in with_forms(criterion)]
 """Each law and criterion with a closed form."""
-IN_ONE_PROCESS = pytest.mark.xdist_group("closed forms")
-"""Of all tests that use them: each is derived, and its branches are found, once."""
 
 
 def point_of(form, number):

@@ -19,7 +19,6 @@ from paper_checks.printed import PRINTED, acceleration, displacement, kinetic, r
 from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, u
 from stickslip_sym.criteria.enclosure import Enclosure
 
-pytestmark = pytest.mark.xdist_group("claims")
 OVER_SPEEDS = ("F6", "F7")
 """Claims that take a proof at each of a hundred belt speeds, which is done elsewhere."""
 

@@ -12,7 +12,6 @@ from paper_checks import proved, scene, test_numbers
 from paper_checks.claims import CLAIMS
 from paper_checks.printed import PRINTED
 
-pytestmark = pytest.mark.xdist_group("claims")
 MODULES = {proved, scene, *(sys.modules[check.__module__] for check in CHECKS.values())}
 
 SCANNED = 2.574

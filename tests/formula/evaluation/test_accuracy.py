@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 import sympy as sp
 from accuracy import MOST_UNITS, MOST_UNITS_BY_GAUSS, MOST_UNITS_OF_THE_PAPER, by_definition, compiled
-from forms import FORMS, IN_ONE_PROCESS, NO_HARMONIC, NO_LEAST_SQUARES, form_of
+from forms import FORMS, NO_HARMONIC, NO_LEAST_SQUARES, form_of
 
 import stickslip_sym as ss
 from derivations import paper
 
-pytestmark = IN_ONE_PROCESS
 PAPER = ("exponential", "polynomial")
 SLOW_REFERENCE = {
     "tanh",

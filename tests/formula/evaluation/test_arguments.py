@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from forms import IN_ONE_PROCESS, form_of
+from forms import form_of
 
 import stickslip_sym as ss
 
-pytestmark = IN_ONE_PROCESS
 SAME = 4 * 2.0**-52  # an array multiplies in another order than a number does
 
 

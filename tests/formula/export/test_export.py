@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 from accuracy import MOST_UNITS, compiled
 from commands import stickslip
-from forms import IN_ONE_PROCESS, NO_LEAST_SQUARES, agrees, form_of
+from forms import NO_LEAST_SQUARES, agrees, form_of
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.formula.export import limits
 
-pytestmark = IN_ONE_PROCESS
 FEW = [
     ("exponential", "least_squares"), ("exponential_viscous", "harmonic"), ("gaussian", "least_squares"),
     ("stribeck", "least_squares"), ("tanh", "least_squares"), ("hyperbolic", "equilibrium"),

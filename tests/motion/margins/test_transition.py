@@ -32,12 +32,12 @@ def test_crossings_are_changes_of_sign_and_lone_zeros():
     """Of lines through -1, 0 and 1; a zero at an end or beside another is a threshold too small for its digits."""
     rng = np.random.default_rng(8)
     for n in (*rng.integers(2, 9, 60), 3):
-        x, off = np.arange(float(n)), rng.integers(-1, 2, n).astype(float)
-        search = search_of(lambda V, x=x, off=off: np.interp(np.log(V), x, off), 0.0)
-        expected = [x[i] + 0.5 for i in range(n - 1) if off[i] * off[i + 1] < 0]
-        expected += [x[i] for i in range(1, n - 1) if off[i] == 0 and off[i - 1] != 0 and off[i + 1] != 0]
-        found = np.log(search.crossings(rungs()["orbit"], np.exp(x)))
-        assert sorted(found) == pytest.approx(sorted(expected), abs=1e-12)
+        V, off = np.exp(np.arange(float(n))), rng.integers(-1, 2, n).astype(float)
+        search = search_of(lambda given, V=V, off=off: np.interp(given, V, off), 0.0)
+        expected = [(V[i] + V[i + 1]) / 2 for i in range(n - 1) if off[i] * off[i + 1] < 0]
+        expected += [V[i] for i in range(1, n - 1) if off[i] == 0 and off[i - 1] != 0 and off[i + 1] != 0]
+        found = search.crossings(rungs()["orbit"], V)
+        assert sorted(found) == pytest.approx(sorted(expected), rel=1e-12)
 
 
 def test_two_crossings_between_neighbours_of_a_grid_are_found():
