@@ -12,24 +12,20 @@ So both ways to the middle are steady where one way round is not.
 Damping rotates the field of directions one way, so the mismatch log(u_f/u_b), a straight line for weak friction,
 falls with d and has one root. Its slope follows along: a small deviation across either half obeys
 M' = (g - d) M + u^2, M = 0 at the start, and du/dd = -M/u at w = 1. A half that creeps to rest, forwards with too
-much damping or backwards with too little, ends with u = 0. The steps are those of DOP853, the explicit
-Runge-Kutta method of order 8.
+much damping or backwards with too little, ends with u = 0.
 """
 
 from dataclasses import dataclass, fields
 
 import numpy as np
-from scipy.integrate import DOP853
 
 from stickslip_sym.core.aliases import FloatArray, Rows
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.motion.orbits.expansion import Slope
+from stickslip_sym.motion.orbits.steps import EXPONENT, error_of, take_step
 
 __all__ = ["Shots", "shoot"]
 
-_A, _B = np.array(DOP853.A), np.array(DOP853.B)
-_ERRORS = np.array([DOP853.E5[:-1], DOP853.E3[:-1]])  # the rates at the end of a step have no share
-_EXPONENT = -1 / (DOP853.error_estimator_order + 1)
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 5.0
 _FIRST, _LONGEST = 1e-3, 0.5  # steps, in 1/omega; the longest one is a small part of a half
 _STAGES = ((1e-5, 3e-2), (1e-9, 1e-4), (3e-14, 1e-11))
@@ -182,7 +178,7 @@ def _halves(scenes: _Scenes, d: FloatArray, rtol: float) -> _Halves:
         some, before, h, way = scenes.rows(active), state[:, active], length[active], forwards[active]
         after, error = _step(some, before, d[active], way * h, rtol)
         sound = error < 1
-        factor = np.clip(_SAFETY * np.maximum(error, _TINY) ** _EXPONENT, _LEAST, np.where(sound, _MOST, 1.0))
+        factor = np.clip(_SAFETY * np.maximum(error, _TINY) ** EXPONENT, _LEAST, np.where(sound, _MOST, 1.0))
         ended = sound & (way * before[0] > way) & (way * after[0] <= way)  # within this step
         arrives[active] = ended
         passes = sound & (before[1] >= 0) & (after[1] < 0) & (way > 0)
@@ -233,14 +229,7 @@ def _step(
     scenes: _Scenes, state: FloatArray, d: FloatArray, h: FloatArray, rtol: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return the state after a step, and the step's error over the tolerance: infinite where there is no value."""
-    rates = np.empty((12, *state.shape))
-    flat = rates.reshape(12, -1)
-    for stage in range(12):
-        moved = state + h * (_A[stage, :stage] @ flat[:stage]).reshape(state.shape) if stage else state
-        scenes.rates(moved, d, rates[stage])
-    after = state + h * (_B @ flat).reshape(state.shape)
+    after, estimates = take_step(lambda moved, into: scenes.rates(moved, d, into), state, h)
     size = rtol * (_SMALL + np.maximum(np.abs(state[:2]), np.abs(after[:2])))
-    fifth, third = ((((row @ flat).reshape(state.shape)[:2] / size) ** 2).sum(axis=0) for row in _ERRORS)
-    both = fifth + 0.01 * third
-    error = np.where(both > 0, np.abs(h) * fifth / np.sqrt(2 * np.where(both > 0, both, 1.0)), 0.0)
+    error = error_of(estimates[:, :2], size, h)
     return after, np.where(np.isfinite(after).all(axis=0) & np.isfinite(error), error, np.inf)

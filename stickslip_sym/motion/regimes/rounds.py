@@ -1,8 +1,8 @@
 """Slip of many oscillators at once, each from a start of its own to the end of a round or a part of it.
 
-All of them take steps of time together, by DOP853, the explicit Runge-Kutta method of order 8, each of its own
-length. A call on an array costs about as much as one on a number, so what one orbit costs falls with their
-count. The equations are those of `Scene`, for a mass slower than the belt:
+All of them take steps of time together, each of its own length. A call on an array costs about as much as one on
+a number, so what one orbit costs falls with their count. The equations are those of `Scene`, for a mass slower
+than the belt:
 
     q' = 1 - w,    w' = eta (mu_static - mu(V w)) + q - 2 zeta w.
 
@@ -14,18 +14,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.integrate import DOP853
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.deadline import check_time
+from stickslip_sym.motion.orbits.steps import EXPONENT, error_of, take_step
 
 __all__ = ["AWAY", "CREEPS", "LOST", "RETURN", "TURN", "Arrivals", "Family", "arrive"]
 
 LOST, TURN, RETURN, CREEPS, AWAY = range(5)
 """How a slip ends: not known, at a minimum of w, at the level asked for, on its way to rest, or ever faster."""
-_A, _B, _ORDER = np.array(DOP853.A), np.array(DOP853.B), DOP853.error_estimator_order
-_ERRORS = np.array([DOP853.E5[:-1], DOP853.E3[:-1]])  # the rates at the end of a step have no share
-_STAGES = len(_B)
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 6.0
 _FIRST, _LONGEST = 0.02, 0.4  # steps of time; at the longest one no extremum of w is passed over
 _SHORTEST = 1e-11  # step
@@ -148,7 +145,7 @@ class _Slips:
             after, error = some._step(state, rates, piece, h)
             later = some._rates(after, piece)
             sound = error < 1
-            factor = np.clip(_SAFETY * np.maximum(error, _LEAST_ERROR) ** (-1 / (_ORDER + 1)), _LEAST, _MOST)
+            factor = np.clip(_SAFETY * np.maximum(error, _LEAST_ERROR) ** EXPONENT, _LEAST, _MOST)
             factor = np.where(sound, factor, np.minimum(factor, _SAFETY))
             if some.kinks:
                 shorter = some._to_kink(state, rates, after, later, piece, h)
@@ -194,15 +191,10 @@ class _Slips:
         self, state: FloatArray, rates: FloatArray, piece: IntArray, h: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return the state after a step, and the step's error over the tolerance: infinite where there is none."""
-        stages = np.empty((_STAGES, *state.shape))
-        flat = stages.reshape(_STAGES, -1)
-        stages[0] = rates
-        for i in range(1, _STAGES):
-            stages[i] = self._rates(state + h * (_A[i, :i] @ flat[:i]).reshape(state.shape), piece)
-        after = state + h * (_B @ flat).reshape(state.shape)
-        fifth, third = ((_ERRORS @ flat).reshape(2, *state.shape) ** 2).sum(axis=1)
-        both = fifth + 0.01 * third
-        error = h * fifth / np.sqrt(2 * np.where(both > 0, both, 1.0)) / self.size
+        after, estimates = take_step(
+            lambda moved, into: np.copyto(into, self._rates(moved, piece)), state, h, first=rates
+        )
+        error = error_of(estimates, self.size, h)
         return after, np.where(np.isfinite(error) & np.isfinite(after[1]), error, np.inf)
 
     # -- kinks -------------------------------------------------------------------------------------

@@ -238,9 +238,9 @@ def second_order(scenes: Scenes, rtol: float = 0.0) -> tuple[FloatArray, FloatAr
     (everything,) = averages(scenes.law, scenes.V)
     size, rows = SMALLEST_GRID, np.arange(len(scenes))
     while rows.size:
-        weak = expand(scenes.law, scenes.V[rows], grid=size)
         strength, N = scenes.N[rows] / scenes.impedance[rows], scenes.N[rows]
         with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
+            weak = expand(scenes.law, scenes.V[rows], grid=size)
             value = N * (weak.harmonic + strength**2 * weak.second)
             # `tail` is relative to the largest slope.
             resolution = np.where(weak.tail == 0, 0.0, weak.tail * weak.largest / np.abs(weak.harmonic))
