@@ -5,8 +5,6 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from stickslip_sym.core import symbols
 from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
@@ -50,6 +48,8 @@ def symbolic_limit_at_rest(expr: Expr) -> Expr:
 
 def _reals(values: Any) -> FloatArray:
     """Return values that a function of NumPy gives as real numbers, NaN where they are complex."""
+    import numpy as np  # here: a formula is derived without it
+
     if np.iscomplexobj(values):
         return np.where(np.isreal(values), np.real(values), np.nan)
     return np.asarray(values, dtype=np.float64)
@@ -180,6 +180,8 @@ class Coefficient:
             return found if math.isfinite(found) else float(plain(v)) - onset
 
         def all_risen(v: FloatArray) -> FloatArray:
+            import numpy as np
+
             found = _reals(compiled(v)) + before
             lost = ~np.isfinite(found)
             return np.where(lost, _reals(plain(v)) - onset, found) if lost.any() else found

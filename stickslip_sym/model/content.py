@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
-
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact
 from stickslip_sym.core.uncertain import UFloat
@@ -90,6 +88,7 @@ def _errors_out(uncertain: Mapping[str, UFloat]) -> dict[str, object]:
 
 def _errors_in(content: dict[str, Any], law: FrictionLaw) -> dict[str, UFloat]:
     """Return the values of a law that carry a standard error, correlated as they were."""
+    import numpy as np  # here: a formula is derived without it
     from uncertainties import correlated_values_norm, ufloat
 
     pairs = {name: (float(law.values[name]), float(error)) for name, error in content["standard"].items()}

@@ -52,7 +52,7 @@ def test_three_instruments_give_the_same_fit(name, tmp_path, monkeypatch, capsys
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("0.0061,", "0.0061;"), "line 4, column 1, 'v [m/s]': the row has 1 columns"),
+        (("0.0061,", "0.0061;"), "line 4, column 1, 'v [m/s]': the row has 1 column,"),
         (("v [m/s]", "v [rpm]"), "line 1, column 1, 'v [rpm]': the unit 'rpm' is not known"),
         ((",mu\n", ",load [N]\n"), "line 1: got 'v [m/s],load [N]'"),
         (("1.5,", "1.5,n/a "), "column 2, 'mu': a finite number is needed, like 0.35; got 'n/a"),

@@ -2,6 +2,7 @@
 
 import pickle
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -67,7 +68,7 @@ CALLS = {
     "limit_cycles": lambda law, osc, **limit: ss.limit_cycles(law, osc, **limit),
     "classify": lambda law, osc, **limit: ss.classify(law, osc, rtol=1e-13, **limit),
     "stick_slip_cycle": lambda law, osc, **limit: ss.stick_slip_cycle(law, osc, rtol=1e-13, **limit),
-    "simulate": lambda law, osc, **limit: ss.simulate(law, osc, t_end=1e5, **limit),
+    "simulate": lambda law, osc, **limit: ss.simulate(law, replace(osc, c=1.98), t_end=1e5, v0=0.0, **limit),
     "basin_map": lambda law, osc, **limit: ss.basin_map(
         law, osc, x0=np.linspace(0, 1, 30), v0=np.linspace(-1, 1, 30), **limit
     ),
@@ -148,6 +149,20 @@ def test_an_unfinished_map_goes_on_from_its_checkpoint(tmp_path):
     whole = draw()
     assert not (whole.reason == Reason.TIME).any()
     assert (draw(time_limit=0).motion == whole.motion).all()  # all is kept now
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.02])
+def test_unfinished_maps_are_the_same_request(seconds, tmp_path):
+    """Of a law for which collocation is tried in vain, and of starts that geometry settles if there is time."""
+    law = ss.laws.logarithmic.typical()
+    plane = {"x": ("V", [0.3, 0.5, 0.7]), "y": ("c", [1.0, 3.0]), "N": 9.81, "m": 1, "k": 100}
+    starts = {"x0": np.linspace(-0.05, 0.1, 4), "v0": np.linspace(0, 0.4, 3)}
+    for draw in (
+        lambda **more: ss.motion_map(law, **plane, checkpoint=tmp_path / "map", **more),
+        lambda **more: ss.basin_map(law, paper_oscillator(1.0), **starts, checkpoint=tmp_path / "basins", **more),
+    ):
+        draw(time_limit=seconds)
+        assert (draw().motion == draw().motion).all()
 
 
 def test_what_is_left_of_the_time_goes_to_other_processes():

@@ -18,12 +18,12 @@ def slow_square(number):
     return number * number
 
 
-def slow_line(task):
-    """Decide a line of a map, slowly enough to be killed at it."""
+def slow_lines(tasks):
+    """Decide lines of a map, slowly enough to be killed at it."""
     from stickslip_sym.motion.maps.lines import decide_lines
 
     time.sleep(0.1)
-    return decide_lines(task)
+    return decide_lines(tasks)
 
 
 def die_once(task):

@@ -8,8 +8,9 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from families import family_of
 from scenes import paper_oscillator
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, solve_ivp
 from sympy.parsing.sympy_parser import implicit_multiplication, parse_expr, standard_transformations
 
 import stickslip_sym as ss
@@ -134,6 +135,41 @@ def check_stages():
     assert found[1] == pytest.approx(expected[1], rel=1e-13)
 
 
+def check_family():
+    """The rate of w of several oscillators at once is that of each."""
+    V, eta, zeta, q, w = np.random.default_rng(10).uniform(0.1, 2.0, (5, 9))
+    family = family_of(LAW, V, eta)
+    rates = family.friction(w, family.piece(w)) + q - 2 * zeta * w
+    for i, rate in enumerate(rates):
+        osc = ss.Oscillator(m=1, k=1, c=2 * zeta[i], V=V[i], N=eta[i] * V[i])
+        assert rate == pytest.approx(Scene.of(LAW, osc).acceleration(q[i], w[i], 1), rel=1e-12)
+
+
+def check_touch():
+    """Half-way from P and from the touch, by SciPy: the same at the threshold; apart at the rate pi."""
+
+    def mismatch(eta, zeta):
+        def rates(_, state):
+            q, w = state
+            return 1 - w, eta * (LAW.mu(0.0) - LAW.mu(0.5 * abs(w))) + q - 2 * zeta * w
+
+        def away(time):  # from rest, where w = 1
+            def half(_, state):
+                return state[1] - 1
+
+            half.terminal, half.direction = True, -np.sign(time)  # after the highest w, or before it
+            found = solve_ivp(rates, (0, time), (0.0, 0.0), events=half, rtol=1e-11, atol=1e-12)
+            return abs(found.y_events[0][0][0] - (2 * zeta - eta * (LAW.mu(0.0) - LAW.mu(0.5))))
+
+        forward, back = away(10.0), away(-10.0)
+        return (forward - back) / (forward + back)
+
+    threshold = ss.pure_slip_damping(LAW, V=0.5, N=0.5, m=1, k=1, method="orbit").value / 2
+    assert abs(mismatch(1.0, threshold)) < 1e-9
+    assert mismatch(1.0, threshold + 0.01) < -0.01 < 0.01 < mismatch(1.0, threshold - 0.01)
+    assert (mismatch(1e-9, 1e-4) - mismatch(1e-9, -1e-4)) / 2e-4 == pytest.approx(-np.pi, rel=1e-5)
+
+
 CHECKS = {
     "c = N <-mu'(V(1 + s))>_w = -N * integral_{-1}^{1} w(s) mu'(V(1 + s)) ds,    integral of w = 1.":
         check_slope_average,
@@ -146,6 +182,8 @@ CHECKS = {
     "dq/dw = (1 - w)/w',    w' = eta (mu_static - mu(V w)) + q - 2 zeta w.": check_levels,
     "w_i = w + h sum_j A_ij w'_j,    side q_i = side q + c_i h (side - w) - h^2 sum_j (A^2)_ij w'_j.":
         check_stages,
+    "q' = 1 - w,    w' = eta (mu_static - mu(V w)) + q - 2 zeta w.": check_family,
+    "F(zeta) = (q_f - q_b)/(q_f + q_b)": check_touch,
 }  # fmt: skip
 
 

@@ -175,6 +175,8 @@ def basin_map(
         chosen = (settled < 0) | _sample(settled)
         rows = np.flatnonzero(chosen.any(axis=1))
         tasks = [request | {"v0": float(speeds[row]), "x0": places[chosen[row]].tolist()} for row in rows]
+        if deadline.time_left() <= 0:  # what geometry settles is not known, and nothing will be done
+            checkpoint = None
         lines = collect(classify_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
         share = None
         if sides is not None and min(places.size, speeds.size) > 1:

@@ -1,6 +1,6 @@
 """Results kept in a file as they come, so that a run that was killed goes on where it stopped.
 
-The first line tells the request by its digest, every other line is one finished chunk. Lines are appended whole;
+The first line tells the request by its digest, every other line is one finished task. Lines are appended whole;
 a last one that was torn by a kill is dropped.
 """
 
@@ -37,6 +37,7 @@ def collect(
     function: Function,
     tasks: Sequence[Plain],
     *,
+    together: int | None = None,
     workers: Workers = 1,
     checkpoint: str | Path | None = None,
     progress: Progress | None = None,
@@ -44,7 +45,8 @@ def collect(
     """Return the results of all tasks, in order.
 
     - `function`: at the top level of a module; takes a task, and returns what JSON holds.
-    - `tasks`: what JSON holds; together they are the request.
+    - `tasks`: what JSON holds; all of them are the request.
+    - `together`: how many tasks the function takes as a list, to return a list; if not given, one as it is.
     - `checkpoint`: a file of an earlier run of the same request, or a new one.
     - `progress`: called with the number of finished tasks and of all.
 
@@ -58,11 +60,17 @@ def collect(
             request = {"format": _FORMAT, "request": _digest(function, tasks), "chunks": len(tasks)}
             found = file.resume(request, len(tasks))
         told(len(found), len(tasks))
-        left = [index for index in range(len(tasks)) if index not in found]
-        for place, result in run(limited(function), [tasks[index] for index in left], workers):
-            if file is not None and not (isinstance(result, dict) and result.get(UNFINISHED)):
-                file.keep(left[place], result)
-            found[left[place]] = result
+        # The same tasks go together in every run: where they differ in the last digit, it is not by chance.
+        parts = [range(len(tasks))[i : i + (together or 1)] for i in range(0, len(tasks), together or 1)]
+        left = [part for part in parts if not found.keys() >= set(part)]
+        given = [tasks[part[0]] if together is None else [tasks[i] for i in part] for part in left]
+        for place, results in run(limited(function), given, workers):
+            for index, result in zip(left[place], [results] if together is None else results, strict=True):
+                if index in found:
+                    continue
+                if file is not None and not (isinstance(result, dict) and result.get(UNFINISHED)):
+                    file.keep(index, result)
+                found[index] = result
             told(len(found), len(tasks))
     return [found[index] for index in range(len(tasks))]
 

@@ -16,30 +16,25 @@ from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Plain
 from stickslip_sym.motion.maps.columns import by_collocation
 from stickslip_sym.motion.maps.together import Asked, alone, decide_together
 
-__all__ = ["decide_lines", "tasks_of"]
+__all__ = ["decide_lines", "lines_together", "tasks_of"]
 
 _CELLS = 300  # that are decided at once, where that costs less than one by one
 
 
 def tasks_of(law: str, lines: list[dict[str, float]], along: str, values: list[float], rtol: float) -> list[Plain]:
-    """Return the tasks that a map consists of, for `decide_lines`.
+    """Return the tasks that a map consists of, a line each, for `decide_lines`.
 
     - `law`: as text.
     - `lines`: for each line the values of quantities and parameters.
     - `along, values`: another quantity or parameter, and its values.
     """
-    singly = along == "c" and _by_collocation(law, lines[len(lines) // 2])
-    request = {"law": law, "along": along, "values": values, "rtol": rtol, "singly": singly}
-    count = 1 if singly else max(1, _CELLS // len(values))
-    return [request | {"lines": lines[i : i + count]} for i in range(0, len(lines), count)]
+    request = {"law": law, "along": along, "values": values, "rtol": rtol}
+    return [request | {"line": line} for line in lines]
 
 
-def _by_collocation(text: str, values: dict[str, float]) -> bool:
-    """Tell whether collocation decides the dampings of a scene, and so is likely to do of its neighbours."""
-    try:
-        return by_collocation(*_scene(text, values))
-    except StickSlipError:
-        return False
+def lines_together(values: int) -> int:
+    """Return how many lines of so many values `decide_lines` is given at once."""
+    return max(1, _CELLS // values)
 
 
 def _scene(text: str, values: dict[str, float]) -> tuple[FrictionLaw, Oscillator]:
@@ -52,29 +47,35 @@ def _law(text: str, values: tuple[tuple[str, float], ...]) -> FrictionLaw:
     return law_of_text(text).bind(**dict(values))
 
 
-def decide_lines(task: Plain) -> Plain:
+def decide_lines(tasks: list[Plain]) -> list[Plain]:
     """Decide the cells along some lines of a map: plain content in, plain content out.
 
-    - `task`: "law": a law as text; "lines": for each the values of quantities and parameters; "along": the name of
-      another one, and its "values"; "rtol"; "singly": whether collocation is tried, scene by scene.
+    - `tasks`: "law": a law as text; "line": the values of quantities and parameters; "along": the name of another
+      one, and its "values"; "rtol". They differ in the line.
 
-    Returns "lines", each with lists by the names in `Cells`; thresholds have one entry if the lines are along c,
-      else one a cell.
+    Returns for each line lists by the names in `Cells`; thresholds have one entry if the lines are along c, else
+      one a cell.
     """
-    along, values = task["along"], task["values"]
+    along, values = tasks[0]["along"], tasks[0]["values"]
     places, scenes = list[int](), list[tuple[dict[str, float], list[float]]]()
-    for i, fixed in enumerate(task["lines"]):
+    for i, task in enumerate(tasks):
+        fixed = task["line"]
         whole = [(fixed, values)]
         parts = whole if along == "c" else [(fixed | {along: value}, [fixed["c"]]) for value in values]
         scenes += parts
         places += [i] * len(parts)
-    found = _decided(task, scenes)
-    lines = [
-        _line([cells for line, cells in zip(places, found, strict=True) if line == i])
-        for i in range(len(task["lines"]))
+    found = _decided(tasks[0], scenes, singly=along == "c" and _by_collocation(tasks[len(tasks) // 2]))
+    return [
+        _line([cells for line, cells in zip(places, found, strict=True) if line == i]) for i in range(len(tasks))
     ]
-    late = REASONS.index(Reason.TIME)
-    return {"lines": lines, UNFINISHED: any(late in line["reason"] for line in lines)}
+
+
+def _by_collocation(task: Plain) -> bool:
+    """Tell whether collocation decides the dampings of a line, and so is likely to do of its neighbours."""
+    try:
+        return by_collocation(*_scene(task["law"], task["line"]))
+    except StickSlipError:
+        return False
 
 
 def _line(parts: list[Cells]) -> Plain:
@@ -88,11 +89,15 @@ def _line(parts: list[Cells]) -> Plain:
     line["notes"] = [
         [start + i, text] for start, cells in zip(starts, parts, strict=True) for i, text in cells.notes.items()
     ]
+    line[UNFINISHED] = REASONS.index(Reason.TIME) in line["reason"]
     return line
 
 
-def _decided(task: Plain, scenes: list[tuple[dict[str, float], list[float]]]) -> list[Cells]:
-    """Decide the cells of some scenes."""
+def _decided(task: Plain, scenes: list[tuple[dict[str, float], list[float]]], *, singly: bool) -> list[Cells]:
+    """Decide the cells of some scenes.
+
+    - `singly`: try collocation, scene by scene.
+    """
     found: dict[int, Cells] = {}
     asked: dict[int, Asked] = {}
     for i, (values, c) in enumerate(scenes):
@@ -101,7 +106,7 @@ def _decided(task: Plain, scenes: list[tuple[dict[str, float], list[float]]]) ->
             asked[i] = Asked(*_scene(task["law"], values), np.array(c))
         except StickSlipError as error:
             found[i] = Cells.failed(len(c), error)
-    for i in [i for i, one in asked.items() if task["singly"] and by_collocation(one.law, one.osc)]:
+    for i in [i for i, one in asked.items() if singly and by_collocation(one.law, one.osc)]:
         found[i] = alone(asked.pop(i), rtol=task["rtol"])
     found |= dict(zip(asked, decide_together(list(asked.values()), rtol=task["rtol"]), strict=True))
     return [found[i] for i in range(len(scenes))]

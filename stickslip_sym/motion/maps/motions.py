@@ -16,7 +16,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.maps.axes import Axis, AxisValues, fixed_values, read_axes
 from stickslip_sym.motion.maps.cells import CURVES, MOTIONS, REASONS, Attractor, Reason
 from stickslip_sym.motion.maps.checkpoint import Progress, collect
-from stickslip_sym.motion.maps.lines import decide_lines, tasks_of
+from stickslip_sym.motion.maps.lines import decide_lines, lines_together, tasks_of
 from stickslip_sym.motion.maps.workers import Workers
 from stickslip_sym.motion.regimes.classification import Motion
 from stickslip_sym.output import drawing, files, markup
@@ -168,8 +168,8 @@ def motion_map(
     workers : int or map-like callable
         A number of processes, -1 for all processors, or a function such as ``pool.map``; results are the same.
     checkpoint : str or Path, optional
-        A file in which finished lines of cells are kept, those that are decided together at once; a run that was
-        killed goes on from it.
+        A file in which finished lines of cells are kept, about 300 cells at once; a run that was killed goes on
+        from it.
     progress : callable, optional
         Called with the number of lines that are done, and of all.
     time_limit : float, optional
@@ -202,15 +202,16 @@ def motion_map(
     turned = axes[0].name == "c"
     across, along = (axes[1], axes[0]) if turned else axes
     lines = [fixed | {across.name: value} for value in across.values.tolist()]
+    tasks = tasks_of(text_of_law(bound), lines, along.name, along.values.tolist(), rtol)
     with deadline.time_limit(time_limit):
-        tasks = tasks_of(text_of_law(bound), lines, along.name, along.values.tolist(), rtol)
-
-        def told(done: int, _: int) -> None:
-            if progress is not None:
-                progress(min(done * len(tasks[0]["lines"]), len(lines)), len(lines))
-
-        parts = collect(decide_lines, tasks, workers=workers, checkpoint=checkpoint, progress=told)
-    found_lines = [line for part in parts for line in part["lines"]]
+        found_lines = collect(
+            decide_lines,
+            tasks,
+            together=lines_together(along.values.size),
+            workers=workers,
+            checkpoint=checkpoint,
+            progress=progress,
+        )
 
     def grid(name: str, read: Callable[[Any], Any], dtype: Any) -> Any:
         array = np.array([[read(entry) for entry in line[name]] for line in found_lines], dtype=dtype)

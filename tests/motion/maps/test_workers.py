@@ -11,12 +11,12 @@ import time
 import numpy as np
 import pytest
 from commands import started
-from parallel_tasks import KILL, die_once, slow_line, slow_square, square
+from parallel_tasks import KILL, die_once, slow_lines, slow_square, square
 from systems import needs_groups
 
 import stickslip_sym as ss
 from stickslip_sym.cli import map
-from stickslip_sym.motion.maps import checkpoint, workers
+from stickslip_sym.motion.maps import checkpoint, lines, workers
 
 LAW = ss.laws.exponential.typical()
 PLANE = {"x": ("V", np.linspace(0.2, 0.8, 7)), "y": ("c", np.linspace(0.5, 6, 12)), "N": 9.81, "m": 1, "k": 100}
@@ -32,8 +32,15 @@ def same(one, other):
     )
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _two_lines_at_once():
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(lines, "_CELLS", 24)
+        yield
+
+
 @pytest.fixture(scope="module")
-def serial():
+def serial(_two_lines_at_once):
     """The map that one process computes."""
     return ss.motion_map(LAW, **PLANE)
 
@@ -100,7 +107,7 @@ def test_a_dask_cluster_gives_the_same_and_a_killed_worker_loses_nothing(serial,
         assert len(before) == 2
 
         def killing(function, tasks):
-            futures = client.map(slow_line, tasks)
+            futures = client.map(slow_lines, tasks)
             client.gather(futures[:1])
             os.kill(next(iter(before.values())), KILL)
             return client.gather(futures)
@@ -114,7 +121,9 @@ def test_unusable_workers_are_refused(wrong):
         ss.motion_map(LAW, **PLANE, workers=wrong)
 
 
-@pytest.mark.parametrize(("mapper", "what"), [(lambda f, x: [], "0 results"), (lambda f, x: range(99), "more")])
+@pytest.mark.parametrize(
+    ("mapper", "what"), [(lambda f, x: [], "0 results"), (lambda f, x: [*[f(one) for one in x], None], "more")]
+)
 def test_a_map_of_another_length_is_refused(mapper, what):
     with pytest.raises(ss.InputError, match=what):
         ss.motion_map(LAW, **PLANE, workers=mapper)
@@ -146,6 +155,26 @@ def test_results_are_kept_as_they_come_and_not_computed_twice(tmp_path):
     assert asked == [0, 1, 2, 3, 3, 4, 5, 6, 7]
     assert told == [(i, 8) for i in range(3, 9)]
     assert checkpoint.collect(square, range(8), workers=lambda f, tasks: [], checkpoint=file) == again
+
+
+def test_tasks_go_together_the_same_way_in_every_run(tmp_path):
+    """Three at once: of a part that was torn apart all is computed again, and what was kept stays."""
+    file, asked = tmp_path / "kept", []
+
+    def squares(numbers):
+        asked.append(numbers)
+        return [square(number) for number in numbers]
+
+    told = []
+    options = {"together": 3, "checkpoint": file, "progress": lambda done, total: told.append((done, total))}
+    whole = checkpoint.collect(squares, range(8), **options)
+    assert (whole, asked) == ([i * i for i in range(8)], [[0, 1, 2], [3, 4, 5], [6, 7]])
+    assert told == [(0, 8), (3, 8), (6, 8), (8, 8)]
+    content = file.read_bytes().splitlines(keepends=True)
+    file.write_bytes(b"".join(content[:5]))  # the request, and four tasks
+    assert checkpoint.collect(squares, range(8), **options) == whole
+    assert asked[3:] == [[3, 4, 5], [6, 7]]
+    assert file.read_bytes() == b"".join(content)
 
 
 @pytest.mark.parametrize("cut", [1, 30, -1, -5])
