@@ -28,6 +28,7 @@ _STYLE: Any = {
 _DENSE = 8  # points drawn for each step of an integration
 _INLINE = 90  # pixels an inch, of a picture among text
 _POINT = 4  # half the width of a point, in pixels
+_APART = 8  # pixels between labels that stand side by side
 _NEAR = 12  # points of height up to which a label needs no line to what it names
 _BESIDE = [
     (side * (8 if abs(up) <= 12 else 20), up)
@@ -105,7 +106,7 @@ def label(axes: "Axes", labels: Sequence[tuple[str, tuple[float, float], str]]) 
             text.remove()
         else:
             axes.add_artist(text)
-        taken.append(box)
+        taken.append(box.padded(_APART, 0))
 
 
 def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
