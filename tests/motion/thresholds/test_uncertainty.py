@@ -113,6 +113,14 @@ def test_an_error_that_does_not_show_needs_no_second_order(method):
     assert (line.nonlinearity, small.nonlinearity) == (1.0, 1.0)
 
 
+def test_a_small_error_at_an_extremum_shows_to_second_order_alone():
+    """The threshold of the gaussian law has its maximum over v_s there: its first order is a part of a millionth."""
+    law = ss.laws.gaussian.typical(v_s="0.500(2)")
+    found = ss.pure_slip_damping(law, **SCENE | {"V": 0.569}, method="harmonic")
+    assert found.budget.uncertainty < 1e-5
+    assert found.nonlinearity == pytest.approx(13.03, rel=1e-3)
+
+
 def test_arrays_each_with_its_own_error():
     V = np.array([ufloat(0.3, 0.01), 0.5, ufloat(0.7, 0.03)])
     found = ss.pure_slip_damping(correlated(), **SCENE | {"V": V}, method="orbit")
