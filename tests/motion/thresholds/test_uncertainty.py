@@ -114,7 +114,7 @@ def test_an_error_that_does_not_show_needs_no_second_order(method):
 
 
 def test_a_small_error_at_an_extremum_shows_to_second_order_alone():
-    """The threshold of the gaussian law has its maximum over v_s there: its first order is a part of a millionth."""
+    """The threshold of the gaussian law has its maximum over v_s there: its first order is a millionth."""
     law = ss.laws.gaussian.typical(v_s="0.500(2)")
     found = ss.pure_slip_damping(law, **SCENE | {"V": 0.569}, method="harmonic")
     assert found.budget.uncertainty < 1e-5
