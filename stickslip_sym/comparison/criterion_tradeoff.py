@@ -67,7 +67,11 @@ def _measured(form: ClosedForm, scene: Mapping[str, Number]) -> list[Way]:
             try:
                 deadline.check_time()
                 result, seconds = shortest(compute, enough=_SHORTEST)
-            except (ArithmeticError, StickSlipError):
+            except (
+                ArithmeticError,
+                NameError,
+                StickSlipError,
+            ):  # NumPy and SciPy have no polylog, and lambdify prints it
                 return Way(name)
         value = mpmath.mpf(float(np.ravel(result)[0])) if count > 1 or isinstance(result, float) else result
         with mpmath.workdps(_REFERENCE_DIGITS):

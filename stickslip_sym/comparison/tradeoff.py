@@ -108,7 +108,9 @@ def tradeoff(
     StickSlipError
         If nothing can be measured, the reason of the first kind.
     """
-    kinds = [of] if isinstance(of, str) else list(of)
+    kinds = [of] if isinstance(of, str) else list(of) if isinstance(of, Sequence) else []
+    if not kinds:
+        raise InputError(f"of = {of!r} names nothing to measure; there are: {', '.join(KINDS)}")
     for kind in kinds:
         if kind not in KINDS:
             known = ", ".join(KINDS)

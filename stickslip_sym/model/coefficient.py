@@ -71,7 +71,7 @@ class Coefficient:
         self.expr = expr
         self.parameters = tuple(parameters)
         self.curve = curve
-        self._functions: dict[tuple[Expr, Backend], Callable[..., Any]] = {}
+        self._functions: dict[tuple[Expr, Backend, tuple[Expr, ...]], Callable[..., Any]] = {}
 
     def __reduce__(self) -> tuple[object, ...]:
         # Compiled functions cannot be pickled, and are made again when they are needed.
@@ -88,7 +88,8 @@ class Coefficient:
     def _at(self, expr: Expr, values: Mapping[Expr, Expr], backend: Backend, *more: Expr) -> Callable[[Any], Any]:
         import mpmath
 
-        key, known = (expr, backend), (*self.parameters, *more)
+        known = *self.parameters, *more
+        key = expr, backend, more
         if key not in self._functions:
             # Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
             self._functions[key] = function_of([*known, symbols.v], expr, backend)

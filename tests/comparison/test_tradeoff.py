@@ -217,3 +217,17 @@ def test_no_label_covers_another_or_a_point_or_leaves_the_panel(seed):
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
     assert not any(box.contains(*axes.transData.transform(place)) for box in boxes for place in points)
     assert all(axes.bbox.contains(*corner) for box in boxes for corner in (box.min, box.max))
+
+
+@pytest.mark.parametrize("of", [(), None, 3])
+def test_nothing_to_measure_is_refused(of):
+    with pytest.raises(ss.InputError, match="names nothing to measure; there are: criterion, threshold, basin"):
+        ss.tradeoff(ss.laws.linear.typical(), of=of)
+
+
+def test_a_formula_that_numpy_has_no_function_for_gives_no_number_as_it_stands():
+    """Polylogarithms; the stable function has them, by its branches."""
+    trade = ss.tradeoff(ss.laws.catalogue["sech"].typical(), of="criterion", time_limit=20).trades["criterion"]
+    found = {way.name: way.found for way in trade.ways}
+    assert not found["plain lambdify, array"]
+    assert found["stable function, array"]

@@ -100,8 +100,11 @@ def compiled(form: _Fast) -> SlopeAverage:
     Raises
     ------
     InputError
-        If there is no compiler, it fails, or no term has a loop that is worth it.
+        If there is no compiler, it fails, or no term has a loop that is worth it; or `form` is neither.
     """
+    if not isinstance(getattr(form, "function", None), StableFunction):
+        kind = type(form).__name__
+        raise InputError(f"a closed form, or a slope average, has loops to compile, got {kind}; derive one first")
     terms = form.function.terms or []
     profiles = [term.profile((), 1) for term in terms if not term.shapes]
     if not any(profile is not None and loop_of(profile) is not None for profile in profiles):

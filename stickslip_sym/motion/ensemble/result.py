@@ -154,7 +154,7 @@ class Ensemble:
         InputError
             If there is no such start.
         """
-        if not 0 <= start < self.x0.size:
+        if not isinstance(start, int | np.integer) or not 0 <= start < self.x0.size:
             raise InputError(f"start = {start} is none of the {self.x0.size} starts, which are counted from 0")
         tau, q, phase, kind = self._changes.of(start)
         osc, first = self.oscillator, float(self.v0.flat[start])

@@ -88,4 +88,5 @@ def _gap(family: Family, zeta: FloatArray, rtol: FloatArray) -> FloatArray:
     rest = 2 * damping - both.friction(one, both.piece(one))
     away = np.select([found.end == RETURN, found.end == CREEPS], [way * (found.q - rest), 0.0], np.nan)
     forward, back = away[:count], away[count:]
-    return np.asarray((forward - back) / (forward + back))
+    with np.errstate(invalid="ignore"):  # both may creep to rest
+        return np.asarray((forward - back) / (forward + back))

@@ -88,3 +88,9 @@ def test_a_compiler_that_goes_wrong_is_noticed(monkeypatch, tmp_path, afresh, ed
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     with pytest.raises(ss.InputError, match=message):
         ss.compiled(ss.slope_average(ss.laws.exponential))
+
+
+@pytest.mark.parametrize("form", [None, 1, "x", ss.laws.exponential])
+def test_what_has_no_loops_is_refused(form):
+    with pytest.raises(ss.InputError, match="a closed form, or a slope average, has loops to compile, got"):
+        ss.compiled(form)

@@ -28,6 +28,8 @@ SCENES = {
     "kinked": (ss.FrictionLaw("0.5 - 0.3*Min(v, 0.3) + 0.1*Max(v - 0.8, 0)"), paper_oscillator(2.0), 30),
     "jumps": (JUMPS, paper_oscillator(1.0), 40),
     "slides": (SLIDES, ss.Oscillator(m=0.2, k=0.92, c=0.065, V=6.16, N=1.85), 40),
+    "no friction at rest": (ss.laws.simscape.typical(), paper_oscillator(0.5), 10),
+    "tanh": (ss.FrictionLaw("0.4*tanh(v/0.1)"), paper_oscillator(0.5), 10),
     "held by a jump": (ss.FrictionLaw("Piecewise((0.3, v < 1/2), (0.5, True))"), paper_oscillator(1.0), 20),
 }  # fmt: skip
 """A law, an oscillator, and how many starts."""
