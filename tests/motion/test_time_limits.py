@@ -151,7 +151,7 @@ def test_an_unfinished_map_goes_on_from_its_checkpoint(tmp_path):
     assert (draw(time_limit=0).motion == whole.motion).all()  # all is kept now
 
 
-@pytest.mark.parametrize("seconds", [0.0, 0.02])
+@pytest.mark.parametrize("seconds", [0.0, 0.01, 0.02, 0.04])
 def test_unfinished_maps_are_the_same_request(seconds, tmp_path):
     """Of a law for which collocation is tried in vain, and of starts that geometry settles if there is time."""
     law = ss.laws.logarithmic.typical()

@@ -1,5 +1,6 @@
 """`basin_map`: which motion each start leads to."""
 
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -169,8 +170,9 @@ def basin_map(
     require_few(places.size, speeds.size)
     request = {"law": text_of_law(law), "oscillator": asdict(osc), "rtol": rtol}
     with deadline.time_limit(time_limit):
-        found = regime(law, osc, rtol=FINEST)
-        sides = sides_of(law, osc, found)
+        found, sides, share = regime(law, osc, rtol=FINEST), None, None
+        with suppress(OutOfTime):
+            sides = sides_of(law, osc, found)
         settled = np.full((speeds.size, places.size), -1) if sides is None else sides.motions(places, speeds)
         chosen = (settled < 0) | _sample(settled)
         rows = np.flatnonzero(chosen.any(axis=1))
@@ -178,10 +180,10 @@ def basin_map(
         if deadline.time_left() <= 0:  # what geometry settles is not known, and nothing will be done
             checkpoint = None
         lines = collect(classify_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
-        share = None
         if sides is not None and min(places.size, speeds.size) > 1:
             box = (float(places[0]), float(places[-1])), (float(speeds[0]), float(speeds[-1]))
-            share = shares_of(law, osc, found, sides, *box)
+            with suppress(OutOfTime):
+                share = shares_of(law, osc, found, sides, *box)
     index, notes, disagreements = settled.copy(), dict[tuple[int, int], str](), 0
     for row, line in zip(rows.tolist(), lines, strict=True):
         columns = np.flatnonzero(chosen[row])
