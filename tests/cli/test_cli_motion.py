@@ -34,7 +34,7 @@ def test_simulate_takes_a_start_and_writes_files(run, tmp_path):
 def test_long_tables_are_cut_and_limits_are_outcomes(run):
     _, out, _ = run("simulate", "exponential", "--t-end", "40")
     assert re.search(r"^and \d+ more events$", out, re.M)
-    code, out, _ = run("simulate", "exponential", "-c", "1", "--t-end", "1e6", "--time-limit", "0.2")
+    code, out, _ = run("simulate", "exponential", "-c", "1", "--t-end", "1e6", "--time-limit", "0.01")
     assert code == 0
     assert "outcome: time limit, at t = " in out
     _, out, _ = run("simulate", "exponential", "-c", "30", "--t-end", "100")
