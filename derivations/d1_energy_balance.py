@@ -12,7 +12,7 @@ import sympy as sp
 from derivations import paper
 from stickslip_sym import Derivation
 from stickslip_sym.core.symbols import c, k, m, t
-from stickslip_sym.formula.integration.theorems import Antiderivative
+from stickslip_sym.formula.proof.theorems import Antiderivative
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

@@ -11,7 +11,7 @@ import sympy as sp
 from derivations import paper
 from stickslip_sym import Derivation
 from stickslip_sym.core.symbols import N, V, a, b, c, t, u
-from stickslip_sym.formula.integration.theorems import Antiderivative
+from stickslip_sym.formula.proof.theorems import Antiderivative
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

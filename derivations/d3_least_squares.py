@@ -12,7 +12,7 @@ import sympy as sp
 from derivations import paper
 from stickslip_sym import Derivation
 from stickslip_sym.core.symbols import N, V, a, b, c, mu, u
-from stickslip_sym.formula.integration.theorems import ChangeOfVariable
+from stickslip_sym.formula.proof.theorems import ChangeOfVariable
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

@@ -12,7 +12,7 @@ import sympy as sp
 from derivations import paper
 from stickslip_sym import Derivation, criteria
 from stickslip_sym.core.symbols import N, V, c, mu, s, u
-from stickslip_sym.formula.integration.theorems import Antiderivative, ChangeOfVariable
+from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

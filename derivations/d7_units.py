@@ -8,12 +8,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import sympy as sp
-from sympy.physics.units import meter, second
 
 from derivations import paper
-from stickslip_sym import Derivation, derive, laws
-from stickslip_sym.core.symbols import QUANTITIES, c, mu, s, u
-from stickslip_sym.formula.integration.theorems import ChangeOfVariable
+from stickslip_sym import Derivation, laws
+from stickslip_sym.core.symbols import QUANTITIES, N, V, c, mu, s, u
+from stickslip_sym.formula.proof.theorems import ChangeOfVariable
 from stickslip_sym.model.expression.units import parse_unit, with_units
 
 
@@ -32,13 +31,17 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
         "mu is a function of v/v_0; the variable of integration is a speed too",
         with_units(any_law, scene | {v_0: "m/s"}),
         any_law * damping,
-        by=ChangeOfVariable(u, s, s * meter / second),
+        by=ChangeOfVariable(u, s, s * parse_unit("m/s")),
     )
+
+    def equilibrium(label: str) -> Any:
+        return -N * sp.diff(printed[label], u).subs(u, V)
+
     formulas = {
         "(17)": (printed["(17)"], laws.exponential),
         "(18)": (printed["(18)"], laws.polynomial),
-        "equilibrium, exponential law": (derive(laws.exponential, "equilibrium").expr, laws.exponential),
-        "equilibrium, polynomial law": (derive(laws.polynomial, "equilibrium").expr, laws.polynomial),
+        "equilibrium, exponential law": (equilibrium("(3)"), laws.exponential),
+        "equilibrium, polynomial law": (equilibrium("(4)"), laws.polynomial),
     }
     for name, (expr, law) in formulas.items():
         parameters = {p.symbol: p.unit for p in law.parameters.values() if p.unit}

@@ -25,7 +25,7 @@ _PRINTED = {"exponential": "N2", "polynomial": "N3"}
 
 def printed_criterion(name: str, mu_m: str = "0.2") -> Any:
     """Return the printed closed form (17) or (18) at the belt speeds of the figures."""
-    formula = law(name, mu_m).substitute(paper.equations()[_NUMBER[name]])
+    formula = paper.equations()[_NUMBER[name]].xreplace(law(name, mu_m).point)
     return over_speeds(formula, name)
 
 
@@ -66,7 +66,7 @@ def friction_laws() -> Any:
 def _coefficient(name: str, part: str, V: float) -> float:
     """Return a or b of (15) for a law."""
     printed = paper.equations()[f"(15) {part}"].subs(symbols.V, sp.Rational(str(V)))
-    mu = law(name).substitute(law(name).expr)
+    mu = law(name).expr.xreplace(law(name).point)
     return float(printed.replace(symbols.mu, lambda speed: mu.subs(symbols.v, speed)).doit().evalf())
 
 

@@ -7,11 +7,17 @@ from typing import Any
 
 from paper_checks.claims import CLAIMS, Claim, Outcome
 
-__all__ = ["FINDING", "KINDS", "Finding", "collect", "summary"]
+__all__ = ["FINDING", "KINDS", "SHORT", "Finding", "collect", "summary"]
 
 FINDING = "finding"
 """Name of the property of a test under which its finding travels to the process that collects them."""
 
+SHORT = {
+    Outcome.REPRODUCED: "reproduced",
+    Outcome.QUALIFIED: "qualified",
+    Outcome.NOT_REPRODUCED: "not reproduced",
+}
+"""What a table calls the outcomes."""
 KINDS = {"PROVED": "proof", "CHECKED": "check", "ESTIMATED": "estimate"}
 """What evidence may be: an exact zero or an enclosure by a theorem; agreement with an independent computation; a
 number whose error is estimated."""

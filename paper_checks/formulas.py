@@ -1,20 +1,22 @@
-"""The paper's equations by their numbers, as a reader of the paper sees them: in MathML."""
+"""The paper's equations by their numbers, as a reader of the paper sees them."""
 
 from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
+from sympy.printing.latex import LatexPrinter
+from sympy.printing.precedence import PRECEDENCE
 
 from derivations import paper
 from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, t, u
-from stickslip_sym.output.page.mathml import FormulaPrinter, relation
+from stickslip_sym.output.page.render import formula
 
 __all__ = ["EQUATIONS", "PrintedEquation"]
 
 _VELOCITY, _ACCELERATION = sp.symbols("xdot xddot", real=True)
 _X_P, _X_Q, _V_P, _V_Q, _F, _X, _S = sp.symbols("x_P x_Q V_P V_Q f x S", real=True)
 _MU_S, _V_R, _CYCLE, _TO = sp.symbols("mu_s v_r T P→Q", real=True)
-_SPELLED = {"xdot": ("x", "˙"), "xddot": ("x", "¨")}
+_SPELLED = {u: r"\left|v_{r}\right|", _VELOCITY: r"\dot{x}", _ACCELERATION: r"\ddot{x}", _TO: r"P \to Q"}
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,11 @@ class PrintedEquation:
 
     def mathml(self) -> str:
         """Return its relations as MathML, one element ``math`` each."""
-        return " ".join(relation(*sides, printer=_Printer) for sides in _relations(self.number))
+        printer = _Printer({"symbol_names": _SPELLED})
+        sides = [
+            (printer.doprint(left), sign, printer.doprint(right)) for left, sign, right in _relations(self.number)
+        ]
+        return " ".join(formula(" ".join(relation)) for relation in sides)
 
 
 EQUATIONS = tuple(
@@ -71,7 +77,7 @@ def _relations(number: str) -> list[tuple[Any, str, Any]]:
     printed = {name: _as_printed(expr) for name, expr in paper.equations().items()}
     mu_of = mu(_V_R)
     written: dict[str, list[tuple[Any, str, Any]]] = {
-        "(1)": [(_VELOCITY, "=", V), (_F, "=", c * _VELOCITY + k * _X), (sp.Abs(_F), "≤", _MU_S * N)],
+        "(1)": [(_VELOCITY, "=", V), (_F, "=", c * _VELOCITY + k * _X), (sp.Abs(_F), r"\leq", _MU_S * N)],
         "(2)": [
             (m * _ACCELERATION + c * _VELOCITY + k * _X, "=", _F),
             (_F, "=", sp.Mul(-1, sign, mu_of, N, evaluate=False)),
@@ -107,32 +113,17 @@ def _as_printed(expr: Any) -> Any:
     return expr
 
 
-class _Printer(FormulaPrinter):
-    """With the dots of velocities, and the functions of the paper."""
+class _Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
+    """With positive terms first, and one mark below the integral of a cycle."""
 
     def _as_ordered_terms(self, expr: Any, order: str | None = None) -> list[Any]:
         terms: list[Any] = super()._as_ordered_terms(expr, order=order)
         return sorted(terms, key=lambda t: (t.could_extract_minus_sign(), not t.has(_ACCELERATION), t.has(u)))
 
-    def _print_Symbol(self, symbol: Any, style: str = "plain") -> Any:
-        if symbol == u:
-            bar = self._node("mo", "|")
-            return self._node("mrow", bar, self._print(_V_R), self._node("mo", "|"))
-        if symbol.name in _SPELLED:
-            letter, dots = _SPELLED[symbol.name]
-            accent = self._node("mo", dots)
-            accent.setAttribute("stretchy", "false")
-            base = self._node("mover", self._node("mi", letter), accent)
-            base.setAttribute("accent", "true")
-            return base
-        return super()._print_Symbol(symbol, style)
+    def _print_Integral(self, expr: Any) -> str:
+        ((variable, low, high),) = expr.limits
+        limits = f"_{{{self._print(low)}}}" + ("" if low == high else f"^{{{self._print(high)}}}")
+        return rf"\int{limits} {self.parenthesize(expr.function, PRECEDENCE['Mul'])} \, d{self._print(variable)}"
 
-    def _print_AppliedUndef(self, expr: Any) -> Any:
-        if expr.func.__name__ == "sgn":
-            return self._called(self._node("mi", "sgn"), *expr.args)
-        return super()._print_AppliedUndef(expr)
-
-    def _print_Derivative(self, expr: Any) -> Any:
-        above = self._node("mrow", self._node("mo", "∂"), self._node("mi", expr.expr.func.__name__))
-        below = self._node("mrow", self._node("mo", "∂"), self._print(expr.variables[0]))
-        return self._node("mfrac", above, below)
+    def _print_Derivative(self, expr: Any) -> str:
+        return rf"\frac{{\partial {expr.expr.func.__name__}}}{{\partial {self._print(expr.variables[0])}}}"

@@ -1,6 +1,7 @@
 """The report of a run: ``report.html`` to be read, ``claims.json`` to be computed with."""
 
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,10 +9,9 @@ from typing import Any
 
 from paper_checks.claims import CLAIMS, Claim, Outcome
 from paper_checks.figures import FIGURES
-from paper_checks.findings import Finding, summary
+from paper_checks.findings import SHORT, Finding, summary
 from paper_checks.formulas import EQUATIONS
 from paper_checks.scene import LAWS, law, oscillator
-from paper_checks.terminal import SHORT
 from stickslip_sym.comparison.threshold_tradeoff import SPEEDS, ThresholdWay, threshold_tradeoff
 from stickslip_sym.output.page import document
 from stickslip_sym.output.page.figures import svg_uri
@@ -19,7 +19,7 @@ from stickslip_sym.output.page.figures import svg_uri
 __all__ = ["SCENE", "Report", "write"]
 
 SCENE = {name: getattr(oscillator(), name) for name in "VNmk"}
-_FORMAT = 2
+_FORMAT = 3
 
 
 @dataclass(frozen=True)
@@ -32,15 +32,15 @@ class Report:
         By the identifiers of claims; a claim that was not checked in this run has none.
     pictures : dict
         Numbers of figures to data URIs.
-    ladder : dict
-        Names of laws to the ways to a threshold, measured.
+    methods : dict
+        Names of laws to the methods for a threshold, measured.
     versions : dict
     time : str
     """
 
     findings: dict[str, Finding]
     pictures: dict[int, str]
-    ladder: dict[str, tuple[ThresholdWay, ...]]
+    methods: dict[str, tuple[ThresholdWay, ...]]
     versions: dict[str, str]
     time: str
 
@@ -92,21 +92,21 @@ def as_json(report: Report) -> dict[str, Any]:
             }
             for f in FIGURES
         ],
-        "ladder": {
-            "scene": SCENE,
+        "methods": {
+            "operating_point": SCENE,
             "speeds": SPEEDS.tolist(),
             "laws": {
                 name: [
                     {
                         "method": way.name,
                         "seconds": way.seconds,
-                        "relative_error": way.error,
-                        "largest_relative_error": way.largest if way.largest == way.largest else None,
+                        "relative_error": way.error if math.isfinite(way.error) else None,
+                        "largest_relative_error": way.largest if math.isfinite(way.largest) else None,
                         "status": way.status or None,
                     }
                     for way in ways
                 ]
-                for name, ways in report.ladder.items()
+                for name, ways in report.methods.items()
             },
         },
     }

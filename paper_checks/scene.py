@@ -22,9 +22,10 @@ from stickslip_sym import (
     stick_slip_cycle,
     symbols,
 )
-from stickslip_sym.formula.integration.normal_form import normal_form
+from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.motion.orbits.cycles import NeededDamping, needed_damping
-from stickslip_sym.motion.orbits.orbit import orbits
+from stickslip_sym.motion.thresholds.methods import methods
+from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
 LAWS = ("exponential", "polynomial")
 SPEEDS = np.arange(1, 101) / 100
@@ -32,7 +33,8 @@ SPEEDS = np.arange(1, 101) / 100
 AT_05 = 49
 """Where V = 0.5 m/s is among them, the speed of section 3."""
 
-_EXACT = 1e-10  # error of a threshold here, as a part of the largest slope on the orbit
+_EXACT = 1e-9  # kg/s, error of a threshold here
+_CLOSE = 1e-10  # relative error that is asked for
 _PERIODS = 20  # simulated of a motion, about
 _STEADY = 0.01  # change of the velocity's peak in a period, over V, below which the eye calls it constant
 _LOOKED_AT = 5  # periods after the first slip for which it has to stay below
@@ -92,11 +94,11 @@ def threshold(name: str, V: float = 0.5, m: float = 1.0, k: float = 100.0) -> fl
 
 def _grazing(law: FrictionLaw, V: Any, m: float, k: float) -> Any:
     """Return the damping of the orbits that graze the belt's speed; unlike a threshold by name, also near 0."""
-    scene = oscillator(m=m, k=k)
-    found = orbits(law, V, scene.N / scene.impedance)
-    if not (found.error <= _EXACT).all():
-        raise NotConverged(f"a grazing orbit is known to {found.error.max():.1e} of the largest slope only")
-    return found.d * scene.impedance
+    found = methods()["orbit"].compute(OperatingPoints.of(law, V=V, N=oscillator().N, m=m, k=k), _CLOSE)
+    errors = np.abs(found.value) * found.relative_error
+    if not (errors <= _EXACT).all():
+        raise NotConverged(f"a grazing orbit is known to {errors.max():.1e} kg/s only")
+    return found.value
 
 
 @cache
@@ -162,7 +164,9 @@ def response(name: str, c: float, V: float = 0.5) -> Response:
         sticks = (onsets[1:] - stops[: onsets.size - 1]) if onsets.size > 1 else np.empty(0)
         return Response("stick-slip", onsets, sticks, onsets, np.full(onsets.size, V), slip)
     turns = slip.derivative(2).roots(extrapolate=False)
-    highest = turns[(slip(turns, 3) < 0) & (turns > onsets[0] + 0.25 * 2 * np.pi / osc.omega)]
+    quarter = 0.5 * np.pi / osc.omega
+    highest = turns[(slip(turns, 3) < 0) & (turns > onsets[0] + quarter)]
+    highest = highest[np.diff(highest, prepend=0) > quarter]  # a turn at a sample is a root of both polynomials
     times, peaks = np.r_[onsets[0], highest], np.r_[V, slip(highest, 1)]
     falls = -np.diff(peaks[: _LOOKED_AT + 1]) / V
     kind = "pure slip" if (abs(falls) < _STEADY).all() else "damped slip" if (falls > _STEADY).all() else "other"

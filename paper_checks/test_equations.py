@@ -16,8 +16,8 @@ from paper_checks.printed import acceleration, displacement, kinetic, relative
 from paper_checks.scene import LAWS, law, oscillator
 from stickslip_sym import Derivation, Phase, Status, Trajectory, simulate
 from stickslip_sym.core.symbols import N, V, c, k, m, u, v
-from stickslip_sym.formula.derivation.proving import Verdict, prove_positive
-from stickslip_sym.formula.integration.normal_form import normal_form
+from stickslip_sym.formula.proof.normal_form import normal_form
+from stickslip_sym.formula.proof.proving import Verdict, prove_positive
 
 DAMPINGS = (0.0, 1.0, 2.0)
 FORCE_TOLERANCE = 1e-9  # of the friction force, relative to mu_s N; the integration runs at 1e-12
@@ -102,7 +102,7 @@ def integrated(
 ) -> Any:
     """Integrate an acceleration for one sign of v_r by a multistep method."""
     # The law from its formula, not from `FrictionLaw.mu`, which the simulation uses.
-    mu, belt = sp.lambdify(v, law(name).substitute(law(name).expr), "math"), oscillator().V
+    mu, belt = sp.lambdify(v, law(name).expr.xreplace(law(name).point), "math"), oscillator().V
 
     def rates(_: float, y: Any) -> list[float]:
         slip = min(max(side * (y[1] - belt), 0.0), FASTEST)

@@ -29,7 +29,7 @@ from paper_checks.scene import (
     thresholds,
 )
 from paper_checks.wording import by_law, listed, percent
-from stickslip_sym import classify, limit_cycles
+from stickslip_sym import Motion, classify, limit_cycles
 
 CONSTANT = 1e-3  # change of an amplitude or a period, relative, that counts as none
 WELL = 0.05  # relative deviation that counts as good agreement
@@ -38,6 +38,8 @@ READABLE = 0.06  # kg/s, a hundredth of the height of Figs. 6 and 7
 THOMSEN = "Thomsen & Fidlin"
 STIFFNESSES = (*np.geomspace(100, 1000, 41).tolist(), 1e4, 1e5, 1e6)  # N/m
 FALLS = {"falls": True, "fall": True, "rises": False, "rise": False}
+ENDS = {motion: motion.value for motion in Motion} | {Motion.REST: "damped slip"}
+"""The paper's words for how a motion from the belt's speed ends."""
 
 
 @pytest.mark.claim("F3")
@@ -60,7 +62,7 @@ def check_motions(find: Find, name: str, printed: dict[str, Any]) -> None:
     periods = [run.period for run in cycles] + [float(np.diff(runs[3].times)[0])]
     steady = all(np.ptp(np.diff(run.times)) < CONSTANT * run.period for run in cycles)
     slip = runs[3]
-    ends = tuple(classify(law(name), oscillator(float(c))).value for c in printed["dampings"])
+    ends = tuple(ENDS[classify(law(name), oscillator(float(c)))] for c in printed["dampings"])
     lasting = [c for c in limit_cycles(law(name), oscillator(float(printed["dampings"][3]))) if c.stable]
     end = f"a limit cycle of {lasting[0].amplitude:.4f} m/s" if lasting else "rest, as no limit cycle is stable"
     kinds = [run.kind for run in runs]

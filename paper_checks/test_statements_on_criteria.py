@@ -29,7 +29,7 @@ from paper_checks.wording import by_law, formula, percent
 from stickslip_sym import Phase, Regime, Status, Trajectory, laws, regime, simulate, slope_average
 from stickslip_sym.core.symbols import V, k, m, v
 from stickslip_sym.criteria.enclosure import Enclosure
-from stickslip_sym.formula.derivation.proving import prove_positive
+from stickslip_sym.formula.proof.proving import prove_positive
 
 NONE = 1e-6  # relative change that the error of the computation explains
 SLIGHT = 0.01  # relative error of a criterion that no figure of the paper shows

@@ -52,3 +52,13 @@ def run(tmp_path, monkeypatch, capsys):
     """Run the command in this process, in an empty folder; return its exit code and what it printed."""
     monkeypatch.chdir(tmp_path)
     return partial(commands.run, monkeypatch, capsys)
+
+
+@pytest.fixture
+def fresh_averages():
+    """Forget all averages of profiles before a test that tampers with how they are found, and after it."""
+    from stickslip_sym.formula.average import average_of
+
+    average_of.cache_clear()
+    yield
+    average_of.cache_clear()

@@ -1,115 +1,107 @@
-"""``stickslip export``: criteria as LaTeX, Python, C, Octave or JSON, several at once or none at all."""
+"""``stickslip export``: criteria as LaTeX, Python, C or Octave, or exactly, several at once or none at all."""
 
-from dataclasses import asdict, field, make_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+import click
 
-from stickslip_sym.cli.derive import derived
-from stickslip_sym.cli.shared.law import Description
-from stickslip_sym.cli.shared.options import SECONDS, CriteriaName, TimeLimit, file_option
-from stickslip_sym.cli.shared.reading import assignments, chosen_criteria, require_writable
+from stickslip_sym.cli.derive import SECONDS, derived
+from stickslip_sym.cli.options import (
+    CRITERIA,
+    DESCRIPTION,
+    JSON,
+    LAW_NAMES,
+    Given,
+    command,
+    file_option,
+    option,
+    time_limit,
+)  # fmt: skip
+from stickslip_sym.cli.output import echo_json
+from stickslip_sym.cli.reading import assignments, criteria_of, law_described, read_number
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.formula.code.languages import DESCRIPTIONS
 
 if TYPE_CHECKING:
-    from stickslip_sym.formula.derivation.closed_form import ClosedForm
-    from stickslip_sym.formula.evaluation.averages import SlopeAverage
+    from stickslip_sym.formula.closed_form import ClosedForm
+    from stickslip_sym.formula.slope_average import SlopeAverage
     from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["export"]
-
-Code = make_dataclass(
-    "Code",
-    [
-        (name, Annotated[Path | None, file_option(f"--{name}", text)], field(default=None))
-        for name, text in DESCRIPTIONS.items()
-    ],
-    frozen=True,
-)
-"""A file for each language of the table."""
+_KINDS = ("latex", *DESCRIPTIONS, "save")
 
 
-def export(
-    *,
-    law: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="LAW...", help="Names of laws (see: stickslip laws), or formulas in v."),
-    ] = None,
-    everything: Annotated[bool, typer.Option("--all", help="Every law of the catalogue.")] = False,
-    description: Description,
-    criterion: CriteriaName = "least_squares",
-    latex: Annotated[Path | None, file_option("--latex", "A LaTeX document.")] = None,
-    code: Code,  # type: ignore[valid-type]  # a class that is made here
-    json: Annotated[Path | None, file_option("--json", "Exact, for stickslip_sym.load_all.")] = None,
-    fragment: Annotated[bool, typer.Option("--fragment", help="LaTeX for \\input: without preamble.")] = False,
-    steps: Annotated[bool, typer.Option("--steps", help="LaTeX with every step of the derivations.")] = False,
-    symbol: Annotated[
-        list[str] | None,
-        typer.Option("--symbol", metavar="NAME=LATEX", help="Print a symbol otherwise; may be repeated."),
-    ] = None,
-    time_limit: TimeLimit = SECONDS,
-) -> None:
-    """Write criteria as LaTeX, Python, C, Octave or JSON. If anything fails, nothing is written.
+@command(
+    "export", click.Argument(["laws"], nargs=-1, **{**LAW_NAMES, "metavar": "LAW..."}),
+    option("--all", is_flag=True, help="Every law of the catalogue."), DESCRIPTION, CRITERIA,
+    file_option("--latex", "A LaTeX document."),
+    *(file_option(f"--{name}", text) for name, text in DESCRIPTIONS.items()),
+    file_option("--save", "Exact, for stickslip_sym.load."),
+    option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
+    option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
+    option("--symbol", metavar="NAME=LATEX", multiple=True, help="Print a symbol otherwise."),
+    time_limit("Seconds for each criterion (120)."), JSON,
+)  # fmt: skip
+def run(given: Given) -> None:
+    """Write criteria as LaTeX, Python, C or Octave. If anything fails, nothing is written.
 
     Example: stickslip export exponential polynomial --criterion all --latex criteria.tex --symbol V=v_b
     """
-    to_code = asdict(code)
-    given = {"latex": latex, **to_code, "json": json}
-    targets = {kind: path for kind, path in given.items() if path is not None}
-    if not targets:
-        *first, last = (f"--{kind} FILE" for kind in given)
-        raise InputError(f"nothing to write: give {', '.join(first)} or {last}")
-    if "latex" not in targets and (fragment or steps or symbol):
-        raise InputError("--fragment, --steps and --symbol belong to --latex FILE")
-    require_writable(*targets.values())
-    notation = assignments(symbol or [])
-    from stickslip_sym.formula.evaluation.averages import slope_average
+    from stickslip_sym.formula.slope_average import slope_average
     from stickslip_sym.output import files
 
-    chosen = chosen_criteria(criterion)
-    laws = _laws(law or [], everything, description)
-    if notation:
+    targets: dict[str, Path] = {kind: given[kind] for kind in _KINDS if given[kind] is not None}
+    if not targets:
+        *first, last = (f"--{kind} FILE" for kind in _KINDS)
+        raise InputError(f"nothing to write: give {', '.join(first)} or {last}")
+    if len({path.resolve() for path in targets.values()}) < len(targets):
+        raise InputError("two outputs have the same file; give each one of its own")
+    chosen, limit = criteria_of(given["criterion"]), read_number(given, "time_limit", SECONDS) or 0.0
+    laws = _laws(given)
+    style = {}
+    if "latex" in targets:
+        notation = assignments(given["symbol"], "--symbol V=v_b")
         _check_notation(notation, laws)
-    forms, missing, averages = [], [], []
-    only_code = targets.keys() <= to_code.keys()
-    for one in laws:
-        for wanted in chosen:
-            found = derived(one, wanted, time_limit)
-            if not isinstance(found, NoClosedForm):
-                forms.append(found)
+        style = {"symbols": notation, "fragment": given["fragment"], "steps": given["steps"]}
+    given.all_used()
+    only_code = targets.keys() <= DESCRIPTIONS.keys()
+    forms: list[ClosedForm] = []
+    missing: list[tuple[FrictionLaw, str, str]] = []
+    averages: list[SlopeAverage] = []
+    for law in laws:
+        for criterion in chosen:
+            form = derived(law, criterion, limit)
+            if not isinstance(form, NoClosedForm):
+                forms.append(form)
                 continue
-            if len(chosen) == 1 and not everything and not only_code:
-                raise found
-            missing.append((one, wanted.name, str(found)))
-            averages.append(slope_average(one, wanted))
+            if len(chosen) == 1 and not given["all"] and not only_code:
+                raise form
+            missing.append((law, criterion.name, str(form)))
+            averages.append(slope_average(law, criterion))
     if not forms and not only_code:
         raise NoClosedForm(f"none of the criteria has a closed form: {missing[0][2]}")
-    texts = {
-        path: _text(kind, forms, averages, missing, notation, fragment, steps) for kind, path in targets.items()
-    }
-    if len({path.resolve() for path in texts}) < len(targets):
-        raise InputError("two outputs have the same file; give each one of its own")
-    files.write_texts(texts)
-    for one, name, _ in missing:
-        what = "its fast function is written" if only_code else "only its fast function is written, to code"
-        typer.echo(f"no closed form: {one.name or one.text}, {name}; {what}", err=True)
+    files.write_texts({path: _text(kind, forms, averages, missing, style) for kind, path in targets.items()})
+    what = "its fast function is written" if only_code else "only its fast function is written, to code"
+    if not averages or not targets.keys() & DESCRIPTIONS.keys():
+        what = "nothing is written of it but the reason"
+    for law, name, _ in missing:
+        click.echo(f"no closed form: {law.name or law.text}, {name}; {what}", err=True)
+    counts = {kind: len(forms) + (len(averages) if kind in DESCRIPTIONS else 0) for kind in targets}
+    if given["json"]:
+        content = [{"law": one.law.name, "criterion": one.criterion.name, "form": one} for one in forms]
+        echo_json("export", criteria=content, files=targets)
+        return
     # /dev/stdout holds what was asked for, and nothing else.
-    streamed = any(path.exists() and not path.is_file() for path in texts)
+    streamed = any(path.exists() and not path.is_file() for path in targets.values())
     for kind, path in targets.items():
-        number = len(forms) + (len(averages) if kind in to_code else 0)
-        count = "1 criterion" if number == 1 else f"{number} criteria"
-        typer.echo(f"{kind}: {count} in {path}", err=streamed)
+        count = "1 criterion" if counts[kind] == 1 else f"{counts[kind]} criteria"
+        click.echo(f"{kind}: {count} in {path}", err=streamed)
 
 
-def _laws(texts: list[str], everything: bool, description: Description) -> list["FrictionLaw"]:
-    from stickslip_sym.model.laws import catalogue
+def _laws(given: Given) -> "list[FrictionLaw]":
+    from stickslip_sym.model.laws import laws as catalogue
 
-    given = [f"--{option}" for option, value in asdict(description).items() if value]
-    if given and len(texts) != 1:
-        raise InputError(f"{given[0]} belongs to one law; give one LAW")
-    if everything:
+    texts = given["laws"]
+    if given["all"]:
         if texts:
             raise InputError(f"--all is every law already; leave out {', '.join(map(repr, texts))}")
         return list(catalogue.values())
@@ -118,7 +110,9 @@ def _laws(texts: list[str], everything: bool, description: Description) -> list[
     for position, text in enumerate(texts):
         if text in texts[:position]:
             raise InputError(f"the law {text!r} is given twice; give it once")
-    return [description.law_of(text) for text in texts]
+    if len(texts) > 1:
+        return [law_described(lambda option: None, text) for text in texts]
+    return [law_described(given.__getitem__, texts[0])]
 
 
 def _check_notation(notation: dict[str, str], laws: "list[FrictionLaw]") -> None:
@@ -134,14 +128,13 @@ def _check_notation(notation: dict[str, str], laws: "list[FrictionLaw]") -> None
 
 def _text(
     kind: str, forms: "list[ClosedForm]", averages: "list[SlopeAverage]",
-    missing: "list[tuple[FrictionLaw, str, str]]", notation: dict[str, str],
-    fragment: bool, steps: bool,
+    missing: "list[tuple[FrictionLaw, str, str]]", style: dict[str, object],
 ) -> str:  # fmt: skip
-    from stickslip_sym.formula.derivation import keeping
     from stickslip_sym.formula.export import export as write
+    from stickslip_sym.formula.files import text_of
 
     if kind == "latex":
-        return write.export_latex(forms, symbols=notation, fragment=fragment, steps=steps, missing=missing)
-    if kind == "json":
-        return keeping.collection(forms)
+        return write.export_latex(forms, missing=missing, **style)  # type: ignore[arg-type]
+    if kind == "save":
+        return text_of(forms)
     return write.export_code([*forms, *averages], kind)

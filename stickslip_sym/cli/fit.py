@@ -1,109 +1,82 @@
 """``stickslip fit``: laws fitted to measured friction, and ranked."""
 
-import contextlib
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+import click
 
-from stickslip_sym.cli.shared import json_output
-from stickslip_sym.cli.shared.completion import complete_law
-from stickslip_sym.cli.shared.options import AsJson
-from stickslip_sym.cli.shared.reading import assignments, progress_bar, require_writable
-from stickslip_sym.cli.shared.words import in_options
+from stickslip_sym.cli.options import (
+    FILE_OF_MEASUREMENTS,
+    JSON,
+    LAW_NAMES,
+    Given,
+    command,
+    file_option,
+    option,
+)  # fmt: skip
+from stickslip_sym.cli.output import counted, echo_json
+from stickslip_sym.cli.reading import assignments, measurements
+from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["fit", "laws_to_fit", "progress_of_laws"]
+__all__ = ["laws_to_fit"]
 
 
-def fit(
-    file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="Measured friction: v and mu, or v, F_t and F_n, in columns.")
-    ],
-    laws: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[LAW]...",
-            help="Names of laws, or formulas in v; without, every law of the catalogue.",
-            autocompletion=complete_law,
-        ),
-    ] = None,
-    parameter: Annotated[
-        list[str] | None,
-        typer.Option("--parameter", "-p", metavar="NAME=VALUE", help="Fix a parameter; may be repeated."),
-    ] = None,
-    unit: Annotated[
-        list[str] | None,
-        typer.Option("--unit", metavar="NAME=UNIT", help="Unit of a formula's parameter; may be repeated."),
-    ] = None,
-    profile: Annotated[
-        bool, typer.Option("--profile", help="Intervals of the best law from the sum of squares itself.")
-    ] = False,
-    plot: Annotated[
-        Path | None, typer.Option("--plot", metavar="FILE", help="Draw the best fit (SVG, PNG or PDF).")
-    ] = None,
-    as_json: AsJson = False,
-) -> None:
+@command(
+    "fit",
+    click.Argument(["files"], type=Path, nargs=-1, required=True, metavar="FILE..."),
+    option("--law", multiple=True, help="A law, or a formula in v (every law of the catalogue).", **LAW_NAMES),
+    option("--parameter", "-p", metavar="NAME=VALUE", multiple=True, help="Fix a parameter."),
+    option("--unit", metavar="NAME=UNIT", multiple=True, help="Unit of a formula's parameter."),
+    FILE_OF_MEASUREMENTS,
+    option("--profile", is_flag=True, help="Intervals of the best law from the sum of squares itself."),
+    file_option("--plot", "Draw the best fit of the one file (SVG, PNG or PDF).", draws=True), JSON,
+)  # fmt: skip
+def run(given: Given) -> None:
     """Fit friction laws to measurements, and rank them.
 
-    Example: stickslip fit disc.csv exponential stribeck "a + b/(d + v)" --plot fit.svg
+    A FILE has columns of v and mu, or of v, F_t and F_n.
+
+    Example: stickslip fit disc.csv --law exponential --law stribeck --law "a + b/(d + v)" --plot fit.svg
     """
-    from stickslip_sym.model.fit import fit as compute
-    from stickslip_sym.model.measured.measurements import read_measurements
+    from stickslip_sym.model.fitting.fit import fit
 
-    chosen = laws_to_fit(laws or [], assignments(parameter or []), assignments(unit or [], "--unit alpha=s/m"))
-    require_writable(plot=plot)
-    measured = read_measurements(file)
-    with progress_of_laws() as progress:
-        found = compute(measured, laws=chosen, progress=progress)
-    best = found.best
-    intervals = best.confidence(profile=True) if profile else None
-    if as_json:
-        content = _in_options(found.content())
-        if intervals is not None:
-            sides = {name: [json_output.number(side) for side in ends] for name, ends in intervals.items()}
-            content["profile_95"] = sides
-        json_output.echo("fit", **content)
-    else:
-        typer.echo(in_options(str(found)))
-        typer.echo(f"\n{in_options(str(best))}")
-        if intervals is not None:
-            lines = [f"  {name}: {low:.4g} to {high:.4g}" for name, (low, high) in intervals.items()]
-            typer.echo("\n".join(["\n95 % intervals from the sum of squares", *lines]))
-    if plot is not None:
-        found.plot(plot)
+    files, profile = given["files"], given["profile"]
+    laws = laws_to_fit(given["law"], assignments(given["parameter"]), given)
+    plot = given["plot"] if len(files) == 1 else None
+    contents = []
+    for position, file in enumerate(files):
+        measured = measurements(given.__getitem__, file)
+        given.all_used()
+        with counted("laws") as progress:
+            fits = fit(measured, laws=laws, progress=progress)
+        intervals = fits.best.confidence(profile=True) if profile else {}
+        if given["json"]:
+            contents.append(fits.content() | ({"profile_95": intervals} if intervals else {}))
+            continue
+        lines = [*(["" if position else None, f"{file}:"] if len(files) > 1 else [])]
+        lines += [in_options(str(fits)), "", in_options(str(fits.best))]
+        if intervals:
+            lines += ["", "95 % intervals from the sum of squares"]
+            lines += [f"  {name}: {low:.4g} to {high:.4g}" for name, (low, high) in intervals.items()]
+        click.echo("\n".join(line for line in lines if line is not None))
+        if plot is not None:
+            fits.plot(plot)
+    if given["json"]:
+        whole = {"files": dict(zip(map(str, files), contents, strict=True))}
+        echo_json("fit", **(contents[0] if len(files) == 1 else whole))
 
 
-def laws_to_fit(texts: list[str], fixed: dict[str, str], units: dict[str, str]) -> list[Any]:
+def laws_to_fit(texts: tuple[str, ...], fixed: dict[str, str], given: Given) -> list[Any]:
     """Return the laws to fit, with the parameters that are fixed; all of the catalogue if none is named."""
-    from stickslip_sym.model.expression.parsing import NAME
+    from stickslip_sym.model.expression.spelling import NAME
     from stickslip_sym.model.law import FrictionLaw
-    from stickslip_sym.model.laws import catalogue, find
+    from stickslip_sym.model.laws import laws as catalogue
 
-    laws: list[Any] = [find(text) if NAME.fullmatch(text) else FrictionLaw(text, units=units) for text in texts]
-    if units and all(map(NAME.fullmatch, texts)):
-        raise InputError("--unit belongs to the parameters of a formula; there is none")
+    units = {} if all(map(NAME.fullmatch, texts)) else assignments(given["unit"], "--unit alpha=s/m")
+    laws = [catalogue.find(text) if NAME.fullmatch(text) else FrictionLaw(text, units=units) for text in texts]
     laws = laws or list(catalogue.values())
     for name in fixed:
         if not any(name in law.parameters for law in laws):
             raise InputError(f"no law that is fitted has a parameter {name!r}; leave -p {name}=... out")
     return [law.bind(**{name: text for name, text in fixed.items() if name in law.parameters}) for law in laws]
-
-
-def _in_options(content: Any) -> Any:
-    """Return nested content with its sentences in the words of the command line."""
-    if isinstance(content, dict):
-        return {key: _in_options(value) for key, value in content.items()}
-    if isinstance(content, list):
-        return [_in_options(value) for value in content]
-    return in_options(content) if isinstance(content, str) else content
-
-
-@contextlib.contextmanager
-def progress_of_laws() -> Iterator[Callable[[int, int], None]]:
-    """Show on a terminal how many laws are done; elsewhere show nothing."""
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-
-    with progress_bar(TextColumn("laws"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()) as update:
-        yield lambda done, total: update(completed=done, total=total)

@@ -1,89 +1,72 @@
 """``stickslip map``: the motions over a plane of two quantities."""
 
-import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+import click
 
-from stickslip_sym.cli.shared import json_output
-from stickslip_sym.cli.shared.law import LawOptions
-from stickslip_sym.cli.shared.options import AsJson, Overwrite, SceneOptions, file_option
-from stickslip_sym.cli.shared.reading import check_size, progress_bar, read_numbers, require_new, require_writable
-from stickslip_sym.cli.shared.words import in_options
+from stickslip_sym.cli.options import DAMPING, JSON, LAW, POINT, Given, command, file_option, option, time_limit
+from stickslip_sym.cli.output import counted, echo_json, point_of, table
+from stickslip_sym.cli.reading import assignments, check_size, point, read_number
+from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.operating_point import PAPER
 
 if TYPE_CHECKING:
     from stickslip_sym.core.aliases import FloatArray
     from stickslip_sym.model.law import FrictionLaw
     from stickslip_sym.motion.maps.motions import MotionMap
 
-__all__ = ["motion_map", "read_axis", "report"]
+__all__ = ["read_axis", "report"]
 
 _AXIS = "NAME=START:STOP:COUNT"
 _MOST_VALUES = 1_000_000
 _WIDTH, _HEIGHT = 60, 20  # of the picture in text
 
 
-def motion_map(
-    x: Annotated[str, typer.Option("--x", metavar=_AXIS, help="Horizontal axis: V, c, N, m, k or a parameter.")],
-    y: Annotated[str, typer.Option("--y", metavar=_AXIS, help="Vertical axis.")],
-    law: LawOptions,
-    scene: SceneOptions,
-    c: Annotated[str | None, typer.Option("-c", metavar="KG/S", help="Damping, unless it is an axis.")] = None,
-    plot: Annotated[Path | None, file_option("--plot", "Draw the map (PNG, SVG or PDF).")] = None,
-    csv: Annotated[Path | None, file_option("--csv", "Write a line for each cell.")] = None,
-    npz: Annotated[Path | None, file_option("--npz", "Write NumPy arrays.")] = None,
-    workers: Annotated[int, typer.Option("--workers", metavar="N", help="Processes; -1 for all processors.")] = 1,
-    checkpoint: Annotated[Path | None, file_option("--checkpoint", "Keep what is done; go on from it.")] = None,
-    overwrite: Overwrite = False,
-    time_limit: Annotated[
-        str | None,
-        typer.Option("--time-limit", metavar="S", help="Seconds; the cells that are left then are undecided."),
-    ] = None,
-    as_json: AsJson = False,
-) -> None:
+@command(
+    "map", LAW,
+    option("--x", metavar=_AXIS, required=True, help="Horizontal axis: V, c, N, m, k or a parameter."),
+    option("--y", metavar=_AXIS, required=True, help="Vertical axis."),
+    POINT, DAMPING,
+    file_option("--plot", "Draw the map (SVG, PNG or PDF).", draws=True),
+    file_option("--csv", "Write a line for each cell."),
+    file_option("--npz", "Write NumPy arrays."),
+    option("--workers", metavar="N", type=int, default=1, help="Processes; -1 for all processors."),
+    time_limit("Seconds; the cells that are left then are undecided."), JSON,
+)  # fmt: skip
+def run(given: Given) -> None:
     """Map the motions that exist, and the three thresholds, over a plane.
 
     Example: stickslip map exponential --x V=0.01:1:100 --y c=0:6:100 --plot map.png
     """
-    from stickslip_sym.motion.maps.motions import motion_map as compute
+    from stickslip_sym.motion.maps.motions import motion_map
 
-    axes = read_axis("--x", x), read_axis("--y", y)
+    axes = read_axis("--x", given["x"]), read_axis("--y", given["y"])
     names = [quantity for quantity, _ in axes]
-    for name in law.values:
+    for name in assignments(given["parameter"]):
         if name in names:
             raise InputError(f"{name} is an axis, and given by -p too; leave one of the two out")
-    bound = law.bound()
-    given = scene.texts({name: text for name, text in PAPER.items() if name not in names})
-    given |= {} if c is None else {"c": c}
-    numbers = read_numbers(given)
-    _warn_at_corners(bound, axes, numbers)
-    require_new(csv, "--csv", overwrite)
-    limit = read_numbers({"time_limit": time_limit}).get("time_limit")
-    require_writable(csv, npz, plot=plot)
-    with _progress() as progress:
-        found = compute(
-            bound,
-            x=axes[0],
-            y=axes[1],
-            **numbers,
-            workers=workers,
-            checkpoint=checkpoint,
-            progress=progress,
-            time_limit=limit,
+    at = point(given, without=names).exact("map")
+    limit, workers = read_number(given, "time_limit"), given["workers"]
+    files = given["csv"], given["npz"], given["plot"]
+    given.all_used()
+    _warn_at_corners(at.law, axes, at.numbers)
+    with counted("lines of cells") as progress:
+        found = motion_map(
+            at.law, x=axes[0], y=axes[1], **at.numbers, workers=workers, progress=progress, time_limit=limit
         )
-    if as_json:
-        known = {"law": json_output.law(bound), "scene": json_output.values(given)}
-        json_output.echo("map", **known, **_as_json(found))
+    if given["json"]:
+        echo_json("map", **point_of(at), x=found.x, y=found.y, map=found)
     else:
-        typer.echo(report(found))
-    for write, path in ((found.to_csv, csv), (found.to_npz, npz), (found.plot, plot)):
+        click.echo(f"{at}\n\n{report(found)}")
+    writers: tuple[Callable[[Path], object], ...] = found.to_csv, found.to_npz, found.plot
+    for write, path in zip(writers, files, strict=True):
         if path is not None:
             write(path)
+    if found.interrupted:
+        raise click.Abort
 
 
 def read_axis(option: str, text: str) -> "tuple[str, FloatArray]":
@@ -110,38 +93,23 @@ def read_axis(option: str, text: str) -> "tuple[str, FloatArray]":
 
 
 def _warn_at_corners(
-    law: "FrictionLaw", axes: "tuple[tuple[str, FloatArray], ...]", scene: dict[str, float]
+    law: "FrictionLaw", axes: "tuple[tuple[str, FloatArray], ...]", point: dict[str, float]
 ) -> None:
     """Warn of a negative coefficient at a corner of the plane; one warning is enough."""
     from stickslip_sym.model.doubts import warn_where_negative
 
     for corner in product(*([(name, ends[0]), (name, ends[-1])] for name, ends in axes)):
-        here = {**scene, **dict(corner)}
+        here = {**point, **dict(corner)}
         bound = law.bind(**{name: float(here[name]) for name in law.parameters if name in here})
         if not bound.missing and here["V"] > 0 and warn_where_negative(bound, float(here["V"])):
             return
-
-
-def _as_json(found: "MotionMap") -> json_output.Json:
-    """Return the axes, and motion, attractors and reason of each cell, in rows along the horizontal axis."""
-    axes = {
-        name: {"quantity": axis.name, "unit": axis.unit, "values": axis.values.tolist()}
-        for name, axis in (("x", found.x), ("y", found.y))
-    }
-    attractors = {name: getattr(found, name).tolist() for name in ("stick_slip", "rest", "pure_slip")}
-    cells = {"motion": found.motion, "reason": found.reason}
-    in_words = {name: [[cell.value for cell in row] for row in array] for name, array in cells.items()}
-    return axes | in_words | attractors
 
 
 def report(found: "MotionMap") -> str:
     """Return a picture of the map in letters, and the number of cells of each kind."""
     import numpy as np
 
-    from stickslip_sym.motion.maps.drawing import regions_of
-    from stickslip_sym.output.tables import table
-
-    place, kinds = regions_of(found)
+    place, kinds = found.regions()
     rows, columns = (
         np.linspace(0, size - 1, min(size, most)).round().astype(int)
         for size, most in zip(place.shape, (_HEIGHT, _WIDTH), strict=True)
@@ -176,13 +144,3 @@ def report(found: "MotionMap") -> str:
         )
         parts.append(f"{many}, at {where}: {in_options(text)}")
     return "\n\n".join(parts)
-
-
-@contextlib.contextmanager
-def _progress() -> Iterator[Callable[[int, int], None]]:
-    """Show on a terminal how much is done; elsewhere show nothing."""
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-
-    columns = TextColumn("lines of cells"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    with progress_bar(*columns) as update:
-        yield lambda done, total: update(completed=done, total=total)

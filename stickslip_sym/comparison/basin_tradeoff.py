@@ -18,8 +18,9 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.basins import BasinMap, basin_map
 from stickslip_sym.motion.maps.cells import MOTIONS
-from stickslip_sym.motion.maps.sides import sides_of
-from stickslip_sym.motion.regimes.classification import Motion, classify
+from stickslip_sym.motion.maps.shares import motions_by_side
+from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.regimes.classification import classify
 
 __all__ = ["ShareWay", "basin_tradeoff"]
 
@@ -91,7 +92,7 @@ def basin_tradeoff(
     """
     with deadline.time_limit(time_limit):
         found, seconds = shortest(partial(basin_map, law, osc, x0=x0, v0=v0))
-        exact = found.share.get(Motion.DAMPED_SLIP)
+        exact = found.share.get(Motion.REST)
         if exact is None or exact.counted or not exact.value > exact.error:
             reason = (
                 "no start comes to rest" if exact is None or exact.value == 0 else "its basins are not settled"
@@ -148,10 +149,8 @@ class _Sample:
 
 def _fates(law: FrictionLaw, osc: Oscillator, found: BasinMap, starts: FloatArray) -> BoolArray:
     """Return which starts come to rest, by the side of the separatrices that they lie on."""
-    sides = sides_of(law, osc, found.regime)
-    assert sides is not None  # the areas are known
-    rest = MOTIONS.index(Motion.DAMPED_SLIP)
-    by_side = [int(sides.motions(*start[:, None])[0, 0]) for start in starts]
+    rest = MOTIONS.index(Motion.REST)
+    by_side = [int(motions_by_side(found.regime, *start[:, None])[0, 0]) for start in starts]
     return np.array(
         [
             _rests(law, osc, *start) if side < 0 else side == rest
@@ -161,4 +160,4 @@ def _fates(law: FrictionLaw, osc: Oscillator, found: BasinMap, starts: FloatArra
 
 
 def _rests(law: FrictionLaw, osc: Oscillator, x0: float, v0: float) -> bool:
-    return classify(law, osc, x0=float(x0), v0=float(v0)) is Motion.DAMPED_SLIP
+    return classify(law, osc, x0=float(x0), v0=float(v0)) is Motion.REST

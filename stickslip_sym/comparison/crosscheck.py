@@ -1,96 +1,119 @@
-"""One number three ways: the closed form, quadrature of the definition, and the oscillator itself."""
+"""The table of `derive`: a criterion in closed form and by quadrature, and the oscillator's own threshold."""
 
+import math
 import textwrap
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import mpmath
+import numpy as np
+import sympy as sp
 
-from stickslip_sym.comparison.deviation import LARGE, reasons, spread
+from stickslip_sym.comparison.compare import answer
+from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Mpf
-from stickslip_sym.core.errors import StickSlipError
+from stickslip_sym.core.errors import NotConverged, StickSlipError
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria import quadrature
-from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.derivation.closed_form import ClosedForm
+from stickslip_sym.criteria.criterion import Criterion, harmonic
+from stickslip_sym.formula.closed_form import ClosedForm
+from stickslip_sym.formula.slope_average import slope_average
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.tables import duration, table
 
-__all__ = ["Check", "crosscheck", "report"]
+__all__ = ["Check", "crosscheck", "differences", "report", "scatter"]
 
 _WIDTH = 100  # characters of a line of text
+_LARGE = 0.05
+"""Relative difference of a criterion from the threshold from which on its reason is looked for."""
+_STIFFER = 1e4
+"""Times the stiffness: N/(V sqrt(k m)) falls to a hundredth, where friction is weak."""
+_SHOWN = 1e-11
+"""Relative error of the threshold in the table, of which twelve digits are shown: the last may be off."""
+_RTOL = 1e-6  # of the thresholds that a difference is explained by
+_FEWEST = 5  # points of which one may be left out
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
 @dataclass(frozen=True)
 class Check:
-    """One way to the number."""
+    """One row of the table.
+
+    Attributes
+    ----------
+    method : str
+    value : str
+        In kg/s, with as many digits as the method gives; or why there is none.
+    difference : float or None
+        Relative to the first method that has a value; None where there is none.
+    seconds : float
+    """
 
     method: str
-    value: str  # in kg/s, as many digits as the method gives; or why there is none
-    difference: float | None  # relative to the first method that has a value; None where there is none
-    seconds: float
+    value: str
+    difference: float | None = None
+    seconds: float = 0.0
 
 
 def crosscheck(
-    law: FrictionLaw, criterion: Criterion, scene: Mapping[str, Number], form: ClosedForm | None, digits: int = 50
+    law: FrictionLaw, criterion: Criterion, point: Mapping[str, Number], form: ClosedForm | None, digits: int = 50
 ) -> list[Check]:
     """Compute a closed form, the quadrature of its definition, and the event-driven threshold.
 
     - `law`: with all parameters bound.
-    - `scene`: values of V, N, m and k in SI units.
+    - `point`: V, N, m and k in SI units.
     - `form`: of this law and criterion; None where there is none, and quadrature is the reference.
     - `digits`: of the closed form and of the quadrature.
 
-    A method that has no value in this scene says why in its place.
+    A method that has no value at this operating point says why in its place.
     """
-    V, N = scene["V"], scene["N"]
-    numbers = {name: float(exact(value, name)) for name, value in scene.items()}
-    ways: dict[str, Callable[[], tuple[Mpf, int]]] = {
-        f"quadrature, {digits} digits": lambda: (
-            quadrature.damping(law, criterion, V=V, N=N, digits=digits),
+    V, N = point["V"], point["N"]
+    numbers = {name: float(exact(value, name)) for name, value in point.items()}
+
+    def simulated() -> Mpf:
+        one = answer(law, numbers, "simulation", rtol=_SHOWN, time_limit=None)
+        if one.threshold is None:
+            raise NotConverged(one.reason)
+        return mpmath.mpf(one.threshold.value)
+
+    methods: dict[str, tuple[Callable[[], Mpf], int]] = {
+        f"quadrature, {digits} digits": (
+            lambda: quadrature.damping(law, criterion, V=V, N=N, digits=digits),
             digits,
         ),
-        "event-driven threshold": lambda: (
-            mpmath.mpf(pure_slip_damping(law, **numbers, method="simulation", rtol=1e-12).value),
-            12,
-        ),
+        "event-driven threshold": (simulated, 12),
     }
     if form is not None:
-        ways = {"closed form": lambda: (form.evaluate(digits, V=V, N=N), digits)} | ways
+        methods = {"closed form": (lambda: form.evaluate(digits, V=V, N=N), digits)} | methods
     checks: list[Check] = []
-    values: list[Mpf] = []
-    error_of_data = None
-    if law.curve is not None:
-        error_of_data = spread(law, criterion, numbers["V"], numbers["N"])
-    reference = None
-    for method, compute in ways.items():
-        start = time.perf_counter()
+    error = None if law.curve is None else scatter(law, criterion, numbers["V"], numbers["N"])
+    reference = value = None
+    for method, (compute, known) in methods.items():
+        begin = time.perf_counter()
         try:
-            value, known = compute()
-        except StickSlipError as error:
-            checks.append(Check(method, f"none: {error}", None, 0.0))
+            value = compute()
+        except StickSlipError as reason:
+            checks.append(Check(method, f"none: {reason}"))
             continue
-        seconds = time.perf_counter() - start
+        seconds = time.perf_counter() - begin
         reference = value if reference is None else reference
         with mpmath.workdps(digits):
             difference = abs(value - reference)
             relative = float(difference / abs(reference)) if reference else float(difference)
-        deserved = known if error_of_data is None else min(known, _deserved(value, error_of_data))
-        checks.append(Check(method, mpmath.nstr(value, deserved), relative, seconds))
-        values.append(value)
-    if error_of_data:
-        shown = f"the points' scatter alone makes that +-{error_of_data:.1g} kg/s, one standard error (jackknife)"
-        checks.append(Check("measured points", shown, None, 0.0))
-    last = checks[len(ways) - 1].difference
-    if last is not None and last > LARGE and reference:
-        for reason in reasons(law, criterion, numbers, float(reference), float(values[-1])):
-            checks.append(Check("why the threshold differs", reason, None, 0.0))
+        shown = known if error is None else min(known, _digits(value, error))
+        checks.append(Check(method, mpmath.nstr(value, shown), relative, seconds))
+    last = checks[-1].difference
+    if error:
+        text = f"the points' scatter alone makes that +-{error:.1g} kg/s, one standard error (jackknife)"
+        checks.append(Check("measured points", text))
+    if last is not None and last > _LARGE and reference and value is not None:
+        for text in differences(law, criterion, numbers, float(reference), float(value)):
+            checks.append(Check("why the threshold differs", text))
     return checks
 
 
-def _deserved(value: Mpf, error: float) -> int:
+def _digits(value: Mpf, error: float) -> int:
     """Return the digits of a value that its standard error leaves, and one more."""
     if not value or not error:
         return 17
@@ -110,3 +133,82 @@ def report(checks: list[Check]) -> str:
         if check.difference is None
     ]
     return "\n".join([table(["method", "c in kg/s", "difference", "time"], rows), *words])
+
+
+def differences(
+    law: FrictionLaw, criterion: Criterion, point: Mapping[str, float], value: float, threshold: float
+) -> list[str]:
+    """Return what a criterion and the event-driven threshold differ by, part by part, each computed.
+
+    - `law`: with all parameters bound.
+    - `point`: V, N, m and k in SI units.
+    - `value, threshold`: the criterion and the threshold, in kg/s.
+    """
+
+    def simulated(law: FrictionLaw, changed: Mapping[str, float]) -> float | None:
+        one = answer(law, {**point, **changed}, "simulation", rtol=_RTOL, time_limit=None)
+        return None if one.threshold is None else float(one.threshold.value)
+
+    reasons = []
+    weak = float(slope_average(law, harmonic)(V=point["V"], N=point["N"]))
+    if criterion != harmonic and abs(weak - value) > _LARGE * abs(value):
+        reasons.append(
+            f"the weight: for weak friction the threshold is the harmonic average, {weak:.4g} kg/s, and the "
+            f"criterion {criterion.name} weighs other slip speeds"
+        )
+    if law.static is not None:
+        names = {name for name, parameter in law.parameters.items() if law.expr.has(parameter.symbol)}
+        plain = FrictionLaw(law.expr).bind(**{name: law.values[name] for name in names})
+        without = simulated(plain, {})
+        if without is not None and abs(without - threshold) > _LARGE * abs(threshold):
+            reasons.append(
+                "the static coefficient, which no slope average sees: without it the threshold is "
+                f"{without:.4g} kg/s"
+            )
+    stiff = simulated(law, {"k": point["k"] * _STIFFER})
+    closer = stiff is not None and abs(stiff - weak) < abs(threshold - weak) / 3
+    if stiff is not None and closer and abs(threshold - stiff) > _LARGE * abs(threshold):
+        eta = point["N"] / (point["V"] * math.sqrt(point["k"] * point["m"]))
+        reasons.append(
+            f"friction that is not weak: N/(V sqrt(k m)) = {eta:.3g}; at a hundredth of that (k times 10^4) "
+            f"the threshold is {stiff:.4g} kg/s"
+        )
+    return reasons
+
+
+def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float:
+    """Return the standard error of a criterion of measured points, in kg/s: the jackknife over the points.
+
+    Each point but the first and the last is left out in turn; 0 for fewer than five points.
+    """
+    assert law.curve is not None
+    v = [float(place) for place in law.curve.places]
+    mu = [float(cubic[0]) for cubic in law.curve.cubics]
+    if law.curve.end is not None:
+        v, mu = [*v, float(law.curve.end)], [*mu, float(law.mu(float(law.curve.end)))]
+    if len(v) < _FEWEST:
+        return 0.0
+    values = []
+    for left_out in range(1, len(v) - 1):
+        kept = [i for i in range(len(v)) if i != left_out]
+        other = FrictionLaw.from_samples(
+            [v[i] for i in kept], [mu[i] for i in kept], extrapolate=law.curve.end is None
+        )
+        values.append(_gauss(other, criterion, V, N))
+    return math.sqrt((len(values) - 1) * float(np.var(values)))
+
+
+def _gauss(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float:
+    """Return a criterion by Gauss-Legendre rules between the points, in phi with v = V(1 - cos(phi)).
+
+    In phi the integrand is smooth for every weight; a standard error wants no more digits.
+    """
+    if criterion.weight is None:
+        return -N * float(law.slope(V))
+    assert law.curve is not None
+    inside = [float(place) for place in law.curve.places if 0 < place < 2 * V]
+    ends = np.arccos(1 - np.array([0.0, *inside, 2 * V]) / V)
+    phi = (ends[:-1, None] * (1 - _NODES) + ends[1:, None] * (1 + _NODES)) / 2
+    weight = sp.lambdify(symbols.s, criterion.weight, "numpy")(-np.cos(phi))
+    integrand = weight * np.sin(phi) * law.slope(V * (1 - np.cos(phi)))
+    return -N * float(((ends[1:] - ends[:-1]) / 2) @ (integrand @ _WEIGHTS))

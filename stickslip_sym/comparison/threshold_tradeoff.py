@@ -1,4 +1,4 @@
-"""Speed against accuracy of thresholds: every rung of the ladder, the paper's own procedure, and SciPy alone."""
+"""Speed against accuracy of thresholds: every method, the paper's own procedure, and SciPy alone."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -14,7 +14,7 @@ from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.thresholds.rungs import Rung, rungs
+from stickslip_sym.motion.thresholds.methods import Method, methods
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 
 __all__ = ["SPEEDS", "ThresholdWay", "threshold_tradeoff"]
@@ -26,7 +26,8 @@ BISECTED = (1e-3, 1e-6, 1e-9)
 """Tolerances of ``scipy.integrate.solve_ivp``, whose own is the first."""
 _UNITS = {"V": "m/s", "N": "N", "m": "kg", "k": "N/m"}
 _SCAN_STEP = 0.001  # kg/s, the paper's
-_SHORTEST = 0.02  # seconds that the measurement of a rung takes at least, all repetitions together
+_FINE = 1e-12  # relative error that methods are asked for, where they come as close as that
+_SHORTEST = 0.02  # seconds that the measurement of a method takes at least, all repetitions together
 
 
 @dataclass(frozen=True)
@@ -63,8 +64,8 @@ def threshold_tradeoff(
     - `scene`: V, N, m and k in SI units.
     - `time_limit`: seconds after which no other way is tried; those that are left give no number.
 
-    They are the rungs, with errors over the speeds; and in the one scene only the paper's scan of Newmark runs up
-      to twice the threshold in steps of 0.001 kg/s, and bisection by runs of ``scipy.integrate.solve_ivp``.
+    They are the methods, with errors over the speeds; and in the one scene only the paper's scan of Newmark
+      runs up to twice the threshold in steps of 0.001 kg/s, and bisection by ``scipy.integrate.solve_ivp``.
 
     Raises `InputError`, `NoThreshold` or `NotConverged` where the scene itself has no exact threshold.
     Raises `OutOfTime` if the time is up before that is known.
@@ -76,15 +77,15 @@ def threshold_tradeoff(
 
 
 def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[ThresholdWay]:
-    orbit = rungs()["orbit"]
-    exact = _rung(law, scene, orbit).value
+    orbit = methods()["orbit"]
+    exact = _by(orbit, law, scene).value
     if not exact > 0:
         raise NoThreshold(f"the threshold is {exact:.3g} kg/s in this scene: nothing has a relative error")
     others = {name: value for name, value in scene.items() if name != "V"}
     references = {}
     for speed in SPEEDS.tolist():
         try:
-            reference = _rung(law, others | {"V": speed}, orbit).value
+            reference = _by(orbit, law, others | {"V": speed}).value
         except (NoThreshold, NotConverged):
             continue
         except OutOfTime:
@@ -92,23 +93,23 @@ def _measured(law: FrictionLaw, scene: Mapping[str, float]) -> list[ThresholdWay
         if reference > 0:
             references[speed] = reference
     ways = []
-    for method, rung in rungs().items():
+    for name, method in methods().items():
         try:
-            found, seconds = shortest(partial(_rung, law, scene, rung), enough=_SHORTEST)
+            found, seconds = shortest(partial(_by, method, law, scene), enough=_SHORTEST)
         except (OutOfTime, NotConverged, InputError):
-            ways.append(ThresholdWay(method))
+            ways.append(ThresholdWay(name))
             continue
         try:
             largest = max(
                 (
-                    _error(_rung(law, others | {"V": speed}, rung), reference)
+                    _error(_by(method, law, others | {"V": speed}), reference)
                     for speed, reference in references.items()
                 ),
                 default=NO_NUMBER,
             )
         except (OutOfTime, NotConverged, NoThreshold):
             largest = NO_NUMBER
-        ways.append(ThresholdWay(method, seconds, _error(found, exact), largest, found.status))
+        ways.append(ThresholdWay(name, seconds, _error(found, exact), largest, found.status))
     osc = Oscillator(**scene)
     scan = Scan(np.arange(0.0, 2 * exact, _SCAN_STEP))
     ways.append(_peer("Newmark scan", partial(pure_slip_by_scan, law, osc, scan), exact))
@@ -129,13 +130,13 @@ def _peer(name: str, compute: Callable[[], float], exact: float) -> ThresholdWay
     return ThresholdWay(name, seconds, abs(found / exact - 1), status="ESTIMATED")
 
 
-def _rung(law: FrictionLaw, scene: Mapping[str, float], rung: Rung) -> Threshold:
-    """Return the threshold by a rung; averages of slopes are not made to look for their error."""
-    numbers = dict(scene) if rung.oscillator else {"V": scene["V"], "N": scene["N"]}
-    return pure_slip_damping(law, **numbers, method=rung, rtol=rung.best)
+def _by(method: Method, law: FrictionLaw, scene: Mapping[str, float]) -> Threshold:
+    """Return the threshold by a method; averages of slopes are not made to look for their error."""
+    numbers = dict(scene) if method.oscillator else {"V": scene["V"], "N": scene["N"]}
+    return pure_slip_damping(law, **numbers, method=method, rtol=_FINE if method.converges else 1.0)
 
 
 def _error(found: Threshold, reference: float) -> float:
     """Return the error against the orbit; the orbit's own is its estimate, and that of a proof its bound."""
     own = found.method == "orbit" or found.status == "PROVED"
-    return float(found.error) if own else abs(found.value / reference - 1)
+    return float(found.relative_error) if own else abs(found.value / reference - 1)

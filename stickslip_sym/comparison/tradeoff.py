@@ -11,6 +11,7 @@ from stickslip_sym.core.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.core.numbers import Number, exact, suggestion
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.operating_point import LOW_SPEED, PAPER
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
@@ -63,7 +64,7 @@ class Tradeoff(drawing.Drawn):
 
 
 def tradeoff(
-    law: FrictionLaw,
+    law: FrictionLaw | str,
     *,
     of: str | Sequence[str] = KINDS,
     criterion: str | Criterion = "least_squares",
@@ -108,6 +109,7 @@ def tradeoff(
     StickSlipError
         If nothing can be measured, the reason of the first kind.
     """
+    law = as_law(law)
     kinds = [of] if isinstance(of, str) else list(of) if isinstance(of, Sequence) else []
     if not kinds:
         raise InputError(f"of = {of!r} names nothing to measure; there are: {', '.join(KINDS)}")
@@ -144,7 +146,7 @@ def tradeoff(
 
 def _of_criterion(law: FrictionLaw, criterion: Criterion, scene: dict[str, Number]) -> Trade[Any]:
     from stickslip_sym.comparison.criterion_tradeoff import criterion_tradeoff
-    from stickslip_sym.formula.derivation.closed_form import derive
+    from stickslip_sym.formula.closed_form import derive
 
     form = derive(law, criterion, time_limit=max(0.0, min(_DERIVING, deadline.time_left())))
     return criterion_tradeoff(form, {name: scene[name] for name in "VN"})

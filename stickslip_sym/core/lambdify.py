@@ -7,7 +7,8 @@ The one place that calls `lambdify`. It generates source text, so only symbols t
 from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
-from stickslip_sym.core.algebra import sp
+import sympy as sp
+
 from stickslip_sym.core.aliases import Expr
 
 __all__ = ["Backend", "function_of"]
@@ -20,7 +21,7 @@ def function_of(arguments: Sequence[Expr], expr: Expr, backend: Backend) -> Call
 
     `expr` may be a list of expressions; common subexpressions are then computed once.
     """
-    from stickslip_sym.core.lerch import lerch
+    from stickslip_sym.core.functions import lerch
 
     modules: list[Any] = ["math"]
     if backend == "mpmath":

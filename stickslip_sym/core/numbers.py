@@ -12,7 +12,8 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING, SupportsFloat, TypeVar
 
-from stickslip_sym.core.algebra import sp
+import sympy as sp
+
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
 from stickslip_sym.core.errors import InputError
 
@@ -150,11 +151,13 @@ def _from_text(text: str, name: str) -> Fraction:
     raise InputError(f"{name} = {text[:60]!r} is not a number; write it like 0.5, 5e-1 or 1/2")
 
 
-def to_mpf(rational: Expr) -> Mpf:
-    """Round an exact rational to the current working precision of mpmath."""
+def to_mpf(number: Expr) -> Mpf:
+    """Round a SymPy number to the current working precision of mpmath."""
     import mpmath
 
-    return mpmath.mpf(int(rational.p)) / int(rational.q)
+    if number.is_Float:
+        return +mpmath.make_mpf(number._mpf_)
+    return mpmath.mpf(int(number.p)) / int(number.q)
 
 
 def bits(rational: Expr) -> int:

@@ -11,9 +11,10 @@ from typing import Any, Protocol, runtime_checkable
 
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["UFloat", "nominal_text", "separated", "split", "with_error"]
+__all__ = ["UFloat", "nominal_text", "separated", "split", "spread", "with_error"]
 
 _WITH_ERROR = re.compile(r"\+/-|±|\(")
+_CORRELATION_DIGITS = 9  # of correlations that count as equal: files keep them to rounding
 _EXAMPLES = "write it like 0.50+/-0.02 or 0.50(2)"
 
 
@@ -71,6 +72,17 @@ def separated(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, UFlo
     pairs = {name: split(value, name) for name, value in values.items()}
     numbers = {name: number for name, (number, _) in pairs.items()}
     return numbers, {name: read for name, (_, read) in pairs.items() if read is not None}
+
+
+def spread(values: Mapping[str, UFloat]) -> tuple[object, ...]:
+    """Return the names of numbers that carry a standard error, these errors, and the correlations, rounded."""
+    if not values:
+        return ()
+    from uncertainties import correlation_matrix
+
+    names = sorted(values)
+    correlations = correlation_matrix([values[name] for name in names]).round(_CORRELATION_DIGITS)
+    return tuple(names), tuple(values[name].std_dev for name in names), tuple(correlations.ravel().tolist())
 
 
 def nominal_text(text: str, name: str) -> str:

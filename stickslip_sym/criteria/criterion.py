@@ -7,11 +7,11 @@ With s = (v - V)/V in [-1, 1] every criterion reads
 
 import re
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import TYPE_CHECKING
+from functools import cached_property, lru_cache
+
+import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import lookup
@@ -28,8 +28,7 @@ class Criterion:
     name : str
     weight : sympy.Expr or None
         w(s) on [-1, 1] with unit integral: a polynomial in s with exact coefficients, symmetric or not, zero at
-        the ends or not; or (2/pi) sqrt(1 - s^2). None for the Dirac delta at s = 0. A function without arguments
-        that returns the weight is called when it is first asked for.
+        the ends or not; or (2/pi) sqrt(1 - s^2). None for the Dirac delta at s = 0.
     source : str
 
     Raises
@@ -48,39 +47,23 @@ class Criterion:
     weight: Expr | None
     source: str = ""
 
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Expr:
-            """Make a weight that is not made yet."""
-            if name != "weight" or "_make" not in self.__dict__:
-                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-            object.__setattr__(self, "weight", _checked_weight(self.name, self._make()))
-            return self.weight
-
     def __post_init__(self) -> None:
         """Refuse a weight that is no average, or that nothing here can integrate."""
         if not isinstance(self.name, str) or not self.name.isprintable() or not self.name.strip():
             raise InputError(f"a criterion has a name, got {self.name!r}; give one such as 'early'")
-        if callable(self.weight):
-            object.__setattr__(self, "_make", self.weight)
-            object.__delattr__(self, "weight")
-        elif self.weight is not None:
+        if self.weight is not None:
             object.__setattr__(self, "weight", _checked_weight(self.name, self.weight))
 
     def __eq__(self, other: object) -> bool:
         """Whether two criteria have the same name, weight and source."""
         if self is other or not isinstance(other, Criterion):
             return self is other
-        # The weight last: it may not be made yet.
-        return (self.name, self.source) == (other.name, other.source) and bool(self.weight == other.weight)
+        if (self.name, self.source) != (other.name, other.source) or None in (self.weight, other.weight):
+            return (self.name, self.source, self.weight) == (other.name, other.source, other.weight)
+        return bool(sp.expand(sp.Add(self.weight, -sp.sympify(other.weight))) == 0)
 
     def __hash__(self) -> int:
         return hash((self.name, self.source))
-
-    @property
-    def is_average(self) -> bool:
-        """Whether there is a weight, made or not; otherwise the slope is taken at one point."""
-        return "_make" in self.__dict__ or self.weight is not None
 
     def moment(self, k: int) -> Expr:
         """Return the mean of s^k: an integral for a polynomial weight, a Beta function for the harmonic one."""
@@ -118,28 +101,28 @@ class Criterion:
         return sp.Integer(order)
 
     @property
-    def moment_kernel(self) -> Expr:
-        """The kernel K(v) with c = integral_0^{2V} mu(v) K(v) dv + `boundary`, from one integration by parts."""
+    def kernel(self) -> Expr:
+        """The kernel K(v) with c/N = integral_0^{2V} mu(v) K(v) dv + `boundary`, from one integration by parts."""
         s_of_v = (symbols.v - symbols.V) / symbols.V
-        return sp.factor(symbols.N * self._weight_slope.subs(symbols.s, s_of_v) / symbols.V**2)
+        return sp.factor(self._weight_slope.subs(symbols.s, s_of_v) / symbols.V**2)
 
     @property
     def angle_kernel(self) -> Expr:
-        """The kernel A(theta) with c = integral_0^pi mu(V(1 - cos(theta))) A(theta) dtheta."""
+        """The kernel A(theta) with c/N = integral_0^pi mu(V(1 - cos(theta))) A(theta) dtheta."""
         cosine = -sp.cos(symbols.theta)
         kernel = self._weight_slope.subs(symbols.s, cosine) * sp.sin(symbols.theta)
         # sin(theta) is not negative on [0, pi], so sqrt(1 - cos^2) is sin.
         kernel = kernel.subs(sp.sqrt(1 - sp.cos(symbols.theta) ** 2), sp.sin(symbols.theta))
-        return symbols.N / symbols.V * kernel
+        return kernel / symbols.V
 
     def boundary(self, mu: Expr) -> Expr:
-        """Return the boundary terms for a coefficient mu(v): 0 where the weight vanishes at s = -1 and s = 1."""
+        """Return the boundary terms of c/N for a coefficient mu(v): 0 where the weight vanishes at both ends."""
         low, high = self.ends
         terms = ((low, sp.Integer(0)), (-high, 2 * symbols.V))
         parts = [weight * mu.subs(symbols.v, v) for weight, v in terms if weight != 0]
-        return symbols.N / symbols.V * sp.Add(*parts)
+        return sp.Add(*parts) / symbols.V
 
-    @property
+    @cached_property
     def is_polynomial(self) -> bool:
         """Whether the weight is a polynomial, so that criteria are ordinary moments of mu."""
         return self.weight is not None and bool(self.weight.is_polynomial(symbols.s))
@@ -159,25 +142,21 @@ def _mean_power(criterion: Criterion, k: int) -> Expr:
 _HIGHEST = 40  # degree of a weight; double precision holds no polynomial in s of a much higher one
 
 
-def _harmonic_weight() -> Expr:
-    return 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
-
-
-def _least_squares_weight() -> Expr:
-    return sp.Rational(5, 8) * (1 - symbols.s**4)
+_HARMONIC_WEIGHT = 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
 
 
 def _checked_weight(name: str, weight: Expr) -> Expr:
     """Return a weight in the symbol s of this package, if it can be served."""
     what = f"the weight of the criterion {name!r}"
-    weight = sp.sympify(weight)
+    if not isinstance(weight, str):  # a text would be evaluated as code
+        weight = sp.sympify(weight)
     if not isinstance(weight, sp.Expr):
         raise InputError(f"{what} is an expression in s, got {type(weight).__name__}")
     free = {symbol.name for symbol in weight.free_symbols}
     if free - {"s"}:
         raise InputError(f"{what} depends on {', '.join(sorted(free - {'s'}))}; it may hold s only")
     weight = weight.xreplace(dict.fromkeys(weight.free_symbols, symbols.s))
-    if weight == _harmonic_weight():
+    if weight == _HARMONIC_WEIGHT:
         return weight
     weight = sp.nsimplify(weight, rational=True) if weight.has(sp.Float) else weight
     polynomial = weight.is_polynomial(symbols.s)
@@ -194,12 +173,12 @@ def _checked_weight(name: str, weight: Expr) -> Expr:
 
 equilibrium = Criterion("equilibrium", None, "linear stability of the equilibrium, e.g. Galvanetto & Bishop 1999")
 least_squares = Criterion(
-    "least_squares", _least_squares_weight, "Won & Chung 2016, eq. (16), integrated by parts"
+    "least_squares", sp.Rational(5, 8) * (1 - symbols.s**4), "Won & Chung 2016, eq. (16), integrated by parts"
 )
 
 harmonic = Criterion(
     "harmonic",
-    _harmonic_weight,
+    _HARMONIC_WEIGHT,
     "first-harmonic energy balance at velocity amplitude V; for the polynomial law Thomsen & Fidlin 2003",
 )
 

@@ -5,6 +5,7 @@ close the two ends are is what the working precision makes of it.
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -21,8 +22,9 @@ from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_scene
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.laws import as_law
 
-__all__ = ["Enclosure", "enclose", "enclosure_of"]
+__all__ = ["Enclosure", "average_ball", "enclose", "enclosure_of"]
 
 _BITS = math.log2(10)  # per digit
 _GUARD = 30  # bits beyond the digits that are asked for, against rounding
@@ -149,7 +151,7 @@ def _exact_end(end: arb, side: int) -> Fraction:
 
 
 def enclose(
-    law: FrictionLaw,
+    law: FrictionLaw | str,
     criterion: str | Criterion = "least_squares",
     *,
     V: Number,
@@ -187,15 +189,16 @@ def enclose(
     NotConverged
         If the integral is not enclosed, as where mu is infinite at v = 0.
     """
+    law = as_law(law)
     criterion, speed, force = read_scene(law, criterion, V, N, digits)
-    law.substitute(symbols.v)  # refuses a law without values
+    point = law.point
     if force == 0 or not law.expr.has(symbols.v):
         return Enclosure(Fraction(0), Fraction(0))  # every criterion averages a slope
     goal = int(digits * _BITS) + 2
     bits = goal + _GUARD
     while True:
         with working_precision(bits):
-            value = ball(force).real * _per_force(law, criterion, speed)
+            value = ball(force).real * average_ball(law.expr, point, law.kinks(), criterion, ball(speed).real)
             if not value.is_finite():
                 raise NotConverged(
                     f"the {criterion.name} criterion of {law.text} is not enclosed at V = {float(speed):g}"
@@ -205,41 +208,65 @@ def enclose(
         bits += min(max(goal - reached + _GUARD, bits // 8), _MOST_LOST)
 
 
-def _per_force(law: FrictionLaw, criterion: Criterion, speed: Expr) -> arb:
-    """Return c/N."""
-    point = {law.parameters[name].symbol: value for name, value in law.values.items()}
+def average_ball(
+    mu: Expr, point: Mapping[Expr, Expr | acb], kinks: Sequence[Expr], criterion: Criterion, speed: arb
+) -> arb:
+    """Return a ball around -<mu'(V(1 + s))>_w at the working precision; not finite where none is found.
+
+    Parameters
+    ----------
+    mu : sympy.Expr
+        A function of `symbols.v`.
+    point : mapping
+        Values of its other symbols: exact, or balls where it has no kinks.
+    kinks : sequence of numbers
+        Its kinks and jumps, ascending and positive.
+    criterion : Criterion
+    speed : arb
+        V, positive.
+    """
+    inside = [place for place in kinks if ball(place).real < (speed if criterion.weight is None else 2 * speed)]
+    starts = [sp.Integer(0), *inside]
     if criterion.weight is None:
-        slope = sp.diff(branch_from(law.expr, point, speed), symbols.v)
-        return -ball_value(slope, {**point, symbols.v: speed}).real
-    starts = [sp.Integer(0), *(place for place in law.kinks() if place < 2 * speed)]
-    parts = [ball_function(branch_from(law.expr, point, start), symbols.v, point) for start in starts]
+        slope = sp.diff(_pieces(mu, point, kinks, len(starts))[-1], symbols.v)
+        return -ball_value(slope, {**point, symbols.v: acb(speed)}).real
+    parts = [ball_function(piece, symbols.v, point) for piece in _pieces(mu, point, kinks, len(starts))]
     if not parts[0](acb(0), False).is_finite():
         return arb.nan()  # no panel that begins at v = 0 has a bound, however often it is halved
     over = _over_speed if criterion.is_polynomial else _over_angle
-    return over(parts, [*starts, 2 * speed], criterion, speed)
+    return over(parts, [*(ball(start).real for start in starts), 2 * speed], criterion, speed)
 
 
-def _over_speed(parts: list[BallFunction], ends: list[Expr], criterion: Criterion, speed: Expr) -> arb:
-    """Return c/N = [-w mu]/V + 1/V * integral of w' mu over s."""
-    V, s = ball(speed), symbols.s
+def _pieces(mu: Expr, point: Mapping[Expr, Expr | acb], kinks: Sequence[Expr], count: int) -> list[Expr]:
+    """Return the first pieces of mu between its kinks, each chosen half-way: a kink itself may be rounded."""
+    if not kinks:
+        return [mu]
+    ends = [sp.Integer(0), *kinks, 2 * kinks[-1]]
+    return [branch_from(mu, point, (left + right) / 2) for left, right in pairwise(ends[: count + 1])]
+
+
+def _over_speed(parts: list[BallFunction], ends: list[arb], criterion: Criterion, speed: arb) -> arb:
+    """Return [-w mu]/V + 1/V * integral of w' mu over s."""
+    V, s = acb(speed), symbols.s
     slope = ball_function(sp.diff(criterion.weight, s), s, {})
     low, high = (ball_value(criterion.weight, {s: end}) for end in (sp.Integer(-1), sp.Integer(1)))
     total = acb(0)
     if not (low == 0 and high == 0):
         total += low * parts[0](acb(0), False) - high * parts[-1](2 * V, False)
-    for mu, (start, end) in zip(parts, pairwise(ends), strict=True):
+    places = [acb(-1), *(acb(end / speed - 1) for end in ends[1:-1]), acb(1)]
+    for mu, (start, end) in zip(parts, pairwise(places), strict=True):
 
         def integrand(z: acb, analytic: bool, mu: BallFunction = mu) -> acb:
             return slope(z, analytic) * mu(V * (1 + z), analytic)
 
-        total += acb.integral(integrand, ball(start / speed - 1), ball(end / speed - 1))
+        total += acb.integral(integrand, start, end)
     return (total / V).real
 
 
-def _over_angle(parts: list[BallFunction], ends: list[Expr], criterion: Criterion, speed: Expr) -> arb:
-    """Return c/N = 4/(pi V) * integral of mu(2 V sin^2 phi) cos(2 phi)."""
-    twice = 2 * ball(speed)
-    angles = [(ball(end) / twice).real.sqrt().asin() for end in ends[:-1]] + [arb.pi() / 2]
+def _over_angle(parts: list[BallFunction], ends: list[arb], criterion: Criterion, speed: arb) -> arb:
+    """Return 4/(pi V) * integral of mu(2 V sin^2 phi) cos(2 phi)."""
+    twice = acb(2 * speed)
+    angles = [(end / (2 * speed)).sqrt().asin() for end in ends[:-1]] + [arb.pi() / 2]
     total = acb(0)
     for mu, (start, end) in zip(parts, pairwise(angles), strict=True):
 
@@ -249,4 +276,4 @@ def _over_angle(parts: list[BallFunction], ends: list[Expr], criterion: Criterio
             return mu(twice * square, analytic) * (1 - 2 * square)
 
         total += acb.integral(integrand, start, end)
-    return (4 * total / (acb.pi() * ball(speed))).real
+    return (4 * total / (acb.pi() * acb(speed))).real

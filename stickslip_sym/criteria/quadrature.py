@@ -6,7 +6,7 @@ antiderivative, a derivative or a closed form, so agreement with one means somet
 
 import heapq
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import mpmath
@@ -18,8 +18,9 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, to_mpf
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.laws import as_law
 
-__all__ = ["MOST_DIGITS", "damping", "read_scene"]
+__all__ = ["MOST_DIGITS", "average", "damping", "read_scene"]
 
 Function = Callable[[Mpf], Mpf]
 
@@ -34,7 +35,7 @@ _LOOKS = (0.001, 0.25, 0.5, 0.75, 0.999)  # of the way through a panel, where it
 
 
 def damping(
-    law: FrictionLaw,
+    law: FrictionLaw | str,
     criterion: str | Criterion = "least_squares",
     *,
     V: Number,
@@ -48,7 +49,7 @@ def damping(
 
     Parameters
     ----------
-    law : FrictionLaw
+    law : FrictionLaw, or its name or formula
         With all parameters bound.
     criterion : str or Criterion
     V : number
@@ -71,26 +72,49 @@ def damping(
     NotConverged
         If the integrand is too irregular for the bound on the work.
     """
+    law = as_law(law)
     criterion, speed, force = read_scene(law, criterion, V, N, digits)
-    mu = _real(law.function("mpmath"))
-    singular = criterion.weight is not None and _is_singular(law.function("mpmath"))
-    if singular:
-        _require_integrable(mu, criterion, speed)
     if force == 0 or not law.expr.has(symbols.v):
+        _real(law.function("mpmath"))  # refuses a law without values
         return mpmath.mpf(0)  # every kernel averages a slope: it integrates to zero
-    if criterion.weight is None:
-        result = _confirmed_slope(mu, speed, force, digits)
-    else:
-        integrate = _over_speed if criterion.is_polynomial else _over_angle
-        result = _following_cancellation(
-            lambda tolerance: _with_ends(
-                integrate(mu, law.kinks(), criterion, speed, force, tolerance, singular),
-                mu, criterion, speed, force, singular,
-            ),
-            digits, _MOST_LOST,
-        )  # fmt: skip
+    with mpmath.workdps(digits + _GUARD):
+        result = to_mpf(force) * average(law.function("mpmath"), law.kinks(), criterion, speed, digits + 2)
     with mpmath.workdps(digits):
         return +result
+
+
+def average(coefficient: Function, kinks: Sequence[Expr], criterion: Criterion, speed: Expr, digits: int) -> Mpf:
+    """Return -<mu'(V(1 + s))>_w for a coefficient mu that mpmath evaluates.
+
+    Parameters
+    ----------
+    coefficient : callable
+        mu(v).
+    kinks : sequence of numbers
+        Its kinks and jumps, ascending and positive.
+    criterion : Criterion
+    speed : sympy.Rational
+        V, positive.
+    digits : int
+
+    Raises
+    ------
+    InputError, NotConverged
+        As `damping`.
+    """
+    mu, singular = _real(coefficient), criterion.weight is not None and _is_singular(coefficient)
+    if singular:
+        _require_integrable(mu, criterion, speed)
+    if criterion.weight is None:
+        return _confirmed_slope(mu, speed, digits)
+    integrate = _over_speed if criterion.is_polynomial else _over_angle
+    return _following_cancellation(
+        lambda tolerance: _with_ends(
+            integrate(mu, kinks, criterion, speed, tolerance, singular), mu, criterion, speed, singular
+        ),
+        digits,
+        _MOST_LOST,
+    )
 
 
 def read_scene(
@@ -148,16 +172,16 @@ def _require_integrable(mu: Function, criterion: Criterion, speed: Expr) -> None
 
 
 def _with_ends(
-    inside: tuple[Mpf, Mpf], mu: Function, criterion: Criterion, speed: Expr, force: Expr, singular: bool
+    inside: tuple[Mpf, Mpf], mu: Function, criterion: Criterion, speed: Expr, singular: bool
 ) -> tuple[Mpf, Mpf]:
     """Add the boundary terms of the integration by parts to an integral and its size, where the weight has any."""
     low, high = criterion.ends
     total, size = inside
-    V, N = to_mpf(speed), to_mpf(force)
+    V = to_mpf(speed)
     rest = V * mpmath.mpf(10) ** (-4 * mpmath.mp.dps) if singular else mpmath.mpf(0)
     for weight, v in ((to_mpf(low), rest), (-to_mpf(high), 2 * V)):
         if weight:
-            term = weight * mu(v) * N / V
+            term = weight * mu(v) / V
             total, size = total + term, size + abs(term)
     return total, size
 
@@ -186,32 +210,32 @@ def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: i
 
 
 def _over_speed(
-    mu: Function, kinks: list[Expr], criterion: Criterion, speed: Expr, force: Expr, tolerance: Mpf, singular: bool
+    mu: Function, kinks: Sequence[Expr], criterion: Criterion, speed: Expr, tolerance: Mpf, singular: bool
 ) -> tuple[Mpf, Mpf]:
     """Integrate mu(v) times the kernel over the slip speed."""
-    V, N = to_mpf(speed), to_mpf(force)
-    kernel = function_of([symbols.v, symbols.V, symbols.N], criterion.moment_kernel, "mpmath")
+    V = to_mpf(speed)
+    kernel = function_of([symbols.v, symbols.V], criterion.kernel, "mpmath")
     # The kernel changes sign at V, and the two sides cancel.
     ends = [mpmath.mpf(0), *sorted({V, *_inside(kinks, speed)}), 2 * V]
-    return _pieces(lambda v: mu(v) * kernel(v, V, N), ends, tolerance, singular)
+    return _pieces(lambda v: mu(v) * kernel(v, V), ends, tolerance, singular)
 
 
 def _over_angle(
-    mu: Function, kinks: list[Expr], criterion: Criterion, speed: Expr, force: Expr, tolerance: Mpf, singular: bool
+    mu: Function, kinks: Sequence[Expr], criterion: Criterion, speed: Expr, tolerance: Mpf, singular: bool
 ) -> tuple[Mpf, Mpf]:
     """Integrate over theta = 2 phi, v = V(1 - cos(theta)) = 2V sin(phi)^2: no singular ends, no cancelled v."""
-    V, N = to_mpf(speed), to_mpf(force)
-    kernel = function_of([symbols.theta, symbols.V, symbols.N], criterion.angle_kernel, "mpmath")
+    V = to_mpf(speed)
+    kernel = function_of([symbols.theta, symbols.V], criterion.angle_kernel, "mpmath")
     angles = [mpmath.asin(mpmath.sqrt(place / (2 * V))) for place in _inside(kinks, speed)]
     ends = [mpmath.mpf(0), *sorted({mpmath.pi / 4, *angles}), mpmath.pi / 2]
 
     def integrand(phi: Mpf) -> Mpf:
-        return 2 * mu(2 * V * mpmath.sin(phi) ** 2) * kernel(2 * phi, V, N)
+        return 2 * mu(2 * V * mpmath.sin(phi) ** 2) * kernel(2 * phi, V)
 
     return _pieces(integrand, ends, tolerance, singular)
 
 
-def _inside(kinks: list[Expr], speed: Expr) -> list[Mpf]:
+def _inside(kinks: Sequence[Expr], speed: Expr) -> list[Mpf]:
     return [to_mpf(place) for place in kinks if place < 2 * speed]
 
 
@@ -228,12 +252,12 @@ def _pieces(f: Function, ends: list[Mpf], tolerance: Mpf, singular: bool) -> tup
     return mpmath.fsum(parts), mpmath.fsum(parts, absolute=True)
 
 
-def _confirmed_slope(mu: Function, speed: Expr, force: Expr, digits: int) -> Mpf:
+def _confirmed_slope(mu: Function, speed: Expr, digits: int) -> Mpf:
     """Differentiate mu numerically, twice: a formula for mu may cancel inside, where nothing else shows it."""
 
     def slope(_: Mpf) -> tuple[Mpf, Mpf]:
-        V, N = to_mpf(speed), to_mpf(force)
-        return -N * mpmath.diff(mu, V, relative=True), abs(N * mu(V) / V)
+        V = to_mpf(speed)
+        return -mpmath.diff(mu, V, relative=True), abs(mu(V) / V)
 
     wanted = digits
     while wanted < _MOST_LOST_IN_SLOPE:

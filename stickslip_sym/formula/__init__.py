@@ -1,5 +1,6 @@
 """From a law and a criterion to a proved formula, its fast function, and both as text of other languages.
 
-Its rooms are `integration`, `evaluation`, `code`, `derivation` and `export`, each importing from those before it
-and from the folders below: `core`, `output`, `model`, `criteria`.
+`proof` and `finding` come first, then `average`, which knows all of one profile under one criterion,
+`evaluation`, `code`, `slope_average` and `closed_form`, the sum of averages; each imports from those before it and
+from the folders below: `core`, `output`, `model`, `criteria`.
 """

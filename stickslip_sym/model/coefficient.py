@@ -2,54 +2,64 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, lru_cache, partial
-from typing import TYPE_CHECKING, Any
+from functools import lru_cache, partial
+from typing import Any
+
+import mpmath
+import numpy as np
+import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
+from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.lambdify import Backend, function_of
 from stickslip_sym.core.numbers import to_mpf
-
-if TYPE_CHECKING:
-    from stickslip_sym.model.samples import SampledCurve
+from stickslip_sym.model.expression.gain import gain
+from stickslip_sym.model.expression.pieces import at_rest, branch_from, places
+from stickslip_sym.model.samples import SampledCurve
 
 __all__ = ["Coefficient", "limit_at_rest", "symbolic_limit_at_rest"]
 
 _DIGITS = 50  # of mu where a piece begins, whose difference from mu(0+) may be small
+_START = sp.Dummy("start", positive=True)
+"""The slip speed where a piece begins."""
 
 
-@cache
-def _start() -> Expr:
-    """Return the symbol of the slip speed where a piece begins."""
-    return sp.Dummy("start", positive=True)
+def limit_at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> float:
+    """Return the limit of an expression as v falls to 0, at values of its parameters; NaN where none is found."""
+    lowest = branch_from(expr, values, sp.Integer(0))
+    value = number_at(lowest, {**values, symbols.v: sp.Integer(0)})
+    if value is sp.nan:
+        # Values of exponents decide the limit of v^p/v; those of other parameters stay out of the algebra.
+        limit = symbolic_limit_at_rest(lowest.replace(sp.Pow, lambda base, power: base ** _valued(power, values)))
+        value = limit if limit.has(sp.nan) or limit.is_infinite else number_at(limit, values)
+    return float(value)
+
+
+def _valued(power: Expr, values: Mapping[Expr, Expr]) -> Expr:
+    return power if power.has(symbols.v) else number_at(power, values)
 
 
 @lru_cache(maxsize=256)
-def limit_at_rest(expr: Expr) -> float:
-    """Return the limit of an expression in v as v falls to 0; NaN where none is found, or it is no number."""
-    try:
-        return float(symbolic_limit_at_rest(expr))
-    except TypeError:
-        return math.nan
-
-
 def symbolic_limit_at_rest(expr: Expr) -> Expr:
-    """Return the limit of an expression in v and parameters as v falls to 0; `sympy.nan` if none is found."""
-    from stickslip_sym.model.expression.pieces import at_rest
+    """Return the limit of an expression in v and parameters as v falls to 0; `sympy.nan` if none is found.
 
+    Where it depends on the sign of a place, it is a Piecewise.
+    """
+    lowest = at_rest(expr)
+    for node in lowest.atoms(sp.Piecewise):
+        cases = [(symbolic_limit_at_rest(lowest.xreplace({node: part})), holds) for part, holds in node.args]
+        return sp.nan if any(part is sp.nan for part, _ in cases) else sp.Piecewise(*cases)
     # SymPy says in these ways that it finds no limit.
     try:
-        limit = sp.limit(at_rest(expr, {}), symbols.v, 0, "+")
+        limit = sp.limit(lowest, symbols.v, 0, "+")
     except (ArithmeticError, NotImplementedError, TypeError, ValueError):
         return sp.nan
-    return sp.nan if limit.has(symbols.v, sp.Limit, sp.AccumBounds) else limit
+    return sp.nan if limit.has(symbols.v, sp.Limit, sp.AccumBounds, sp.I, sp.nan) else limit
 
 
 def _reals(values: Any) -> FloatArray:
     """Return values that a function of NumPy gives as real numbers, NaN where they are complex."""
-    import numpy as np  # here: a formula is derived without it
-
     if np.iscomplexobj(values):
         return np.where(np.isreal(values), np.real(values), np.nan)
     return np.asarray(values, dtype=np.float64)
@@ -67,7 +77,7 @@ class Coefficient:
         The same through measured points, which is faster to evaluate as such.
     """
 
-    def __init__(self, expr: Expr, parameters: Sequence[Expr], curve: "SampledCurve | None" = None) -> None:
+    def __init__(self, expr: Expr, parameters: Sequence[Expr], curve: SampledCurve | None = None) -> None:
         self.expr = expr
         self.parameters = tuple(parameters)
         self.curve = curve
@@ -86,60 +96,30 @@ class Coefficient:
         return self._at(sp.diff(self.expr, symbols.v) if derivative else self.expr, values, backend)
 
     def _at(self, expr: Expr, values: Mapping[Expr, Expr], backend: Backend, *more: Expr) -> Callable[[Any], Any]:
-        import mpmath
-
         known = *self.parameters, *more
         key = expr, backend, more
         if key not in self._functions:
             # Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
             self._functions[key] = function_of([*known, symbols.v], expr, backend)
         compiled, ordered = self._functions[key], [values[symbol] for symbol in known]
-        if backend == "mpmath":
-            rounded: dict[int, list[Any]] = {}  # by working precision
+        if backend != "mpmath":
+            return partial(compiled, *map(float, ordered))
+        rounded: dict[int, list[Any]] = {}  # by working precision
 
-            def at_precision(v: Mpf) -> Mpf:
-                precision = mpmath.mp.prec
-                if precision not in rounded:
-                    rounded[precision] = [to_mpf(value) for value in ordered]
-                return compiled(*rounded[precision], v)
+        def at_precision(v: Mpf) -> Mpf:
+            precision = mpmath.mp.prec
+            if precision not in rounded:
+                rounded[precision] = [to_mpf(value) for value in ordered]
+            return compiled(*rounded[precision], v)
 
-            return at_precision
-        return partial(compiled, *map(float, ordered))
-
-    def by_piece(
-        self, values: Mapping[Expr, Expr], kinks: Sequence[Expr], names: Sequence[str]
-    ) -> Callable[..., Any]:
-        """Return mu of arrays of slip speeds, of the places of pieces, and of the parameters that have names."""
-        import numpy as np
-
-        from stickslip_sym.model.expression.pieces import branch_from
-
-        if self.curve is not None:
-            return self.curve.by_piece
-        branches = [branch_from(self.expr, values, start) for start in (sp.Integer(0), *kinks)]
-        compiled = [function_of([symbols.v, *self.parameters], branch, "numpy") for branch in branches]
-        floats = [float(values[symbol]) for symbol in self.parameters]
-        places = [[symbol.name for symbol in self.parameters].index(name) for name in names]
-
-        def mu(v: Any, piece: Any, *given: Any) -> Any:
-            arguments: list[Any] = list(floats)
-            for place, column in zip(places, given, strict=True):
-                arguments[place] = column
-            value = compiled[0](v, *arguments)
-            for i, branch in enumerate(compiled[1:], 1):
-                value = np.where(piece == i, branch(v, *arguments), value)
-            return value
-
-        return mu
+        return at_precision
 
     def kinks(self, values: Mapping[Expr, Expr]) -> set[Expr]:
-        """Return where mu or its slope may jump, exact."""
-        from stickslip_sym.model.expression.pieces import places
-
-        return {place.xreplace(values) for place in places(self.expr)}
+        """Return where mu or its slope may jump: exact rationals, or numbers of 4000 bits."""
+        return {number_at(place, values) for place in places(self.expr)}
 
     def rises(
-        self, values: Mapping[Expr, Expr], kinks: Sequence[Expr], backend: Backend = "math"
+        self, values: Mapping[Expr, Expr], kinks: Sequence[Expr], backend: Backend
     ) -> list[tuple[float, Callable[[Any], Any]]]:
         """Return where each smooth piece begins, ascending from 0, and mu(v) - mu(0+) on it.
 
@@ -147,8 +127,6 @@ class Coefficient:
 
         - `backend`: "math" for functions of a float, or "numpy" for functions of an array, NaN where no value is.
         """
-        from stickslip_sym.model.expression.pieces import branch_from
-
         if self.curve is not None:
             return self.curve.rises
         starts = [sp.Integer(0), *kinks]
@@ -161,38 +139,32 @@ class Coefficient:
     def _rise(
         self, values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr, backend: Backend
     ) -> Callable[[Any], Any]:
-        from stickslip_sym.model.expression.rises import rise
-
-        plain, onset = self._at(piece, values, backend), limit_at_rest(lowest.xreplace(values))
+        plain, onset = self._at(piece, values, backend), limit_at_rest(lowest, values)
         # A piece that begins at 0 has the 0 itself in its formula, so that what is 0 there is left out.
-        gained = rise(piece, symbols.v, _start() if start else start)
+        gained = gain(piece, symbols.v, _START if start else start)
         before = self._between(values, lowest, piece, start) if start else 0.0
         if gained is None or not math.isfinite(before):
             return (
                 (lambda v: float(plain(v)) - onset) if backend == "math" else (lambda v: _reals(plain(v)) - onset)
             )
-        compiled = self._at(gained, {**values, _start(): start}, backend, _start())
+        compiled = self._at(gained, {**values, _START: start}, backend, _START)
 
         def risen(v: float) -> float:
             try:
-                found = float(compiled(v)) + before
+                value = float(compiled(v)) + before
             except (ArithmeticError, TypeError, ValueError):  # a TypeError is a complex coefficient
-                found = math.nan
-            return found if math.isfinite(found) else float(plain(v)) - onset
+                value = math.nan
+            return value if math.isfinite(value) else float(plain(v)) - onset
 
         def all_risen(v: FloatArray) -> FloatArray:
-            import numpy as np
-
-            found = _reals(compiled(v)) + before
-            lost = ~np.isfinite(found)
-            return np.where(lost, _reals(plain(v)) - onset, found) if lost.any() else found
+            value = _reals(compiled(v)) + before
+            lost = ~np.isfinite(value)
+            return np.where(lost, _reals(plain(v)) - onset, value) if lost.any() else value
 
         return risen if backend == "math" else all_risen
 
     def _between(self, values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -> float:
         """Return what mu gains from 0+ to where a piece begins; NaN where that cannot be computed."""
-        import mpmath
-
         with mpmath.workdps(_DIGITS):
             try:
                 low = self._at(lowest, values, "mpmath")(mpmath.mpf(0))

@@ -11,7 +11,7 @@ from stickslip_sym.core.numbers import exact
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.law import FrictionLaw, Parameter
 from stickslip_sym.model.samples import SampledCurve
-from stickslip_sym.model.trees import from_tree, to_tree
+from stickslip_sym.output.printing import text
 
 __all__ = ["law_in", "law_of_text", "law_out", "text_of_law"]
 
@@ -27,7 +27,7 @@ def law_out(law: FrictionLaw) -> dict[str, object]:
             for parameter in law.parameters.values()
         ],
         "values": {name: str(value) for name, value in law.values.items()},
-        "static": None if law.static is None else to_tree(law.static),
+        "static": None if law.static is None else text(law.static),
     }
     if law.uncertain:
         content["errors"] = _errors_out(law.uncertain)
@@ -35,7 +35,7 @@ def law_out(law: FrictionLaw) -> dict[str, object]:
         cubics = [[str(coefficient) for coefficient in cubic] for cubic in law.curve.cubics]
         end = None if law.curve.end is None else str(law.curve.end)
         return content | {"places": [str(place) for place in law.curve.places], "cubics": cubics, "end": end}
-    return content | {"formula": to_tree(law.expr)}
+    return content | {"formula": text(law.expr)}
 
 
 def law_in(content: dict[str, Any]) -> FrictionLaw:
@@ -52,7 +52,6 @@ def law_in(content: dict[str, Any]) -> FrictionLaw:
     parameters = [Parameter(**described) for described in content["parameters"]]
     if any(type(parameter.positive) is not bool for parameter in parameters):
         raise InputError("a parameter is positive or not")
-    names = {parameter.name: parameter.symbol for parameter in parameters}
     if "places" in content:
         end = content["end"]
         curve = SampledCurve(
@@ -61,13 +60,13 @@ def law_in(content: dict[str, Any]) -> FrictionLaw:
             None if end is None else exact(end, "the end"),
         )
         law = FrictionLaw.from_curve(curve, **about)
-        if (tree := content.get("static")) is not None:  # older files have none
-            law = law.with_static(from_tree(tree, names), parameters=parameters)
+        if content["static"] is not None:
+            law = law.with_static(_formula(content["static"]), parameters=parameters)
     else:
         static = content["static"]
         law = FrictionLaw(
-            from_tree(content["formula"], names),
-            static=None if static is None else from_tree(static, names),
+            _formula(content["formula"]),
+            static=None if static is None else _formula(static),
             parameters=parameters,
             **about,
         )
@@ -75,6 +74,12 @@ def law_in(content: dict[str, Any]) -> FrictionLaw:
     if "errors" in content:
         law._uncertain = _errors_in(content["errors"], law)  # to bind them would round the values to doubles
     return law
+
+
+def _formula(text: object) -> str:
+    if not isinstance(text, str):
+        raise InputError("a formula in a file is text")
+    return text
 
 
 def _errors_out(uncertain: Mapping[str, UFloat]) -> dict[str, object]:

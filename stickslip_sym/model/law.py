@@ -1,30 +1,42 @@
 """`FrictionLaw`: one expression mu(v) of the slip speed, its parameters and its source."""
 
 import copy
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self, SupportsFloat
 
-from stickslip_sym.core.algebra import sp
-from stickslip_sym.core.aliases import Expr, Rational
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, FloatArray, Rational
+from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import Number, fractions_of, suggestion
-from stickslip_sym.core.uncertain import UFloat, separated
-from stickslip_sym.model.coefficient import Coefficient, limit_at_rest
-from stickslip_sym.model.evaluated import Evaluated
+from stickslip_sym.core.lambdify import Backend
+from stickslip_sym.core.numbers import Number, fractions_of, real, suggestion
+from stickslip_sym.core.uncertain import UFloat, separated, spread
+from stickslip_sym.model.coefficient import Coefficient, limit_at_rest, symbolic_limit_at_rest
 from stickslip_sym.model.expression.parameters import Parameter, described_by, parameter_table
-from stickslip_sym.model.formula import Given, Written, read_formula, read_static
+from stickslip_sym.model.expression.reading import read_formula, read_static
+from stickslip_sym.model.expression.units import check_units
+from stickslip_sym.model.samples import SampledCurve
+from stickslip_sym.model.terms import Term, terms_of
 from stickslip_sym.output import markup, printing
 
 if TYPE_CHECKING:
     from stickslip_sym.model.measured.measurements import Measurements
-    from stickslip_sym.model.samples import SampledCurve
 
-__all__ = ["FrictionLaw", "Parameter", "limit_at_rest"]
+__all__ = ["FrictionLaw", "Parameter"]
+
+_ROUNDING = 1e-12  # of a static coefficient that is mu(0+), relative
 
 
-class FrictionLaw(Evaluated):
+class FrictionLaw:
     """A velocity-dependent friction coefficient mu(v), v = abs(x' - V) >= 0.
 
     Parameters
@@ -79,22 +91,14 @@ class FrictionLaw(Evaluated):
         expr = read_formula(formula, table)
         self.name, self.source, self.validity = name, source, validity
         self.static = None if static is None else read_static(static, table)
-        self._values = {}
+        self._values: dict[str, Fraction] = {}
         self._uncertain: dict[str, UFloat] = {}
         own = [parameter.symbol for parameter in table.values() if parameter.symbol in expr.free_symbols]
-        self._formula = Given(expr, Coefficient(expr, own))
+        self._coefficient = Coefficient(expr, own)
         self._parameters = self._used(table)
         for unused in described.keys() - self._parameters.keys():
             raise InputError(f"the parameter {unused!r} does not occur in the formula {self.text}")
-
-    @classmethod
-    def written(cls, formula: Written, *, name: str, source: str, validity: str) -> Self:
-        """Return the law of a text whose parameters are all described, without reading it yet."""
-        law = cls.__new__(cls)
-        law.name, law.source, law.validity, law.static = name, source, validity, None
-        law._formula, law._values, law._uncertain = formula, {}, {}
-        law._parameters = {parameter.name: parameter for parameter in formula.parameters}
-        return law
+        self._check_units()
 
     def with_static(
         self,
@@ -121,7 +125,7 @@ class FrictionLaw(Evaluated):
         --------
         >>> from stickslip_sym import laws
         >>> law = laws.exponential.with_static("0.6").typical()
-        >>> float(law.substitute(law.static_expr))
+        >>> law.static_value
         0.6
         """
         described = described_by(parameters, units)
@@ -133,9 +137,16 @@ class FrictionLaw(Evaluated):
         law._parameters = law._used(table)
         for unused in described.keys() - law._parameters.keys():
             raise InputError(f"the parameter {unused!r} does not occur in the static coefficient or the law")
+        law._check_units()
         law._values = {key: value for key, value in self._values.items() if key in law._parameters}
         law._uncertain = {key: value for key, value in self.uncertain.items() if key in law._parameters}
         return law
+
+    def _check_units(self) -> None:
+        units = {parameter.symbol: parameter.unit for parameter in self._parameters.values()}
+        for coefficient in (self.expr, self.static):
+            if coefficient is not None:
+                check_units(coefficient, units)
 
     def _used(self, table: Mapping[str, Parameter]) -> dict[str, Parameter]:
         free = self.expr.free_symbols | (self.static.free_symbols if self.static is not None else set())
@@ -179,8 +190,6 @@ class FrictionLaw(Evaluated):
         F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic interpolants,
         SIAM J. Sci. Stat. Comput. 5 (1984), as `scipy.interpolate.PchipInterpolator` has it.
         """
-        from stickslip_sym.model.samples import SampledCurve
-
         return cls.from_curve(SampledCurve.through(v, mu, extrapolate=extrapolate), name=name, source=source)
 
     @classmethod
@@ -211,7 +220,7 @@ class FrictionLaw(Evaluated):
     @classmethod
     def from_curve(
         cls,
-        curve: "SampledCurve",
+        curve: SampledCurve,
         *,
         name: str | None = None,
         source: str | None = None,
@@ -219,7 +228,7 @@ class FrictionLaw(Evaluated):
     ) -> Self:
         """Return the law that a piecewise cubic is."""
         law = cls(curve.expr, name=name, source=source, validity=validity)
-        law._formula = Given(law.expr, Coefficient(law.expr, (), curve))
+        law._coefficient = Coefficient(law.expr, (), curve)
         return law
 
     @property
@@ -231,6 +240,15 @@ class FrictionLaw(Evaluated):
     def parameters(self) -> Mapping[str, Parameter]:
         """The law's parameters by name; read-only."""
         return MappingProxyType(self._parameters)
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """The terms amplitude * profile(v / scale; shapes) whose sum the coefficient is."""
+        if (
+            self.curve is not None
+        ):  # numbers alone: no scale would leave fewer shapes, and each of many would be tried
+            return (Term(sp.Integer(1), sp.Integer(1), self.expr, {}),)
+        return terms_of(self.expr)
 
     @property
     def values(self) -> Mapping[str, Rational]:
@@ -286,10 +304,259 @@ class FrictionLaw(Evaluated):
         given = {key: self.parameters[key].typical for key in self.missing}
         return self.bind(**{key: value for key, value in given.items() if value is not None} | values)
 
+    @property
+    def expr(self) -> Expr:
+        """The coefficient as an expression in the slip speed and the parameters."""
+        return self._coefficient.expr
+
+    @property
+    def curve(self) -> SampledCurve | None:
+        """The curve through measured points; None for a law that is a formula."""
+        return self._coefficient.curve
+
+    @property
+    def slope_expr(self) -> Expr:
+        """The derivative of mu with respect to the slip speed."""
+        return sp.diff(self.expr, symbols.v)
+
+    @property
+    def static_expr(self) -> Expr:
+        """The coefficient that limits sticking: `static`, or mu(0+) where none was given.
+
+        Raises
+        ------
+        InputError
+            If no limit is found.
+        """
+        if self.static is not None:
+            return self.static
+        limit = symbolic_limit_at_rest(self.expr)
+        if limit is sp.nan:
+            raise InputError(
+                f"no limit mu(0+) was found for {self._label()}, {printing.text(self.expr)[:60]}; "
+                "give the static coefficient: static=..."
+            )
+        return limit
+
+    @property
+    def v_max(self) -> Rational | None:
+        """The slip speed in m/s up to which the law is known, exact; None if there is no bound."""
+        return None if self.curve is None else self.curve.end
+
+    def require_speed(self, v: SupportsFloat) -> None:
+        """Refuse a slip speed beyond the last measured one.
+
+        Raises
+        ------
+        InputError
+            With both speeds, and what to do.
+        """
+        if self.v_max is not None and v > self.v_max:
+            raise InputError(
+                f"{self._label()} is measured up to v = {float(self.v_max):g} m/s, and its value at "
+                f"{float(v):g} m/s is needed; measure further, take a lower speed, or hold the last "
+                "coefficient: extrapolate=True"
+            )
+
+    @property
+    def missing(self) -> list[str]:
+        """Names of the parameters that have no value yet."""
+        return [key for key in self._parameters if key not in self._values]
+
+    @property
+    def onset(self) -> float:
+        """The coefficient mu(0+), where slip begins.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value, or mu has no finite limit.
+        """
+        onset = self.limit_at_rest(self.expr)
+        if not math.isfinite(onset):
+            raise InputError(
+                f"mu(0+) is {onset}, not a finite number, for {self!r}: no spring could ever pull the mass off "
+                "the belt; cut the law off at a small speed, as in log(1 + v/v_c) for log(v)"
+            )
+        return onset
+
+    @property
+    def static_value(self) -> float:
+        """The coefficient that limits sticking, at least mu(0+).
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value, mu has no finite limit, or the static coefficient is below that.
+        """
+        onset = self.onset
+        if self.static is None:
+            return onset
+        static = real("the static coefficient", self.number(self.static))
+        if static < onset - _ROUNDING * abs(onset):
+            raise InputError(
+                f"the static coefficient {static:g} is below mu(0+) = {onset:g}: a contact that gives way would "
+                "stop the mass at once; give a static coefficient of at least mu(0+), or none"
+            )
+        return max(static, onset)
+
+    def number(self, expr: Expr) -> float:
+        """Return the value of an expression of the law's parameters.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value.
+        """
+        return float(number_at(expr, self.point))
+
+    def limit_at_rest(self, expr: Expr) -> float:
+        """Return the limit of an expression in v and the parameters as v falls to 0; NaN where none is found.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value.
+        """
+        return limit_at_rest(expr, self.point)
+
+    @property
+    def point(self) -> dict[Expr, Expr]:
+        """The values of the parameters, exact, by symbol.
+
+        They do not belong into expressions: SymPy expands powers of long fractions.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value.
+        """
+        self._require_values()
+        return {
+            self._parameters[key].symbol: sp.Rational(*value.as_integer_ratio())
+            for key, value in self._values.items()
+        }
+
+    def _require_values(self) -> None:
+        if self.missing:
+            names = ", ".join(self.missing)
+            example = ", ".join(f"{key}=..." for key in self.missing)
+            raise InputError(f"{self._label()} has no value for {names}; bind them first: law.bind({example})")
+
+    def partial(self, name: str) -> Self:
+        """Return the law dmu/dp of a parameter p, or v mu' - mu for "V"; each piece by itself.
+
+        The slope of the second is v mu'': how slopes change as the belt's speed grows, relative to that.
+
+        Raises
+        ------
+        InputError
+            If there is no such parameter.
+        """
+        if name != "V" and name not in self._parameters:
+            raise InputError(f"{self._label()} has no parameter {name!r}; it has: {', '.join(self._parameters)}")
+        law = copy.copy(self)
+        symbol = symbols.V if name == "V" else self._parameters[name].symbol
+        coefficient = _partial(self.expr, symbol)
+        law._coefficient, law.static = coefficient, None
+        law._parameters = {k: p for k, p in self._parameters.items() if p.symbol in law.expr.free_symbols}
+        law._values = {key: value for key, value in self._values.items() if key in law._parameters}
+        return law
+
+    def mu(self, v: ArrayLike) -> Any:
+        """Return the friction coefficient mu(v) at slip speeds v >= 0 (m/s), float or array.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value, a speed is negative or not finite, or mu has no real value there.
+        """
+        return self._evaluate(v, derivative=False)
+
+    def slope(self, v: ArrayLike) -> Any:
+        """Return the slope dmu/dv (s/m) at slip speeds v >= 0 (m/s), float or array.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value, a speed is negative or not finite, or mu has no real slope there.
+        """
+        return self._evaluate(v, derivative=True)
+
+    def at_speeds(self, speeds: FloatArray) -> FloatArray:
+        """Return mu at an array of slip speeds; NaN where it has no real value, and nothing is refused.
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value.
+        """
+        return self._at_speeds(speeds, derivative=False)
+
+    def _at_speeds(self, speeds: FloatArray, *, derivative: bool) -> FloatArray:
+        try:
+            with np.errstate(all="ignore"):  # every piece of a law is computed, and one is taken
+                value = np.asarray(self.function("numpy", derivative=derivative)(speeds))
+        except ArithmeticError:
+            value = np.asarray(np.nan)
+        result = np.broadcast_to(np.where(np.isreal(value), value.real, np.nan), speeds.shape).astype(np.float64)
+        at_zero = np.isnan(result) & (speeds == 0)
+        if at_zero.any():  # where a formula such as v^p/v is 0/0
+            result[at_zero] = self.limit_at_rest(self.slope_expr if derivative else self.expr)
+        return result
+
+    def function(self, backend: Backend, *, derivative: bool = False) -> Callable[[Any], Any]:
+        """Return mu(v), or its slope, as a bare function of one library's numbers; nothing is checked.
+
+        Parameters
+        ----------
+        backend : {"numpy", "math", "mpmath"}
+        derivative : bool
+            Return the slope.
+        """
+        return self._coefficient.function(self.point, backend, derivative=derivative)
+
+    def kinks(self) -> list[Expr]:
+        """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
+        found = self._coefficient.kinks(self.point)
+        for place in found:
+            if not place.is_real:
+                raise InputError(f"{self._label()} has a kink at v = {str(place)[:40]}, which is not real")
+        return sorted(place for place in found if place > 0)
+
+    def rises(self, backend: Backend = "math") -> list[tuple[float, Callable[[Any], Any]]]:
+        """Return where each smooth piece of mu begins, ascending from 0, and mu(v) - mu(0+) on it.
+
+        Each function continues smoothly beyond the ends of its piece, where another piece holds. Where v is small
+        it has the digits that are lost when two coefficients are subtracted.
+
+        Parameters
+        ----------
+        backend : {"math", "numpy"}
+            Whether they are functions of a float, or of an array, with NaN where mu has no value.
+        """
+        return self._coefficient.rises(self.point, self.kinks() if self.curve is None else (), backend)
+
+    def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
+        speed = np.asarray(v, dtype=np.float64)
+        wrong = ~((speed >= 0) & np.isfinite(speed))
+        if wrong.any():
+            first = speed[wrong].flat[0]
+            raise InputError(f"slip speed v = {first} is not a finite number >= 0; v is |x' - V|")
+        if speed.size:
+            self.require_speed(speed.max())
+        result = self._at_speeds(speed, derivative=derivative)
+        if (missing := np.isnan(result)).any():
+            what, first = "slope" if derivative else "value", speed[missing].flat[0]
+            raise InputError(f"{self._label()} has no {what} in double precision at the slip speed v = {first}")
+        return float(result) if result.ndim == 0 else result
+
+    def _label(self) -> str:
+        return f"the law {self.name!r}" if self.name else "the law"
+
     def _content(self) -> tuple[object, ...]:
         described = tuple((p.symbol, p.meaning, p.unit, p.typical) for p in self.parameters.values())
-        errors = frozenset((key, value.std_dev) for key, value in self.uncertain.items())
-        about = self.name, self.source, self.validity, self.curve, errors
+        about = self.name, self.source, self.validity, self.curve, spread(self.uncertain)
         return self.expr, self.static, *about, described, frozenset(self._values.items())
 
     def __eq__(self, other: object) -> bool:
@@ -317,3 +584,9 @@ class FrictionLaw(Evaluated):
         notes = [f"{kind}: {text}" for kind, text in known.items() if text]
         table = [parameter_table(self.parameters, self.values)] if self.parameters else []
         return markup.block(self.name or "friction law", head, *table, *notes)
+
+
+@lru_cache(maxsize=512)
+def _partial(expr: Expr, symbol: Expr) -> Coefficient:
+    partial = symbols.v * sp.diff(expr, symbols.v) - expr if symbol == symbols.V else sp.diff(expr, symbol)
+    return Coefficient(partial, sorted(partial.free_symbols - {symbols.v}, key=str))

@@ -5,15 +5,18 @@ cited work itself. Typical values are for trying a law out: they make it fall so
 """
 
 from collections.abc import Callable, Iterator, MutableMapping
-from typing import TYPE_CHECKING
+from typing import Self
 
+import sympy as sp
+
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import lookup, suggestion
 from stickslip_sym.model.expression.parameters import Parameter
+from stickslip_sym.model.expression.spelling import NAME
+from stickslip_sym.model.law import FrictionLaw
 
-if TYPE_CHECKING:
-    from stickslip_sym.model.law import FrictionLaw
-
-__all__ = ["catalogue", "check_name", "find"]
+__all__ = ["Catalogue", "as_law", "laws"]
 
 _UNCONFIRMED = " (first source not confirmed)"
 
@@ -34,67 +37,107 @@ _A_1 = Parameter("a_1", "coefficient of v", "s/m", typical="-0.6", positive=Fals
 _A_3 = Parameter("a_3", "coefficient of v^3", "s^3/m^3", typical="0.3", positive=False)
 
 
-class _Catalogue(MutableMapping[str, "FrictionLaw"]):
-    """Laws by name, each made when it is first asked for."""
+class Catalogue(MutableMapping[str, FrictionLaw]):
+    """Friction laws by name, also as attributes; each is read when it is first asked for."""
 
     def __init__(self) -> None:
-        self._laws: dict[str, FrictionLaw] = {}
-        self._makers: dict[str, Callable[[], FrictionLaw]] = {}
+        self._entries: dict[str, FrictionLaw | Callable[[], FrictionLaw]] = {}
 
-    def enter(self, name: str, make: "Callable[[], FrictionLaw]") -> None:
-        self._makers[name] = make
+    def __getitem__(self, name: str) -> FrictionLaw:
+        entry = self._entries[name]
+        if not isinstance(entry, FrictionLaw):
+            entry = self._entries[name] = entry()
+        return entry
 
-    def __getitem__(self, name: str) -> "FrictionLaw":
-        if name not in self._laws and name in self._makers:
-            self._laws.setdefault(name, self._makers[name]())  # the first law counts, of threads too
-        return self._laws[name]
-
-    def __setitem__(self, name: str, law: "FrictionLaw") -> None:
-        self._makers[name] = lambda: law
-        self._laws[name] = law
+    def __setitem__(self, name: str, law: FrictionLaw | Callable[[], FrictionLaw]) -> None:
+        self._entries[name] = law
 
     def __delitem__(self, name: str) -> None:
-        del self._makers[name]
-        self._laws.pop(name, None)
+        del self._entries[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in self._makers
+        return name in self._entries
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._makers)
+        return iter(self._entries)
 
     def __len__(self) -> int:
-        return len(self._makers)
+        return len(self._entries)
+
+    def __getattr__(self, name: str) -> FrictionLaw:
+        if name.startswith("_") or name not in self:
+            raise AttributeError(f"there is no law {name!r}{suggestion(name, self._names)}")
+        return self[name]
+
+    def __dir__(self) -> list[str]:
+        return sorted([*super().__dir__(), *self])
+
+    @property
+    def _names(self) -> dict[str, None]:
+        return dict.fromkeys(self._entries)
+
+    @property
+    def catalogue(self) -> Self:
+        """The catalogue itself, as a mapping."""
+        return self
+
+    def find(self, name: str) -> FrictionLaw:
+        """Return a law by its name.
+
+        Raises
+        ------
+        InputError
+            If there is none; the message suggests the closest name.
+        """
+        self.check_name(name)
+        return self[name]
+
+    def check_name(self, name: str) -> None:
+        """Refuse the name of no law, as `find` does; the law itself is not read.
+
+        Raises
+        ------
+        InputError
+        """
+        lookup("law", name, self._names)
 
 
-catalogue = _Catalogue()
-"""Every law of the catalogue by name."""
+laws = Catalogue()
+"""Every law of the catalogue."""
 
 
-def __getattr__(name: str) -> "FrictionLaw":
-    if name in catalogue:
-        return catalogue[name]
-    raise AttributeError(f"there is no law {name!r}{suggestion(name, catalogue)}")
+def as_law(law: FrictionLaw | str | float | Expr) -> FrictionLaw:
+    """Return the friction law that is meant: a law itself, the name of one of the catalogue, or a formula.
 
+    Parameters
+    ----------
+    law : FrictionLaw, str, float or sympy.Expr
+        Text that is one name is that of a law of the catalogue, unless it begins with mu: a constant coefficient.
 
-def __dir__() -> list[str]:
-    return sorted([*__all__, *catalogue])
+    Raises
+    ------
+    InputError
+        For anything else, and for a formula that cannot be read.
+
+    Examples
+    --------
+    >>> as_law("exponential").text == as_law("mu_m + (mu_s - mu_m)*exp(-alpha*v)").text
+    True
+    """
+    if isinstance(law, FrictionLaw):
+        return law
+    if isinstance(law, str) and NAME.fullmatch(law.strip()) and not law.strip().startswith("mu"):
+        return laws.find(law.strip())
+    if isinstance(law, str | int | float | sp.Basic):
+        return FrictionLaw(law)
+    raise InputError(
+        "a friction law is needed: a FrictionLaw, the name of a law of the catalogue, or a formula such as "
+        f"'mu_s - a*v'; got {type(law).__name__}"
+    )
 
 
 def _law(name: str, formula: str, *parameters: Parameter, validity: str, source: str) -> None:
-    def make() -> "FrictionLaw":
-        from stickslip_sym.model import compiled
-        from stickslip_sym.model.formula import Ready, Written
-        from stickslip_sym.model.law import FrictionLaw
-
-        mu, slope = (getattr(compiled, f"{name}_{kind}", None) for kind in ("mu", "slope"))
-        # An entry without its functions is slower, and a test says that they are to be written.
-        names = tuple(parameter.name for parameter in parameters)
-        ready = None if mu is None or slope is None else Ready(names, mu, slope)
-        written = Written(formula, parameters, ready)
-        return FrictionLaw.written(written, name=name, validity=validity, source=source)
-
-    catalogue.enter(name, make)
+    laws[name] = lambda: FrictionLaw(formula, parameters=parameters, name=name, validity=validity, source=source)
 
 
 # -- laws with a jump at v = 0: friction from the first slip on ------------------------------------
@@ -259,25 +302,3 @@ _law(
     validity="simulation without a stick state; needs alpha v_0 far below 1",
     source="Bengisu & Akay 1994" + _UNCONFIRMED,
 )  # fmt: skip
-
-
-def find(name: str) -> "FrictionLaw":
-    """Return a law of the catalogue by its name.
-
-    Raises
-    ------
-    InputError
-        If there is none; the message suggests the closest name.
-    """
-    check_name(name)
-    return catalogue[name]
-
-
-def check_name(name: str) -> None:
-    """Refuse the name of no law, as `find` does; the law itself is not made.
-
-    Raises
-    ------
-    InputError
-    """
-    lookup("law", name, dict.fromkeys(catalogue))

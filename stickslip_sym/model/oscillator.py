@@ -1,22 +1,19 @@
-"""`Oscillator`: the mass on the belt, and the dimensionless form in which it is integrated."""
+"""`Oscillator`: the mass on the belt."""
 
 import math
-from bisect import bisect_right
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import real
-from stickslip_sym.model.law import FrictionLaw, limit_at_rest
+from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["Oscillator", "Scene"]
+__all__ = ["Oscillator"]
 
 _NO_BELT = (
     "on a belt that stands still nothing drives the mass, so take a small speed such as 1e-6 instead",
     "x counts along the belt, so where it runs backward mirror the scene: V, x0 and v0 with their signs changed",
 )
-_SMALL = 1e-6  # slip speed, relative, over which a slope of mu is taken
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,169 +85,4 @@ class Oscillator:
 
     def onset(self, law: FrictionLaw) -> float:
         """Return the displacement x_P = (mu_static N - c V)/k in m at which every forward stick phase ends."""
-        return (_static(law) * self.N - self.c * self.V) / self.k
-
-
-def _onset(law: FrictionLaw) -> float:
-    """Return mu(0+)."""
-    onset = limit_at_rest(law.substitute(law.expr))
-    if not math.isfinite(onset):
-        raise InputError(
-            f"mu(0+) is {onset}, not a finite number, for {law!r}: no spring could ever pull the mass off the "
-            "belt; cut the law off at a small speed, as in log(1 + v/v_c) for log(v)"
-        )
-    return onset
-
-
-def _static(law: FrictionLaw) -> float:
-    """Return the coefficient that limits sticking, at least mu(0+)."""
-    onset = _onset(law)
-    if law.static is None:
-        return onset
-    static = real("the static coefficient", law.substitute(law.static))
-    if static < onset - 1e-12 * abs(onset):
-        raise InputError(
-            f"the static coefficient {static:g} is below mu(0+) = {onset:g}: a contact that gives way would "
-            "stop the mass at once; give a static coefficient of at least mu(0+), or none"
-        )
-    return max(static, onset)
-
-
-@dataclass(frozen=True)
-class Branch:
-    """A smooth piece of mu, which holds from w = `low` to `high`, and its rise mu(V w) - mu(0+)."""
-
-    low: float
-    high: float
-    rise: Callable[[float], float]
-
-
-def _of_w(
-    rise: Callable[[float], float], speed: float, low: float, high: float, *, everywhere: bool
-) -> Callable[[float], float]:
-    """Return a rise as a function of w that a step may try anywhere; its piece holds from `low` to `high`.
-
-    - `everywhere`: it has a value at every w, as a polynomial has.
-    """
-    if everywhere:
-        return lambda w: rise(speed * w)
-
-    def value(w: float) -> float:
-        try:
-            return float(rise(speed * w))
-        except (ArithmeticError, TypeError, ValueError):  # a TypeError is a complex coefficient
-            return math.nan
-
-    def continued(w: float) -> float:
-        if low < w < high:  # as a rule; `value` written out saves a call in the innermost loop
-            try:
-                return float(rise(speed * w))
-            except (ArithmeticError, TypeError, ValueError):
-                return math.nan
-        found = value(w if w > -1.0 else -1.0)
-        if math.isfinite(found):
-            return found
-        # A piece such as sqrt(v) has no value beyond its end: it goes on with its last one.
-        return value(min(max(w, low), high)) if w > 0 else 0.0
-
-    return continued
-
-
-def _joined(branches: Sequence[Branch]) -> Callable[[float], float]:
-    """Return the rise of whichever piece holds."""
-    if len(branches) == 1:
-        return branches[0].rise
-    levels = [branch.low for branch in branches[1:]]
-    return lambda w: branches[bisect_right(levels, w)].rise(w)
-
-
-@dataclass(frozen=True)
-class Scene:
-    """An oscillator with its law, free of units.
-
-    Time is tau = omega t. The state is (q, w): q is the displacement from P, the point where every
-    forward stick phase ends, and w = abs(x' - V)/V the slip speed. With `side` 1 where the mass is
-    slower than the belt and -1 where it is faster,
-
-        q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.
-
-    So w = 0 is the belt's speed exactly, and P is the origin: no digits cancel where returns are decided. Nor do
-    they on a slow belt, where eta is large: mu enters by its rise mu(V w) - mu(0+), computed without cancellation.
-
-    Attributes
-    ----------
-    eta, zeta : float
-    static : float
-        The coefficient that limits sticking.
-    onset : float
-        mu(0+).
-    rise : callable
-        mu(V w) - mu(0+) for w > 0, and NaN where it cannot be computed, so that an integrator takes a shorter
-        step. For w <= 0 it continues smoothly, or is 0 where it cannot: a step that crosses w = 0 is tried with
-        such values, and the crossing is then refined with those of w > 0.
-    law : FrictionLaw
-        The law of mu, bound.
-    speed : float
-        V in m/s, the unit of the law's slip speed.
-    w_max : float
-        The slip speed up to which the law is known.
-    branches : tuple of Branch
-        The smooth pieces of mu, between the slip speeds at which it has a kink.
-    """
-
-    eta: float
-    zeta: float
-    static: float
-    onset: float
-    rise: Callable[[float], float]
-    law: FrictionLaw
-    speed: float
-    w_max: float = math.inf
-    branches: tuple[Branch, ...] = ()
-
-    @classmethod
-    def of(cls, law: FrictionLaw, osc: Oscillator) -> "Scene":
-        """Make an oscillator with a bound law dimensionless.
-
-        Raises
-        ------
-        InputError
-            If a parameter has no value, mu(0+) is not finite, or the static coefficient is below mu(0+).
-        """
-        static, onset = _static(law), _onset(law)
-        speed = osc.V
-        w_max = math.inf if law.v_max is None else float(law.v_max) / speed
-        pieces = law.rises()
-        levels = [start / speed for start, _ in pieces] + [math.inf]
-        branches = tuple(
-            Branch(low, high, _of_w(rise, speed, low, high, everywhere=law.curve is not None))
-            for low, high, (_, rise) in zip(levels, levels[1:], pieces, strict=False)
-        )
-        return cls(osc.eta, osc.zeta, static, onset, _joined(branches), law, speed, w_max, branches)
-
-    def friction(self, w: float, side: int) -> float:
-        """Return what static and sliding friction together add to w', eta (side mu_static - mu(V w))."""
-        return self.eta * (side * self.static - self.onset - self.rise(w))
-
-    def acceleration(self, q: float, w: float, side: int) -> float:
-        """Return w', the rate at which the slip speed grows."""
-        return self.friction(w, side) + side * q - 2 * self.zeta * w
-
-    def decay(self, w: float) -> float:
-        """Return -dw'/dw, the rate at which a deviation of the slip speed w >= 0 decays."""
-        half = _SMALL * max(w, 1.0)
-        low, high = max(w - half, 0.0), w + half
-        return self.eta * (self.rise(high) - self.rise(low)) / (high - low) + 2 * self.zeta
-
-    @property
-    def rest(self) -> tuple[float, float]:
-        """The equilibrium (q, w): the mass stands still, and the belt slips under it."""
-        return self.turn(1.0), 1.0
-
-    def turn(self, w: float) -> float:
-        """Return the displacement q at which w' = 0 for a mass slower than the belt."""
-        return 2 * self.zeta * w - self.friction(w, 1)
-
-    def sticks(self, q: float) -> bool:
-        """Whether static friction holds the mass at displacement q: |c V + k x| <= mu_static N."""
-        return -2 * self.eta * self.static <= q <= 0
+        return (law.static_value * self.N - self.c * self.V) / self.k

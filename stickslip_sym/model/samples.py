@@ -5,6 +5,7 @@ continuous, and it rises or falls only where the points do. Its coefficients are
 of it are exact closed forms, piece by piece.
 """
 
+import math
 import warnings
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
@@ -16,9 +17,10 @@ from typing import Any
 import mpmath
 import numpy as np
 import sympy as sp
+from scipy.interpolate import PchipInterpolator, PPoly
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, FloatArray, IntArray, Mpf, Rational
+from stickslip_sym.core.aliases import Expr, Mpf, Rational
 from stickslip_sym.core.errors import InputError, InputWarning
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, exact, to_mpf
@@ -113,85 +115,35 @@ class SampledCurve:
 
     def function(self, backend: Backend, *, derivative: bool) -> Callable[[Any], Any]:
         """Return mu(v), or its slope, as a function of one library's numbers; beyond the end, the last piece."""
-        if backend == "numpy":
-            return self._over_arrays(derivative)
-        if backend == "math":
-            return _by_bisection(*self._tables(float, derivative))
-        tables: dict[int, Callable[[Any], Any]] = {}
+        if backend != "mpmath":
+            polynomials: Callable[[Any], Any] = self._polynomials.derivative() if derivative else self._polynomials
+            return polynomials
 
-        def at_working_precision(v: Mpf) -> Mpf:
-            precision = mpmath.mp.prec
-            if precision not in tables:
-                tables[precision] = _by_bisection(*self._tables(to_mpf, derivative))
-            return tables[precision](v)
+        def exact(v: Mpf) -> Mpf:
+            piece = max(bisect_right(self.places, mpmath.mpmathify(v)) - 1, 0)
+            distance = v - to_mpf(self.places[piece])
+            a, b, c, d = map(to_mpf, self.cubics[piece])
+            return (
+                b + distance * (2 * c + 3 * d * distance)
+                if derivative
+                else a + distance * (b + distance * (c + d * distance))
+            )
 
-        return at_working_precision
+        return exact
 
     @cached_property
-    def rises(self) -> list[tuple[float, Callable[[float], float]]]:
-        """Where each piece begins, and what the curve gains from v = 0 on, as a function of a float."""
-        first = self.cubics[0][0]
-        lowered = ([float(level - first), *map(float, row)] for level, *row in self.cubics)
+    def rises(self) -> list[tuple[float, Callable[[Any], Any]]]:
+        """Where each piece begins, and what the curve gains from v = 0 on, beyond the ends of the piece too."""
+        lowered = [(level - self.cubics[0][0], *row) for level, *row in self.cubics]
         return [
-            (float(place), _cubic(float(place), *row)) for place, row in zip(self.places, lowered, strict=True)
+            (float(place), PPoly(np.array([row[::-1]], dtype=np.float64).T, [float(place), float(place) + 1]))
+            for place, row in zip(self.places, lowered, strict=True)
         ]
 
-    def _over_arrays(self, derivative: bool) -> Callable[[FloatArray], FloatArray]:
-        places, rows = self._tables(float, derivative)
-        starts, columns = np.array(places), np.array(rows).T
-
-        def evaluate(v: FloatArray) -> FloatArray:
-            piece = np.searchsorted(starts, v, side="right") - 1
-            distance = v - starts[piece]
-            value: FloatArray = columns[-1][piece]
-            for column in columns[-2::-1]:
-                value = value * distance + column[piece]
-            return value
-
-        return evaluate
-
-    def by_piece(self, v: FloatArray, piece: IntArray) -> FloatArray:
-        """Return mu by the cubics at given places, which hold beyond their ends too."""
-        starts, columns = self._columns
-        distance = v - starts[piece]
-        value: FloatArray = columns[-1][piece]
-        for column in columns[-2::-1]:
-            value = value * distance + column[piece]
-        return value
-
     @cached_property
-    def _columns(self) -> tuple[FloatArray, FloatArray]:
-        places, rows = self._tables(float, derivative=False)
-        return np.array(places), np.array(rows).T
-
-    def _tables(self, number: Callable[[Rational], Any], derivative: bool) -> tuple[list[Any], list[list[Any]]]:
-        """Return the places and the coefficients of the pieces, ascending, as one library's numbers."""
-        rows = self._slopes if derivative else self.cubics
-        return [number(place) for place in self.places], [[number(c) for c in row] for row in rows]
-
-    @cached_property
-    def _slopes(self) -> tuple[tuple[Rational, ...], ...]:
-        return tuple(tuple(j * cubic[j] for j in (1, 2, 3)) for cubic in self.cubics)
-
-
-def _cubic(start: float, a: float, b: float, c: float, d: float) -> Callable[[float], float]:
-    def evaluate(v: float) -> float:
-        distance = v - start
-        return ((d * distance + c) * distance + b) * distance + a
-
-    return evaluate
-
-
-def _by_bisection(places: list[Any], rows: list[list[Any]]) -> Callable[[Any], Any]:
-    def evaluate(v: Any) -> Any:
-        piece = max(bisect_right(places, v) - 1, 0)
-        distance = v - places[piece]
-        value = rows[piece][-1]
-        for coefficient in rows[piece][-2::-1]:
-            value = value * distance + coefficient
-        return value
-
-    return evaluate
+    def _polynomials(self) -> PPoly:
+        places = [*map(float, self.places), math.inf]
+        return PPoly(np.array([row[::-1] for row in self.cubics], dtype=np.float64).T, places)
 
 
 def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational], list[Rational]]:
@@ -236,8 +188,6 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
 
 def _hermite_cubics(x: Sequence[Rational], y: Sequence[Rational]) -> list[tuple[Rational, ...]]:
     """Return the coefficients of the Hermite cubic of each interval, in powers of the distance from its start."""
-    from scipy.interpolate import PchipInterpolator
-
     # Scaled, so that neither subnormal nor huge speeds harm the slopes, which are then made exact.
     width, height = x[-1], max(map(abs, y)) or sp.Integer(1)
     scaled = PchipInterpolator([float(value / width) for value in x], [float(value / height) for value in y])

@@ -6,21 +6,23 @@ to [ ] to { }. What is printed must be read in one way only: after a slash stand
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any
 
 import sympy as sp
 from sympy.printing.conventions import requires_partial
 from sympy.printing.latex import LatexPrinter
 
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.functions import CONSTANTS, Constant, Function, row
 from stickslip_sym.output.brackets import Binding, binding, bracketed, held, length
-from stickslip_sym.output.latex_functions import INDEXED, NAMED, SQUARED, called
 from stickslip_sym.output.notation import latex_name, look, told_apart
-from stickslip_sym.output.text_printer import Readable, factors, spellings
+from stickslip_sym.output.text_printer import Readable, decimal, factors, is_decimal, spellings
 
 __all__ = ["latex"]
 
 _SHORT_SUM = 30  # characters of LaTeX without braces and styles, of a sum that may stand on a fraction
 _SHORT = 48  # of one that may stand there alone
+_NAMED = CONSTANTS.keys() - {sp.E, sp.I}  # E and I are printed in ways of their own
 _NUMBER, _FORCE, _SYMBOL, _SPEED, _SUM, _EXP, _FUNCTION, _OTHER = range(8)
 
 
@@ -52,15 +54,27 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_Dummy(self, expr: Expr) -> str:
         return self._names_of[self.dummies[expr]]
 
-    def _print_Pi(self, expr: Expr, exp: str | None = None) -> str:
-        del exp
-        return called(expr, self._taken)
+    def _print(self, expr: Expr, **options: Any) -> str:
+        if expr in _NAMED:
+            return self._called(CONSTANTS[expr])
+        function = row(expr) if isinstance(expr, sp.Function) else None
+        if function is not None and function.latex is not None:
+            return self._print_function(function, expr, **options)
+        return str(super()._print(expr, **options))
 
-    def _print_Catalan(self, expr: Expr, exp: str | None = None) -> str:
-        return self._print_Pi(expr, exp)
+    def _called(self, head: Function | Constant) -> str:
+        r"""Return the name of a function or a constant, another one where a symbol looks like it.
 
-    def _print_EulerGamma(self, expr: Expr, exp: str | None = None) -> str:
-        return self._print_Pi(expr, exp)
+        Beside a parameter ``eta``, ``\eta (1 + v)`` could be Dirichlet's function of 1 + v as well as a product.
+        """
+        # K_1 is not K, but a symbol K_1 looks like the function with the index 1.
+        indexed = isinstance(head, Function) and head.indexed
+        others = {other.partition("_")[0] for other in self._taken} if indexed else self._taken
+        word = head.name.replace("_", "")
+        choices = (head.latex or f"\\operatorname{{{word}}}", f"\\operatorname{{{word}}}")
+        return next(
+            (choice for choice in choices if look(choice) not in others), f"\\operatorname{{sympy.{word}}}"
+        )
 
     def _print_Exp1(self, expr: Expr, exp: str | None = None) -> str:
         del expr, exp
@@ -107,8 +121,8 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         return f"-{held(product, Binding.OPEN)}" if number < 0 else product
 
     def _print_Rational(self, expr: Expr) -> str:
-        if expr.q == 1:
-            return str(expr.p)
+        if expr.q == 1 or is_decimal(expr):
+            return decimal(expr)
         fraction = f"{abs(expr.p)}/{expr.q}" if self._slashes else f"\\frac{{{abs(expr.p)}}}{{{expr.q}}}"
         return f"-{fraction}" if expr < 0 else fraction
 
@@ -117,19 +131,20 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         below = [sp.Pow(factor.base, -factor.exp, evaluate=False) if factor.exp != -1 else factor.base
                  for factor in parts if _is_below(factor)]  # fmt: skip
         top, below = (sorted(part, key=self._place) for part in (top, below))
-        if not below and number.q == 1:
-            return self._row(number.p, top)
+        above, under = (number, sp.S.One) if is_decimal(number) else (sp.Integer(number.p), sp.Integer(number.q))
+        if not below and under == 1:
+            return self._row(above, top)
         with self._flat():
-            denominator = self._row(number.q, below)
+            denominator = self._row(under, below)
         if self._slashes:
-            numerator = held(self._row(number.p, top), Binding.PRODUCT)
+            numerator = held(self._row(above, top), Binding.PRODUCT)
             return f"{numerator}/{held(denominator, Binding.FACTOR)}"
         head = [factor for factor in top if self._place(factor)[0] <= _SPEED or self._is_short(factor)]
         tail = [factor for factor in top if factor not in head]
-        if not head and number.p == 1 and len(tail) == 1 and length(self._print(tail[0])) < _SHORT:
+        if not head and above == 1 and len(tail) == 1 and length(self._print(tail[0])) < _SHORT:
             head, tail = tail, []
         with self._flat():
-            fraction = f"\\frac{{{self._row(number.p, head)}}}{{{denominator}}}"
+            fraction = f"\\frac{{{self._row(above, head)}}}{{{denominator}}}"
         return self._row(1, tail, fraction) if tail else fraction
 
     def _is_short(self, factor: Expr) -> bool:
@@ -149,7 +164,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
                 kind is Binding.OPEN and not last
             ):
                 printed = bracketed(printed)
-            if printed.startswith(r"\mathrm{e}^") and texts:
+            if printed.startswith((r"\mathrm{e}^", "{}_")) and texts:
                 printed = f"\\,{printed}"
             elif texts and (printed[0].isdigit() or printed.startswith(r"\frac")):
                 printed = f"\\cdot {printed}"  # 2 3^x would be a power of 23, and 2 1/3 a mixed number
@@ -186,8 +201,9 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             return f"\\sqrt{{{self._print(base)}}}"
         with self._flat():
             raised = f"^{{{self._print(exponent)}}}"
-        if isinstance(base, SQUARED) and exponent.is_Integer:
-            return self._applied(f"{called(type(base), self._taken)}{raised}", base.args[0])
+        function = row(base)
+        if function is not None and function.squared and exponent.is_Integer:
+            return self._applied(f"{self._called(function)}{raised}", base.args[0])
         printed = self._print(base)
         if "^" not in printed and (base.is_Symbol or base.is_NumberSymbol):
             return f"{{{printed}}}{raised}" if "'" in printed else f"{held(printed, Binding.FACTOR)}{raised}"
@@ -205,19 +221,23 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         result = f"\\exp{bracketed(printed)}" if deep else f"\\mathrm{{e}}^{{{printed}}}"
         return result if exp is None else f"{bracketed(result)}^{{{exp}}}"
 
-    def _print_Function(self, expr: Expr, exp: str | None = None) -> str:
-        kind = type(expr)
-        if kind in INDEXED:
+    def _print_function(self, function: Function, expr: Expr, exp: str | None = None) -> str:
+        name, arguments = self._called(function), expr.args
+        if function.indexed:
             index, *arguments = expr.args
             with self._flat():
-                name = f"{called(kind, self._taken)}_{{{self._print(index)}}}"
-        elif kind in NAMED:
-            name, arguments = called(kind, self._taken), expr.args
-        elif isinstance(expr, sp.core.function.AppliedUndef):
-            name, arguments = self._print(sp.Symbol(kind.__name__)), expr.args
-        else:
-            return str(super()._print_Function(expr, exp))
+                name = f"{name}_{{{self._print(index)}}}"
         result = self._applied(name, *arguments)
+        return result if exp is None else f"{bracketed(result)}^{{{exp}}}"
+
+    def _print_NumberPower(self, expr: Expr, exp: str | None = None) -> str:
+        del exp
+        return self._print_Pow(sp.Pow(*expr.args, evaluate=False))
+
+    def _print_Function(self, expr: Expr, exp: str | None = None) -> str:
+        if not isinstance(expr, sp.core.function.AppliedUndef):
+            return str(super()._print_Function(expr, exp))
+        result = self._applied(self._print(sp.Symbol(type(expr).__name__)), *expr.args)
         return result if exp is None else f"{bracketed(result)}^{{{exp}}}"
 
     def _applied(self, name: str, *arguments: Expr) -> str:
@@ -255,15 +275,6 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             rows = [", ".join(self._print(argument) for argument in group) for group in expr.args[:2]]
             inside = "; ".join([*rows, self._print(expr.args[2])])
             return f"{{}}_{{{len(expr.ap)}}}F_{{{len(expr.bq)}}}{bracketed(inside)}"
-
-
-def _special(self: _Latex, expr: Expr, exp: str | None = None) -> str:
-    return self._print_Function(expr, exp)
-
-
-for _kind in [*NAMED, *INDEXED]:
-    # SymPy's printer has a method of its own for some of them.
-    setattr(_Latex, f"_print_{_kind.__name__}", _special)
 
 
 def _is_below(factor: Expr) -> bool:

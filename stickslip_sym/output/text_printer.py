@@ -5,13 +5,19 @@ given place, where SymPy prints ``Subs(Derivative(x(t), t), t, t_P)``.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
+from decimal import Decimal, localcontext
 
 import sympy as sp
+from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
 from stickslip_sym.core.aliases import Expr
 
-__all__ = ["Readable", "factors", "spellings", "terms", "text"]
+__all__ = ["Readable", "decimal", "factors", "is_decimal", "spellings", "terms", "text"]
+
+_SHORTEST_DECIMAL = 100  # least denominator of a decimal; a smaller one is read at a glance
+_LONGEST_DECIMAL = 24  # characters
+_MOST_DIGITS = 400
 
 
 class Readable:
@@ -59,6 +65,10 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
         return self.dummies[expr]
 
     def _print_Mul(self, expr: Expr) -> str:
+        number, rest = expr.as_coeff_Mul()
+        if number.is_Rational and is_decimal(number):
+            shown = self.parenthesize(rest, PRECEDENCE["Mul"])
+            return decimal(number) + (shown.removeprefix("1") if shown.startswith("1/") else f"*{shown}")
         if not any(_is_number(factor) or factor.is_Mul for factor in expr.args[1:]):
             return str(super()._print_Mul(expr))
         # Of a * (1/2) and a / (1/2) that were not multiplied out SymPy makes a/1/2.
@@ -67,9 +77,31 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
         parts = others if number == 1 and others else [number, *others]
         return str(self._print(parts[0] if len(parts) == 1 else sp.Mul(*parts, evaluate=False)))
 
+    def _print_Rational(self, expr: Expr) -> str:
+        return decimal(expr) if is_decimal(expr) else str(super()._print_Rational(expr))
+
     def _print_Exp1(self, expr: Expr) -> str:
         del expr
         return "exp(1)"  # E may be a parameter
+
+
+def is_decimal(number: Expr) -> bool:
+    """Whether a rational was written as a decimal, as fitted numbers are: 0.0788816, but 7/20 and 5/128."""
+    if number.q < _SHORTEST_DECIMAL or number.q % 5:
+        return False
+    rest = number.q
+    for prime in (2, 5):
+        while rest % prime == 0:
+            rest //= prime
+    return bool(rest == 1 and len(decimal(number)) <= _LONGEST_DECIMAL)
+
+
+def decimal(number: Expr) -> str:
+    """Return an integer, or a rational that is a decimal, as one, all digits of it."""
+    if number.q == 1:
+        return str(number.p)
+    with localcontext(prec=_MOST_DIGITS):
+        return f"{Decimal(int(number.p)) / Decimal(int(number.q)):f}"
 
 
 def _is_number(factor: Expr) -> bool:

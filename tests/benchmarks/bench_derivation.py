@@ -14,11 +14,16 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import criteria, symbols
-from stickslip_sym.formula.integration.integrals import law_integral
 from stickslip_sym.output.tables import duration, table
 
 LIMIT = 30.0  # seconds that SymPy gets for an integral
 NAMES = [name for name, law in ss.laws.catalogue.items() if law.expr.has(symbols.v)]
+
+
+def law_integral(law, criterion):
+    """Return a criterion as the integral that defines it."""
+    slope = sp.diff(law, symbols.v).subs(symbols.v, symbols.V * (1 + symbols.s))
+    return sp.Integral(-symbols.N * criterion.weight * slope, (symbols.s, -1, 1))
 
 
 def bare(integral, queue):

@@ -1,6 +1,6 @@
 """What a call of a closed form costs; run with ``pytest tests/benchmarks/bench_evaluate.py``.
 
-Ratios within one run: the stable function of the exponential law, as it is called and with compiled loops, against
+Ratios within one run: the stable function of the exponential law against
 plain lambdify of (17) and one np.exp; its harmonic form against scipy.special.ive; the polynomial law against the
 same arithmetic by hand.
 """
@@ -41,14 +41,12 @@ def forms():
 
 
 @pytest.mark.parametrize("speeds", SPEEDS)
-@pytest.mark.parametrize("way", ["stable", "compiled", "lambdify", "np.exp"])
+@pytest.mark.parametrize("way", ["stable", "lambdify", "np.exp"])
 def test_exponential_least_squares(benchmark, forms, way, speeds):
     benchmark.group = f"exponential, least_squares, 1e6 {speeds}"
     form, V = forms["least_squares"], SPEEDS[speeds]
     if way == "stable":
         benchmark(form, V=V, **EXPONENTIAL)
-    elif way == "compiled":
-        benchmark(ss.compiled(form), V=V, **EXPONENTIAL)
     elif way == "lambdify":
         plain = sp.lambdify(list(form.arguments.values()), form.expr, "numpy")
         values = [V, *(EXPONENTIAL[name] for name in form.arguments if name != "V")]
@@ -91,12 +89,12 @@ def test_scalar_call(benchmark, name):
 @pytest.mark.parametrize("name", ss.laws.catalogue)
 def test_first_call(benchmark, name):
     """The first call of a process finds branches; those of terms that laws share are found once."""
-    from stickslip_sym.formula.evaluation.profile import profile_of
+    from stickslip_sym.formula.evaluation.branches import branches_of
 
     benchmark.group = "first call"
 
     def fresh():
-        profile_of.cache_clear()
+        branches_of.cache_clear()
         return (ss.slope_average(ss.laws.catalogue[name].typical()),), {}
 
     benchmark.pedantic(lambda average: average(V=0.5, N=9.81), setup=fresh, rounds=2)
@@ -131,25 +129,20 @@ def times(*calls):
 def ratios():
     """Print the ratios that the benchmarks above measure: the median of those within each round."""
     form = ss.derive(ss.laws.exponential)
-    fast = ss.compiled(form)
     plain = sp.lambdify(list(form.arguments.values()), form.expr, "numpy")
     rng = np.random.default_rng(2)
     each = EXPONENTIAL | {"alpha": rng.uniform(1, 6, SIZE), "mu_s": rng.uniform(0.4, 0.6, SIZE)}
-    print(
-        "1e6 values         over np.exp: call, compiled; over call, compiled: batch of parameters; over lambdify"
-    )
+    print("1e6 values         call over np.exp; batch of parameters over call; call over lambdify")
     for name, V in SPEEDS.items():
         values = [V, *(EXPONENTIAL[key] for key in form.arguments if key != "V")]
         rounds = times(
             lambda V=V: np.exp(V),
             lambda V=V: form(V=V, **EXPONENTIAL),
-            lambda V=V: fast(V=V, **EXPONENTIAL),
             lambda V=V: form(V=V, **each),
-            lambda V=V: fast(V=V, **each),
             lambda values=values: plain(*values),
         )
-        exp, call, compiled, batch, batch_compiled, text = rounds.T
-        pairs = (call / exp, compiled / exp, batch / call, batch_compiled / compiled, call / text)
+        exp, call, batch, text = rounds.T
+        pairs = (call / exp, batch / call, call / text)
         print(f"least_squares {name:10}", *(f"{np.median(pair):7.2f}" for pair in pairs))
     harmonic, V = ss.derive(ss.laws.exponential, "harmonic"), SPEEDS["mixed"]
     stable, ive = times(lambda: harmonic(V=V, **EXPONENTIAL), lambda: scipy.special.ive(1, V)).T

@@ -3,7 +3,7 @@
 For one table of all: ``python tests/benchmarks/bench_motion.py``.
 
 Four ways to the motion of the paper's section 3 with c = 1 kg/s, from P on: a user's own script with `solve_ivp`
-and two event functions, the two engines, and the paper's Newmark steps of 1e-4 s. The error is the largest one
+and two event functions, and the paper's Newmark steps of 1e-4 s. The error is the largest one
 of the times of all returns to the belt's speed, over the period, against 20 digits.
 """
 
@@ -24,16 +24,10 @@ from many_digits import exact_return
 from scenes import paper_oscillator
 
 import stickslip_sym as ss
-from stickslip_sym.model.oscillator import Scene
-from stickslip_sym.motion.simulation import engines
-from stickslip_sym.motion.simulation import heyoka as compiled
-from stickslip_sym.motion.simulation.slip import follow
-from stickslip_sym.motion.simulation.steppers import Point
 
 LAW = ss.laws.exponential.typical()
 OSC = paper_oscillator(1.0)
 ONSET = OSC.onset(LAW)
-P = Point(0.0, 0.0, 0.0)
 TOLERANCES = [10.0**-digits for digits in range(6, 14)]
 CYCLES = 10
 
@@ -42,7 +36,7 @@ CYCLES = 10
 def exact():
     """Return slip time and period in s."""
     with mpmath.workdps(25):
-        tau, q = exact_return(Scene.of(LAW, OSC), P, 1)
+        tau, q = exact_return(LAW, OSC)
     return float(tau) / OSC.omega, float(tau - q) / OSC.omega
 
 
@@ -92,8 +86,8 @@ def plain(cycles, rtol):
                 returns.append(t)
 
 
-def ours(cycles, rtol, engine="scipy"):
-    motion = ss.simulate(LAW, OSC, t_end=duration(cycles), x0=ONSET, rtol=rtol, engine=engine)
+def ours(cycles, rtol):
+    motion = ss.simulate(LAW, OSC, t_end=duration(cycles), x0=ONSET, rtol=rtol)
     return motion.starts_of(ss.Phase.STICK)
 
 
@@ -123,7 +117,6 @@ def newmark(cycles, step):
 WAYS = {
     "plain script": lambda cycles, rtol: plain(cycles, rtol),
     "scipy": lambda cycles, rtol: ours(cycles, rtol),
-    "heyoka": lambda cycles, rtol: ours(cycles, rtol, "heyoka"),
     "newmark": lambda cycles, rtol: newmark(cycles, 1e-4),
 }
 
@@ -137,56 +130,34 @@ def test_way(benchmark, way, cycles):
     benchmark.extra_info["error"] = error(returns)
 
 
-def to_steady_state(engine, rtol):
+def to_steady_state(rtol):
     """Simulate from a start off the cycle until two periods agree."""
-    motion = ss.simulate(LAW, OSC, t_end=CYCLES * exact()[1], x0=0.2, v0=0.0, rtol=rtol, engine=engine)
+    motion = ss.simulate(LAW, OSC, t_end=CYCLES * exact()[1], x0=0.2, v0=0.0, rtol=rtol)
     periods = [b - a for a, b in pairwise(motion.starts_of(ss.Phase.STICK))]
     assert math.isclose(periods[-1], periods[-2], rel_tol=1e-9)
     return periods[-1]
 
 
-@pytest.mark.parametrize("engine", ["scipy", "heyoka"])
 @pytest.mark.parametrize("way", ["cycle", "steady state"])
-def test_cycle(benchmark, way, engine):
-    benchmark.group = f"the cycle, {engine}"
+def test_cycle(benchmark, way):
+    benchmark.group = "the cycle"
     if way == "cycle":
-        benchmark(ss.stick_slip_cycle, LAW, OSC, rtol=1e-12, engine=engine)
+        benchmark(ss.stick_slip_cycle, LAW, OSC, rtol=1e-12)
     else:
-        benchmark(to_steady_state, engine, 1e-12)
+        benchmark(to_steady_state, 1e-12)
 
 
 SLIPPING = paper_oscillator(2.3)
 """Where starts near rest come to it in slip: no round repeats another."""
 
 
-@pytest.mark.parametrize("engine", ["scipy", "heyoka"])
-def test_ten_rounds_of_slip(benchmark, engine):
-    """Here every round is integrated.
-
-    A round takes 25 steps of DOP853, and each of them, in 36 us, 12 rates of 0.6 us and 26 sums of products of up
-    to 12 terms, 0.5 us each, before its error is estimated and extrema are looked for: that is the limit of plain
-    Python. A Taylor step of heyoka is twice as long, and takes less time than the sums alone.
-    """
+def test_ten_rounds_of_slip(benchmark):
+    """Here every round is integrated."""
     benchmark.group = "ten rounds of slip at rtol = 1e-10"
     t_end = 10 * 2 * math.pi / SLIPPING.omega
     x0 = SLIPPING.N * float(LAW.mu(SLIPPING.V)) / SLIPPING.k
-    motion = benchmark(ss.simulate, LAW, SLIPPING, t_end=t_end, x0=x0, v0=0.1, engine=engine)
+    motion = benchmark(ss.simulate, LAW, SLIPPING, t_end=t_end, x0=x0, v0=0.1)
     assert len(motion.events) == 1
-
-
-def compile_afresh():
-    """Translate and compile the law of `LAW`, without what heyoka keeps of earlier ones."""
-    import heyoka
-
-    heyoka.llvm_state.clear_memcache()
-    heyoka.llvm_state.set_diskcache_enabled(False)
-    compiled._compiled.of.cache_clear()
-    follow(Scene.of(LAW, OSC), P, 1, horizon=1.0, rtol=1e-10, engine=engines.find("heyoka"))
-
-
-@pytest.mark.benchmark(group="compilation")
-def test_compilation(benchmark):
-    benchmark(compile_afresh)
 
 
 def table():
@@ -200,7 +171,6 @@ def table():
             times.append(time.perf_counter() - begin)
         return min(times), result
 
-    WAYS["heyoka"](1, 1e-10)
     for cycles in (1, CYCLES):
         print(f"\n{cycles} cycles: milliseconds (error)")
         print(f"{'rtol':>8}" + "".join(f"{way:>24}" for way in WAYS))
@@ -221,12 +191,10 @@ def table():
             ratios = ", ".join(f"{way} {cost / costs['scipy']:.3f}" for way, cost in costs.items())
             print(f"error <= {limit:.0e}: {ratios} (1 is scipy; nan: not reached)")
     print()
-    for engine in ("scipy", "heyoka"):
-        for rtol in (1e-10, 1e-12):
-            cycle, _ = best(lambda e=engine, r=rtol: ss.stick_slip_cycle(LAW, OSC, rtol=r, engine=e))
-            steady, _ = best(lambda e=engine, r=rtol: to_steady_state(e, r))
-            print(f"{engine}, rtol = {rtol:.0e}: cycle {cycle * 1e3:.3f} ms, simulated {steady / cycle:.1f} times")
-    print(f"compilation by heyoka: {best(compile_afresh)[0] * 1e3:.0f} ms")
+    for rtol in (1e-10, 1e-12):
+        cycle, _ = best(lambda r=rtol: ss.stick_slip_cycle(LAW, OSC, rtol=r))
+        steady, _ = best(lambda r=rtol: to_steady_state(r))
+        print(f"rtol = {rtol:.0e}: cycle {cycle * 1e3:.3f} ms, simulated {steady / cycle:.1f} times")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,13 @@
-"""Whether ``method="auto"`` ever picks a dominated rung, over seeded scenes.
+"""Whether ``method="auto"`` ever picks a dominated method, over seeded operating points.
 
 Run ``python tests/benchmarks/measure_auto.py [COUNT] [SEED]``; COUNT is 500 if not given.
 
 In each scene, of a law of the catalogue with random parameters and with V, N, m, k and rtol over decades, every
-rung is asked by name for a threshold good to rtol, its error included, and so is "auto". The time is that of the
+method is asked by name for a threshold good to rtol, its error included, and so is "auto". The time is that of the
 processor, the least of several; the error is the true one, against the grazing orbit to 1e-12, else a proof.
 
-"auto" is dominated by a rung that is faster by the margin and as accurate, or as fast and more accurate by it.
-Each such case is printed, and counted by what was picked and what dominates it. Rungs that take much longer than
+"auto" is dominated by a method that is faster by the margin and as accurate, or as fast and more accurate by it.
+Each such case is printed, and counted by what was picked and what dominates it. Methods that take much longer than
 "auto" dominate nothing, and are interrupted; it needs a POSIX system.
 """
 
@@ -22,7 +22,7 @@ from functools import partial
 import numpy as np
 
 import stickslip_sym as ss
-from stickslip_sym.motion.thresholds.rungs import rungs
+from stickslip_sym.motion.thresholds.methods import methods
 
 MARGIN = 1.5  # of times and of errors: what noise and rounding make of equal ones
 EXACT = 1e-12  # an error below is not told from none
@@ -86,7 +86,7 @@ def truth(law, scene):
 
 
 def measured(law, scene, rtol):
-    """Return what "auto" picks, its time and true error, and those of each rung good to rtol, its error known."""
+    """Return what "auto" picks, its time and true error, and those of each method good to rtol."""
     exact = truth(law, scene)
     if exact is None:
         return None
@@ -101,21 +101,21 @@ def measured(law, scene, rtol):
     except (ss.StickSlipError, TimeoutError):
         return None
     ways = {}
-    for name, rung in rungs().items():
-        if not rung.automatic:  # a proof, which takes much longer than any of the others
+    for name, method in methods().items():
+        if not method.automatic:  # a proof, which takes much longer than any of the others
             continue
         try:
             with at_most(WARM + OTHERS * (LEAST + 1) * of_auto[0]):
-                found, seconds, error = ask(name, min(max(rtol, rung.tightest), rung.loosest))
+                found, seconds, error = ask(name, min(max(rtol, method.tightest), method.loosest))
         except (ss.StickSlipError, TimeoutError):
             continue
-        if found.error is not None and found.error <= rtol and error <= rtol:
+        if found.relative_error is not None and found.relative_error <= rtol and error <= rtol:
             ways[name] = seconds, error
     return auto.method, of_auto, ways
 
 
 def dominating(picked, of_auto, ways):
-    """Return the rungs that dominate what was picked."""
+    """Return the methods that dominate what was picked."""
     seconds, error = of_auto
     return [
         name

@@ -75,7 +75,7 @@ def by_areas():
     times = []
     for _ in range(5):
         begin, begin_cpu = time.perf_counter(), time.process_time()
-        share = ss.basin_map(law, osc, x0=np.array(BOX[0]), v0=np.array(BOX[1])).share[ss.Motion.DAMPED_SLIP]
+        share = ss.basin_map(law, osc, x0=np.array(BOX[0]), v0=np.array(BOX[1])).share[ss.Motion.REST]
         times.append((time.perf_counter() - begin, time.process_time() - begin_cpu))
     return share.value, share.error, *min(times, key=lambda both: both[1])
 

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from stickslip_sym.cli import tradeoff as command
+from stickslip_sym.cli.output import as_json
 from stickslip_sym.comparison import tradeoff_picture
 from stickslip_sym.comparison.basin_tradeoff import ShareWay
 from stickslip_sym.comparison.threshold_tradeoff import ThresholdWay
@@ -69,21 +69,19 @@ def test_text_json_and_picture_say_what_was_measured(seed, monkeypatch):
     ways = random_ways(rng, 9)
     trade = Trade("value", "of some kind", ways, {"V": 0.5})
     by_text = {cells[0]: cells for cells in (re.split(r" {2,}", line) for line in str(trade).splitlines()[3:])}
-    by_json = {
-        way.name: json.loads(json.dumps(command.as_json_of(way, trade.dominators[way.name]))) for way in ways
-    }
+    content = json.loads(json.dumps(as_json(trade), allow_nan=False))
+    by_json = {way["name"]: way for way in content["ways"]}
     for way in ways:
         cells, said = by_text[way.name], by_json[way.name]
-        assert said["way"] == way.name
         if not way.found:
             assert cells[1] == "no number"
-            assert (said["seconds"], said["relative_error"], said["dominated_by"]) == (None, None, [])
+            assert (said["seconds"], said["error"], content["dominators"][way.name]) == (None, None, [])
             continue
         number, unit = cells[1].split()
         assert float(number) * SIZES[unit] == pytest.approx(way.seconds, rel=5e-3)
         assert float(cells[2]) == pytest.approx(way.error, rel=0.05)
-        assert (said["seconds"], said["relative_error"]) == (way.seconds, way.error)
-        assert tuple(said["dominated_by"]) == trade.dominators[way.name]
+        assert (said["seconds"], said["error"]) == (way.seconds, way.error)
+        assert tuple(content["dominators"][way.name]) == trade.dominators[way.name]
         last = cells[-1].split("; ") if trade.dominators[way.name] else []
         assert tuple(last) == trade.dominators[way.name]
     pytest.importorskip("matplotlib")

@@ -135,8 +135,16 @@ def test_the_precision_is_put_back_on_every_way_out():
 def test_what_is_not_in_the_list_is_refused():
     with pytest.raises(ss.InputError, match="LambertW is not among the functions"):
         balls.ball_function(sp.LambertW(x), x, {})
-    with pytest.raises(ss.InputError, match="exponent depends on x"):
-        balls.ball_function(2**x, x, {})
+    with pytest.raises(ss.InputError, match="hyper is not among the functions"):
+        balls.ball_function(sp.hyper([1], [2], x), x, {})
+
+
+def test_powers_with_the_variable_in_the_exponent():
+    with balls.working_precision(100):
+        for expr in (2**x, x**x, (1 + x) ** (-x / 3)):
+            value = balls.ball_function(expr, x, {})(acb("0.75"), True)
+            assert value.contains(balls.ball_value(expr, {x: sp.Rational(3, 4)}))
+            assert abs(complex(value) - float(expr.subs(x, 0.75))) < 1e-12
 
 
 def test_choices_within_choices():

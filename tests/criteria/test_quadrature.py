@@ -106,7 +106,7 @@ def test_too_irregular_an_integrand_is_an_error(monkeypatch):
 
 
 PACKAGE = Path(ss.__file__).parent
-SIMULATION = [f"motion.simulation.{name}" for name in ("slip", "automaton", "transit")]
+SIMULATION = ["motion.slip", "motion.simulation.simulate", "motion.simulation.reference"]
 
 
 @pytest.mark.parametrize(

@@ -169,7 +169,7 @@ def test_files_that_cannot_be_read_are_refused(tmp_path):
             ss.FrictionLaw.from_csv(path)
     binary = tmp_path / "binary.csv"
     binary.write_bytes(b"v,mu\n\xff\xfe\x00")
-    with pytest.raises(ss.InputError, match="is not a text file of comma-separated values"):
+    with pytest.raises(ss.InputError, match="is not a text file of columns"):
         ss.FrictionLaw.from_csv(binary)
 
 
@@ -199,5 +199,5 @@ def test_speeds_out_of_proportion_are_refused(speeds):
 
 def test_the_name_of_a_file_is_text():
     for path in (None, 5, ""):
-        with pytest.raises(ss.InputError, match="the name of a CSV file is text"):
+        with pytest.raises(ss.InputError, match="the name of a file of measurements is text"):
             ss.FrictionLaw.from_csv(path)

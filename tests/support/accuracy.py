@@ -6,20 +6,20 @@ import subprocess
 
 import mpmath
 import numpy as np
+import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.criteria import gauss
-from stickslip_sym.formula.evaluation.bounds import slope_with_bound
-from stickslip_sym.formula.evaluation.conditioning import conditioned, speed_scales
+from stickslip_sym.formula.exact import without_squares
+from stickslip_sym.model.terms import speed_scales
 
 EPSILON = 2.0**-52
 EXPONENTS = ("delta",)
 
 MOST_UNITS = 16  # for every law with a closed form
 MOST_UNITS_OF_THE_PAPER = 4  # for the two laws of the paper
-MOST_UNITS_BY_GAUSS = 64  # for laws without a closed form, and near a confluent parameter
+MOST_UNITS_BY_BALLS = 64  # near a confluent parameter
 
 REGIMES = {"middle": (-4, 4), "small": (-40, -4), "large": (4, 100)}
 """Decades of the belt speed over the law's scale."""
@@ -53,22 +53,30 @@ def reference(form, columns):
     ]
 
 
+LEVELS, POINTS = 200, 8  # panels of [0, 2V] that halve towards rest, and nodes in each
+
+
 def mean_slope(form, columns):
-    """Return N <|mu'|> in double precision; 0 where Gauss rules do not reach."""
-    law = form.law
-    if form.criterion.weight is None:
-        return np.zeros_like(columns["V"])  # the unit is the value's own size
-    names = list(law.parameters)
-    slope = conditioned(law.slope_expr)
-    compiled = slope_with_bound(slope, [symbols.v, *(law.parameters[name].symbol for name in names)])
-    rest = [columns[name] for name in names]
-    scale = columns["V"].copy()
-    for found in speed_scales(slope, symbols.v):
-        with np.errstate(all="ignore"):
-            size = function_of([law.parameters[name].symbol for name in names], found, "numpy")(*rest)
-        scale = np.where(np.isfinite(size), np.minimum(scale, size), scale)
-    _, size, _ = gauss.average(compiled, columns["V"], rest, form.criterion, scale=scale)
-    return np.where(np.isfinite(size), columns["N"] * size, 0)
+    """Return N <|mu'|>, and at one point N max(|mu'|, |V mu''|): there the rounding of V itself counts."""
+    law, v, s = form.law, symbols.v, symbols.s
+    names = [name for name, parameter in law.parameters.items() if parameter.symbol in law.expr.free_symbols]
+    arguments = [v, *(law.parameters[name].symbol for name in names)]
+    rest = [columns[name][:, None] for name in names]
+    slope = function_of(arguments, without_squares(law.slope_expr), "numpy")
+    V = columns["V"][:, None]
+    with np.errstate(all="ignore"):
+        if form.criterion.weight is None:
+            curvature = function_of(arguments, v * sp.diff(without_squares(law.slope_expr), v), "numpy")
+            sizes = np.fmax(abs(slope(V, *rest)), abs(curvature(V, *rest))) + 0 * V
+            return columns["N"] * np.nan_to_num(sizes[:, 0])
+        x, w = np.polynomial.legendre.leggauss(POINTS)
+        panels = 2.0 ** -np.arange(LEVELS)[:, None]
+        p, weights = (panels * (x + 3) / 2).ravel(), (panels * w / 2).ravel()
+        if form.criterion.is_polynomial:
+            weights = weights * function_of([s], sp.expand(form.criterion.weight.subs(s, s - 1)), "numpy")(p)
+        else:
+            weights = weights * 2 / np.pi * np.sqrt(p * (2 - p))
+        return columns["N"] * np.nansum(weights * np.abs(slope(V * p, *rest)) + 0 * V * p, axis=1)
 
 
 def units(form, columns, values, exact=None):

@@ -11,7 +11,8 @@ import mpmath
 HEADS = {
     r"\ln": mpmath.log, r"\exp": mpmath.exp, r"\sin": mpmath.sin, r"\cos": mpmath.cos, r"\tan": mpmath.tan,
     r"\sinh": mpmath.sinh, r"\cosh": mpmath.cosh, r"\tanh": mpmath.tanh, r"\coth": mpmath.coth,
-    r"\arctan": mpmath.atan, r"\max": max, r"\min": min, r"\zeta": mpmath.zeta, r"\Gamma": mpmath.gamma,
+    r"\arctan": mpmath.atan, r"\arcsin": mpmath.asin, r"\arccos": mpmath.acos,
+    r"\max": max, r"\min": min, r"\zeta": mpmath.zeta, r"\Gamma": mpmath.gamma,
     r"\gamma": lambda s, x: mpmath.gammainc(s, 0, x), r"\eta": mpmath.altzeta, r"\Pi": mpmath.ellippi,
     "E": mpmath.ellipe, "K": mpmath.ellipk,
     r"\Phi": lambda z, s, a: mpmath.nsum(lambda n: z**n / (n + a) ** s, [0, mpmath.inf], method="d"),
@@ -19,7 +20,7 @@ HEADS = {
 WORDS = {
     "arsinh": mpmath.asinh, "arcosh": mpmath.acosh, "artanh": mpmath.atanh, "sech": mpmath.sech, "erf": mpmath.erf,
     "erfc": mpmath.erfc, "erfi": mpmath.erfi, "Im": mpmath.im, "Re": mpmath.re, "sgn": mpmath.sign,
-    "asin": mpmath.asin, "acos": mpmath.acos, "lowergamma": HEADS[r"\gamma"], "dirichleteta": mpmath.altzeta,
+    "lowergamma": HEADS[r"\gamma"], "dirichleteta": mpmath.altzeta,
     "zeta": mpmath.zeta, "gamma": mpmath.gamma, "elliptice": mpmath.ellipe, "elliptick": mpmath.ellipk,
     "ellipticpi": mpmath.ellippi, "Lerch": HEADS[r"\Phi"],
 }  # fmt: skip
@@ -40,7 +41,7 @@ LAYOUT = re.compile(
     r"|\\q?quad|\\,|\\:|&|\{\}(?!_)"
 )
 HYPER = re.compile(r"\{\}_\{\d\}F_\{\d\}")
-NUMBER = re.compile(r"\d+")
+NUMBER = re.compile(r"\d+(\.\d+)?")
 DERIVATIVE = re.compile(r"\\frac\{(?:\\mathrm\{d\}|\\partial)\}\{(?:\\mathrm\{d\}|\\partial) ")
 
 

@@ -3,19 +3,19 @@
 import mpmath
 
 
-def exact_return(scene, start, side):
-    """Return time and displacement of the return with 20 digits, by extrapolated midpoint steps.
+def exact_return(law, osc):
+    """Return tau and q of the return of the slip from P with 20 digits, by extrapolated midpoint steps.
 
     E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, section II.9.
     """
-    mu = scene.law.function("mpmath")
-    eta, zeta, static = (mpmath.mpf(value) for value in (scene.eta, scene.zeta, scene.static))
+    mu = law.function("mpmath")
+    eta, zeta, static = (mpmath.mpf(value) for value in (osc.eta, osc.zeta, law.static_value))
 
     def rates(state):
         q, w = state
         if w < -1:
             raise OverflowError("a step too long")
-        return 1 - side * w, eta * (side * static - mu(scene.speed * w)) + side * q - 2 * zeta * w
+        return 1 - w, eta * (static - mu(osc.V * w)) + q - 2 * zeta * w
 
     def add(state, factor, other):
         return [a + factor * b for a, b in zip(state, other, strict=True)]
@@ -35,7 +35,7 @@ def exact_return(scene, start, side):
         (*_, before, last) = rows[-1]
         return last, max(abs(a - b) for a, b in zip(before, last, strict=True))
 
-    tau, state, length = mpmath.mpf(start.tau), [mpmath.mpf(start.q), mpmath.mpf(start.w)], mpmath.mpf("0.01")
+    tau, state, length = mpmath.mpf(0), [mpmath.mpf(0), mpmath.mpf(0)], mpmath.mpf("0.01")
     while True:
         try:
             after, error = step(state, length)
@@ -43,7 +43,7 @@ def exact_return(scene, start, side):
             error = 1
         if error > 1e-17:
             length *= 0.6
-        elif after[1] < 0 and tau > start.tau:
+        elif after[1] < 0 < tau:
             break
         else:
             tau, state = tau + length, after

@@ -65,7 +65,7 @@ def start(rng, osc, mu_s):
 def violations(law, osc, motion, missed=MISSED):
     """Return what is wrong with a motion in itself: missed and spurious events, and sticks that cannot be."""
     found = []
-    static = float(law.mu(0.0) if law.static is None else law.substitute(law.static))
+    static = float(law.mu(0.0) if law.static is None else law.number(law.static))
     for event, stretch in zip(motion.events, motion.stretches, strict=False):
         samples = motion.t[(motion.t >= stretch.start) & (motion.t <= stretch.end)]
         t = np.interp(np.arange(CHECKS * (samples.size - 1) + 1) / CHECKS, np.arange(samples.size), samples)
@@ -95,7 +95,7 @@ def disagreement(events, expected):
 def reference(law, osc, x0, v0, t_end):
     """Return the changes of phase as (time, phase), by DOP853 in SI units."""
     mu, mu_0 = law.function("math"), float(law.mu(0.0))
-    static = mu_0 if law.static is None else float(law.substitute(law.static))
+    static = mu_0 if law.static is None else law.number(law.static)
     level = static * osc.N
     t, x, v = 0.0, x0, v0
     found = []

@@ -26,8 +26,8 @@ def read_text(text, symbols):
 
     def walk(node, known):
         match node:
-            case ast.Constant(value=int()):
-                return mpmath.mpf(node.value)
+            case ast.Constant(value=int() | float()):
+                return mpmath.mpf(ast.get_source_segment(text, node))
             case ast.Name(id=name):
                 return known[name] if name in known else +CONSTANTS[name]
             case ast.UnaryOp(op=ast.USub()):

@@ -7,8 +7,8 @@ from derivations import CHAPTERS, chapter, paper
 from derivations.d8_second_order import law_4
 from stickslip_sym import Status
 from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, s, u
-from stickslip_sym.formula.derivation.proving import prove_equal, prove_positive
-from stickslip_sym.formula.integration.theorems import Antiderivative, ChangeOfVariable
+from stickslip_sym.formula.proof.proving import prove_equal, prove_positive
+from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable
 
 PRINTED = paper.equations()
 alpha, mu_s, mu_m = (paper.exponential[name] for name in ("alpha", "mu_s", "mu_m"))

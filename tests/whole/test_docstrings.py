@@ -1,6 +1,9 @@
-"""Formulas in docstrings are held against what the code computes: a docstring that drifts fails."""
+"""Examples and formulas in docstrings are held against what the code computes: a docstring that drifts fails."""
 
 import ast
+import doctest
+import importlib
+import pkgutil
 import re
 from pathlib import Path
 
@@ -8,21 +11,41 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from families import family_of
 from scenes import paper_oscillator
-from scipy.integrate import DOP853, solve_ivp
 from sympy.parsing.sympy_parser import implicit_multiplication, parse_expr, standard_transformations
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.model.oscillator import Scene
-from stickslip_sym.motion.ensemble.field import Field
-from stickslip_sym.motion.simulation.slip import follow
-from stickslip_sym.motion.simulation.steppers import Point
+from stickslip_sym.motion.slip import Dimensionless
 
 PACKAGE = Path(ss.__file__).parent
 LAW = ss.laws.exponential.typical()
 SECTION = re.compile(r"^(?:Parameters|Attributes|Returns|Raises)\n-+", re.M)
+
+
+def examples():
+    """Docstrings of the package that hold examples."""
+    for module in pkgutil.walk_packages(ss.__path__, "stickslip_sym."):
+        for example in doctest.DocTestFinder().find(importlib.import_module(module.name)):
+            if example.examples:
+                yield pytest.param(example, id=example.name.removeprefix("stickslip_sym."))
+
+
+def run_example(example):
+    """Return what a docstring prints otherwise than it says; empty if nothing."""
+    said = []
+    doctest.DocTestRunner(verbose=False).run(example, out=said.append)
+    return "".join(said)
+
+
+@pytest.mark.parametrize("example", list(examples()))
+def test_examples_print_what_they_say(example):
+    assert run_example(example) == ""
+
+
+def test_a_wrong_example_is_noticed():
+    wrong = doctest.DocTestParser().get_doctest(">>> 1 + 1\n3\n", {}, "wrong", None, 0)
+    assert "Expected:\n    3\nGot:\n    2\n" in run_example(wrong)
 
 
 def displayed():
@@ -78,112 +101,78 @@ def check_lienard():
     assert sp.simplify(((motion - friction) / (k * V) - lienard).doit()) == 0
 
 
-def check_slip_speed():
-    """Lienard's equation in w = 1 - z."""
-    tau, d = sp.symbols("tau d")
-    w, g = sp.Function("w")(tau), sp.Function("g")
-    u, z = w.diff(tau), 1 - w
-    lienard = z.diff(tau, 2) + (d - g(z)) * z.diff(tau) + z
-    assert sp.simplify(lienard.doit() + u.diff(tau) - ((g(z) - d) * u + 1 - w)) == 0
-    check_lienard()
-
-
-def check_scene():
+def check_rates():
     """The rates of q and w are those of the equation of motion, in units."""
     osc, rng = paper_oscillator(1.3), np.random.default_rng(8)
-    scene = Scene.of(LAW, osc)
+    system = Dimensionless.of(LAW, osc)
     for q, w, side in zip(rng.normal(size=9), rng.uniform(0.1, 3, 9), (1, -1, 1) * 3, strict=True):
         x, v = osc.onset(LAW) + osc.length * q, osc.V * (1 - side * w)
         force = side * osc.N * LAW.mu(osc.V * w)
         acceleration = (force - osc.c * v - osc.k * x) / osc.m
-        assert scene.acceleration(q, w, side) == pytest.approx(
+        assert system.acceleration(q, w, side) == pytest.approx(
             -side * acceleration / (osc.V * osc.omega), rel=1e-12
         )
         assert 1 - side * w == pytest.approx(v / (osc.length * osc.omega), rel=1e-12)
 
 
-def check_levels():
-    """The course of a slip phase that was followed in time."""
-    osc = paper_oscillator(1.3)
-    scene = Scene.of(LAW, osc)
-    phase = follow(scene, Point(0.0, 0.0, 0.0), 1, horizon=5.0, rtol=1e-12)
-    for tau in np.linspace(0.3, 4.7, 9):
-        (q, w), step = phase.at(tau), 1e-5
-        dq, dw = phase.at(tau + step) - phase.at(tau - step)
-        rate = scene.eta * (scene.static - LAW.mu(osc.V * w)) + q - 2 * osc.zeta * w
-        assert dq * rate == pytest.approx((1 - w) * dw, abs=1e-8 * step)
-        assert abs(dw) > 1e-8 * step
+def check_terms():
+    """A criterion as the sum of the averages of the law's profiles, each by its definition."""
+    law, V, N = ss.laws.exponential_viscous.typical(), mpmath.mpf("0.4"), 3
+    for criterion in (ss.criteria.least_squares, ss.criteria.harmonic):
+        weight, total = sp.lambdify(symbols.s, criterion.weight, "mpmath"), 0
+        for term in law.terms:
+            amplitude, scale = (
+                mpmath.mpmathify(sp.N(part.subs(law.point), 20)) for part in (term.amplitude, term.scale)
+            )
+            meaning = {shape: value.subs(law.point) for shape, value in term.shapes.items()}
+            slope = sp.lambdify(symbols.v, sp.diff(term.profile.subs(meaning), symbols.v), "mpmath")
+
+            def weighed(s, slope=slope, weight=weight, r=V / scale):
+                return -weight(s) * slope(r * (1 + s))
+
+            total += N * amplitude / scale * mpmath.quad(weighed, [-1, 0, 1])
+        exact = ss.quadrature.damping(law, criterion, V="0.4", N=N, digits=15)
+        assert float(total) == pytest.approx(float(exact), rel=1e-9)
 
 
-def check_stages():
-    """A step of many masses, stage by stage as the method is written down for q and w."""
-    scene, rng = Scene.of(LAW, paper_oscillator(1.3)), np.random.default_rng(9)
-    q, w, h = rng.normal(size=9), rng.uniform(0.5, 3, 9), rng.uniform(0.01, 0.2, 9)
-    side, field = np.tile((1.0, -1.0, 1.0), 3), Field(scene)
-    rise = field.rise(np.zeros(9, dtype=int))
-    rates = []
-    for i in range(12):
-        at_q, at_w = (
-            line + h * sum((a * rate[k] for a, rate in zip(DOP853.A[i], rates, strict=False)), np.zeros(9))
-            for k, line in enumerate((q, w))
-        )
-        slopes = [scene.acceleration(*state) for state in zip(at_q, at_w, side, strict=True)]
-        rates.append((1 - side * at_w, np.array(slopes)))
-    expected = [line + h * (DOP853.B @ [rate[k] for rate in rates]) for k, line in enumerate((q, w))]
-    found = field.step(rise, q, w, side, field.slope(rise, q, w, side), h)
-    assert found[0] == pytest.approx(expected[0], rel=1e-13)
-    assert found[1] == pytest.approx(expected[1], rel=1e-13)
+def wedge_of(first, second):
+    return first[0] * second[1] - first[1] * second[0]
 
 
-def check_family():
-    """The rate of w of several oscillators at once is that of each."""
-    V, eta, zeta, q, w = np.random.default_rng(10).uniform(0.1, 2.0, (5, 9))
-    family = family_of(LAW, V, eta)
-    rates = family.friction(w, family.piece(w)) + q - 2 * zeta * w
-    for i, rate in enumerate(rates):
-        osc = ss.Oscillator(m=1, k=1, c=2 * zeta[i], V=V[i], N=eta[i] * V[i])
-        assert rate == pytest.approx(Scene.of(LAW, osc).acceleration(q[i], w[i], 1), rel=1e-12)
+def check_wedge():
+    """The wedge of the field with a derivative of the motion, from the variational equation."""
+    q, w, eta, zeta, V, mu_s = sp.symbols("q w eta zeta V mu_s")
+    b = sp.Symbol("b")  # dw'/dp
+    mu, state = sp.Function("mu"), sp.Matrix([q, w])
+    for side in (1, -1):
+        field = sp.Matrix([1 - side * w, eta * (side * mu_s - mu(V * w)) + side * q - 2 * zeta * w])
+        jacobian, along = field.jacobian(state), sp.Matrix(sp.symbols("q_p w_p"))
+        rate = wedge_of(jacobian * field, along) + wedge_of(field, jacobian * along + sp.Matrix([0, b]))
+        divergence = -eta * V * mu(sp.Symbol("x")).diff().subs(sp.Symbol("x"), V * w) - 2 * zeta
+        stated = divergence * wedge_of(field, along) + (1 - side * w) * b
+        assert sp.simplify((rate - stated).doit()) == 0
 
 
-def check_touch():
-    """Half-way from P and from the touch, by SciPy: the same at the threshold; apart at the rate pi."""
-
-    def mismatch(eta, zeta):
-        def rates(_, state):
-            q, w = state
-            return 1 - w, eta * (LAW.mu(0.0) - LAW.mu(0.5 * abs(w))) + q - 2 * zeta * w
-
-        def away(time):  # from rest, where w = 1
-            def half(_, state):
-                return state[1] - 1
-
-            half.terminal, half.direction = True, -np.sign(time)  # after the highest w, or before it
-            found = solve_ivp(rates, (0, time), (0.0, 0.0), events=half, rtol=1e-11, atol=1e-12)
-            return abs(found.y_events[0][0][0] - (2 * zeta - eta * (LAW.mu(0.0) - LAW.mu(0.5))))
-
-        forward, back = away(10.0), away(-10.0)
-        return (forward - back) / (forward + back)
-
-    threshold = ss.pure_slip_damping(LAW, V=0.5, N=0.5, m=1, k=1, method="orbit").value / 2
-    assert abs(mismatch(1.0, threshold)) < 1e-9
-    assert mismatch(1.0, threshold + 0.01) < -0.01 < 0.01 < mismatch(1.0, threshold - 0.01)
-    assert (mismatch(1e-9, 1e-4) - mismatch(1e-9, -1e-4)) / 2e-4 == pytest.approx(-np.pi, rel=1e-5)
+def check_gap():
+    """At w = 1, where q' = 0, a derivative of the rate r = w' follows from the wedge."""
+    r, q_p, w_p, b, p = sp.symbols("r q_p w_p b p", positive=True)
+    wedge = wedge_of(sp.Matrix([0, r]), sp.Matrix([q_p, w_p]))
+    assert sp.simplify((b + q_p) - (b - wedge / r)) == 0  # w' grows with q at the rate 1
+    r_f, r_b = sp.Function("r_f")(p), sp.Function("r_b")(p)
+    assert sp.simplify(sp.log(r_f / r_b).diff(p) - (r_f.diff(p) / r_f - r_b.diff(p) / r_b)) == 0
 
 
 CHECKS = {
+    "c = N sum_i amplitude_i/scale_i F_i(V/scale_i).": check_terms,
+    "D' = (div f) D + (1 - side w) dw'/dp,    div f = -eta V mu'(V w) - 2 zeta.": check_wedge,
+    "dr/dp = dw'/dp - D/r,    dgap/dp = (dr_f/dp)/r_f - (dr_b/dp)/r_b.": check_gap,
     "c = N <-mu'(V(1 + s))>_w = -N * integral_{-1}^{1} w(s) mu'(V(1 + s)) ds,    integral of w = 1.":
         check_slope_average,
     "c = -N * integral_0^(pi/2) w(s) mu'(v) 4 sin(phi) cos(phi) dphi,    s = -cos(2 phi),":
         check_gauss_substitution,
     "z'' + (d - g(z)) z' + z = 0,    g(z) = -N mu'(V(1 - z))/sqrt(k m),    d = c/sqrt(k m).": check_lienard,
     "z'' + (d - g(z)) z' + z = 0,    d = c/sqrt(k m).": check_lienard,
-    "w' = u,    u' = (g - d) u + 1 - w,    g = -N mu'(V w)/sqrt(k m),    d = c/sqrt(k m).": check_slip_speed,
-    "q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.": check_scene,
-    "dq/dw = (1 - w)/w',    w' = eta (mu_static - mu(V w)) + q - 2 zeta w.": check_levels,
-    "w_i = w + h sum_j A_ij w'_j,    side q_i = side q + c_i h (side - w) - h^2 sum_j (A^2)_ij w'_j.":
-        check_stages,
-    "q' = 1 - w,    w' = eta (mu_static - mu(V w)) + q - 2 zeta w.": check_family,
-    "F(zeta) = (q_f - q_b)/(q_f + q_b)": check_touch,
+    "q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.": check_rates,
 }  # fmt: skip
 
 

@@ -63,7 +63,7 @@ MUTANTS = [
     ("stick_slip_cycle", lambda _: lambda *_: True, ("S6", "S7")),
     ("limit_cycles", lambda _: lambda *_: (), ("F4",)),
     ("classify", lambda f: lambda law, osc: f(law, replace(osc, c=0.98 * osc.c)), ("F3", "F4")),
-    ("needed_damping", changed(series=slightly), ("S7",)),
+    ("needed_damping", lambda f: lambda law, osc: f(law, replace(osc, N=slightly(osc.N))), ("S7",)),
     ("slope_average", lambda f: lambda *args: lambda **at: slightly(f(*args)(**at)), ("S5",)),
     ("pure_slip_damping", changed(value=slightly), ("N2",)),
     ("prove_threshold", changed(low=higher, high=higher), ("F6", "F7", "S2", "S5", "S7", "S8")),

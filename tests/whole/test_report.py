@@ -12,13 +12,15 @@ import numpy as np
 import pytest
 import sympy as sp
 from pages import XHTML, browse, check_well_formed, require_browser
+from rich.console import Console
 
 from paper_checks import wording
 from paper_checks.claims import CLAIMS, Outcome
 from paper_checks.figures import FIGURES
 from paper_checks.findings import Finding, collect, summary
-from paper_checks.report_page import claim_rows
-from paper_checks.terminal import table_lines
+from paper_checks.report import Report
+from paper_checks.report_page import page as page_of
+from paper_checks.terminal import verdicts
 from stickslip_sym import InputError
 from stickslip_sym.output.page.elements import element, prose
 from stickslip_sym.output.page.figures import svg
@@ -87,13 +89,13 @@ def check_complete(page):
         assert ("✓ reproduced" in words) == (id in CHECKED)
         assert ("not checked" in words) == (id not in CHECKED)
         assert ("by proof" in words) == ("PROVED: " in words) == (id in CHECKED)
-    assert "proof" in (ladder := "".join(by_id["ladder"].itertext()))
-    assert "PROVED" in ladder
+    assert "proof" in (methods := "".join(by_id["methods"].itertext()))
+    assert "PROVED" in methods
 
 
 def check_json(content):
-    assert content["format"] == 2
-    assert set(content) == {"format", "time", "versions", "summary", "claims", "equations", "figures", "ladder"}
+    assert content["format"] == 3
+    assert set(content) == {"format", "time", "versions", "summary", "claims", "equations", "figures", "methods"}
     assert content["summary"] == {
         "reproduced": len(CHECKED),
         "qualified": 0,
@@ -116,7 +118,7 @@ def check_json(content):
     assert {"python", "sympy", "numpy", "scipy", "mpmath", "matplotlib", "stickslip_sym"} <= set(
         content["versions"]
     )
-    for ways in content["ladder"]["laws"].values():
+    for ways in content["methods"]["laws"].values():
         error = {way["method"]: way["relative_error"] for way in ways}
         assert error["equilibrium"] > error["least_squares"] > error["harmonic"] > error["second_order"] > 0
         assert all(way["seconds"] > 0 for way in ways)
@@ -137,7 +139,10 @@ def test_no_line_is_wider_than_the_terminal(width):
     findings = [
         Finding(id, "some value of ours", claim.outcome, "", "a", "b", "c") for id, claim in CLAIMS.items()
     ]
-    lines = [line for _, text in table_lines(findings, width) for line in text.splitlines()]
+    console = Console(width=width - 1, color_system=None)
+    with console.capture() as captured:
+        console.print(verdicts(findings, width - 1))
+    lines = captured.get().splitlines()
     assert max(map(len, lines)) < width
     squeezed = "".join("".join(lines).split())
     assert all(id in squeezed for id in CLAIMS)
@@ -183,10 +188,16 @@ def test_figures_without_matplotlib(monkeypatch):
 def test_a_verdict_that_is_not_the_one_on_record_is_marked():
     claim = CLAIMS["E3"]
     assert claim.outcome is Outcome.REPRODUCED
-    rows = [claim_rows(claim, Finding("E3", "ours", outcome, "it holds", checked="so")) for outcome in Outcome]
+    pictures = {figure.number: "data:," for figure in FIGURES}
+
+    def row(*findings):
+        text = page_of(Report({finding.id: finding for finding in findings}, pictures, {}, {}, ""))
+        return re.search(r'<tbody class="claim" id="claim-E3">.*?</tbody>', text, re.S)[0]
+
+    rows = [row(Finding("E3", "ours", outcome, "it holds", checked="so")) for outcome in Outcome]
     assert ["on record: reproduced" in row for row in rows] == [False, True, True]
     assert all("it holds" in row.lower() and "by check" in row and "CHECKED" in row for row in rows)
-    assert "not checked" in claim_rows(claim, None)
+    assert "not checked" in row()
 
 
 def test_a_finding_begins_with_what_holds_and_says_what_it_rests_on():

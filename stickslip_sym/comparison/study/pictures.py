@@ -17,17 +17,33 @@ from stickslip_sym.output.page.figures import BLUE, GREEN, ORANGE, finish, new_f
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["pictures"]
+
+__all__ = ["ALT", "CAPTIONS", "pictures"]
 
 _SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
 _BAND = 1.96  # standard errors, 95 % of a normal distribution
-_SMOOTH = 60  # points of a curve in slip, for each stretch of a motion
+_SMOOTH = 60  # points of a curve in slip, for each period of free vibration
+_MANY = 1000  # points of the motion in the phase plane
 _AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "harmonic": ("0.35", "-.")}
+ALT = {
+    "law": "Coefficient of friction over slip speed, with measured points and the 95 % band where there are any.",
+    "plane": "Thresholds of damping over belt speed, with regions of coexistence, and the operating point.",
+    "time": "Velocity of the mass over time, from x = 0 with the belt's speed.",
+    "phase": "Phase plane: velocity over displacement, with attractors and separatrices.",
+}
+CAPTIONS = {
+    "law": "Friction law. The threshold depends on slip speeds from 0 to 2V only, or little more.",
+    "plane": "Damping over belt speed. Below the threshold a mass that sticks goes on sticking and slipping. "
+    "Hatched: between the threshold and the stability of the equilibrium (dashed) the initial condition decides, "
+    "or a limit cycle in pure slip attracts.",
+    "time": "Motion from x = 0 with the belt’s speed. Thick lines are stick.",
+    "phase": "Phase plane. A separatrix parts the initial conditions that lead to different attractors.",
+}
 _HEIGHT = 1.35  # of the plane, over the highest of thresholds at the operating point and its damping
 
 
 def pictures(study: Findings) -> dict[str, str]:
-    """Return the figures as data URIs, by name; one whose part was not found is not among them.
+    """Return the figures as data URIs, by name; one whose part could not be computed is not among them.
 
     Raises `InputError` if matplotlib is not installed.
     """
@@ -133,7 +149,7 @@ def _regions(axes: Any, plane: Plane) -> None:
     both = {"facecolor": "#fcf0e8", "edgecolor": ORANGE, "hatch": "////", "linewidth": 0}
     slips = {"facecolor": "#e8f6f1", "edgecolor": GREEN, "hatch": r"\\\\..", "linewidth": 0}
     for lower, upper, style, label in (
-        (rest, exact, both, "rest or stick-slip, by the start"),
+        (rest, exact, both, "rest or stick-slip, by the initial condition"),
         (exact, rest, slips, "limit cycle in pure slip"),
     ):
         where = np.isfinite(lower) & np.isfinite(upper) & (upper > lower)
@@ -144,7 +160,7 @@ def _regions(axes: Any, plane: Plane) -> None:
 def _time(axes: Any, study: Findings) -> None:
     motion, osc = study.motion, study.oscillator
     assert motion is not None
-    _stretches(axes, motion)
+    _stretches(axes, motion, 2 * np.pi / osc.omega)
     axes.axhline(osc.V, color="black", linestyle=":", linewidth=0.8, zorder=0, label="belt speed")
     axes.legend(loc="lower right", ncols=3)
     finish(axes, xlabel="time $t$ (s)", ylabel=r"velocity $\dot x$ (m/s)", xlim=(0, motion.stretches[-1].end))
@@ -152,11 +168,12 @@ def _time(axes: Any, study: Findings) -> None:
     axes.set_ylim(low - 0.22 * (high - low), high)  # room for the legend
 
 
-def _stretches(axes: Any, motion: Trajectory) -> None:
+def _stretches(axes: Any, motion: Trajectory, period: float) -> None:
     named = set[str]()
     for stretch in motion.stretches:
         sticks = stretch.phase is Phase.STICK
-        t = np.linspace(stretch.start, stretch.end, 2 if sticks else _SMOOTH)
+        slips = _SMOOTH * (1 + int((stretch.end - stretch.start) / period))
+        t = np.linspace(stretch.start, stretch.end, 2 if sticks else slips)
         _, v = stretch.course(t)
         look = {"color": ORANGE, "linewidth": 3.0} if sticks else {"color": BLUE, "linewidth": 1.2}
         name = "stick" if sticks else "slip"
@@ -166,6 +183,9 @@ def _stretches(axes: Any, motion: Trajectory) -> None:
 
 def _phase(axes: Any, study: Findings) -> None:
     handles = phase_plane(axes, study.regime)
+    if study.motion is not None:
+        state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
+        (handles["motion over time"],) = axes.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0)
     finish(axes)
     axes.legend(
         handles.values(), handles.keys(), loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7.5

@@ -11,7 +11,7 @@ from stickslip_sym.core.errors import NotConverged, NoThreshold, StickSlipError
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.orbits.orbit import obstacle
-from stickslip_sym.motion.thresholds.rungs import rungs
+from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 
 __all__ = ["Plane", "plane"]
@@ -85,9 +85,9 @@ def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -
 def _threshold(
     law: FrictionLaw, given: Mapping[str, float | UFloat], V: float | FloatArray, method: str
 ) -> Threshold:
-    rung = rungs()[method]
+    tightest = methods()[method].tightest
     N, m, k = (given[name] for name in "Nmk")
-    return pure_slip_damping(law, V=V, N=N, m=m, k=k, method=method, rtol=max(_RTOL, rung.tightest))
+    return pure_slip_damping(law, V=V, N=N, m=m, k=k, method=method, rtol=max(_RTOL, tightest))
 
 
 def _spread(found: Threshold) -> FloatArray | None:

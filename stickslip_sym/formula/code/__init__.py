@@ -1,5 +1,5 @@
-"""Fast functions as source text of other languages, and as loops that a C compiler makes at once.
+"""Criteria as source text of other languages, which needs nothing of this package.
 
-One more language is one file here that supplies what `languages.Language` says, and its line in the table there;
-one outside the package is `languages.register(name, language, description)`.
+One more language is one file here with its page of text, a subclass of `language.Language`, and its line in
+`languages.LANGUAGES`.
 """

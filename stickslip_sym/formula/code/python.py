@@ -1,52 +1,11 @@
-"""The parts of a criterion written in Python with NumPy."""
+"""Criteria in Python with NumPy."""
 
-import builtins
 import keyword
 
-from sympy.printing.numpy import NumPyPrinter
+from stickslip_sym.formula.code.language import Language, WrittenFunction, WrittenTerm
+from stickslip_sym.formula.evaluation.branches import Table
 
-from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.formula.code.dialect import Dialect, Reciprocal, numeric_list
-from stickslip_sym.formula.evaluation.branches import CENTERS, MIDDLE, STRETCHES
-
-exp, log, sqrt, one = "np.exp", "np.log", "np.sqrt", "np.ones_like(V)"
-brackets = "[]"
-line = "        {name} = ({value})"
-
-
-class _Python(Reciprocal, NumPyPrinter):  # type: ignore[misc]  # SymPy is untyped
-    def _print_erf(self, expr: Expr) -> str:
-        return f"_erf({self._print(expr.args[0])})"
-
-    def _print_NumberSymbol(self, expr: Expr) -> str:
-        return repr(float(expr))
-
-    def _print_Exp1(self, expr: Expr) -> str:
-        return self._print_NumberSymbol(expr)
-
-    def _print_Pi(self, expr: Expr) -> str:
-        return self._print_NumberSymbol(expr)
-
-    def _print_Max(self, expr: Expr) -> str:
-        return self._nested("maximum", expr)
-
-    def _print_Min(self, expr: Expr) -> str:
-        return self._nested("minimum", expr)
-
-    def _nested(self, name: str, expr: Expr) -> str:
-        first, *others = (self._print(argument) for argument in expr.args)
-        for other in others:
-            first = f"numpy.{name}({first}, {other})"
-        return str(first)
-
-    def doprint(self, expr: Expr, assign_to: None = None) -> str:
-        return str(super().doprint(expr, assign_to)).replace("numpy.", "np.")
-
-
-dialect = Dialect(
-    _Python({"fully_qualified_modules": True, "allow_unknown_functions": True}),
-    frozenset(keyword.kwlist) | frozenset(dir(builtins)),
-)
+__all__ = ["language"]
 
 _HEAD = '''"""{title}
 
@@ -57,179 +16,110 @@ import math
 
 import numpy as np
 
-_erf = np.vectorize(math.erf, otypes=[float])
+_erf, _erfc = np.vectorize(math.erf, otypes=[float]), np.vectorize(math.erfc, otypes=[float])
 
 
-def _broadcast(function, *values):
-    """Call a function of flat arrays with values of any shapes."""
-    columns = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in values))
-    with np.errstate(all="ignore"):
-        result = function([column.ravel() for column in columns])
-    return result.reshape(columns[0].shape)[()]
-'''
-
-_PRODUCTS = '''
-
-def _product(number, factors, rest):
-    """Multiply powers with mantissas and exponents apart: nothing overflows on the way."""
-    mantissa, exponent = np.frexp(number * rest)
-    exponent = exponent.astype(float)
-    for base, power in factors:
+def _product(x, bases, amplitude, ratio, p):
+    """Return x times bases^(amplitude + p ratio), with mantissas and exponents apart: nothing overflows."""
+    binary = np.zeros(np.shape(x))
+    for base, a, e in zip(bases, amplitude, ratio):
+        power = a + p*e
         part, shift = np.frexp(base)
-        value = np.where(part == 0, 0.0 if power > 0 else np.nan, np.sign(part) ** power * np.abs(part) ** power)
-        whole = np.floor(shift * power)
-        mantissa, carry = np.frexp(mantissa * value * np.exp2(shift * power - whole))
-        exponent += whole + carry
-    return np.ldexp(mantissa, np.clip(exponent, -4000, 4000).astype(np.int32))
-'''
+        size = np.where(part == 0, np.where(power > 0, 0.0, np.where(power < 0, np.nan, 1.0)), np.abs(part)**power)
+        whole = np.floor(shift*power)
+        x, carry = np.frexp(x*size*np.sign(part)**power*np.exp2(shift*power - whole))
+        binary = binary + whole + carry
+    return np.ldexp(x, np.clip(np.nan_to_num(binary), -4000, 4000).astype(np.int32))
 
 
-def head(title: str, products: bool) -> str:
-    """Return what stands first, and products if they are needed."""
-    return _HEAD.format(title=title.replace("\\", "").replace('"""', "")) + (_PRODUCTS if products else "")
-
-
-def product(number: str, factors: list[tuple[str, float]], rest: str) -> str:
-    """Return number * rest * product of powers."""
-    pairs = "".join(f"({base}, {power!r}), " for base, power in factors).strip()
-    return f"_product({number}, ({pairs}), {rest})"
-
-
-def table(name: str, rows: FloatArray) -> str:
-    """Return an array of the coefficients of all panels."""
-    body = ",\n    ".join(numeric_list(row, "[]", "     ") for row in rows)
-    return f"""
-{name} = np.array([
-    {body}])
-
-
-def {name}_at(r, first):
-    mantissa, exponent = np.frexp(r)
-    upper = mantissa >= {MIDDLE!r}
-    t = np.where(upper, (mantissa - {CENTERS[1]!r})*{STRETCHES[1]!r}, (mantissa - {CENTERS[0]!r})*{STRETCHES[0]!r})
+def _in_table(r, edges, origins, centres, stretches, rows):
+    """Return the polynomial of the panel that r lies in."""
+    panel = np.searchsorted(edges[1:], r, side="right")
+    origin = origins[panel]
+    t = (np.where(np.isnan(origin), r, np.sqrt(np.abs(r - origin))) - centres[panel])*stretches[panel]
     g = 0.0
-    for column in reversed({name}.T):
-        g = g*t + column[2*(exponent - first) + upper]
+    for column in reversed(rows.T):
+        g = g*t + column[panel]
     return g
-"""
 
 
-def term(number: int, arguments: list[str], ratio: str, branches: list[tuple[float, str, str, str]]) -> str:
-    """Return the function of one term, of flat arrays."""
-    tables = "".join(definitions for _, definitions, _, _ in branches)
-    names = ", ".join(arguments)
-    body = []
-    starts = [*(start for start, *_ in branches), float("inf")]
-    for i, (start, _, compute, multiply) in enumerate(branches):
-        upper = "np.inf" if starts[i + 1] == float("inf") else repr(starts[i + 1])
-        body.append(
-            f"    here = ({start!r} <= ratio) & (ratio < {upper})\n    if here.any():\n"
-            f"        r, {names} = ratio[here], *(column[here] for column in columns)\n{compute}\n"
-            f"        result[here] = {multiply}"
-        )
-    return (
-        f"{tables}\n\ndef _term_{number}({names}):\n    columns = ({names},)\n    ratio = {ratio}\n"
-        "    result = np.full(V.shape, np.nan)\n" + "\n".join(body) + "\n    return result\n"
-    )
-
-
-def function(name: str, arguments: list[str], text: str) -> str:
-    """Return a function of arrays with an expression for its value."""
-    return f"\n\ndef {name}({', '.join(arguments)}):\n    return {text}\n"
-
-
-def steps(places_and_heights: list[tuple[str, str]], weight: str) -> str:
-    """Return the lines that add what the jumps of mu contribute to the average."""
-    if not places_and_heights:
-        return ""
-    listed = ", ".join(f"({place}, {height})" for place, height in places_and_heights)
-    return (
-        f"    for place, height in [{listed}]:\n"
-        "        if 0 < place < 2*V:\n"
-        "            m = place/V*(2 - place/V)\n"
-        f"            added += height*({weight})/V\n"
-    )
-
-
-def average(
-    arguments: list[str], scales: list[str], kinks: list[str], weight: str, rules: list[tuple[str, str]],
-    nodes: tuple[int, int], first_panel: float, most_halvings: int,
-    steps: str,
-) -> str:  # fmt: skip
-    """Return the adaptive average of the slope."""
-    del nodes  # arrays know their length
-    names = ", ".join(arguments)
-    constants = "\n".join(f"{name} = np.array({numbers})" for name, numbers in rules)
-    places = "".join(f", {kink}" for kink in kinks)
-    return f'''
-
-{constants}
-
-
-def _rule(x, w, a, b, {names}):
-    angle = (a + b)/2 + (b - a)/2*x
-    sine = np.sin(angle)
-    m = (2*sine*np.cos(angle))**2
-    parts = (b - a)/2*w*({weight})*_slope(2*V*sine*sine, {names})
-    return parts.sum(), np.abs(parts).sum()
-
-
-def _average({names}):
-    """Average the slope over panels that are halved until two Gauss-Legendre rules agree."""
-    if V == 0:
-        return -N*_slope(0.0, {names})
-    scales = [V, {", ".join(scales)}]
-    scale = min(size for size in scales if 0 < size <= V)
-    ends = [0.0, math.asin(math.sqrt(max(1e-300, min(1.0, {first_panel!r}*scale/(2*V)))))]
-    while 2*ends[-1] < math.pi/2:
-        ends.append(2*ends[-1])
-    ends += [math.pi/2, *(math.asin(math.sqrt(place/(2*V))) for place in (0.0{places}) if 0 < place < 2*V)]
-    ends.sort()
-    panels = [(a, b) for a, b in zip(ends, ends[1:]) if b > a][::-1]
-    added, total, halvings = 0.0, 0.0, {most_halvings}
-    for a, b in panels:  # those that are halved are looked at after all others
-        fine, size = _rule(_fine_nodes, _fine_weights, a, b, {names})
-        coarse, _ = _rule(_coarse_nodes, _coarse_weights, a, b, {names})
-        off = abs(fine - coarse)
-        off = size*min(off/size, (200*off/size)**1.5) if size > 0 else 0.0
-        if halvings == 0 or not off > 1e-17*max(total, size):
-            added, total = added + fine, total + size
-        else:
-            panels += [(a, (a + b)/2), ((a + b)/2, b)]
-            halvings -= 1
-{steps}    return -N*added
-
-
-def _criterion({names}):
-    return np.array([_average(*row) for row in zip({names})])
-'''.replace("in (0.0)", "in (0.0,)")
-
-
-def total(public: list[str], arguments: list[str], terms: int | None) -> str:
-    """Return the function itself; its arguments have the names that the user knows."""
-    del arguments
-    names = ", ".join(public)
-    if terms == 1:
-        body = "    result = _term_0(*columns)"
-    elif terms == 0:
-        body = "    result = 0.0*columns[1]"
-    elif terms is None:
-        body = "    result = _criterion(*columns)"
-    else:
-        parts = ", ".join(f"_term_{i}(*columns)" for i in range(terms))
-        body = (
-            f"    parts = np.array([{parts}])\n    result = parts.sum(axis=0)\n"
-            "    cancelled = ~(np.abs(parts).sum(axis=0) <= 4*np.abs(result))\n    if cancelled.any():\n"
-            "        result[cancelled] = _criterion(*(column[cancelled] for column in columns))"
-        )
-    return f'''
-
-def _total(columns):
-{body}
-    return result
-
-
-def damping({names}):
-    """Return the damping coefficient in kg/s, broadcast over all arguments."""
-    return _broadcast(_total, {names})
+def _criterion(terms, values, nonnegative, largest_speed):
+    """Return the sum of some terms for values of any shapes; NaN where there is none."""
+    columns = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in values))
+    a = [column.ravel() for column in columns]
+    good = a[0] <= largest_speed
+    for column, known in zip(a, nonnegative):
+        good = good & np.isfinite(column) & ((column >= 0) | (not known))
+    total = np.full(a[0].size, np.nan)
+    chosen = [column[good] for column in a]
+    with np.errstate(all="ignore"):
+        found = sum((term(chosen) for term in terms), np.zeros(chosen[0].size))
+    total[good] = np.where(np.isfinite(found), found + 0.0, np.nan)
+    return total.reshape(columns[0].shape)[()]
 '''
+
+
+class _Python(Language):
+    name = "python"
+    argument = "a[{index}]"
+    statement = "        {name} = {value}"
+    nan = "np.nan"
+    extremes = ("np.maximum", "np.minimum")
+    words = frozenset(keyword.kwlist)
+
+    def head(self, title: str, body: str) -> str:
+        """Return the docstring and the functions that all criteria share."""
+        return _HEAD.replace("{title}", title.replace("\\", "").replace('"""', ""))
+
+    def power(self, base: str, exponent: str) -> str:
+        """Return a power."""
+        return f"np.power({base}, {exponent})"
+
+    def table(self, name: str, table: Table) -> str:
+        """Return a tuple of the arrays of a table."""
+        columns = (table.edges[:-1], table.origins, table.centres, table.stretches)
+        body = "".join(f"    np.array([{self.numbers(column, '        ')}]),\n" for column in columns)
+        rows = ",\n        ".join(f"[{self.numbers(row, '         ')}]" for row in table.rows)
+        return f"\n\n{name} = (\n{body}    np.array([\n        {rows}]),\n)\n"
+
+    def lookup(self, name: str, table: Table) -> str:
+        """Return the call that looks up a table."""
+        return f"_in_table(r, *{name})"
+
+    def term(self, name: str, term: WrittenTerm, bodies: list[list[str]]) -> str:
+        """Return the function of one term, of flat arrays."""
+        cases = []
+        for start, end, body in zip(term.starts, [*term.starts[1:], None], bodies, strict=True):
+            upper = "" if end is None else f" & (ratio < {end!r})"
+            cases.append(
+                f"    here = (ratio >= {start!r}){upper}\n    if here.any():\n        r = ratio[here]\n"
+                + "\n".join(body)
+                + "\n        values[here], powers[here] = g, power\n"
+            )
+        bases, one = f"[{', '.join(term.bases)}]", "np.ones(a[0].size)"
+        exponents = f"({self.numbers(term.ratio)})"
+        return (
+            f"\n\ndef {name}(a):\n    bases = {bases}\n    exponents = {exponents}\n"
+            f"    ratio = _product({one}, bases, exponents, exponents, 0.0)\n"
+            "    ratio[~np.isfinite(ratio)] = np.nan\n"
+            "    values, powers = np.full(ratio.shape, np.nan), np.zeros(ratio.shape)\n"
+            + "".join(cases)
+            + f"    return _product({self.number(term.number)}*values, bases, "
+            f"({self.numbers(term.amplitude)}), exponents, powers)\n"
+        )
+
+    def function(self, function: WrittenFunction, terms: list[str]) -> str:
+        """Return the function itself."""
+        names = ", ".join(function.arguments)
+        largest = (
+            "1e999" if function.largest_speed == float("inf") else repr(function.largest_speed)
+        )  # or infinity
+        known = ", ".join(str(flag) for flag in function.nonnegative)
+        return (
+            f"\n\ndef {function.name}({names}):\n"
+            '    """Return the damping coefficient in kg/s, broadcast; NaN where it has no value."""\n'
+            f"    return _criterion([{', '.join(terms)}], [{names}], [{known}], {largest})\n"
+        )
+
+
+language = _Python()

@@ -12,9 +12,9 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.formula.derivation.closed_form import ClosedForm
-from stickslip_sym.formula.evaluation.averages import SlopeAverage
-from stickslip_sym.formula.export.limits import ends, zeros
+from stickslip_sym.formula.closed_form import ClosedForm
+from stickslip_sym.formula.slope_average import SlopeAverage
+from stickslip_sym.formula.zeros import zeros
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output import printing
 from stickslip_sym.output.abbreviation import equation
@@ -54,7 +54,6 @@ def document(
     fragment: bool,
     steps: bool,
     missing: Sequence[tuple[FrictionLaw, str, str]],
-    time_limit: float,
 ) -> str:
     """Return the text of a document about closed forms; for the parameters see `export.export_latex`."""
     laws = chapters(forms)
@@ -66,8 +65,8 @@ def document(
             raise InputError(
                 "a law of measured points has no formula to print; export it as --json, --python, --c or --octave"
             )
-        absent = [(criterion, reason) for other, criterion, reason in missing if other is law]
-        parts.append("\n\n".join(_chapter(law, mark, found, absent, given, fragment, steps, time_limit)) + "\n")
+        absent = [(criterion, reason) for other, criterion, reason in missing if other == law]
+        parts.append("\n\n".join(_chapter(law, mark, found, absent, given, fragment, steps)) + "\n")
     return "\n".join(parts) + ("" if fragment else "\n\\end{document}\n")
 
 
@@ -86,10 +85,10 @@ Form = TypeVar("Form", bound=ClosedForm | SlopeAverage)
 
 def chapters(forms: Sequence[Form]) -> list[tuple[FrictionLaw, list[Form]]]:
     """Return the laws in order, each with its closed forms."""
-    found: dict[int, tuple[FrictionLaw, list[Form]]] = {}
+    found: dict[FrictionLaw, list[Form]] = {}
     for form in forms:
-        found.setdefault(id(form.law), (form.law, []))[1].append(form)
-    return list(found.values())
+        found.setdefault(form.law, []).append(form)
+    return list(found.items())
 
 
 def _names(law: FrictionLaw | None, given: Mapping[str, str]) -> dict[str, str]:
@@ -109,7 +108,7 @@ def _introduction(given: Mapping[str, str]) -> str:
 
 def _chapter(
     law: FrictionLaw, mark: str, forms: list[ClosedForm], absent: list[tuple[str, str]], given: Mapping[str, str],
-    fragment: bool, steps: bool, time_limit: float,
+    fragment: bool, steps: bool,
 ) -> Iterator[str]:  # fmt: skip
     names = _names(law, given)
     if not fragment:
@@ -127,7 +126,7 @@ def _chapter(
         yield "\n".join(about)
     yield _table(law, names)
     for form in forms:
-        yield from _criterion(form, mark, names, steps, time_limit)
+        yield from _criterion(form, mark, names, steps)
     for criterion, reason in absent:
         name = prose(criterion.replace("_", "-"))
         yield f"For the {name} criterion no closed form was found; {_QUADRATURE}.\n% {' '.join(reason.split())}"
@@ -174,9 +173,7 @@ def _number(text: str) -> str:
     return f"${text}$" if text else ""
 
 
-def _criterion(
-    form: ClosedForm, mark: str, names: dict[str, str], steps: bool, time_limit: float
-) -> Iterator[str]:
+def _criterion(form: ClosedForm, mark: str, names: dict[str, str], steps: bool) -> Iterator[str]:
     criterion = form.criterion
     name = prose(criterion.name.replace("_", "-"))
     source = f" ({prose(criterion.source, {'V': names['V']})})" if criterion.source else ""
@@ -185,15 +182,15 @@ def _criterion(
     label = f"eq:{mark}-{criterion.label}"
     lines.append(equation(names["c"], form.expr, names, label=label))
     lines += [f"Here {meaning}." for kind, meaning in _SPECIAL.items() if form.expr.has(kind)]
-    lines += [*_ends(form, names, time_limit), *_zeros(form, names)]
+    lines += [*_ends(form, names), *_zeros(form, names)]
     lines.append(f"Verification: {form.verdict.status.value}; {prose(form.verdict.evidence)}.")
     yield "\n".join(lines)
     if steps:
         yield form.derivation.latex(names, heading=f"Derivation of (\\ref{{{label}}})")
 
 
-def _ends(form: ClosedForm, names: Mapping[str, str], time_limit: float) -> Iterator[str]:
-    found = ends(form, time_limit=time_limit)
+def _ends(form: ClosedForm, names: Mapping[str, str]) -> Iterator[str]:
+    found = form.limits
     for where, value in (("0", found.at_rest), ("\\infty", found.far)):
         place = f"${names['V']} \\to {where}$"
         if value is None:
@@ -220,7 +217,7 @@ def _zeros(form: ClosedForm, names: Mapping[str, str]) -> Iterator[str]:
     elif found.formula is not None:
         yield f"It vanishes at the transition speed {_stated(V, found.formula, names, relation='=')}"
     elif found.values is None:
-        yield "Its zeros, the transition speeds of the undamped oscillator, are not known in closed form."
+        yield "No formula was found for its zeros, the transition speeds of the undamped oscillator."
     elif not found.values:
         yield "For the typical values no zero of it, that is, no transition speed without damping, was found."
     else:

@@ -1,17 +1,16 @@
-"""Closed forms as files for others: LaTeX, Python, C and Octave. JSON is `keeping`'s."""
+"""Criteria as text for others: LaTeX, Python, C and Octave."""
 
 import re
 from collections.abc import Mapping, Sequence
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.code import writer
-from stickslip_sym.formula.derivation.closed_form import ClosedForm
-from stickslip_sym.formula.evaluation.averages import SlopeAverage
-from stickslip_sym.formula.evaluation.stable import StableFunction
 from stickslip_sym.formula.export.document import chapters, document
+from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["export_c", "export_code", "export_latex", "export_octave", "export_python"]
+__all__ = ["export_code", "export_latex"]
 
 
 def export_latex(
@@ -21,7 +20,6 @@ def export_latex(
     fragment: bool = False,
     steps: bool = False,
     missing: Sequence[tuple[FrictionLaw, str, str]] = (),
-    time_limit: float = 5.0,
 ) -> str:
     r"""Return a LaTeX document about closed forms, or a fragment for ``\input``.
 
@@ -40,8 +38,6 @@ def export_latex(
         Print every step of the derivations.
     missing : sequence of (FrictionLaw, str, str)
         Laws, criteria that have no closed form for them, and why; the document says so.
-    time_limit : float
-        Seconds that SymPy may take for the limits of one criterion, where rules do not serve.
 
     Returns
     -------
@@ -55,9 +51,7 @@ def export_latex(
     listed = [forms] if isinstance(forms, ClosedForm) else list(forms)
     if not listed:
         raise InputError(_NOTHING)
-    return document(
-        listed, given=symbols or {}, fragment=fragment, steps=steps, missing=missing, time_limit=time_limit
-    )
+    return document(listed, given=symbols or {}, fragment=fragment, steps=steps, missing=missing)
 
 
 Written = ClosedForm | SlopeAverage
@@ -67,51 +61,44 @@ Written = ClosedForm | SlopeAverage
 def export_code(forms: Written | Sequence[Written], language: str) -> str:
     """Return text of a language: one form as ``damping``, several as ``damping_<law>_<criterion>``.
 
+    The text holds the branches of a call and needs nothing of this package. It gives NaN where a call refuses.
+
     Parameters
     ----------
     forms : ClosedForm, SlopeAverage, or a sequence of them
     language : str
-        "python", "c", "octave", or the name of one that was registered.
+        "python", "c" (C99 with libm) or "octave" (MATLAB reads it too).
+
+    Returns
+    -------
+    str
 
     Raises
     ------
     InputError
-        If there is no such language, nothing to write, or two functions would have one name.
+        If there is no such language, nothing to write, two functions would have one name, or a profile has a shape
+        without a value: bind it first.
+
+    Examples
+    --------
+    >>> from stickslip_sym import derive
+    >>> export_code(derive("0.4 - 0.1*v"), "c").splitlines()[-2]
+    '    return fabs(sum) < HUGE_VAL ? sum + 0.0 : NAN;'
     """
-    return writer.code(*_named(forms), language)
-
-
-def export_python(forms: Written | Sequence[Written]) -> str:
-    """Return a NumPy module, as `export_code` does."""
-    return export_code(forms, "python")
-
-
-def export_c(forms: Written | Sequence[Written]) -> str:
-    """Return C99 that needs libm only, as `export_code` does."""
-    return export_code(forms, "c")
-
-
-def export_octave(forms: Written | Sequence[Written]) -> str:
-    """Return an Octave script that defines functions, as `export_code` does."""
-    return export_code(forms, "octave")
-
-
-_NOTHING = "there is nothing to export; give at least one closed form"
-
-
-def _named(forms: Written | Sequence[Written]) -> tuple[dict[str, StableFunction], str]:
-    """Return the functions by the names that they shall have, and a title."""
     listed = [forms] if isinstance(forms, Written) else list(forms)
     if not listed:
         raise InputError(_NOTHING)
     if len(listed) == 1:
-        return {"damping": listed[0].function}, repr(listed[0])
-    found = {}
+        return writer.code({"damping": listed[0]}, language)
+    named: dict[str, Written] = {}
     for number, (law, group) in enumerate(chapters(listed), 1):
         for form in group:
             label = re.sub(r"\W+", "_", law.name or "", flags=re.ASCII).strip("_") or f"law_{number}"
             name = f"damping_{label}_{form.criterion.label}"
-            if name in found:
+            if name in named:
                 raise InputError(f"two of the forms would both be called {name}; give the laws different names")
-            found[name] = form.function
-    return found, f"{len(found)} damping criteria"
+            named[name] = form
+    return writer.code(named, language)
+
+
+_NOTHING = "there is nothing to export; give at least one closed form"

@@ -28,7 +28,7 @@ _SPEEDS = (
 
 _CLOSE = 0.75  # difflib's ratio, of similar words: a letter wrong, missing or added in a word of four or more
 _LIKE_V = frozenset({"vr", "vv", "v"})  # besides v: perhaps a reference speed
-_DEPTH = 6  # calls from a line that makes a law to the warning
+_DEPTH = 5  # calls from a line that makes a law to the warning
 _SHOWN = 5  # names in a message
 
 

@@ -5,12 +5,13 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 from typing import SupportsFloat
 
+import sympy as sp
+
 from stickslip_sym.core import symbols
-from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import fraction
-from stickslip_sym.model.expression.spelling import NAME, TAKEN
+from stickslip_sym.model.expression.spelling import NAME, taken
 from stickslip_sym.model.expression.units import check_unit
 from stickslip_sym.output import markup
 from stickslip_sym.output.notation import notation_of
@@ -101,7 +102,7 @@ def _check_name(name: str) -> None:
         raise InputError(
             f"{name!r} is an argument of functions that take parameters by name; rename the parameter"
         )
-    if name in TAKEN:
+    if name in taken():
         raise InputError(f"{name!r} is the name of a function or a constant; rename the parameter")
 
 

@@ -1,8 +1,8 @@
 """Text to SymPy expressions, without ever evaluating text.
 
 The text is parsed by Python's own grammar into a syntax tree, and the tree is translated node by node;
-what is not listed here does not exist. Limits on length, depth and the size of numbers keep the work
-that a short text can ask for small.
+what is not listed here, or in the table of functions, does not exist. Limits on length, depth and the size of
+numbers keep the work that a short text can ask for small.
 """
 
 import ast
@@ -16,22 +16,12 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import CONSTANTS, in_laws, power
 from stickslip_sym.core.numbers import bits, suggestion, within
 from stickslip_sym.model.expression.pieces import Bound, absolute, in_pieces, larger, sign, smaller
 from stickslip_sym.model.expression.spelling import ALIASES, INSTEAD, NAME, Source, normalised, refuse
 
-__all__ = ["CONSTANTS", "FUNCTIONS", "KINKED", "NAME", "parse_expression"]
-
-FUNCTIONS: dict[str, Callable[[Expr], Expr]] = {
-    "exp": sp.exp, "log": sp.log, "sqrt": sp.sqrt,
-    "sin": sp.sin, "cos": sp.cos, "tan": sp.tan,
-    "sinh": sp.sinh, "cosh": sp.cosh, "tanh": sp.tanh, "sech": sp.sech,
-    "asinh": sp.asinh, "atan": sp.atan, "erf": sp.erf, "erfc": lambda x: 1 - sp.erf(x),
-}  # fmt: skip
-"""The functions of one argument that a formula may use."""
-
-CONSTANTS = {"pi": sp.pi}
-"""Names that stand for numbers."""
+__all__ = ["KINKED", "NAME", "parse_expression"]
 
 KINKED: dict[str, Callable[..., Expr]] = {"Abs": absolute, "Min": smaller, "Max": larger, "sign": sign}
 """The functions that make kinks; Min and Max take two arguments or more."""
@@ -48,8 +38,6 @@ MAX_KINKS = 40
 MAX_BITS = 4096  # of a number that constant arithmetic may produce
 _MAX_ROOT_BITS = 256  # of a number that a root is taken of: SymPy looks for its factors
 _NOT_FINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
-
-_CALLABLE = [*FUNCTIONS, *KINKED, "Piecewise"]
 _RELATIONS = {ast.Lt: ("<", True), ast.LtE: ("<", False), ast.Gt: (">", True), ast.GtE: (">", False)}
 
 
@@ -100,6 +88,10 @@ class _Translator:
         self.source = source
         self.symbol = symbol
         self.kinks = 0
+        rows = {name: function.kind for name, function in in_laws().items()}
+        self.functions: dict[str, Callable[[Expr], Expr]] = rows | {"erfc": lambda x: 1 - sp.erf(x)}
+        self.constants = {constant.name: constant.value for constant in CONSTANTS.values() if constant.in_laws}
+        self.callable = [*self.functions, "sqrt", *KINKED, "Piecewise"]
 
     def translate(self) -> Expr:
         try:
@@ -132,6 +124,10 @@ class _Translator:
                 return self._binary(node, left, right)
             case ast.Call():
                 return self._call(node, depth)
+            case ast.Tuple():
+                self._fail(node, "a comma stands between two formulas; a decimal number has a point: write 0.2")
+            case ast.Compare():
+                self._fail(node, f"a comparison is no number; for a law in pieces write {PIECEWISE}")
             case _:
                 kind = type(node).__name__.lower()
                 self._fail(node, f"{kind} is not allowed; a formula has numbers, names, + - * / ^ and functions")
@@ -143,12 +139,12 @@ class _Translator:
         return sp.Rational(text)
 
     def _name(self, node: ast.AST, name: str) -> Expr:
-        if name in _CALLABLE or name in ALIASES:
+        if name in self.callable or name in ALIASES:
             self._fail(node, f"{name} is a function; write {name}(...)")
         if not NAME.fullmatch(name):
             self._fail(node, f"{name[:45]!r} is not a usable name: ASCII letters, digits, '_', at most 40")
-        if name in CONSTANTS:
-            return CONSTANTS[name]
+        if name in self.constants:
+            return self.constants[name]
         return self._guarded(node, lambda: self.symbol(name))
 
     def _checked(self, node: ast.AST, result: Expr) -> Expr:
@@ -185,38 +181,40 @@ class _Translator:
             self._fail(node, "a number in the formula grows too large")  # before it is computed
         if base.is_Rational and not exponent.is_Integer and bits(base) > _MAX_ROOT_BITS:
             self._fail(node, "a root is taken of a number with too many digits")
-        return base**exponent
+        return power(base, exponent)
 
     def _call(self, node: ast.Call, depth: int) -> Expr:
         if not isinstance(node.func, ast.Name):
             self._fail(node, "only a named function can be called, like exp(...)")
         name = ALIASES.get(node.func.id, node.func.id)
-        if name in INSTEAD:
+        if name in INSTEAD and name not in self.functions:
             self._fail(node, f"there is no function {name!r}; write {INSTEAD[name]}")
-        if name not in _CALLABLE:
-            hint, known = suggestion(name, [*_CALLABLE, *ALIASES]), ", ".join(_CALLABLE)
-            self._fail(node, f"there is no function {name[:40]!r}{hint}; known: {known}")
+        if name not in self.callable:
+            hint, known = suggestion(name, [*self.callable, *ALIASES]), ", ".join(self.callable)
+            product = "" if hint else f"; a product is written {name[:40]}*(...)"
+            self._fail(node, f"there is no function {name[:40]!r}{hint}{product}; known: {known}")
         if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
             self._fail(node, f"{name} takes plain arguments only")
         if name == "Piecewise":
             return self._piecewise(node, depth)
         several = name in ("Min", "Max")
         if (len(node.args) < 2) if several else (len(node.args) != 1):
-            self._fail(node, f"{name} takes {'two arguments or more' if several else 'one argument'}")
+            count = "two arguments or more" if several else "one argument; a decimal number has a point, as in 0.2"
+            self._fail(node, f"{name} takes {count}")
         arguments = [self._expression(argument, depth + 1) for argument in node.args]
-        if name in FUNCTIONS:
-            return self._checked(node, self._function(node, name, *arguments))
-        self._count_kinks(node, len(arguments))
-        kinked = KINKED[name]
-        return self._guarded(node, lambda: reduce(kinked, arguments) if several else kinked(*arguments))
+        if name in KINKED:
+            self._count_kinks(node, len(arguments))
+            kinked = KINKED[name]
+            return self._guarded(node, lambda: reduce(kinked, arguments) if several else kinked(*arguments))
+        return self._checked(node, self._function(node, name, *arguments))
 
     def _function(self, node: ast.Call, name: str, argument: Expr) -> Expr:
         if name == "sqrt":
             return self._power(node, argument, sp.S.Half)
         # A tower such as exp(exp(exp(exp(9)))) is short to write, and no computer holds its value.
-        if argument.is_number and name != "log" and not within(argument, MAX_ARGUMENT):
+        if argument.is_number and name not in ("log", "ln") and not within(argument, MAX_ARGUMENT):
             self._fail(node, f"a number in {name}(...) is real and at most {MAX_ARGUMENT} in size")
-        return FUNCTIONS[name](argument)
+        return self.functions[name](argument)
 
     def _count_kinks(self, node: ast.AST, more: int) -> None:
         self.kinks += more

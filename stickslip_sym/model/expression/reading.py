@@ -9,10 +9,12 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import NumberPower, power, row
 from stickslip_sym.core.numbers import bits, exact
 from stickslip_sym.model.expression.misspelt import check_constant, check_speed
+from stickslip_sym.model.expression.normal_form import normal_form
 from stickslip_sym.model.expression.parameters import Parameter
-from stickslip_sym.model.expression.parsing import FUNCTIONS, MAX_BITS, parse_expression
+from stickslip_sym.model.expression.parsing import MAX_BITS, parse_expression
 from stickslip_sym.model.expression.pieces import Bound, absolute, in_pieces, larger, sign, smaller
 
 __all__ = ["read_formula", "read_static"]
@@ -21,8 +23,7 @@ MAX_POWER_OF_V = 24
 MAX_POWER_OF_SUM = 16
 MAX_TERMS = 600
 
-_FUNCTIONS = tuple(function for function in FUNCTIONS.values() if isinstance(function, type))
-_PLAIN = (sp.Add, sp.Mul, sp.Pow, sp.Number, sp.NumberSymbol, sp.Symbol, *_FUNCTIONS)
+_PLAIN = (sp.Add, sp.Mul, sp.Pow, sp.Number, sp.NumberSymbol, sp.Symbol, NumberPower)
 
 
 def read_formula(formula: str | float | Expr, table: dict[str, Parameter], *, constant: bool = False) -> Expr:
@@ -69,6 +70,7 @@ def read_formula(formula: str | float | Expr, table: dict[str, Parameter], *, co
         raise InputError(f"a law is text or a SymPy expression, got {type(formula).__name__}")
     _check_value(expr)
     _check_size(expr)
+    expr = normal_form(expr)
     check_speed(undescribed, has_v=constant or "v" in seen, bare=expr.is_Symbol)
     return expr
 
@@ -126,13 +128,16 @@ def _rebuild(expr: Expr, symbol: Callable[[str], Expr]) -> Expr:
     if isinstance(expr, sp.sign):
         return sign(*arguments)
     if isinstance(expr, sp.erfc):
-        return FUNCTIONS["erfc"](*arguments)
+        return 1 - sp.erf(*arguments)
     if isinstance(expr, sp.Min):
         return reduce(smaller, arguments)
     if isinstance(expr, sp.Max):
         return reduce(larger, arguments)
-    if not isinstance(expr, _PLAIN):
+    function = row(expr)
+    if not (isinstance(expr, _PLAIN) or (function is not None and function.in_laws)):
         raise InputError(f"{type(expr).__name__} is not allowed in a law: {str(expr)[:60]}")
+    if expr.is_Pow and len(arguments) == 2:
+        return power(*arguments)
     return expr.func(*arguments) if arguments else expr
 
 

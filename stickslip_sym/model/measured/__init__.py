@@ -1,5 +1,4 @@
-"""What was measured: one reader of friction measurements, and the fit of a friction law to them.
+"""What was measured: one reader of friction measurements.
 
-Imports `core`, `output` and `model/expression`; a law comes in as a `FittedLaw`, which `FrictionLaw` is. One more
-unit is an entry in `units`, one more word of a header an entry in `headers`.
+Imports `core` and `output`. One more unit or word of a header is an entry in `columns`.
 """

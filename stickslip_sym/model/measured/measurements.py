@@ -1,23 +1,36 @@
 """`Measurements`: slip speeds, coefficients of friction and their standard deviations, from arrays or a file."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip_sym.core.aliases import BoolArray, IntArray
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import Number, read_array
-from stickslip_sym.model.measured.folding import Column, Folded, fold
+from stickslip_sym.core.numbers import Number, fraction, read_array, real
 from stickslip_sym.model.measured.table import Table, read_table
 
 __all__ = ["Measurements", "read_measurements"]
 
 FloatArray = NDArray[np.float64]
+Column = NDArray[Any]
+"""Numbers in double precision, or fractions as the file has them."""
 
 _EXACTLY = 5000  # rows up to which numbers are kept exactly; more are averaged, or fitted, in double precision
+_FEW = 0.05  # share of rows with the other sign, up to which they are noise of a small force
+_LARGEST_MU = 5.0  # no dry or lubricated contact comes near it
+_FASTEST = 100.0  # m/s, above which a speed without a unit is taken for one in mm/s
+_OUTLYING = 6.0  # robust standard deviations off a smooth curve: noise does that once in 5e8
+_FEW_ROWS = 20.0  # of fewer the robust deviation is itself uncertain by a factor
+_BESIDE = 3  # rows on either side that an outlier is held against; one of them may be an outlier too
+_RISES = 4.0  # times what friction changes between rows beside an outlier, which a smooth curve may exceed too
+_ROBUST = 1.4826 / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
+_RESOLUTION = 0.01  # of mu: smaller steps are no outliers, however even the other rows are
+_SIGMAS = {"sigma_mu": "sigma", "sigma_F_t": "sigma of F_t", "n": "n"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,6 +49,12 @@ class Measurements:
         What was read, in a line.
     name : str or None
         Of the file, without its ending.
+    order : ndarray of shape (n,) or None
+        Where each row stood in the file or the arrays; None for means.
+    counts : ndarray of shape (n,) or None
+        How many values each coefficient is the mean of, where the file says so.
+    source : str
+        The file and its date.
     """
 
     v: FloatArray
@@ -43,6 +62,9 @@ class Measurements:
     sigma: FloatArray | None = None
     understood: str = ""
     name: str | None = None
+    order: IntArray | None = None
+    counts: FloatArray | None = None
+    source: str = ""
     _exact: tuple[tuple[Fraction, ...], tuple[Fraction, ...]] | None = None
 
     @classmethod
@@ -52,24 +74,31 @@ class Measurements:
         Raises
         ------
         InputError
-            For lengths that differ, speeds below 0, standard deviations not above 0, or what is no number.
+            For lengths that differ, speeds below 0, coefficients beyond 5, standard deviations not above 0, or
+            what is no number.
         """
         speeds, coefficients = (np.array(read_array(name, x), np.float64) for name, x in (("v", v), ("mu", mu)))
         if speeds.ndim != 1 or speeds.shape != coefficients.shape:
             raise InputError(f"v has the shape {speeds.shape} and mu {coefficients.shape}; give one mu for each v")
         if (speeds < 0).any():
             raise InputError(f"v = {speeds[speeds < 0][0]:g} is below 0; the slip speed is |x' - V|")
+        if (large := np.abs(coefficients) > _LARGEST_MU).any():
+            raise InputError(
+                f"mu[{np.argmax(large)}] = {coefficients[large][0]:g}; a coefficient of friction is below "
+                f"{_LARGEST_MU:g}: leave the row out"
+            )
         deviations = None
         if sigma is not None:
-            given = np.asarray(read_array("sigma", sigma), np.float64)
-            if given.shape not in ((), speeds.shape):
-                raise InputError(f"sigma has the shape {given.shape} and mu {speeds.shape}; give one for each mu")
-            if (given <= 0).any():
-                raise InputError(f"sigma = {given[given <= 0].flat[0]:g} is not above 0; leave it out if unknown")
-            deviations = np.broadcast_to(given, speeds.shape)
+            read = np.asarray(read_array("sigma", sigma), np.float64)
+            if read.shape not in ((), speeds.shape):
+                raise InputError(f"sigma has the shape {read.shape} and mu {speeds.shape}; give one for each mu")
+            if (read <= 0).any():
+                raise InputError(f"sigma = {read[read <= 0].flat[0]:g} is not above 0; leave it out if unknown")
+            deviations = np.broadcast_to(read, speeds.shape)
         order = np.argsort(speeds, kind="stable")
         rows = f"{len(speeds)} rows{'' if sigma is None else ' with sigma'}"
-        return cls(speeds[order], coefficients[order], None if deviations is None else deviations[order], rows)
+        sorted_deviations = None if deviations is None else deviations[order]
+        return cls(speeds[order], coefficients[order], sorted_deviations, rows, order=order)
 
     def __len__(self) -> int:
         return len(self.v)
@@ -92,23 +121,25 @@ class Measurements:
         Without it the scatter of the rows of one speed about their mean, pooled over all speeds that repeat,
         divided by the root of the number of rows, is the standard deviation of each mean.
         """
-        speeds, place, counts = np.unique(self.v, return_inverse=True, return_counts=True)
+        speeds, index, counts = np.unique(self.v, return_inverse=True, return_counts=True)
         if len(speeds) == len(self.v):
             return self
         mean: FloatArray
         deviation: FloatArray
         if self.sigma is not None:
             weights = self.sigma**-2.0
-            total = np.bincount(place, weights)
-            mean, deviation = np.bincount(place, weights * self.mu) / total, 1 / np.sqrt(total)
+            total = np.bincount(index, weights)
+            mean, deviation = np.bincount(index, weights * self.mu) / total, 1 / np.sqrt(total)
             scatter = "weighted by 1/sigma^2"
         else:
-            mean = np.bincount(place, self.mu) / counts
-            pooled = float(np.sqrt(np.sum((self.mu - mean[place]) ** 2) / (len(self.v) - len(speeds))))
+            mean = np.bincount(index, self.mu) / counts
+            pooled = float(np.sqrt(np.sum((self.mu - mean[index]) ** 2) / (len(self.v) - len(speeds))))
             deviation = np.asarray(pooled / np.sqrt(counts), np.float64)
             scatter = f"scatter {pooled:.2g} about the means"
         understood = f"{self.understood}; averaged at {len(speeds)} speeds, {scatter}"
-        return Measurements(speeds, mean, deviation, understood, self.name, self._exact_means())
+        return Measurements(
+            speeds, mean, deviation, understood, self.name, source=self.source, _exact=self._exact_means()
+        )
 
     def binned(self, count: int) -> "Measurements":
         """Return the means of `count` bins of speed, with as many rows in each as nearly as can be.
@@ -120,11 +151,9 @@ class Measurements:
         """
         if not 1 <= count <= len(self.v):
             raise InputError(f"{count} bins of {len(self.v)} rows; take 1 to {len(self.v)}")
-        places = np.repeat(np.arange(count), [len(part) for part in np.array_split(self.v, count)])
-        sizes = np.bincount(places)
-        speed = np.bincount(places, self.v) / sizes
-        rows = Measurements(speed[places], self.mu, self.sigma, self.understood, self.name)
-        return rows.averaged()
+        bins = np.repeat(np.arange(count), [len(rows) for rows in np.array_split(self.v, count)])
+        speed = np.bincount(bins, self.v) / np.bincount(bins)
+        return replace(self, v=speed[bins], _exact=None).averaged()
 
     def points(self) -> tuple[list[Number], list[Number]]:
         """Return speeds, each once and ascending, and mean coefficients, exact where the file had decimal text."""
@@ -142,7 +171,15 @@ class Measurements:
         return tuple(rows), tuple(sum(row, Fraction(0)) / len(row) for row in rows.values())
 
 
-def read_measurements(path: str | Path) -> Measurements:
+def read_measurements(
+    path: str | Path,
+    *,
+    columns: Mapping[str, str | int] | None = None,
+    radius: Number | None = None,
+    speeds: tuple[Number | None, Number | None] | None = None,
+    leave_out: bool = False,
+    keep_outliers: bool = False,
+) -> Measurements:
     r"""Return the friction measurements in a text file of columns, as instruments write them.
 
     Commas, semicolons, tabs, bars or blanks part the columns; the decimal sign is a point or a comma. A header
@@ -150,6 +187,23 @@ def read_measurements(path: str | Path) -> Measurements:
     ``F_t [N]`` and ``F_n [N]``; a standard deviation, ``sigma``, if there is one. Other columns are left out.
     Without a header there are two columns, v in m/s and mu. Lines that begin with # or % are comments. Rows may
     come in any order; speeds and forces may have both signs, which are folded.
+
+    Parameters
+    ----------
+    path : str or Path
+    columns : dict of str to str or int, optional
+        Columns whose names are not understood: the quantity, ``v``, ``mu``, ``F_t``, ``F_n``, ``sigma_mu``,
+        ``sigma_F_t`` or ``n``, and the column's name or its number from 1; a unit may follow, ``"2 [mm/s]"``.
+    radius : number, optional
+        Of the track in m, where the speed is a rotational one, like rpm.
+    speeds : tuple of two numbers or None, optional
+        The slip speeds in m/s, from and to, of the rows to read.
+    leave_out : bool
+        Leave out rows that are no measurements, and count them, instead of refusing the first: cells without a
+        number, summaries like a mean, numbers that stand for none like -999 or 9.9E37, abs(mu) above 5, and
+        outliers.
+    keep_outliers : bool
+        Keep rows more than 6 robust standard deviations off a smooth curve.
 
     Returns
     -------
@@ -172,42 +226,199 @@ def read_measurements(path: str | Path) -> Measurements:
     2 rows, v in mm/s, mu from F_t/F_n, both signs of speed folded
     """
     if not isinstance(path, str | Path) or not str(path):
-        raise InputError(f"the name of a CSV file is text, got {path!r}")
+        raise InputError(f"the name of a file of measurements is text, got {path!r}")
     path = Path(path)
-    table = read_table(path)
+    reach = _radius(radius)
+    low, high = _range(speeds)
+    table = read_table(path, columns or {}, reach, leave_out=leave_out)
+    v, mu, sigma, notes = _fold(table)
+    counts = table.floats("n") if "n" in table.cells else None
+    rows = len(v)
+    within = np.array((v.astype(float) >= low) & (v.astype(float) <= high))
+    if not within.any():
+        raise InputError(
+            f"{str(path)!r} has no row from {low:g} to {high:g} m/s; it reaches {float(min(v)):g} to "
+            f"{float(max(v)):g}"
+        )
+    good = within & (within if keep_outliers else ~_outliers(table, v, mu, within))
+    order = np.flatnonzero(good)[np.argsort(v[good].astype(float), kind="stable")]
+    if not len(order):
+        raise InputError(f"{str(path)!r} has no row that is a measurement: {table.faults}")
+    if speeds is not None:
+        notes.insert(0, f"{int(within.sum())} of {rows} from {low:g} to {high:g} m/s")
+    if table.faults.lines:
+        notes.append(f"rows left out: {table.faults}")
+    return Measurements(
+        v[order].astype(np.float64),
+        mu[order].astype(np.float64),
+        None if sigma is None else sigma[order].astype(np.float64),
+        _understood(table, len(order), notes),
+        path.stem,
+        order,
+        None if counts is None else counts[order],
+        f"{path.name}, {_date(path)}",
+        (tuple(v[order]), tuple(mu[order])) if v.dtype == object else None,
+    )
+
+
+def _date(path: Path) -> str:
+    from datetime import UTC, datetime
+
+    return f"{datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}"
+
+
+def _radius(radius: Number | None) -> Fraction | None:
+    if radius is None:
+        return None
+    length = fraction(radius, "radius")
+    if not 0 < length < 1000:
+        raise InputError(f"radius = {float(length):g} m is that of no track; give it in m, like 0.03")
+    return length
+
+
+def _range(speeds: tuple[Number | None, Number | None] | None) -> tuple[float, float]:
+    if speeds is None:
+        return 0.0, float("inf")
+    low = 0.0 if speeds[0] is None else real("speeds", speeds[0])
+    high = float("inf") if speeds[1] is None else real("speeds", speeds[1])
+    if not 0 <= low < high:
+        raise InputError(
+            f"speeds from {low:g} to {high:g} m/s are no range; give the smaller first, both not below 0"
+        )
+    return low, high
+
+
+def _outliers(table: Table, v: Column, mu: Column, within: BoolArray) -> BoolArray:
+    """Return the rows whose coefficient is off a smooth curve through the others, or refuse the first.
+
+    A row is held against the medians of the three rows on either side: mu is between them on any smooth curve, or
+    beyond by as much as neighbours differ. At the lowest speed friction may rise or fall steeply, as a static
+    coefficient does, and only a multiple of what follows is refused.
+    """
+    rows = np.flatnonzero(within)
+    rows = rows[np.argsort(v[rows].astype(float), kind="stable")]
+    y = mu[rows].astype(float)
+    wrong = np.zeros(len(v), dtype=bool)
+    if len(y) < 2 * _BESIDE + 1:
+        return wrong
+    noise = _ROBUST * float(np.median(np.abs(y[1:-1] - (y[:-2] + y[2:]) / 2)))
+    few = 1 + (_FEW_ROWS / len(y)) ** 2
+    tolerance = _OUTLYING * few * max(noise, _RESOLUTION * float(np.median(np.abs(y))))
+    trios = np.sort(np.lib.stride_tricks.sliding_window_view(y, _BESIDE), axis=1)
+    middle, gaps = trios[:, 1], np.diff(trios, axis=1)
+    i = np.arange(len(y))
+    below, above = np.clip(i - _BESIDE, 0, None), np.clip(i + 1, None, len(y) - _BESIDE)
+    below[:_BESIDE], above[-_BESIDE:] = above[:_BESIDE], below[-_BESIDE:]  # at an end, the rows on the other side
+    ends = np.sort([middle[below], middle[above]], axis=0)
+    at_end = below == above
+    change = np.where(
+        at_end, gaps.max(axis=1)[below], np.maximum(gaps.min(axis=1)[below], gaps.min(axis=1)[above])
+    )
+    slack = np.maximum(tolerance, _RISES * change)
+    off = (y < ends[0] - slack) | (y > ends[1] + slack)
+    lowest = i < _BESIDE
+    off[lowest] = np.abs(y[lowest]) > _RISES * np.abs(ends[1][lowest]) + slack[lowest]
+    good = np.ones(len(v), dtype=bool)
+    good[rows] = ~off
+    key = "F_t" if "F_t" in table.cells else "mu"
+    return ~table.require(good, key, "mu is more than 6 robust standard deviations off a smooth curve; keep such "
+                          "rows by keep_outliers=True", "off a smooth curve")  # fmt: skip
+
+
+def _fold(table: Table) -> tuple[Column, Column, Column | None, list[str]]:
+    """Return slip speeds in m/s, coefficients, their standard deviations, and what was done with signs.
+
+    Friction is against the motion, so with the speed its sign turns. Where speeds have both signs, or friction
+    has in so few rows that it is noise, each value keeps its sign against the motion: magnitudes would push the
+    mean of small forces up. Where friction has both signs and speeds have not, rows are of both directions of a
+    stroke, and magnitudes are taken.
+
+    Raises `InputError` if the signs of speed and friction do not go together, a normal force or a standard
+    deviation is not above 0, a coefficient is beyond 5, or a speed without unit above 100 m/s.
+    """
+    friction = "F_t" if "F_t" in table.cells else "mu"
+    deviation = next((key for key in ("sigma_mu", "sigma_F_t") if key in table.cells), None)
+    if deviation is not None:
+        rule = "a standard deviation is above 0"
+        table.keep(table.require(table.floats(deviation) > 0, deviation, rule, "without a standard deviation"))
+    if friction == "F_t":
+        normal = table.floats("F_n")
+        down = 1 if 2 * int((normal > 0).sum()) >= len(normal) else -1
+        rule = "a normal force is not 0, and has one sign"
+        table.keep(table.require(down * normal > 0, "F_n", rule, "without a normal force"))
+    values = _values(table)
+    ratio = values[friction] / (values["F_n"] * down) if friction == "F_t" else values["mu"]
+    rule = f"a coefficient of friction is below {_LARGEST_MU:g}"
+    good = table.require(np.abs(ratio.astype(float)) <= _LARGEST_MU, friction, rule, "with abs(mu) above 5")
+    table.keep(good)
+    ratio, values = ratio[good], {key: column[good] for key, column in values.items()}
+    speed = values["v"].astype(float)
+    if not len(speed):
+        raise InputError(f"{table.faults.name} has no row that is a measurement: {table.faults}")
+    if not table.columns.headers["v"].unit_text:
+        rule = "without a unit a speed is in m/s; write it, like v [mm/s]"
+        Table.require(_refusing(table), np.abs(speed) <= _FASTEST, "v", rule, "")
+    v_sign, sign = (np.sign(column).astype(int) for column in (speed, ratio.astype(float)))
+    turns, notes = _turns(table, v_sign, sign, friction)
+    sigma = None if deviation is None else values[deviation]
+    if deviation == "sigma_F_t":
+        sigma = values[deviation] / (values["F_n"] * down)
+    return values["v"] * np.where(v_sign < 0, -1, 1), ratio * turns, sigma, notes
+
+
+def _refusing(table: Table) -> Table:
+    from stickslip_sym.model.measured.table import Faults
+
+    return replace(table, faults=Faults(table.faults.name, leave_out=False))
+
+
+def _values(table: Table) -> dict[str, Column]:
+    """Return the columns in SI units, as fractions where the rows are few."""
     exactly = len(table.lines) <= _EXACTLY
     values: dict[str, Column] = {}
-    for name, cells in table.cells.items():
-        size = table.columns.sizes[name]
-        if exactly:
-            values[name] = [Fraction(cell) * size for cell in cells]
-        else:
-            values[name] = np.array(cells, dtype=np.float64) * float(size)
-    folded = fold(values, table, repr(str(path)))
-    v, mu = (np.array(x, dtype=np.float64) for x in (folded.v, folded.mu))
-    order = np.argsort(v, kind="stable")
-    sigma = None if folded.sigma is None else np.array(folded.sigma, dtype=np.float64)[order]
-    kept = None
-    if exactly:
-        kept = tuple(folded.v[i] for i in order), tuple(folded.mu[i] for i in order)
-    return Measurements(v[order], mu[order], sigma, _understood(table, folded), path.stem, kept)
+    for key, cells in table.cells.items():
+        size = table.columns.sizes[key]
+        numbers = np.array([Fraction(cell) * size for cell in cells] + [None])[:-1] if exactly else None
+        values[key] = table.floats(key) * float(size) if numbers is None else numbers
+    return values
 
 
-def _understood(table: Table, folded: Folded) -> str:
+def _turns(table: Table, v_sign: IntArray, sign: IntArray, friction: str) -> tuple[IntArray, list[str]]:
+    """Return what each coefficient is multiplied by, 1 or -1, and what to say of it."""
+    reverses = bool((v_sign < 0).any() and (v_sign > 0).any())
+    notes = ["both signs of speed folded"] if reverses else []
+    against = v_sign * sign if reverses else sign
+    below, above = int((against < 0).sum()), int((against > 0).sum())
+    direction = -1 if below > above else 1
+    if not (sign < 0).any():
+        return np.ones_like(sign), notes
+    if min(below, above) <= _FEW * (below + above):
+        at_rest = np.where(sign < 0, -1, 1)  # a speed of 0 has no direction
+        kept = np.where(v_sign == 0, at_rest, direction * v_sign) if reverses else np.full_like(sign, direction)
+        return kept, notes
+    if reverses:
+        wrong = int(np.argmax(against == -direction))
+        raise InputError(
+            f"{table.faults.name}, line {table.lines[wrong]}, column {table.columns.positions[friction] + 1}: "
+            f"{friction} = {table.cells[friction][wrong]} at v = {table.cells['v'][wrong]} is along the motion, "
+            "and in most rows it is against it; give friction the sign of the speed, or no sign"
+        )
+    return np.where(sign < 0, -1, 1), [*notes, f"both signs of {friction} folded"]
+
+
+def _understood(table: Table, count: int, notes: list[str]) -> str:
     columns = table.columns
-    count = len(table.lines)
-    unit = columns.units["v"] or "m/s"
-    parts = [f"{count} row{'s' * (count != 1)}", f"v in {unit}"]
-    parts.append("mu from F_t/F_n" if "F_t" in columns.places else f"mu from column {columns.places['mu'] + 1}")
-    parts += [f"{name} from column {columns.places[key] + 1}" for key, name in _SIGMAS if key in columns.places]
-    parts += folded.notes
-    if columns.left_out:
-        parts.append(f"left out: {_listed(columns.left_out)}")
-    return ", ".join(parts)
-
-
-_SIGMAS = (("sigma_mu", "sigma"), ("sigma_F_t", "sigma of F_t"))
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+    words = [f"{count} row{'s' * (count != 1)}", f"v in {columns.headers['v'].unit_text or 'm/s'}"]
+    mu = "F_t/F_n" if "F_t" in columns.positions else f"column {columns.positions['mu'] + 1}"
+    words.append(f"mu from {mu}")
+    words += [
+        f"{name} from column {columns.positions[key] + 1}"
+        for key, name in _SIGMAS.items()
+        if key in columns.positions
+    ]
+    words += notes
+    if unread := columns.left_out:
+        words.append(
+            f"columns not read: {', '.join(unread[:4])}" + (f" and {len(unread) - 4} more" * (len(unread) > 4))
+        )
+    return ", ".join(words)

@@ -13,11 +13,13 @@ from stickslip_sym.core.numbers import read_array, real, suggestion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 
-__all__ = ["SCENE", "Axis", "AxisValues", "fixed_values", "read_axes", "read_axis", "read_values", "require_few"]
+__all__ = [
+    "OSCILLATOR", "Axis", "AxisValues", "fixed_values", "read_axes", "read_axis", "read_values", "require_few",
+]  # fmt: skip
 
 AxisValues = tuple[str, ArrayLike]
 """The name of an axis, and its values."""
-SCENE = ("V", "N", "m", "k", "c")
+OSCILLATOR = ("V", "N", "m", "k", "c")
 _MOST_CELLS = 1_000_000  # of a map; more are taken for a mistake
 
 
@@ -82,13 +84,13 @@ def read_axis(law: FrictionLaw, side: str, given: AxisValues) -> Axis:
             f'{side} is a name and its values, such as {side}=("V", [0.1, 0.2]), got {str(given)[:60]}'
         )
     name, values = given
-    known = [*SCENE, *law.parameters]
+    known = [*OSCILLATOR, *law.parameters]
     if name not in known:
         raise InputError(
             f"no axis can be {name[:60]!r}{suggestion(name, known)}; this law's map has: {', '.join(known)}"
         )
     array = read_values(name, values)
-    if name in SCENE:
+    if name in OSCILLATOR:
         quantity = symbols.QUANTITIES[name]
         return Axis(name, array, quantity.unit, quantity.meaning)
     parameter = law.parameters[name]
@@ -104,7 +106,7 @@ def fixed_values(
     """
     on_axis = {axis.name: axis for axis in axes}
     values = {}
-    for name in SCENE:
+    for name in OSCILLATOR:
         value = given.get(name)
         if name in on_axis:
             if value is not None:
@@ -116,9 +118,9 @@ def fixed_values(
             values[name] = real(name, value)
     for end in (0, -1):
         corner = {name: float(axis.values[end]) for name, axis in on_axis.items()}
-        law = law.bind(**{name: value for name, value in corner.items() if name not in SCENE})
-        scene = values | corner
-        Oscillator(**{name: scene[name] for name in SCENE})
+        law = law.bind(**{name: value for name, value in corner.items() if name not in OSCILLATOR})
+        point = values | corner
+        Oscillator(**{name: point[name] for name in OSCILLATOR})
     if law.missing:
         names = ", ".join(law.missing)
         raise InputError(f"the law has no value for {names}; bind them first, or make one an axis")

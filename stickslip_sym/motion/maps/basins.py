@@ -1,9 +1,9 @@
-"""`basin_map`: which motion each start leads to."""
+"""`basin_map`: which motion each initial condition leads to."""
 
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,15 +14,16 @@ from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, read_values, require_few
 from stickslip_sym.motion.maps.cells import MOTIONS
-from stickslip_sym.motion.maps.checkpoint import UNFINISHED, Plain, Progress, collect
-from stickslip_sym.motion.maps.shares import Share, counted_shares, shares_of
-from stickslip_sym.motion.maps.sides import FINEST, sides_of
-from stickslip_sym.motion.maps.workers import Workers
+from stickslip_sym.motion.maps.drawing import new_figure, paint, regions_of_motions, title, with_legend
+from stickslip_sym.motion.maps.shares import FINEST, Share, counted_shares, motions_by_side, shares_by_area
+from stickslip_sym.motion.maps.workers import Progress, Workers, collect
+from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import Regime, regime
-from stickslip_sym.motion.regimes.classification import Motion, classify_all
+from stickslip_sym.motion.regimes.classification import classify_all
 from stickslip_sym.output import drawing, files, markup
 
 if TYPE_CHECKING:
@@ -30,13 +31,16 @@ if TYPE_CHECKING:
 
 __all__ = ["BasinMap", "basin_map"]
 
-_CHECKED = 200  # starts that are simulated although geometry settles them
+LATE = "not reached: time limit, or Ctrl-C"
+Task = dict[str, Any]
+_TOGETHER = 1000  # initial conditions that are classified at once
+_CHECKED = 200  # initial conditions that are simulated although geometry settles them
 _SEED = 1  # of their choice
 
 
 @dataclass(frozen=True, repr=False)
 class BasinMap(drawing.Drawn):
-    """The motions that starts lead to.
+    """The motions that initial conditions lead to.
 
     Attributes
     ----------
@@ -49,14 +53,15 @@ class BasinMap(drawing.Drawn):
     regime : Regime
         The attractors, and the separatrices of their basins.
     share : dict of Motion to Share
-        The part of the box of starts, from the lowest x0 and v0 to the highest, that leads to each motion: by the
+        The part of the box, from the lowest x0 and v0 to the highest, that leads to each motion: by the
         areas inside the separatrices, or counted where geometry does not settle them.
     simulated : int
-        How many starts were simulated: those that geometry does not settle, and a sample of the others as a check.
+        How many initial conditions were simulated: those that geometry does not settle, and a sample of the
+        others as a check.
     disagreements : int
         How many of the sample lead elsewhere than geometry says; the simulated motion stands.
     notes : dict of (int, int) to str
-        By row and column, why a start failed, or what geometry said where it disagrees.
+        By row and column, why an initial condition failed, or what geometry said where it disagrees.
     """
 
     x0: FloatArray
@@ -71,26 +76,26 @@ class BasinMap(drawing.Drawn):
     notes: dict[tuple[int, int], str]
 
     def count(self) -> dict[Motion, int]:
-        """Return the number of starts of each motion, where there are any."""
+        """Return the number of initial conditions of each motion, where there are any."""
         return {motion: n for motion in Motion if (n := int((self.motion == motion).sum()))}
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{n} {motion.value}" for motion, n in self.count().items())
-        doubt = f"; {self.disagreements} simulated ones disagree with geometry" if self.disagreements else ""
-        return f"BasinMap: {self._place()}; {counts}; {self.simulated} simulated{doubt}"
+        differ = f"; {self.disagreements} simulated ones disagree with geometry" if self.disagreements else ""
+        return f"BasinMap: {self._place()}; {counts}; {self.simulated} simulated{differ}"
 
     def _repr_html_(self) -> str:
         rows = [[motion.value, str(n), str(self.share.get(motion, ""))] for motion, n in self.count().items()]
-        table = markup.table(["motion", "starts", "share of the box"], rows, caption=self._place())
-        doubt = [f"{self.disagreements} simulated starts disagree with geometry"] if self.disagreements else []
-        return markup.block(drawing.picture(self.plot, self._place()), table, *doubt)
+        table = markup.table(["motion", "initial conditions", "share of the box"], rows, caption=self._place())
+        differ = [f"{self.disagreements} simulated ones disagree with geometry"] if self.disagreements else []
+        return markup.block(drawing.picture(self.plot, self._place()), table, *differ)
 
     def _place(self) -> str:
         x0, v0 = Axis("x0", self.x0, "m", ""), Axis("v0", self.v0, "m/s", "")
         return f"{self.law.name or 'law'}, {x0} by {v0}"
 
     def to_csv(self, path: str | Path) -> None:
-        """Write a line for each start: x0, v0 and the motion.
+        """Write a line for each initial condition: x0, v0 and the motion.
 
         Raises
         ------
@@ -116,27 +121,42 @@ class BasinMap(drawing.Drawn):
         files.write_npz(Path(path), arrays)
 
     def _figure(self) -> "Figure":
-        from stickslip_sym.motion.maps.drawing import draw_basins
+        from matplotlib.lines import Line2D
 
-        return draw_basins(self)
+        figure, axes = new_figure()
+        regions = {
+            motion: region for motion, region in regions_of_motions().items() if (self.motion == motion).any()
+        }
+        place = np.zeros(self.motion.shape, dtype=int)
+        for i, motion in enumerate(regions):
+            place[self.motion == motion] = i
+        handles = paint(axes, self.x0, self.v0, place, list(regions.values()))
+        for curve in self.regime.separatrices:
+            axes.plot(curve.x, curve.v, "k-", linewidth=1.6)
+        if self.regime.separatrices:
+            handles.append(Line2D([], [], color="black", linewidth=1.6, label="separatrix"))
+        axes.axhline(self.oscillator.V, color="black", linestyle=":", linewidth=1.0)
+        handles.append(Line2D([], [], color="black", linestyle=":", linewidth=1.0, label="belt speed"))
+        axes.set(xlabel="initial displacement x (m)", ylabel="initial velocity x' (m/s)")
+        title(axes, self.law, asdict(self.oscillator))
+        return with_legend(figure, handles)
 
 
 def basin_map(
-    law: FrictionLaw,
+    law: FrictionLaw | str,
     osc: Oscillator,
     *,
     x0: ArrayLike,
     v0: ArrayLike,
     rtol: float = 1e-10,
     workers: Workers = 1,
-    checkpoint: str | Path | None = None,
     progress: Progress | None = None,
     time_limit: float | None = None,
 ) -> BasinMap:
-    """Return the motion that each start leads to, also starts faster than the belt.
+    """Return the motion that each initial condition leads to, also faster than the belt.
 
-    Motions do not cross in the plane of x and x', so the side of the separatrices that a start lies on tells where
-    it leads. Simulated are starts within the error of a separatrix, all of them where jumps of mu or motions
+    Motions do not cross in the plane of x and x', so the side of the separatrices on which an initial condition
+    lies decides. Simulated are those within the error of a separatrix, all of them where jumps of mu or motions
     without bound leave geometry undecided, and a seeded sample of 200 as a check.
 
     Parameters
@@ -148,11 +168,11 @@ def basin_map(
         Initial displacements in m and velocities in m/s, each ascending.
     rtol : float
         Relative tolerance of an integration step, 1e-13 to 1e-3.
-    workers, checkpoint, progress
+    workers, progress
         As for `motion_map`.
     time_limit : float, optional
-        Seconds after which it is returned as it is: starts that are not classified by then are undecided, with a
-        note that says so. Their lines are not kept in a checkpoint.
+        Seconds after which it is returned as it is: what is not classified by then is undecided, with a note
+        that says so. Ctrl-C ends it likewise.
 
     Returns
     -------
@@ -161,72 +181,65 @@ def basin_map(
     Raises
     ------
     InputError
-        For an unusable value, law, `workers` or `checkpoint`.
+        For an unusable value, law or `workers`.
     NotConverged
-        If the attractors are not found, or every start fails.
+        If the attractors are not found, or every initial condition fails.
     """
+    law = as_law(law)
     rtol = read_rtol(rtol)
     places, speeds = read_values("x0", x0), read_values("v0", v0)
     require_few(places.size, speeds.size)
     request = {"law": text_of_law(law), "oscillator": asdict(osc), "rtol": rtol}
     with deadline.time_limit(time_limit):
-        found, sides, share = regime(law, osc, rtol=FINEST), None, None
-        with suppress(OutOfTime):
-            sides = sides_of(law, osc, found)
-        settled = np.full((speeds.size, places.size), -1) if sides is None else sides.motions(places, speeds)
+        found = regime(law, osc, rtol=FINEST)
+        settled = motions_by_side(found, places, speeds)
         chosen = (settled < 0) | _sample(settled)
-        rows = np.flatnonzero(chosen.any(axis=1))
-        tasks = [request | {"v0": float(speeds[row]), "x0": places[chosen[row]].tolist()} for row in rows]
-        if deadline.time_left() <= 0:  # what geometry settles is not known, and nothing will be done
-            checkpoint = None
-        lines = collect(classify_line, tasks, workers=workers, checkpoint=checkpoint, progress=progress)
-        if sides is not None and min(places.size, speeds.size) > 1:
-            box = (float(places[0]), float(places[-1])), (float(speeds[0]), float(speeds[-1]))
+        rows, columns = np.nonzero(chosen)
+        points = np.column_stack([places[columns], speeds[rows]]).tolist()
+        tasks = [request | {"points": points[i : i + _TOGETHER]} for i in range(0, len(points), _TOGETHER)]
+        results = collect(classify_task, tasks, workers=workers, progress=progress)
+        share = dict[Motion, Share]()
+        if min(places.size, speeds.size) > 1:
             with suppress(OutOfTime):
-                share = shares_of(law, osc, found, sides, *box)
-    index, notes, disagreements = settled.copy(), dict[tuple[int, int], str](), 0
-    for row, line in zip(rows.tolist(), lines, strict=True):
-        columns = np.flatnonzero(chosen[row])
-        index[row, columns] = line["motion"]
-        notes |= {(row, int(columns[place])): text for place, text in line["notes"]}
-        for column in columns[(settled[row, columns] >= 0) & (settled[row, columns] != line["motion"])].tolist():
-            if (row, column) not in notes:
-                disagreements += 1
-                notes[row, column] = f"geometry says {MOTIONS[settled[row, column]].value}"
-    if len(notes) - disagreements == index.size and not any(line[UNFINISHED] for line in lines):
-        raise NotConverged(f"every start failed, the first one since {notes[0, 0]}")
-    motion = np.array(MOTIONS, dtype=object)[index]
+                share = shares_by_area(found, (places[0], places[-1]), (speeds[0], speeds[-1]))
+    index, notes, disagreements, late = settled.copy(), dict[tuple[int, int], str](), 0, None in results
+    fates = [fate for task, part in zip(tasks, results, strict=True) for fate in part or unreached(task)]
+    for row, column, (motion, note) in zip(rows.tolist(), columns.tolist(), fates, strict=True):
+        geometry, index[row, column] = index[row, column], motion
+        if note:
+            notes[row, column] = note
+            late = late or note == LATE
+        elif geometry not in (-1, motion):
+            disagreements += 1
+            notes[row, column] = f"geometry says {MOTIONS[geometry].value}"
+    if len(notes) - disagreements == index.size and not late:
+        raise NotConverged(f"every initial condition failed, the first one since {notes[0, 0]}")
     return BasinMap(
-        places,
-        speeds,
-        law,
-        osc,
-        motion,
-        found,
-        share or counted_shares(index),
-        int(chosen.sum()),
-        disagreements,
-        notes,
-    )
+        places, speeds, law, osc, np.array(MOTIONS, dtype=object)[index], found, share or counted_shares(index),
+        len(fates), disagreements, notes,
+    )  # fmt: skip
 
 
 def _sample(settled: IntArray) -> BoolArray:
-    """Return which of the starts that geometry settles are simulated as a check."""
+    """Return which of the initial conditions that geometry settles are simulated as a check."""
     chosen = np.zeros(settled.shape, dtype=bool)
     known = np.flatnonzero(settled >= 0)
     chosen.flat[np.random.default_rng(_SEED).choice(known, min(known.size, _CHECKED), replace=False)] = True
     return chosen
 
 
-def classify_line(task: Plain) -> Plain:
-    """Classify starts of one line of a basin map: plain content in, plain content out."""
+def classify_task(task: Task) -> list[tuple[int, str]]:
+    """Return the place in `MOTIONS` of what each initial condition leads to, and why it is undecided."""
     law, osc = law_of_text(task["law"]), Oscillator(**task["oscillator"])
-    motion, notes, unfinished = [], [], False
-    places = np.array(task["x0"], dtype=np.float64)
-    found = classify_all(law, osc, places, np.full(places.size, task["v0"]), rtol=task["rtol"])
-    for place, one in enumerate(found):
-        if isinstance(one, StickSlipError):
-            unfinished = unfinished or isinstance(one, OutOfTime)
-            notes.append([place, str(one)])
-        motion.append(MOTIONS.index(Motion.UNDECIDED if isinstance(one, StickSlipError) else one))
-    return {"motion": motion, "notes": notes, UNFINISHED: unfinished}
+    x0, v0 = np.array(task["points"], dtype=np.float64).T
+    return [
+        (MOTIONS.index(Motion.UNDECIDED), LATE if isinstance(one, OutOfTime) else str(one))
+        if isinstance(one, StickSlipError)
+        else (MOTIONS.index(one), "")
+        for one in classify_all(law, osc, x0, v0, rtol=task["rtol"])
+    ]
+
+
+def unreached(task: Task) -> list[tuple[int, str]]:
+    """Return the same of a task that was not carried out."""
+    return [(MOTIONS.index(Motion.UNDECIDED), LATE)] * len(task["points"])

@@ -1,15 +1,16 @@
-"""Drawings of maps: regions told apart by colour and hatching, and thresholds as curves."""
+"""Drawings of maps: regions by colour and hatching, and thresholds as curves."""
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from itertools import combinations, cycle
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.maps.cells import Reason
-from stickslip_sym.motion.regimes.classification import Motion
+from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.regimes.kinds import ATTRACTORS
 from stickslip_sym.output.drawing import require_matplotlib
 
 if TYPE_CHECKING:
@@ -18,12 +19,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.path import Path
 
-__all__ = ["Region", "draw_basins", "draw_map", "draw_sweep", "edges", "regions_of"]
+__all__ = [
+    "FAILED", "UNBOUNDED", "UNDECIDED", "Region", "edges", "new_figure", "paint", "regions_of_attractors",
+    "regions_of_motions", "title", "with_legend",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Region:
-    """A kind of cell: what it is called, how it is drawn, and its letter in text."""
+    """What cells have in common: how they are called and drawn, and their letter in text."""
 
     name: str
     color: str
@@ -31,120 +35,44 @@ class Region:
     letter: str
 
 
-# Colours of Okabe and Ito, which colour-blind people tell apart, lightened.
-_STICK, _BOTH, _REST = "#E69F00", "#F0E442", "#BFE0F5"
-_SLIP, _SLIP_STICK, _SLIP_REST, _ALL = "#009E73", "#CC79A7", "#56B4E9", "#D55E00"
-_REGIONS = {
-    (True, False, False): Region("stick-slip", _STICK, "", "S"),
-    (True, True, False): Region("stick-slip or rest, by the start", _BOTH, "////", "b"),
-    (False, True, False): Region("rest", _REST, "", "."),
-    (False, False, True): Region("pure-slip cycle", _SLIP, "....", "p"),
-    (True, False, True): Region("stick-slip or pure-slip cycle, by the start", _SLIP_STICK, "xxxx", "x"),
-    (False, True, True): Region("rest or pure-slip cycle, by the start", _SLIP_REST, "oo", "o"),
-    (True, True, True): Region("stick-slip, pure-slip cycle or rest, by the start", _ALL, "++", "*"),
-}
-_UNBOUNDED = Region("grows without bound", "#000000", "", "^")
-_UNDECIDED = Region("undecided", "#FFFFFF", "", "?")
-_FAILED = Region("failed", "#999999", "||", "!")
-_MOTIONS = {
-    Motion.STICK_SLIP: Region("comes to stick-slip", _STICK, "", "S"),
-    Motion.PURE_SLIP: Region("comes to a pure-slip cycle", _SLIP, "....", "p"),
-    Motion.DAMPED_SLIP: Region("comes to rest", _REST, "", "."),
-    Motion.UNBOUNDED: _UNBOUNDED,
-    Motion.UNDECIDED: _UNDECIDED,
-}
-_CURVES = {
-    "exact": ("exact threshold", "-", "black"),
-    "equilibrium": ("threshold of the equilibrium", ":", "black"),
-    "least_squares": ("least-squares criterion", "--", "#0072B2"),
-}
-_CHANGES = {"Hopf": ":", "graze": "-", "fold": "--"}
+_TOGETHER = [("#56B4E9", "oo"), ("#F0E442", "////"), ("#CC79A7", "xxxx"), ("#D55E00", "++")]
+"""Colours and hatching of regions with several attractors, after Okabe and Ito like those of one."""
+_LETTERS = "obx*" + "ghijklmnqrtuvwyz"
+UNBOUNDED = Region("grows without bound", "#000000", "", "^")
+UNDECIDED = Region("undecided", "#FFFFFF", "", "?")
+FAILED = Region("failed", "#999999", "||", "!")
 _LOGARITHMIC = 30.0  # ratio of an axis's ends from which equal ratios are drawn as equal steps
 
 
-def regions_of(found: Any) -> tuple[IntArray, list[Region]]:
-    """Return for each cell the place of its region in a list of those that occur."""
-    kinds = [*_REGIONS.values(), _UNBOUNDED, _UNDECIDED, _FAILED]
-    index = np.full(found.motion.shape, kinds.index(_UNDECIDED))
-    for key, region in _REGIONS.items():
-        same = (found.stick_slip == key[0]) & (found.rest == key[1]) & (found.pure_slip == key[2])
-        index[same] = kinds.index(region)
-    index[found.motion == Motion.UNBOUNDED] = kinds.index(_UNBOUNDED)
-    index[found.motion == Motion.UNDECIDED] = kinds.index(_UNDECIDED)
-    index[(found.reason == Reason.FAILED) | (found.reason == Reason.TIME)] = kinds.index(_FAILED)
-    present, places = np.unique(index, return_inverse=True)
-    return places.reshape(index.shape), [kinds[i] for i in present]
+def regions_of_attractors() -> dict[tuple[str, ...], Region]:
+    """Return the regions by the names of their attractors."""
+    found: dict[tuple[str, ...], Region] = {
+        (kind.name,): Region(kind.label, kind.color, kind.hatch, kind.letter) for kind in ATTRACTORS
+    }
+    together = [kinds for count in range(2, len(ATTRACTORS) + 1) for kinds in combinations(ATTRACTORS, count)]
+    for kinds, (color, hatch), letter in zip(together, cycle(_TOGETHER), cycle(_LETTERS)):
+        *first, last = [kind.label for kind in kinds]
+        name = f"{', '.join(first)} or {last}, by the initial condition"
+        found[tuple(kind.name for kind in kinds)] = Region(name, color, hatch, letter)
+    return found
 
 
-def draw_map(found: Any) -> "Figure":
-    """Return the figure of a map of motions."""
-    figure, axes = _figure()
-    place, kinds = regions_of(found)
-    handles = _paint(axes, found.x.values, found.y.values, place, kinds)
-    handles += _draw_curves(axes, found)
-    axes.set(xlabel=found.x.label, ylabel=found.y.label)
-    _title(axes, found.law, found.fixed)
-    return _with_legend(figure, handles)
+def regions_of_motions() -> dict[Motion, Region]:
+    """Return the regions of initial conditions by the motions that they lead to."""
+    found = {
+        kind.motion: Region(f"comes to {kind.label}", kind.color, kind.hatch, kind.letter) for kind in ATTRACTORS
+    }
+    return found | {Motion.UNBOUNDED: UNBOUNDED, Motion.UNDECIDED: UNDECIDED}
 
 
-def draw_basins(found: Any) -> "Figure":
-    """Return the figure of the motions that starts lead to."""
-    from matplotlib.lines import Line2D
-
-    figure, axes = _figure()
-    present = [motion for motion in _MOTIONS if (found.motion == motion).any()]
-    place = np.zeros(found.motion.shape, dtype=int)
-    for i, motion in enumerate(present):
-        place[found.motion == motion] = i
-    handles = _paint(axes, found.x0, found.v0, place, [_MOTIONS[motion] for motion in present])
-    for curve in found.regime.separatrices:
-        axes.plot(curve.x, curve.v, "k-", linewidth=1.6)
-    if found.regime.separatrices:
-        handles.append(Line2D([], [], color="black", linewidth=1.6, label="separatrix"))
-    axes.axhline(found.oscillator.V, color="black", linestyle=":", linewidth=1.0)
-    handles.append(Line2D([], [], color="black", linestyle=":", linewidth=1.0, label="belt speed"))
-    axes.set(xlabel="initial displacement x (m)", ylabel="initial velocity x' (m/s)")
-    _title(axes, found.law, asdict(found.oscillator))
-    return _with_legend(figure, handles)
+def title(axes: "Axes", law: FrictionLaw, values: dict[str, float]) -> None:
+    """Write the law and the quantities that are no axis above a picture."""
+    point = ", ".join(f"{name} = {value:g} {QUANTITIES[name].unit}" for name, value in values.items())
+    axes.set_title(f"{law.name or 'friction law'}: {point}", fontsize=10)
 
 
-def draw_sweep(found: Any) -> "Figure":
-    """Return the figure of the shares of a box of starts over a quantity, with the places of birth and death."""
-    figure, axes = _figure()
-    present = [motion for motion in _MOTIONS if motion in found.share]
-    values, shares = found.axis.values, np.array([found.share[motion] for motion in present])
-    for change in found.changes:  # at which shares may jump
-        place = int(np.searchsorted(values, change.value))
-        sides = shares[:, [max(place - 1, 0), min(place, values.size - 1)]]
-        values = np.insert(values, place, [change.value] * 2)
-        shares = np.insert(shares, [place, place], sides, axis=1)
-    edges = np.vstack([np.zeros(shares.shape[1]), np.cumsum(shares, axis=0)])
-    handles: list[Artist] = []
-    for motion, low, high in zip(present, edges, edges[1:], strict=False):
-        kind = _MOTIONS[motion]
-        handles.append(
-            axes.fill_between(
-                values, low, high, label=kind.name, facecolor=kind.color, hatch=kind.hatch, edgecolor="0.25",
-                linewidth=0.5,
-            )
-        )  # fmt: skip
-    for change in found.changes:
-        axes.axvline(change.value, color="black", linestyle=_CHANGES[change.kind], linewidth=1.4)
-        axes.annotate(
-            f"{change.kind} {change.value:.6g}", (change.value, 0.02), rotation=90, fontsize=8, va="bottom",
-            ha="right", backgroundcolor=(1, 1, 1, 0.7),
-        )  # fmt: skip
-    axes.set(xlabel=found.axis.label, ylabel="share of the box of starts", ylim=(0, 1))
-    axes.set_xlim(found.axis.values[0], found.axis.values[-1])
-    return _with_legend(figure, handles)
-
-
-def _title(axes: "Axes", law: FrictionLaw, values: dict[str, float]) -> None:
-    scene = ", ".join(f"{name} = {value:g} {QUANTITIES[name].unit}" for name, value in values.items())
-    axes.set_title(f"{law.name or 'friction law'}: {scene}", fontsize=10)
-
-
-def _figure() -> "tuple[Figure, Axes]":
+def new_figure() -> "tuple[Figure, Axes]":
+    """Return a figure with axes; raise `InputError` if matplotlib is not installed."""
     require_matplotlib()
     from matplotlib.figure import Figure
 
@@ -152,7 +80,7 @@ def _figure() -> "tuple[Figure, Axes]":
     return figure, figure.add_subplot()
 
 
-def _paint(axes: "Axes", x: FloatArray, y: FloatArray, place: IntArray, kinds: list[Region]) -> "list[Artist]":
+def paint(axes: "Axes", x: FloatArray, y: FloatArray, place: IntArray, kinds: list[Region]) -> "list[Artist]":
     """Fill cells with colours and hatching; return the handles of the legend."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch, PathPatch
@@ -205,32 +133,8 @@ def edges(values: FloatArray) -> FloatArray:
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
-def _draw_curves(axes: "Axes", found: Any) -> "list[Artist]":
-    from matplotlib.lines import Line2D
-
-    handles: list[Artist] = []
-    for name, (label, style, color) in _CURVES.items():
-        curve = found.thresholds[name]
-        if not np.isfinite(curve).any():
-            continue
-        look: dict[str, Any] = {"linestyle": style, "color": color, "linewidth": 1.6}
-        if found.y.name == "c":
-            axes.plot(found.x.values, curve[0], **look)
-        elif found.x.name == "c":
-            axes.plot(curve[:, 0], found.y.values, **look)
-        else:
-            beyond = curve - found.fixed["c"]
-            if min(curve.shape) == 1 or not np.nanmin(beyond) < 0 < np.nanmax(beyond):
-                continue
-            axes.contour(
-                found.x.values, found.y.values, beyond, levels=[0], colors=color, linestyles=[style],
-                linewidths=1.6,
-            )  # fmt: skip
-        handles.append(Line2D([], [], label=label, **look))
-    return handles
-
-
-def _with_legend(figure: "Figure", handles: "list[Artist]") -> "Figure":
+def with_legend(figure: "Figure", handles: "list[Artist]") -> "Figure":
+    """Write the legend below a picture."""
     figure.legend(
         handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6
     )

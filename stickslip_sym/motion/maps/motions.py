@@ -1,6 +1,5 @@
 """`motion_map`: which motions exist, and which one the mass comes to, over a plane of two quantities."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,23 +7,45 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
-from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
+from stickslip_sym.core.errors import NotConverged, StickSlipError
 from stickslip_sym.core.numbers import read_rtol
-from stickslip_sym.model.content import text_of_law
+from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.maps.axes import Axis, AxisValues, fixed_values, read_axes
-from stickslip_sym.motion.maps.cells import CURVES, MOTIONS, REASONS, Attractor, Reason
-from stickslip_sym.motion.maps.checkpoint import Progress, collect
-from stickslip_sym.motion.maps.lines import decide_lines, lines_together, tasks_of
-from stickslip_sym.motion.maps.workers import Workers
-from stickslip_sym.motion.regimes.classification import Motion
+from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.maps.axes import OSCILLATOR, Axis, AxisValues, fixed_values, read_axes
+from stickslip_sym.motion.maps.cells import CURVES, MOTIONS, REASONS, Cells, Column, Reason, decide
+from stickslip_sym.motion.maps.drawing import (
+    FAILED,
+    UNBOUNDED,
+    UNDECIDED,
+    Region,
+    new_figure,
+    paint,
+    regions_of_attractors,
+    title,
+    with_legend,
+)  # fmt: skip
+from stickslip_sym.motion.maps.workers import Progress, Workers, collect
+from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.regimes.kinds import ATTRACTORS
 from stickslip_sym.output import drawing, files, markup
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = ["MotionMap", "motion_map"]
+
+_CURVES = {
+    "exact": ("exact threshold", "-", "black"),
+    "equilibrium": ("threshold of the equilibrium", ":", "black"),
+    "least_squares": ("least-squares criterion", "--", "#0072B2"),
+}
+
+_CELLS = 300  # of a task: so many share what is computed of a law
 
 
 @dataclass(frozen=True, repr=False)
@@ -40,9 +61,9 @@ class MotionMap(drawing.Drawn):
         The quantities that are no axis, in SI units.
     motion : numpy.ndarray of Motion
         What becomes of a mass that starts at x = 0 with the belt's speed.
-    stick_slip, rest, pure_slip : numpy.ndarray of bool
-        Which attractors exist: a stick-slip cycle, stable rest, a stable cycle in pure slip. None is marked in
-        cells that were not decided. With c < 0 motions far out may grow without bound besides.
+    attractors : dict of str to numpy.ndarray of bool
+        Which attractors exist: "rest", stable; "pure_slip", a stable cycle in pure slip; "stick_slip". None is
+        marked in cells that were not decided. With c < 0 motions far out may grow without bound besides.
     reason : numpy.ndarray of Reason
         How each cell was decided.
     thresholds : dict of numpy.ndarray
@@ -51,6 +72,8 @@ class MotionMap(drawing.Drawn):
         found, and, for a law that is not smooth, where no c >= 0 is the exact one.
     notes : dict of (int, int) to str
         By row and column, why a cell failed or was not decided.
+    interrupted : bool
+        Whether Ctrl-C ended the computation: cells that were not reached have the reason `Reason.TIME`.
     """
 
     x: Axis
@@ -58,17 +81,16 @@ class MotionMap(drawing.Drawn):
     law: FrictionLaw
     fixed: dict[str, float]
     motion: ObjectArray
-    stick_slip: BoolArray
-    rest: BoolArray
-    pure_slip: BoolArray
+    attractors: dict[str, BoolArray]
     reason: ObjectArray
     thresholds: dict[str, FloatArray]
     notes: dict[tuple[int, int], str]
+    interrupted: bool = False
 
     @property
     def coexist(self) -> BoolArray:
         """Where more than one attractor exists, as an array of bool."""
-        return self.stick_slip.astype(int) + self.rest + self.pure_slip > 1
+        return np.asarray(sum(exists.astype(int) for exists in self.attractors.values()) > 1)
 
     def count(self) -> dict[Motion, int]:
         """Return the number of cells of each motion, where there are any."""
@@ -97,9 +119,7 @@ class MotionMap(drawing.Drawn):
             self.x.name: X,
             self.y.name: Y,
             "motion": files.texts(self.motion),
-            "stick_slip": self.stick_slip.astype(int),
-            "rest": self.rest.astype(int),
-            "pure_slip": self.pure_slip.astype(int),
+            **{name: exists.astype(int) for name, exists in self.attractors.items()},
             "reason": files.texts(self.reason),
             **{f"c_{name}": np.broadcast_to(curve, X.shape) for name, curve in self.thresholds.items()},
         }
@@ -118,9 +138,7 @@ class MotionMap(drawing.Drawn):
         """
         arrays = {
             "motion": files.texts(self.motion),
-            "stick_slip": self.stick_slip,
-            "rest": self.rest,
-            "pure_slip": self.pure_slip,
+            **self.attractors,
             "reason": files.texts(self.reason),
             **{f"c_{name}": curve for name, curve in self.thresholds.items()},
             **{f"fixed_{name}": np.array(value) for name, value in self.fixed.items()},
@@ -131,13 +149,54 @@ class MotionMap(drawing.Drawn):
         files.write_npz(Path(path), arrays)
 
     def _figure(self) -> "Figure":
-        from stickslip_sym.motion.maps.drawing import draw_map
+        figure, axes = new_figure()
+        place, kinds = self.regions()
+        handles = paint(axes, self.x.values, self.y.values, place, kinds)
+        handles += self._draw_curves(axes)
+        axes.set(xlabel=self.x.label, ylabel=self.y.label)
+        title(axes, self.law, self.fixed)
+        return with_legend(figure, handles)
 
-        return draw_map(self)
+    def _draw_curves(self, axes: "Axes") -> "list[Artist]":
+        from matplotlib.lines import Line2D
+
+        handles: list[Artist] = []
+        for name, (label, style, color) in _CURVES.items():
+            curve = self.thresholds[name]
+            if not np.isfinite(curve).any():
+                continue
+            look: dict[str, Any] = {"linestyle": style, "color": color, "linewidth": 1.6}
+            if self.y.name == "c":
+                axes.plot(self.x.values, curve[0], **look)
+            elif self.x.name == "c":
+                axes.plot(curve[:, 0], self.y.values, **look)
+            else:
+                beyond = curve - self.fixed["c"]
+                if min(curve.shape) == 1 or not np.nanmin(beyond) < 0 < np.nanmax(beyond):
+                    continue
+                axes.contour(
+                    self.x.values, self.y.values, beyond, levels=[0], colors=color, linestyles=[style],
+                    linewidths=1.6,
+                )  # fmt: skip
+            handles.append(Line2D([], [], label=label, **look))
+        return handles
+
+    def regions(self) -> tuple[IntArray, list[Region]]:
+        """Return for each cell the place of its region in a list of those that occur."""
+        regions = regions_of_attractors()
+        kinds = [*regions.values(), UNBOUNDED, UNDECIDED, FAILED]
+        index = np.full(self.motion.shape, kinds.index(UNDECIDED))
+        for place, names in enumerate(regions):
+            index[np.all([exists == (name in names) for name, exists in self.attractors.items()], axis=0)] = place
+        index[self.motion == Motion.UNBOUNDED] = kinds.index(UNBOUNDED)
+        index[self.motion == Motion.UNDECIDED] = kinds.index(UNDECIDED)
+        index[(self.reason == Reason.FAILED) | (self.reason == Reason.TIME)] = kinds.index(FAILED)
+        present, places = np.unique(index, return_inverse=True)
+        return places.reshape(index.shape), [kinds[i] for i in present]
 
 
 def motion_map(
-    law: FrictionLaw,
+    law: FrictionLaw | str,
     *,
     x: AxisValues,
     y: AxisValues,
@@ -148,7 +207,6 @@ def motion_map(
     c: float | None = None,
     rtol: float = 1e-8,
     workers: Workers = 1,
-    checkpoint: str | Path | None = None,
     progress: Progress | None = None,
     time_limit: float | None = None,
 ) -> MotionMap:
@@ -165,16 +223,14 @@ def motion_map(
     rtol : float
         Cells in which c is closer to a threshold than this part of the largest one stay undecided, 1e-8 to 1e-3.
         Simulations are a hundred times finer.
-    workers : int or map-like callable
-        A number of processes, -1 for all processors, or a function such as ``pool.map``; results are the same.
-    checkpoint : str or Path, optional
-        A file in which finished lines of cells are kept, about 300 cells at once; a run that was killed goes on
-        from it.
+    workers : int or concurrent.futures.Executor
+        A number of threads, -1 for all processors, or an executor, such as a dask client's ``get_executor()``;
+        results are the same.
     progress : callable, optional
-        Called with the number of lines that are done, and of all.
+        Called with the number of parts that are done, and of all.
     time_limit : float, optional
         Seconds after which the map is returned as it is: the reason of what is not decided by then is
-        `Reason.TIME`. Such lines are not kept in a checkpoint, and a later run goes on with them.
+        `Reason.TIME`. Ctrl-C ends it likewise.
 
     Returns
     -------
@@ -183,7 +239,7 @@ def motion_map(
     Raises
     ------
     InputError
-        For an unusable axis, value, law, `workers` or `checkpoint`.
+        For an unusable axis, value, law or `workers`.
     NotConverged
         If every cell failed.
 
@@ -193,42 +249,81 @@ def motion_map(
     >>> law = laws.exponential.typical()
     >>> found = motion_map(law, x=("V", [0.1, 0.5]), y=("c", [2.2, 7]), N=9.81, m=1, k=100)
     >>> [[str(motion.value) for motion in row] for row in found.motion]
-    [['stick-slip', 'stick-slip'], ['damped slip', 'damped slip']]
+    [['stick-slip', 'stick-slip'], ['rest', 'rest']]
     """
+    law = as_law(law)
     axes = read_axes(law, x, y)
     bound, fixed = fixed_values(law, axes, {"V": V, "N": N, "m": m, "k": k, "c": c})
     rtol = read_rtol(rtol, least=1e-8)
-    # All cells of a line along c are decided together.
+    # All cells of a line along c share an operating point.
     turned = axes[0].name == "c"
     across, along = (axes[1], axes[0]) if turned else axes
     lines = [fixed | {across.name: value} for value in across.values.tolist()]
-    tasks = tasks_of(text_of_law(bound), lines, along.name, along.values.tolist(), rtol)
+    count = max(1, _CELLS // along.values.size)
+    request = {"law": text_of_law(bound), "along": along.name, "values": along.values.tolist(), "rtol": rtol}
+    tasks = [request | {"lines": lines[i : i + count]} for i in range(0, len(lines), count)]
     with deadline.time_limit(time_limit):
-        found_lines = collect(
-            decide_lines,
-            tasks,
-            together=lines_together(along.values.size),
-            workers=workers,
-            checkpoint=checkpoint,
-            progress=progress,
-        )
+        results = collect(decide_lines, tasks, workers=workers, progress=progress)
+    with deadline.time_limit(0):  # what Ctrl-C kept from its end
+        cells = [line for task, part in zip(tasks, results, strict=True) for line in part or decide_lines(task)]
 
-    def grid(name: str, read: Callable[[Any], Any], dtype: Any) -> Any:
-        array = np.array([[read(entry) for entry in line[name]] for line in found_lines], dtype=dtype)
-        return array if turned else array.T
+    def grid(rows: list[Any]) -> Any:
+        return np.array(rows) if turned else np.array(rows).T
 
-    attractors = grid("attractors", int, int)
-    notes = {(i, j) if turned else (j, i): text for i, line in enumerate(found_lines) for j, text in line["notes"]}
+    attractors = grid([line.attractors for line in cells])
+    notes = {(i, j) if turned else (j, i): text for i, line in enumerate(cells) for j, text in line.notes.items()}
     found = MotionMap(
         *axes, law=bound, fixed=fixed,
-        motion=grid("motion", MOTIONS.__getitem__, object),
-        stick_slip=attractors & Attractor.STICK_SLIP > 0,
-        rest=attractors & Attractor.REST > 0,
-        pure_slip=attractors & Attractor.PURE_SLIP > 0,
-        reason=grid("reason", REASONS.__getitem__, object),
-        thresholds={name: grid(name, lambda value: np.nan if value is None else value, float) for name in CURVES},
+        motion=np.array(MOTIONS, dtype=object)[grid([line.motion for line in cells])],
+        attractors={kind.name: attractors >> i & 1 > 0 for i, kind in enumerate(ATTRACTORS)},
+        reason=np.array(REASONS, dtype=object)[grid([line.reason for line in cells])],
+        thresholds={name: grid([line.thresholds[name] for line in cells]) for name in CURVES},
         notes=notes,
+        interrupted=None in results,
     )  # fmt: skip
     if (found.reason == Reason.FAILED).all():
         raise NotConverged(f"every cell failed, the first one since {next(iter(notes.values()))}")
     return found
+
+
+def decide_lines(task: dict[str, Any]) -> list[Cells]:
+    """Decide the cells along some lines of a map.
+
+    - `task`: "law": a law as text; "lines": the values of quantities and parameters, a line each; "along": the
+      name of another one, and its "values"; "rtol".
+
+    Returns the cells of each line.
+    """
+    along, values = task["along"], np.array(task["values"])
+    points = [
+        (i, line if along == "c" else line | {along: value}, values if along == "c" else np.array([line["c"]]))
+        for i, line in enumerate(task["lines"])
+        for value in ([None] if along == "c" else task["values"])
+    ]
+    law_at = _Bound(law_of_text(task["law"]))
+    columns: list[Column | Cells] = []
+    for _, point, c in points:
+        try:
+            deadline.check_time()
+            columns.append(Column(law_at(point), Oscillator(**{name: point[name] for name in "VNmk"}), c))
+        except StickSlipError as error:
+            columns.append(Cells.failed(c.size, error))
+    decided = iter(decide([column for column in columns if isinstance(column, Column)], task["rtol"]))
+    cells = [next(decided) if isinstance(column, Column) else column for column in columns]
+    return [
+        Cells.joined([part for (place, _, _), part in zip(points, cells, strict=True) if place == i])
+        for i in range(len(task["lines"]))
+    ]
+
+
+class _Bound:
+    """Laws of one formula by their parameters: points that share them share what is computed of the law."""
+
+    def __init__(self, law: FrictionLaw) -> None:
+        self.law, self.known = law, dict[tuple[tuple[str, float], ...], FrictionLaw]()
+
+    def __call__(self, point: dict[str, float]) -> FrictionLaw:
+        own = tuple((name, value) for name, value in point.items() if name not in OSCILLATOR)
+        if own not in self.known:
+            self.known[own] = self.law.bind(**dict(own)) if own else self.law
+        return self.known[own]

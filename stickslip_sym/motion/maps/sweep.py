@@ -19,21 +19,25 @@ from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, Scene
-from stickslip_sym.motion.maps.axes import SCENE, Axis, AxisValues, read_axis, read_values
+from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.maps.axes import OSCILLATOR, Axis, AxisValues, read_axis, read_values
 from stickslip_sym.motion.maps.cells import MOTIONS
-from stickslip_sym.motion.maps.shares import shares_of
-from stickslip_sym.motion.maps.sides import FINEST, sides_of
+from stickslip_sym.motion.maps.drawing import new_figure, regions_of_motions, with_legend
+from stickslip_sym.motion.maps.shares import FINEST, Share, shares_by_area
+from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.regimes.attractors import Regime, graze, regime
-from stickslip_sym.motion.regimes.classification import Motion
+from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.output import drawing, markup
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
 __all__ = ["BasinSweep", "Change", "basin_sweep"]
 
+_CHANGES = {"Hopf": ":", "graze": "-", "fold": "--"}
 Kind = Literal["Hopf", "graze", "fold"]
 _ROOT = float(4 * np.finfo(np.float64).eps)  # relative tolerance of a root
 _BESIDE = 1e-4  # relative distance at which the slope at a root is taken
@@ -64,7 +68,7 @@ class Change:
 
 @dataclass(frozen=True, repr=False)
 class BasinSweep(drawing.Drawn):
-    """The shares of a box of starts that lead to each motion, over one quantity.
+    """The shares of a box of initial conditions that lead to each motion, over one quantity.
 
     Attributes
     ----------
@@ -97,13 +101,36 @@ class BasinSweep(drawing.Drawn):
         return markup.block(drawing.picture(self.plot, str(self.axis)), table)
 
     def _figure(self) -> "Figure":
-        from stickslip_sym.motion.maps.drawing import draw_sweep
-
-        return draw_sweep(self)
+        figure, axes = new_figure()
+        regions = {motion: region for motion, region in regions_of_motions().items() if motion in self.share}
+        values, shares = self.axis.values, np.array([self.share[motion] for motion in regions])
+        for change in self.changes:  # at which shares may jump
+            place = int(np.searchsorted(values, change.value))
+            sides = shares[:, [max(place - 1, 0), min(place, values.size - 1)]]
+            values = np.insert(values, place, [change.value] * 2)
+            shares = np.insert(shares, [place, place], sides, axis=1)
+        edges = np.vstack([np.zeros(shares.shape[1]), np.cumsum(shares, axis=0)])
+        handles: list[Artist] = []
+        for kind, low, high in zip(regions.values(), edges, edges[1:], strict=False):
+            handles.append(
+                axes.fill_between(
+                    values, low, high, label=kind.name, facecolor=kind.color, hatch=kind.hatch, edgecolor="0.25",
+                    linewidth=0.5,
+                )
+            )  # fmt: skip
+        for change in self.changes:
+            axes.axvline(change.value, color="black", linestyle=_CHANGES[change.kind], linewidth=1.4)
+            axes.annotate(
+                f"{change.kind} {change.value:.6g}", (change.value, 0.02), rotation=90, fontsize=8, va="bottom",
+                ha="right", backgroundcolor=(1, 1, 1, 0.7),
+            )  # fmt: skip
+        axes.set(xlabel=self.axis.label, ylabel="share of the box of initial conditions", ylim=(0, 1))
+        axes.set_xlim(self.axis.values[0], self.axis.values[-1])
+        return with_legend(figure, handles)
 
 
 def basin_sweep(
-    law: FrictionLaw,
+    law: FrictionLaw | str,
     osc: Oscillator,
     over: AxisValues,
     *,
@@ -111,7 +138,7 @@ def basin_sweep(
     v0: tuple[float, float],
     time_limit: float | None = None,
 ) -> BasinSweep:
-    """Return the share of a box of starts that each motion draws, over one quantity.
+    """Return the share of a box of initial conditions that each motion draws, over one quantity.
 
     The shares are areas inside the separatrices, so nothing is sampled.
 
@@ -123,7 +150,7 @@ def basin_sweep(
     over : (str, array_like)
         V, N, m, k, c or a parameter of the law, and its values, ascending.
     x0, v0 : tuple of float
-        The box of starts: from and to, displacements in m and velocities in m/s.
+        The box of initial conditions: from and to, displacements in m and velocities in m/s.
     time_limit : float, optional
         Seconds of computation after which it is given up.
 
@@ -136,30 +163,34 @@ def basin_sweep(
     OutOfTime
         When the time limit is reached.
     """
+    law = as_law(law)
     axis = read_axis(law, "over", over)
     box = _limits("x0", x0), _limits("v0", v0)
     family = _Family(law, osc, axis.name)
     with deadline.time_limit(time_limit):
-        points = [family.at(value) for value in axis.values.tolist()]
-        shares = [point.shares(*box) for point in points]
+        points = []
+        for value in axis.values.tolist():
+            points.append(family.at(value))
+            deadline.check_time()  # a regime whose time is up is incomplete, and no error
+        shares = [shares_by_area(point.found, *box) for point in points]
         changes = sorted(
             (change for pair in pairwise(points) for change in family.changes_between(*pair)),
             key=lambda change: change.value,
         )
     present = [motion for motion in MOTIONS if any(motion in share for share in shares)]
-    nothing = (np.nan, np.nan)
-    table = {
-        motion: np.array([share.get(motion, (0.0, 0.0) if share else nothing) for share in shares]).T
-        for motion in present
-    }
-    values, errors = ({motion: rows[i] for motion, rows in table.items()} for i in (0, 1))
+    none, unsettled = Share(0.0, 0.0), Share(math.nan, math.nan)
+    table = {motion: [share.get(motion, none if share else unsettled) for share in shares] for motion in present}
+    values = {motion: np.array([share.value for share in row]) for motion, row in table.items()}
+    errors = {motion: np.array([share.error for share in row]) for motion, row in table.items()}
     return BasinSweep(axis, values, errors, tuple(changes), *box)
 
 
 def _limits(name: str, given: tuple[float, float]) -> tuple[float, float]:
     low, high = read_values(name, given).tolist() if len(given) == 2 else (0.0, 0.0)
     if not low < high:
-        raise InputError(f"the box of starts goes from one {name} to a higher one, got {str(given)[:60]}")
+        raise InputError(
+            f"the box of initial conditions goes from one {name} to a higher one, got {str(given)[:60]}"
+        )
     return low, high
 
 
@@ -172,13 +203,6 @@ class _Point:
     osc: Oscillator
     found: Regime
 
-    def shares(self, x0: tuple[float, float], v0: tuple[float, float]) -> dict[Motion, tuple[float, float]]:
-        sides = sides_of(self.law, self.osc, self.found)
-        if sides is None:
-            return {}
-        shares = shares_of(self.law, self.osc, self.found, sides, x0, v0)
-        return {motion: (share.value, share.error) for motion, share in shares.items()}
-
 
 @dataclass(frozen=True)
 class _Family:
@@ -188,13 +212,13 @@ class _Family:
     osc: Oscillator
     name: str
 
-    def scene(self, value: float) -> tuple[FrictionLaw, Oscillator]:
-        if self.name in SCENE:
+    def point(self, value: float) -> tuple[FrictionLaw, Oscillator]:
+        if self.name in OSCILLATOR:
             return self.law, replace(self.osc, **{self.name: value})
         return self.law.bind(**{self.name: value}), self.osc
 
     def at(self, value: float) -> _Point:
-        law, osc = self.scene(value)
+        law, osc = self.point(value)
         return _Point(value, law, osc, regime(law, osc, rtol=FINEST))
 
     def changes_between(self, before: _Point, after: _Point) -> Iterator[Change]:
@@ -208,17 +232,17 @@ class _Family:
             yield from self._folds(*ends)
 
     def _rest_decay(self, value: float) -> float:
-        law, osc = self.scene(value)
+        law, osc = self.point(value)
         return 2 * osc.zeta + osc.N * float(law.slope(osc.V)) / osc.impedance
 
     def _height(self, value: float) -> float:
-        return float(np.clip(graze(Scene.of(*self.scene(value)), FINEST), -1.0, 1.0))  # it may be infinite
+        return float(np.clip(graze(Dimensionless.of(*self.point(value)), FINEST), -1.0, 1.0))  # it may be infinite
 
     def _folds(self, low: float, high: float) -> Iterator[Change]:
         """Find where an extremum of the damping that slip orbits need passes the damping that there is."""
 
         def excess(value: float) -> FloatArray:
-            law, osc = self.scene(value)
+            law, osc = self.point(value)
             need = needed_damping(law, osc)
             return np.asarray(need.at(need.folds) - 2 * osc.zeta)
 

@@ -1,60 +1,127 @@
-"""A function over many tasks, by one process, several, or any executor's map.
+"""A function over many tasks: here, in several threads, or by any executor of `concurrent.futures`.
 
-What `workers` means is SciPy's convention: a number of processes, -1 for all processors, or a callable that takes
-a function and an iterable as the builtin `map` does.
+Compiled code releases the interpreter, so threads share the processors; where nothing is compiled, processes do. A
+time limit around the call goes with each task. Ctrl-C ends the work and keeps what is done.
 """
 
+import math
 import os
 import signal
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from multiprocessing import active_children, get_context
-from multiprocessing.process import BaseProcess
-from typing import Any, TypeVar
+from functools import partial
+from multiprocessing import get_context
+from typing import TypeVar
 
+from stickslip_sym.core.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.motion.compiled import is_compiling
 
-__all__ = ["Workers", "check_workers", "run"]
+__all__ = ["Progress", "Workers", "collect"]
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
-Mapper = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
-Workers = int | Mapper
-_MOST_STARTS = 3  # times that a pool is started; after so many the cause is no accident
+Workers = int | Executor
+"""A number of threads, -1 for all processors, or what carries out the tasks."""
+Progress = Callable[[int, int], None]
 
 
-def check_workers(workers: Workers) -> None:
-    """Refuse what is neither a number of processes nor a map."""
-    if callable(workers):
+def collect(
+    function: Callable[[Task], Result],
+    tasks: Sequence[Task],
+    *,
+    workers: Workers = 1,
+    progress: Progress | None = None,
+) -> list[Result | None]:
+    """Return the result of each task; None for a task that Ctrl-C kept from its end.
+
+    Parameters
+    ----------
+    function : callable
+        At the top level of a module, so that other processes find it.
+    tasks : sequence
+        Plain content, for the same reason.
+    workers : int or concurrent.futures.Executor
+        A number of threads, -1 for all processors, or an executor, such as a dask client's ``get_executor()``.
+    progress : callable, optional
+        Called with the number of finished tasks and of all.
+
+    Raises
+    ------
+    InputError
+        For unusable workers.
+    NotConverged
+        If a process of ours ends before its work is done.
+    KeyboardInterrupt
+        If Ctrl-C comes before the first result.
+    """
+    results: list[Result | None] = [None] * len(tasks)
+    report = progress or (lambda done, total: None)
+    report(0, len(tasks))
+    done = 0
+    try:
+        for index, result in _results(_limited(function), tasks, workers):
+            results[index] = result
+            done += 1
+            report(done, len(tasks))
+    except KeyboardInterrupt:
+        if done == 0:
+            raise
+    return results
+
+
+def _results(
+    function: Callable[[Task], Result], tasks: Sequence[Task], workers: Workers
+) -> Iterator[tuple[int, Result]]:
+    """Yield the index of each task and its result, as they come."""
+    with _executor(workers, len(tasks)) as executor:
+        if executor is None:
+            yield from enumerate(map(function, tasks))
+            return
+        futures = {executor.submit(function, task): index for index, task in enumerate(tasks)}
+        try:
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+        except BrokenProcessPool:
+            raise NotConverged(
+                "a worker process ended before its work was done: memory may be short, or a script that starts "
+                'workers lacks its `if __name__ == "__main__":`; try workers=1'
+            ) from None
+        finally:
+            for future in futures:
+                future.cancel()
+
+
+@contextmanager
+def _executor(workers: Workers, tasks: int) -> Iterator[Executor | None]:
+    """Give an executor of ours, which ends with the block, one of the caller's, which does not, or None."""
+    if isinstance(workers, Executor):
+        yield workers
         return
     if isinstance(workers, bool) or not isinstance(workers, int) or (workers < 1 and workers != -1):
         raise InputError(
-            f"workers = {workers!r} must be a number of processes, at least 1, or -1 for all processors, or a "
-            "function like the builtin map"
+            f"workers = {workers!r} must be a number of threads, at least 1, or -1 for all processors, or an "
+            "executor of concurrent.futures"
         )
+    count = min(_processors() if workers == -1 else workers, tasks)
+    if count < 2:
+        yield None
+        return
+    if is_compiling():
+        with ThreadPoolExecutor(count) as threads:
+            yield threads
+        return
+    # Spawned, not forked: a fork of a process with threads may hang.
+    with ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_ignore_interrupts) as pool:
+        yield pool
 
 
-def run(
-    function: Callable[[Task], Result], tasks: Sequence[Task], workers: Workers
-) -> Iterator[tuple[int, Result]]:
-    """Yield the index of each task and its result, as they come.
-
-    - `function`: at the top level of a module, so that other processes find it.
-    - `tasks`: plain arguments, for the same reason.
-    - `workers`: a callable's results are taken in the order of the tasks, each as soon as it is given.
-
-    Raises `InputError` for unusable workers, or a map that returns too few or too many results.
-    Raises `NotConverged` when processes of ours end again and again.
-    """
-    check_workers(workers)
-    if callable(workers):
-        yield from _mapped(function, tasks, workers)
-    elif workers == 1 or len(tasks) < 2:
-        yield from enumerate(map(function, tasks))
-    else:
-        yield from _pooled(function, tasks, _processors() if workers == -1 else workers)
+def _ignore_interrupts() -> None:
+    """Leave Ctrl-C to the process that started this one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _processors() -> int:
@@ -62,55 +129,13 @@ def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _mapped(
-    function: Callable[[Task], Result], tasks: Sequence[Task], mapper: Mapper
-) -> Iterator[tuple[int, Result]]:
-    count = 0
-    for result in mapper(function, tasks):
-        if count == len(tasks):
-            raise InputError(f"the map given as workers returned more results than the {count} tasks it was given")
-        yield count, result
-        count += 1
-    if count < len(tasks):
-        raise InputError(f"the map given as workers returned {count} results for {len(tasks)} tasks")
+def _limited(function: Callable[[Task], Result]) -> Callable[[Task], Result]:
+    """Return a function that keeps to the time that is left here, in other threads and processes too."""
+    left = time_left()
+    return function if math.isinf(left) else partial(_until, time.time() + left, function)
 
 
-def _pooled(function: Callable[[Task], Result], tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Result]]:
-    """Use processes of our own; where one of them is killed, start anew with what is not done yet."""
-    todo, others = dict(enumerate(tasks)), set(active_children())
-    for _ in range(_MOST_STARTS):
-        # Spawned, not forked: a fork of a process with threads may hang.
-        pool = ProcessPoolExecutor(min(count, len(todo)), mp_context=get_context("spawn"))
-        started: set[BaseProcess] = set()
-        try:
-            with _no_interrupt():
-                futures = {pool.submit(function, task): index for index, task in todo.items()}
-                started = set(active_children()) - others
-            for future in as_completed(futures):
-                index, result = futures[future], future.result()
-                del todo[index]
-                yield index, result
-            return
-        except BrokenProcessPool:
-            continue
-        finally:
-            for process in started if todo else ():  # the tasks that they still carry out are not needed
-                process.terminate()
-            pool.shutdown(cancel_futures=True)
-    raise NotConverged(
-        f"worker processes ended {_MOST_STARTS} times before their work was done: memory may be short, or a "
-        'script that starts workers lacks its `if __name__ == "__main__":`; try workers=1'
-    )
-
-
-@contextmanager
-def _no_interrupt() -> Iterator[None]:
-    """Start processes that Ctrl-C does not reach: the one that started them ends them."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+def _until(end: float, function: Callable[[Task], Result], task: Task) -> Result:
+    """Carry out a task with the time until a given one, in seconds of the clock that all processes have."""
+    with time_limit(min(max(end - time.time(), 0.0), LONGEST)):
+        return function(task)

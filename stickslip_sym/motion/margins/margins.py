@@ -7,22 +7,21 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.errors import InputError, OutOfTime, StickSlipError
+from stickslip_sym.core.errors import InputError, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.margins.value import Critical
-from stickslip_sym.motion.orbits.orbit import obstacle
-from stickslip_sym.motion.thresholds.cubature import shifted
-from stickslip_sym.motion.thresholds.rungs import Rung, rungs
+from stickslip_sym.motion.thresholds.methods import Method, best_of
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.motion.thresholds.uncertainty import standard_errors
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import table
 
-__all__ = ["Margin", "Margins", "carried_by", "margins"]
+__all__ = ["Margin", "Margins", "Sampled", "carried_by", "margins"]
 
 _REACH = 10.0  # times a value, and its inverse: where a change is looked for
 _SEED = 20160428  # of the samples
@@ -55,21 +54,44 @@ class Margin:
 
 
 @dataclass(frozen=True)
+class Sampled:
+    """The probability that stick-slip is possible, from samples.
+
+    Attributes
+    ----------
+    probability, standard_error : float
+        The share of the decided samples, and its standard error.
+    undecided : float
+        The share of samples whose threshold could not be told from their damping, or that are no operating point,
+        as where a parameter is negative that may not be.
+    """
+
+    probability: float
+    standard_error: float
+    undecided: float
+
+    def __str__(self) -> str:
+        undecided = f", {100 * self.undecided:.2g} % undecided" if self.undecided else ""
+        return f"{self.probability:.3g} +/- {self.standard_error:.1g} (samples{undecided})"
+
+
+@dataclass(frozen=True)
 class Margins:
-    """How far a scene is from where stick-slip sets in or ends.
+    """How far an operating point is from where stick-slip sets in or ends.
 
     Attributes
     ----------
     threshold : Threshold
-        The pure-slip damping of the scene.
+        The pure-slip damping.
     c : float
         Its damping, in kg/s.
     rows : tuple of Margin
         The smallest change first.
     probability : float or None
-        That c lies below the threshold, from the standard errors to first order; None where there are none.
-    sampled : (float, float) or None
-        The same from seeded samples of the quantities, normal and correlated as they are, and its standard error.
+        That stick-slip is possible: that c lies below the threshold. Where the equilibrium is stable too, the
+        initial condition decides. From the standard errors to first order; None where there are none.
+    sampled : Sampled or None
+        The same from seeded samples of the quantities, normal and correlated as they are.
     refused : mapping of str to str
         Quantities whose critical values could not be found, and why.
     """
@@ -78,12 +100,12 @@ class Margins:
     c: float
     rows: tuple[Margin, ...]
     probability: float | None
-    sampled: tuple[float, float] | None
+    sampled: Sampled | None
     refused: Mapping[str, str]
 
     @property
     def stick_slip(self) -> bool:
-        """Whether there is stick-slip as things are."""
+        """Whether stick-slip is possible as things are: c lies below the threshold."""
         return bool(self.c < self.threshold.value)
 
     @property
@@ -105,16 +127,16 @@ class Margins:
 
     @property
     def _head(self) -> str:
-        state = "stick-slip" if self.stick_slip else "no stick-slip"
+        state = "stick-slip is possible" if self.stick_slip else "no stick-slip"
         return f"{state}: c = {self.c:.6g} kg/s, pure-slip damping {self.threshold}"
 
     @property
     def _remarks(self) -> list[str]:
         lines = [f"{name}: {why}" for name, why in self.refused.items()]
         if self.probability is not None:
-            lines.append(f"probability of stick-slip: {self.probability:.3g} (first order)")
+            lines.append(f"probability that stick-slip is possible: {self.probability:.3g} (first order)")
         if self.sampled is not None:
-            lines[-1] += f", {self.sampled[0]:.3g} +/- {self.sampled[1]:.1g} (samples)"
+            lines[-1] += f", {self.sampled}"
         return lines
 
     def __str__(self) -> str:
@@ -129,11 +151,11 @@ class Margins:
 
 
 def margins(
-    law: FrictionLaw,
+    law: FrictionLaw | str,
     osc: Oscillator,
     *,
     errors: Mapping[str, str | UFloat] | None = None,
-    method: str | Criterion | Rung = "auto",
+    method: str | Criterion | Method = "auto",
     rtol: float = 1e-3,
     samples: int = 200,
     reach: float = _REACH,
@@ -150,10 +172,9 @@ def margins(
     errors : mapping of str to number with a standard error, optional
         V, N, m, k or c with theirs, as in ``{"V": "0.50(1)"}``; their values are those of `osc`.
     method, rtol
-        As for `critical`; "auto" takes the orbit, or simulation, for all.
+        As for `critical`.
     samples : int
-        Seeded samples for the probability; each takes a threshold. Samples at which a parameter is negative that
-        may not be, or which have no threshold, are left out. 0 for none.
+        Seeded samples for the probability; each takes a threshold. 0 for none.
     reach : float
         How far changes are looked for: from a value over it to the value times it, above 1. That of c needs no
         search, and is given wherever it lies.
@@ -174,23 +195,23 @@ def margins(
     OutOfTime
         When the time limit is reached.
     """
+    law = as_law(law)
     if not reach > 1:
         raise InputError(f"reach = {reach:g} is no factor above 1, by which a value may change; 10 is usual")
-    given = {one.name: getattr(osc, one.name) for one in fields(osc)}
+    quantities = {one.name: getattr(osc, one.name) for one in fields(osc)}
     carried = carried_by(osc, errors or {})
     with deadline.time_limit(time_limit):
-        c = given.pop("c")
-        scene = {name: carried.get(name, value) for name, value in given.items()}
-        threshold = pure_slip_damping(law, **scene, method=_method(law, osc, method), rtol=rtol)
+        numbers = {name: carried.get(name, quantities[name]) for name in "VNmk"}
+        threshold = pure_slip_damping(law, **numbers, method=method, rtol=rtol)
         rows, refused = [], {}
-        for name, value in ({"c": c} | given | {p: float(v) for p, v in law.values.items()}).items():
-            others = {key: number for key, number in ({"c": c} | given).items() if key != name}
+        for name, value in (quantities | {p: float(v) for p, v in law.values.items()}).items():
+            others = {key: number for key, number in quantities.items() if key != name}
             if value == 0:
                 continue
             ends = sorted(value * factor for factor in (1 / reach, reach))
             try:
                 with deadline.time_limit(each):
-                    found = critical(name, law, **others, method=method, rtol=rtol, within=(ends[0], ends[1]))
+                    found = critical(law, name, **others, method=method, rtol=rtol, within=(ends[0], ends[1]))
             except OutOfTime:
                 deadline.check_time()  # raises if it was the limit on all of them
                 refused[name] = f"not found within {each:g} s"
@@ -199,9 +220,9 @@ def margins(
                 refused[name] = str(error)
                 continue
             rows.append(_margin(name, value, found))
-        probability, sampled = _probabilities(threshold, c, carried.get("c"), samples)
+        probability, sampled = _probabilities(threshold, osc.c, carried.get("c"), samples)
     return Margins(
-        threshold, c, tuple(sorted(rows, key=lambda row: abs(row.change))), probability, sampled, refused
+        threshold, osc.c, tuple(sorted(rows, key=lambda row: abs(row.change))), probability, sampled, refused
     )
 
 
@@ -225,12 +246,6 @@ def carried_by(osc: Oscillator, errors: Mapping[str, str | UFloat]) -> dict[str,
     return carried
 
 
-def _method(law: FrictionLaw, osc: Oscillator, method: str | Criterion | Rung) -> str | Criterion | Rung:
-    if method != "auto":
-        return method
-    return "orbit" if obstacle(law, osc.V) is None else "simulation"
-
-
 def _margin(name: str, value: float, found: tuple[Critical, ...]) -> Margin:
     below = [one for one in found if one.value <= value]
     above = [one for one in found if one.value > value]
@@ -239,10 +254,8 @@ def _margin(name: str, value: float, found: tuple[Critical, ...]) -> Margin:
 
 def _probabilities(
     threshold: Threshold, c: float, own: UFloat | None, samples: int
-) -> tuple[float | None, tuple[float, float] | None]:
+) -> tuple[float | None, Sampled | None]:
     """Return the probability that c lies below the threshold, to first order and from samples."""
-    assert threshold.scenes is not None
-    errors = standard_errors(threshold.scenes)
     spread = 0.0 if own is None else own.std_dev
     first = 0.0 if threshold.budget is None else threshold.budget.uncertainty
     whole = math.hypot(first, spread)
@@ -251,26 +264,38 @@ def _probabilities(
     probability = 0.5 * math.erfc((c - threshold.value) / (whole * math.sqrt(2)))
     if not samples:
         return probability, None
-    rng = np.random.default_rng(_SEED)
-    rung = threshold.rung or rungs()["simulation" if threshold.method == "proof" else threshold.method]
+    errors = standard_errors(threshold.points)
     names, covariance = ((), np.zeros((0, 0))) if errors is None else (errors.names, errors.covariance[0])
-    stick = []
+    rng = np.random.default_rng(_SEED)
+    below = []
     for _ in range(samples):
-        by = (
-            dict(zip(names, rng.multivariate_normal(np.zeros(len(names)), covariance), strict=True))
-            if names
-            else {}
-        )
+        shift = rng.multivariate_normal(np.zeros(len(names)), covariance) if names else ()
         damping = c + spread * rng.standard_normal()
-        try:
-            value = rung.compute(shifted(threshold.scenes, by), max(_LOOSE, rung.tightest)).value[0]
-        except OutOfTime:
-            raise
-        except StickSlipError:
-            continue
-        if np.isfinite(value):
-            stick.append(damping < value)
-    if not stick:
-        return probability, None
-    share = float(np.mean(stick))
-    return probability, (share, math.sqrt(max(share * (1 - share), 1 / len(stick)) / len(stick)))
+        below.append(_is_below(damping, threshold, dict(zip(names, shift, strict=True))))
+    decided = [one for one in below if one is not None]
+    if not decided:
+        return probability, Sampled(math.nan, math.nan, 1.0)
+    share = float(np.mean(decided))
+    error = math.sqrt(max(share * (1 - share), 1 / len(decided)) / len(decided))
+    return probability, Sampled(share, error, 1 - len(decided) / samples)
+
+
+def _is_below(c: float, threshold: Threshold, shift: Mapping[str, float]) -> bool | None:
+    """Return whether a damping lies below the threshold at a shifted operating point; None if undecided."""
+    (method,) = threshold.used.values()
+    try:
+        points = threshold.points.shifted(shift)
+        computed = (
+            best_of(points, _LOOSE)[0]
+            if method.automatic
+            else method.compute(points, max(_LOOSE, method.tightest))
+        )
+    except OutOfTime:
+        raise
+    except StickSlipError:
+        return None
+    value, error = float(computed.value[0]), float(computed.relative_error[0])
+    if isinstance(computed.refusals.get(0), NoThreshold):
+        return False
+    own = error if math.isfinite(error) else 0.0 if method.criterion is not None else math.inf
+    return bool(c < value) if abs(c - value) > own * abs(value) else None

@@ -21,7 +21,7 @@ class Critical:
         In SI units.
     unit : str or None
     method : str
-    error : float or None
+    relative_error : float or None
         Estimated error, relative; with "proof" a bound; None where nothing is known of it.
     sensitivity : mapping of str to float
         How the value changes with c and with everything else, by name.
@@ -33,12 +33,12 @@ class Critical:
     value: float
     unit: str | None
     method: str
-    error: float | None
+    relative_error: float | None
     sensitivity: Mapping[str, float] = field(repr=False)
     enclosure: Enclosure | None = None
 
     def __str__(self) -> str:
-        accuracy = "unknown" if self.error is None else f"{self.error:.0e}"
+        accuracy = "unknown" if self.relative_error is None else f"{self.relative_error:.0e}"
         unit = "" if self.unit in (None, "1") else f" {self.unit}"
         proof = "" if self.enclosure is None else ", PROVED"
         return f"{self.of} = {self.value:.10g}{unit} ({self.method}, relative error {accuracy}{proof})"

@@ -1,39 +1,42 @@
-"""Every pure-slip limit cycle of an oscillator.
+"""Every pure-slip limit cycle of an oscillator, for every law.
 
-The damping that a slip orbit needs is a function d(A) of its highest velocity A V (`orbit`), so the limit cycles
-are the roots of d(A) = c/sqrt(k m) in (0, 1]: all of them, also where d is not monotone. To leading order d(A) is
-the harmonic balance, the mean of g(A cos(theta)) with the weight sin(theta)^2 over a period, where
-g(z) = -N mu'(V (1 - z))/sqrt(k m). Here d itself is interpolated by a Chebyshev polynomial, whose roots are all
-found and then improved on the orbits.
+The damping that a slip orbit needs is a function d(A) of its highest velocity A V (`needed`), so the limit cycles
+are the roots of d(A) = c/sqrt(k m) in (0, 1]: all of them, also where d is not monotone. At a damping the gap of
+the halves of an orbit has the sign of d(A) - c/sqrt(k m), so d itself need not be known: the gap is computed at
+graded amplitudes, with its derivative by A; every change of sign, and every extremum between two of one sign, is
+followed.
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import lru_cache
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
+from scipy.optimize import brentq
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.collocation import Work
-from stickslip_sym.motion.orbits.orbit import Orbits, obstacle, orbits
+from stickslip_sym.motion.orbits.needed import by_zeta, gap, halves, needed_ratio
+from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.output import markup
 
-__all__ = ["LimitCycle", "NeededDamping", "cycles_among", "limit_cycles", "needed_damping"]
+__all__ = ["LimitCycle", "NeededDamping", "limit_cycles", "needed_damping"]
 
-_DEGREES = (16, 32, 64, 128)
-_RESOLVED = 1e-9  # of the highest coefficients of d(A), relative to its variation
-_FLAT = 1e-12  # variation of d over the largest slope, below which no orbit is isolated
-_IMPROVED = 3  # times, by Newton's method
-_REAL = 1e-6  # imaginary part of a root, from rounding where two nearly meet
-_NEAR = 1e-6  # amplitude by which an interpolant's root may be off
-_AT_REST = 1e-6  # amplitude below which a root is the equilibrium itself
+_NEAREST = 1e-3  # lowest amplitude over the belt's speed that is looked at: a smaller cycle is not seen
+_AMPLITUDES = sorted(
+    {float(A) for A in _NEAREST + (1 - _NEAREST) * (1 - np.cos(np.linspace(0.0, math.pi, 33))) / 2}
+    | {1 - 10.0**-decade for decade in range(3, 7)}
+)  # graded towards the belt's speed, where laws are steep
+_RTOL = 1e-12  # tolerance of the steps
+_NEUTRAL = 3e-12  # gap below which an orbit is periodic as far as can be told
+_CLOSE = 1e-14  # tolerance of an amplitude over the belt's speed
+_STRONGEST = 1e-300  # contraction of a round, or of one backward, that can still be told from 0
 
 
 @dataclass(frozen=True)
@@ -76,49 +79,96 @@ class LimitCycle:
 
 @dataclass(frozen=True)
 class NeededDamping:
-    """The damping d(A) that a slip orbit needs, over sqrt(k m), as a function of its amplitude A V."""
+    """The damping d(A) that a slip orbit needs, over sqrt(k m), as a function of its amplitude A V.
 
-    series: FloatArray  # Chebyshev coefficients of d on 0 <= A <= 1; one coefficient if d does not vary
+    Attributes
+    ----------
+    system : Dimensionless
+        Without a static excess, which no orbit in slip meets.
+    """
+
+    system: Dimensionless
 
     def at(self, amplitude: ArrayLike) -> FloatArray:
         """Return d at amplitudes over the belt speed; d(0) is the Hopf bifurcation, d(1) the graze."""
-        return chebyshev.chebval(2 * np.asarray(amplitude) - 1, self.series)
+        A = np.asarray(amplitude, dtype=np.float64)
+        return np.array([self._one(float(one)) for one in A.ravel()]).reshape(A.shape)
 
-    def slope(self, amplitude: ArrayLike) -> FloatArray:
-        """Return d'(A): an orbit is stable where it is negative."""
-        return chebyshev.chebval(2 * np.asarray(amplitude) - 1, chebyshev.chebder(self.series)) * 2
+    def _one(self, A: float) -> float:
+        if A < _NEAREST:
+            return -replace(self.system, zeta=0.0).decay(1.0)
+        return 2 * needed_ratio(self.system, A, rtol=_RTOL)[0]
+
+    def gap(self, A: float, damping: float) -> tuple[float, float]:
+        """Return the gap of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping, and d gap/dA."""
+        deadline.check_time()
+        system = self.system
+        nothing = (0.0, 0.0, 0.0, *by_zeta(system)[3:])
+        value, slope, _ = gap(system.rise, system.eta, damping / 2, 0.0, A, _RTOL, True, -A, nothing)
+        if math.isnan(value):
+            raise NotConverged(
+                f"the slip orbit of amplitude {A * system.V:g} m/s takes too many steps: friction is too strong; "
+                "try simulate()"
+            )
+        return (0.0 if abs(value) <= _NEUTRAL else value), slope
 
     def amplitudes(self, damping: float) -> FloatArray:
         """Return the amplitudes, over the belt speed, ascending, of all orbits with a damping over sqrt(k m)."""
-        return _roots(chebyshev.chebsub(self.series, [damping]))
+        values = [self.gap(A, damping) for A in _AMPLITUDES]
+        return np.array(sorted(_roots(lambda A: self.gap(A, damping), _AMPLITUDES, values)))
 
-    @property
+    @cached_property
     def folds(self) -> FloatArray:
         """The amplitudes at which d turns: a stable and an unstable orbit meet there."""
-        return _roots(chebyshev.chebder(self.series))
+
+        def slope(A: float) -> float:
+            return self.gap(A, self._one(A))[1]
+
+        slopes = [slope(A) for A in _AMPLITUDES]
+        pairs = zip(_AMPLITUDES, slopes, _AMPLITUDES[1:], slopes[1:], strict=False)
+        return np.array([brentq(slope, low, high, xtol=_CLOSE) for low, a, high, b in pairs if a * b < 0])
 
 
-def needed_damping(law: FrictionLaw, osc: Oscillator, *, most_work: float = math.inf) -> NeededDamping:
-    """Return the damping that slip orbits need, as a function of their amplitude; the oscillator's c is not used.
-
-    - `most_work`: as for `orbits`, of all orbits together.
-
-    Raises `InputError` or `NotConverged` as `limit_cycles` does.
-    Raises `OutOfTime` when the time of a `time_limit` around it is up.
-    """
-    found = _needed(law, osc.V, osc.N / osc.impedance, most_work)
-    if isinstance(found, NeededDamping):
-        return found
-    raise type(found)(*found.args)  # raised itself, it would keep the frames of every time
+def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
+    """Return the damping that slip orbits need as a function of their amplitude; the c of `osc` is not used."""
+    system = Dimensionless.of(law, osc)
+    return NeededDamping(replace(system, table=replace(system.table, static=system.table.onset)))
 
 
-def limit_cycles(law: FrictionLaw, osc: Oscillator, *, time_limit: float | None = None) -> tuple[LimitCycle, ...]:
+def _roots(
+    function: Callable[[float], tuple[float, float]], nodes: list[float], values: list[tuple[float, float]]
+) -> Iterator[float]:
+    """Yield the roots of a function with its derivative, from its values at nodes; a zero beside zeros is none."""
+
+    def value(A: float) -> float:
+        return min(max(function(A)[0], -1.0), 1.0)  # infinite where a half creeps to rest
+
+    def slope(A: float) -> float:
+        return function(A)[1]
+
+    for low, high, (f, df), (g, dg) in zip(nodes, nodes[1:], values, values[1:], strict=False):
+        if f * g < 0:
+            yield brentq(value, low, high, xtol=_CLOSE)
+        elif f * g > 0 and df * f < 0 < dg * f:  # both lead towards 0: there is an extremum between
+            turn = brentq(slope, low, high, xtol=_CLOSE)
+            if value(turn) * f < 0:
+                yield brentq(value, low, turn, xtol=_CLOSE)
+                yield brentq(value, turn, high, xtol=_CLOSE)
+    signs = [0.0, *(f for f, _ in values), 0.0]
+    for i, A in enumerate(nodes):
+        if signs[i + 1] == 0 and signs[i] != 0 and (signs[i + 2] != 0 or i + 1 == len(nodes)):
+            yield A
+
+
+def limit_cycles(
+    law: FrictionLaw | str, osc: Oscillator, *, time_limit: float | None = None
+) -> tuple[LimitCycle, ...]:
     """Return every pure-slip limit cycle of an oscillator, by ascending amplitude.
 
     Parameters
     ----------
     law : FrictionLaw
-        With all parameters bound, smooth on the speeds of the motion.
+        With all parameters bound.
     osc : Oscillator
     time_limit : float, optional
         Seconds of computation after which it is given up.
@@ -126,106 +176,38 @@ def limit_cycles(law: FrictionLaw, osc: Oscillator, *, time_limit: float | None 
     Returns
     -------
     tuple of LimitCycle
-        Empty if there is none, or if all orbits are periodic, as without friction and damping.
+        Empty if there is none, or if all orbits are periodic, as without friction and damping. Cycles slower than
+        a thousandth of the belt's speed are not looked for.
 
     Raises
     ------
     InputError
-        For a law with a kink in reach.
+        For an unbound law.
     NotConverged
-        If the orbits are not found, since friction is too strong, or vary too fast with the amplitude.
+        If friction is too strong for the bound on the work.
     OutOfTime
         When the time limit is reached.
+
+    Examples
+    --------
+    >>> from stickslip_sym import Oscillator, laws, limit_cycles
+    >>> (cycle,) = limit_cycles(laws.exponential.typical(), Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81))
+    >>> f"{cycle.amplitude:.6f} m/s, {'stable' if cycle.stable else 'unstable'}"
+    '0.376589 m/s, unstable'
     """
+    law = as_law(law)
     with deadline.time_limit(time_limit):
-        return cycles_among(needed_damping(law, osc), law, osc)
+        need = needed_damping(law, osc)
+        return tuple(_cycle(need.system, osc, A) for A in need.amplitudes(2 * osc.zeta).tolist())
 
 
-def cycles_among(need: NeededDamping, law: FrictionLaw, osc: Oscillator) -> tuple[LimitCycle, ...]:
-    """Return the limit cycles among slip orbits whose damping is known as a function of the amplitude."""
-    solve = _solver(law, osc.V, osc.N / osc.impedance, Work(math.inf))
-    damping = 2 * osc.zeta
-    roots = need.amplitudes(damping)
-    if not roots.size:
-        return ()
-    slope = need.slope(roots)
-    for _ in range(_IMPROVED):
-        with np.errstate(all="ignore"):
-            step = (solve(roots).d - damping) / slope
-        # Where two roots nearly meet the slope says nothing, and the interpolant's root is as good as any.
-        roots = np.where(np.abs(step) < _NEAR, np.clip(roots - step, _AT_REST, 1.0), roots)
-    found = solve(roots)
-    return tuple(
-        LimitCycle(
-            amplitude=float(A * osc.V),
-            period=2 * math.pi / float(frequency * osc.omega),
-            floquet=float(exponent * osc.omega),
-            stable=bool(exponent < 0),
-        )
-        for A, frequency, exponent in zip(roots, found.frequency, found.exponent, strict=True)
-    )
-
-
-@lru_cache(maxsize=64)
-def _needed(
-    law: FrictionLaw, V: float, strength: float, most_work: float
-) -> NeededDamping | InputError | NotConverged:
-    """Return the damping that orbits need, or why it is not found: either takes long, and is asked for again."""
-    work = Work(most_work)
-    try:
-        return NeededDamping(_interpolated(_solver(law, V, strength, work), work))
-    except (InputError, NotConverged) as error:
-        return error.with_traceback(None)
-
-
-def _solver(law: FrictionLaw, V: float, strength: float, work: Work) -> Callable[[FloatArray], Orbits]:
-    """Return the function that finds the orbits of given amplitudes, within a bound on the work."""
-    if reason := obstacle(law, V, jump=False):
-        raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
-
-    def solve(A: FloatArray) -> Orbits:
-        found = orbits(law, V, strength, A, most_work=work.left)
-        work.done += found.work
-        if not np.isfinite(found.error).all():
-            lost = np.atleast_1d(A)[~np.isfinite(found.error)][0]
-            raise NotConverged(
-                f"no slip orbit of amplitude {lost * V:g} m/s was found: friction is too strong, or its law "
-                "not smooth enough at v = 0, for the bound on work; try simulate()"
-            )
-        if reason := obstacle(law, V, float(found.lowest.min()), jump=False):
-            raise InputError(f"limit cycles need a law that is smooth: {reason}; try simulate()")
-        return found
-
-    return solve
-
-
-def _interpolated(solve: Callable[[FloatArray], Orbits], work: Work) -> FloatArray:
-    """Return Chebyshev coefficients of d(A) on [0, 1]."""
-    for degree in _DEGREES:
-        if 2 * work.done > work.left:  # twice as many orbits take twice as much again, or more
-            break
-        # Nodes of the first kind: A = 0, where there is no orbit, is none of them.
-        nodes = chebyshev.chebpts1(degree + 1)
-        found = solve((1 + nodes) / 2)
-        from scipy.fft import dct
-
-        need: FloatArray = dct(found.d[::-1]) / (degree + 1)
-        need[0] /= 2
-        variation = np.ptp(found.d)
-        if variation <= _FLAT * found.scale.max():
-            return need[:1]
-        if np.abs(need[-degree // 8 :]).max() <= _RESOLVED * variation:
-            return need
-    raise NotConverged(
-        f"the damping of slip orbits varies too fast with their amplitude for a polynomial of degree {degree}; "
-        "the law may be steep near v = 0: try simulate()"
-    )
-
-
-def _roots(coefficients: FloatArray) -> FloatArray:
-    """Return the roots in (0, 1] of a Chebyshev series on it, ascending."""
-    if len(coefficients) < 2:
-        return np.empty(0)
-    found = (1 + chebyshev.chebroots(coefficients)) / 2
-    real = found.real[np.abs(found.imag) <= _REAL]
-    return np.sort(real[(real > _AT_REST) & (real <= 1)])
+def _cycle(system: Dimensionless, osc: Oscillator, A: float) -> LimitCycle:
+    """Return the cycle of an amplitude: two motions side by side part or close up by the ratio of their wedges."""
+    nothing = (0.0, 0.0, 0.0, *by_zeta(system)[3:])
+    ahead, back, _ = halves(system.rise, system.eta, osc.zeta, 0.0, A, _RTOL, True, 1.0, nothing)
+    period = ahead[3] + back[3]
+    # A wedge is 0 where its half slides along a jump of mu. Forward, the motions beside it come to lie on it;
+    # backward, it is one from which those beside it part at once.
+    factor = ahead[2] / max(back[2], _STRONGEST)
+    floquet = math.log(min(max(factor, _STRONGEST), 1 / _STRONGEST)) / period
+    return LimitCycle(A * osc.V, period / osc.omega, floquet * osc.omega, floquet < 0)

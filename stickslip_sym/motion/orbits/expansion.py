@@ -14,9 +14,9 @@ from dataclasses import dataclass, fields
 from functools import cache, lru_cache
 
 import numpy as np
+import sympy as sp
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core.algebra import sp
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion, harmonic, least_squares

@@ -16,13 +16,12 @@ Every term with friction enters as a small one, so weak friction loses no digits
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import FloatArray, IntArray, Rows
-from stickslip_sym.model.law import FrictionLaw, limit_at_rest
+from stickslip_sym.core.aliases import FloatArray, Rows
+from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.orbits.collocation import (
     GRIDS,
     ROUNDING,
@@ -39,17 +38,11 @@ from stickslip_sym.motion.orbits.collocation import (
 )
 from stickslip_sym.motion.orbits.expansion import Slope, averages, expand, slopes
 
-if TYPE_CHECKING:
-    from stickslip_sym.motion.orbits.shooting import Shots
-
 __all__ = ["Orbits", "derivatives", "obstacle", "orbits"]
 
-_MOST_WORK = 3e9  # cubes of grids, summed over the Newton steps on the way from weak friction to all of it
-_SHOT = 3e6  # cubes of grids: as long as shooting takes for one orbit
+_MOST_WORK = 3e9  # cubes of grids, summed over Newton steps
 _SAME = 1e-12  # relative; a static coefficient that exceeds mu(0+) by less does not
-_WEAKEST = 1e-3  # part of the friction with which the way to all of it begins
 _TIGHT = 1e-13  # relative error of d where it is differentiated
-_LOOSE = 1e-3  # relative error of d on that way
 _NEAREST = 1e-12  # slip speed over belt speed that an iterate may come down to; it may overshoot the belt
 
 
@@ -65,19 +58,6 @@ class Orbits:
     """Floquet exponent, the mean of g(z) - d, over omega: the orbit is stable if it is negative, shape (n,)."""
     lowest: FloatArray  # lowest velocity z of the orbit, shape (n,)
     work: float = 0.0  # cubes of grids, summed over Newton steps and rows
-
-    def take(self, rows: IntArray, shot: "Shots") -> None:
-        """Take some of the orbits from shooting."""
-        known = np.isfinite(shot.d)
-        for column, value in (
-            (self.d, shot.d),
-            (self.frequency, 2 * np.pi / shot.period),
-            (self.error, shot.error / shot.scale),
-            (self.scale, shot.scale),
-            (self.exponent, shot.exponent),
-            (self.lowest, 1 - shot.highest),
-        ):
-            column[rows[known]] = value[known]
 
     @property
     def relative_error(self) -> FloatArray:
@@ -116,45 +96,6 @@ def _start(law: FrictionLaw, problem: _Problem, size: int) -> State:
     return state
 
 
-def _continued(law: FrictionLaw, problem: _Problem, rtol: float, work: Work) -> tuple[State, FloatArray]:
-    """Follow one orbit from weak friction to all of it."""
-    part, growth = 1.0, 1.5
-    tail = np.array([np.inf])
-    while not np.isfinite(tail[0]) and part > _WEAKEST and not work.spent:
-        part /= 2
-        weak = _scaled(problem, part)
-        state, tail = refined(weak, _start(law, weak, GRIDS[0]), _LOOSE, work)
-    before = last = (part, state)
-    while np.isfinite(tail[0]) and growth > 1 + 1e-4 and not work.spent:
-        if last[0] == 1.0:
-            return state, tail
-        part = min(1.0, last[0] * growth)
-        guess = _extrapolated(before, last, part)
-        new, new_tail = refined(_scaled(problem, part), guess, _LOOSE if part < 1 else rtol, work)
-        if np.isfinite(new_tail[0]):
-            before, last, state, tail = last, (part, new), new, new_tail
-            growth = min(2.0, 1 + 1.5 * (growth - 1))
-        else:
-            growth = 1 + (growth - 1) / 3
-    return state, np.array([np.inf])
-
-
-def _scaled(problem: _Problem, part: float) -> _Problem:
-    return _Problem(problem.slope, problem.V, problem.strength * part, problem.A)
-
-
-def _extrapolated(before: tuple[float, State], last: tuple[float, State], part: float) -> State:
-    """Continue two orbits along the secant through them, in the logarithm of the friction."""
-    state = last[1].on(grid(last[1]))
-    if before[0] < last[0]:
-        ahead = np.log(part / last[0]) / np.log(last[0] / before[0])
-        old = before[1].on(grid(state))
-        state.z += ahead * (state.z - old.z)
-        state.d += ahead * (state.d - old.d)
-        state.sigma += ahead * (state.sigma - old.sigma)
-    return state
-
-
 def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool = True) -> str | None:
     """Say why slip orbits of a law are not smooth at belt speeds V, or return None.
 
@@ -162,7 +103,7 @@ def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool
     - `jump`: whether a static coefficient matters, as it does where orbits touch the belt's speed.
     """
     if jump and law.static is not None:
-        static, onset = float(law.substitute(law.static)), limit_at_rest(law.substitute(law.expr))
+        static, onset = law.number(law.static), law.onset
         if not static <= onset * (1 + _SAME):
             return f"its static coefficient {static:g} lies above mu(0+) = {onset:g}"
     reach = float(np.max(V, initial=0.0)) * (1 - lowest)
@@ -183,16 +124,6 @@ def _solution(
     columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in given))
     problem = _Problem(slopes(law), *(np.ravel(column) for column in columns))
     return problem, *refined(problem, _start(law, problem, GRIDS[0]), rtol, work)
-
-
-def _followed(law: FrictionLaw, problem: _Problem, state: State, tail: FloatArray, rtol: float) -> State:
-    """Follow the orbits that were not found from weak friction to all of it, and enter them and their tails."""
-    for row in np.flatnonzero(~np.isfinite(tail)).tolist():
-        single, tail[[row]] = _continued(law, problem.rows([row]), rtol, Work(_MOST_WORK))
-        size = max(grid(state), grid(single))
-        state = state.on(size)
-        state.put([row], single.on(size))
-    return state
 
 
 def derivatives(law: FrictionLaw, V: ArrayLike, strength: ArrayLike) -> dict[str, FloatArray]:
@@ -216,7 +147,6 @@ def derivatives(law: FrictionLaw, V: ArrayLike, strength: ArrayLike) -> dict[str
     """
     with np.errstate(all="ignore"):
         problem, state, tail = _solution(law, (V, strength, 1.0), _TIGHT, Work(np.inf))
-        state = _followed(law, problem, state, tail, _TIGHT)
         size, K = grid(state), state.z.shape[1] - 1
         n = np.arange(K + 1)
         z, z_theta = values(state.z, size), values(1j * n * state.z, size)
@@ -243,8 +173,7 @@ def orbits(
     A: ArrayLike = 1.0,
     *,
     rtol: float = 1e-13,
-    most_work: float = np.inf,
-    shots: bool = True,
+    most_work: float = _MOST_WORK,
 ) -> Orbits:
     """Return the pure-slip orbits of given height.
 
@@ -255,7 +184,6 @@ def orbits(
     - `rtol`: relative error of d at which the grid is fine enough, where rounding allows.
     - `most_work`: cubes of grids, summed over Newton steps and rows, after which what is not found yet is given
       up.
-    - `shots`: whether those that collocation does not find are shot.
 
     An orbit that was not found has an infinite error, and no number for d.
     """
@@ -271,7 +199,7 @@ def orbits(
         unseen = np.abs(seen - all_there_is) / np.where(scale == 0, 1.0, scale)
         error = tail + unseen + ROUNDING * grid(state) / GRIDS[0]
     error[scale == 0] = 0.0
-    found = Orbits(
+    return Orbits(
         d=np.where(np.isfinite(error), state.d, np.nan),
         frequency=frequency(state.sigma),
         error=error,
@@ -280,13 +208,3 @@ def orbits(
         lowest=z.min(axis=1),
         work=work.done,
     )
-    strong = np.flatnonzero(~np.isfinite(tail))
-    if shots and work.left >= _SHOT * strong.size > 0:
-        from stickslip_sym.motion.orbits.shooting import shoot
-
-        with np.errstate(all="ignore"):
-            shot = shoot(
-                problem.slope, problem.V[strong], problem.strength[strong], problem.A[strong], all_there_is[strong]
-            )
-            found.take(strong, shot)
-    return found

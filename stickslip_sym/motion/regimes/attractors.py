@@ -7,37 +7,45 @@ place of both.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
-
-import numpy as np
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, Scene
+from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle
-from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, next_peak, overtaking_cycle, slip_orbits
-from stickslip_sym.motion.simulation.slip import follow
-from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase
-from stickslip_sym.motion.simulation.steppers import Point
-from stickslip_sym.motion.simulation.transit import StickSlipCycle, lowest_slip_speed, stick_slip_cycle
+from stickslip_sym.motion.regimes.kinds import ATTRACTORS
+from stickslip_sym.motion.regimes.separatrix import Separatrix, SlipCurve
+from stickslip_sym.motion.regimes.slip_orbits import lowest, next_peak, overtaking_cycle, slip_orbits
+from stickslip_sym.motion.simulation.cycle import StickSlipCycle, stick_slip_cycle
+from stickslip_sym.motion.slip import Dimensionless, End
 from stickslip_sym.output import drawing, markup
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Attractor", "Regime", "Rest", "Separatrix", "graze", "grows_far_out", "regime", "swing"]
+__all__ = [
+    "Attractor",
+    "Regime",
+    "Rest",
+    "friction_far_out",
+    "graze",
+    "grows_far_out",
+    "regime",
+    "separatrices_of",
+    "swing",
+]
 
-_SAMPLES = 257  # of a separatrix
-_LONGEST = 1e3  # of dimensionless time, for a separatrix
 _CLOSE = 1e-6  # slip speed over the belt's at a graze, below which its error is measured
 _ROUNDING = 1e-14  # of a damping coefficient's terms
-_SAME = 1e-12  # relative, of speeds and of coefficients of friction
+_SAME = 1e-12  # relative, of the belt's speed and a kink
 _FAST = 1e12  # slip speed over the belt's, beyond every feature of a law: it stands for all that are higher
 
 
@@ -71,28 +79,6 @@ class Rest:
 
 
 Attractor = Rest | LimitCycle | StickSlipCycle
-SeparatrixKind = Literal["limit cycle", "graze"]
-
-
-@dataclass(frozen=True)
-class Separatrix:
-    """A curve in the phase plane that parts two basins of attraction.
-
-    Attributes
-    ----------
-    x, v : numpy.ndarray
-        Displacement in m and velocity in m/s along it.
-    kind : str
-        "limit cycle": an unstable one, closed; "graze": the orbit that just touches the belt's speed, closed by
-        the part of the line v = V between its ends.
-    """
-
-    x: FloatArray
-    v: FloatArray
-    kind: SeparatrixKind
-
-    def __repr__(self) -> str:
-        return f"Separatrix: {self.kind}, {len(self.x)} points"
 
 
 @dataclass(frozen=True)
@@ -107,6 +93,10 @@ class Regime(drawing.Drawn):
         All pure-slip limit cycles by ascending amplitude, unstable ones too; the last may overtake the belt.
     separatrices : tuple of Separatrix
         From inside out. That of motions without bound, where there are any, is not among them.
+    basins : tuple of Motion or None
+        The motions to which those come that begin inside the first separatrix, between it and the second, ...,
+        outside the last. None where separatrices do not settle it: a motion grows without bound or overtakes the
+        belt, or mu jumps, so that motions may slide at a constant slip speed.
     unbounded : bool
         Whether motions far out grow without bound: a negative damping that friction does not outdo, or a
         coefficient of friction that falls below 0 for good.
@@ -121,21 +111,20 @@ class Regime(drawing.Drawn):
     stick_slip: StickSlipCycle | None
     cycles: tuple[LimitCycle, ...]
     separatrices: tuple[Separatrix, ...]
+    basins: tuple[Motion, ...] | None
     unbounded: bool
     undecided: tuple[str, ...]
-    law: FrictionLaw | None = None
-    oscillator: Oscillator | None = None
+    law: FrictionLaw
+    oscillator: Oscillator
 
     @property
     def attractors(self) -> tuple[Attractor, ...]:
         """The motions that attract others, from inside out."""
-        found: list[Attractor] = [self.rest] if self.rest.stable else []
-        found += [cycle for cycle in self.cycles if cycle.stable]
-        return tuple(found if self.stick_slip is None else [*found, self.stick_slip])
+        return tuple(attractor for kind in ATTRACTORS for attractor in kind.of(self))
 
     @property
     def coexist(self) -> bool:
-        """Whether there is more than one attractor, so that the start decides."""
+        """Whether there is more than one attractor, so that the initial condition decides."""
         return len(self.attractors) > 1
 
     def __str__(self) -> str:
@@ -161,7 +150,9 @@ class Regime(drawing.Drawn):
         return draw_regime(self)
 
 
-def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, time_limit: float | None = None) -> Regime:
+def regime(
+    law: FrictionLaw | str, osc: Oscillator, *, rtol: float = 1e-12, time_limit: float | None = None
+) -> Regime:
     """Return every attractor of an oscillator, and the separatrices where there are several.
 
     Parameters
@@ -181,6 +172,7 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, time_limit
     NotConverged
         When the bound on the work is reached.
     """
+    law = as_law(law)
     rtol = read_rtol(rtol)
     with deadline.time_limit(time_limit):
         return _found(law, osc, rtol)
@@ -188,8 +180,8 @@ def regime(law: FrictionLaw, osc: Oscillator, *, rtol: float = 1e-12, time_limit
 
 def _found(law: FrictionLaw, osc: Oscillator, rtol: float) -> Regime:
     """Return what is found until the time is up: then every later part is left out, and named."""
-    scene, undecided = Scene.of(law, osc), list[str]()
-    rest = _rest(law, osc, scene)
+    system, undecided = Dimensionless.of(law, osc), list[str]()
+    rest = _rest(law, osc, system)
 
     @contextmanager
     def part(name: str) -> Iterator[None]:
@@ -199,10 +191,9 @@ def _found(law: FrictionLaw, osc: Oscillator, rtol: float) -> Regime:
             undecided.append(f"{name}: not found within the time limit")
 
     orbits = overtaking = cycle = None
-    separatrices: list[Separatrix] = []
     height = 1.0
     with part("whether the slip from P returns, and stick-slip"):
-        height = graze(scene, rtol)
+        height = graze(system, rtol)
         cycle = stick_slip_cycle(law, osc, rtol=rtol) if height < 0 else None
     with part("the limit cycles in pure slip"):
         orbits = slip_orbits(law, osc, rtol=rtol)
@@ -219,50 +210,64 @@ def _found(law: FrictionLaw, osc: Oscillator, rtol: float) -> Regime:
         undecided.append(f"{kind} limit cycle about rest is too small to find")
     with part("limit cycles that overtake the belt"):
         overtaking = overtaking_cycle(law, osc, rtol=rtol) if height < 0 and cycle is None else None
+    separatrices, basins = list[Separatrix](), None
     with part("separatrices"):
-        for separatrix in _separatrices(scene, osc, law, orbits, cycle is not None, rtol) if orbits else ():
-            separatrices.append(separatrix)
+        if orbits is not None:
+            unstable = [one.amplitude for one in orbits.cycles if not one.stable]
+            separatrices = separatrices_of(law, osc, unstable, cycle is not None and orbits.growth[-1] < 0, rtol)
+    unbounded = grows_far_out(law, osc)
+    if (
+        orbits
+        and not (undecided or unbounded or rest.one_sided or any(system.rise.jumps))
+        and (height > 0 or cycle)
+    ):
+        bounds = [0.0, *unstable, osc.V]
+        inside = [_motion_of(orbits.fate((low + high) / 2)) for low, high in pairwise(bounds)]
+        if cycle is None or orbits.growth[-1] >= 0:
+            basins = tuple(inside)
+        elif len(separatrices) == len(inside) and separatrices[-1].curve_ends_on_belt:
+            basins = (*inside, Motion.STICK_SLIP)
     return Regime(
         rest=rest,
         stick_slip=cycle,
         cycles=(*(orbits.cycles if orbits else ()), *([] if overtaking is None else [overtaking])),
         separatrices=tuple(separatrices),
-        unbounded=grows_far_out(law, osc),
+        basins=basins,
+        unbounded=unbounded,
         undecided=tuple(undecided),
         law=law,
         oscillator=osc,
     )
 
 
-def graze(scene: Scene, rtol: float) -> float:
+def graze(system: Dimensionless, rtol: float) -> float:
     """Return the first minimum of the slip speed, over V, after P: 0 where integration cannot tell its sign.
 
-    Where the mass returns it is negative, and -infinity where it moves away for ever, as `lowest_slip_speed` has
-    it; where the mass creeps to rest it is 1. It counts as 0 up to the tolerance, and where a tolerance ten times
-    wider changes it by half of itself or more.
+    Where the mass returns it is -w'^2/2, which continues the minimum through 0 with its value and its slope, and
+    -infinity where the mass moves away for ever; where it creeps to rest it is 1. It counts as 0 up to the
+    tolerance, and where a tolerance ten times wider changes it by half of itself or more.
     """
-    lowest = lowest_slip_speed(scene, rtol)
-    if lowest is None:
-        return 1.0
-    if abs(lowest) > _CLOSE:
-        return lowest
-    loose = lowest_slip_speed(scene, 10 * rtol)
-    lost = loose is None or abs(loose - lowest) >= abs(lowest) / 2
-    return 0.0 if lost or abs(lowest) <= rtol else lowest
+    height = lowest(system, rtol)
+    if abs(height) > _CLOSE:
+        return height
+    lost = abs(lowest(system, 10 * rtol) - height) >= abs(height) / 2
+    return 0.0 if lost or abs(height) <= rtol else height
 
 
-def _rest(law: FrictionLaw, osc: Oscillator, scene: Scene) -> Rest:
-    x = osc.N * float(law.mu(osc.V)) / osc.k
-    kink = next((i for i, branch in enumerate(scene.branches) if abs(branch.low - 1) <= _SAME), None)
+def _rest(law: FrictionLaw, osc: Oscillator, system: Dimensionless) -> Rest:
+    mu = float(law.mu(osc.V))
+    x = osc.N * mu / osc.k
+    levels = system.rise.levels
+    kink = next((i for i in range(1, len(levels) - 1) if abs(levels[i] - 1) <= _SAME), None)
     if kink is None:
         rate, _ = swing(osc, law.slope(osc.V))
         return Rest(x, rate, rate < 0)
-    before, after = (scene.onset + scene.branches[i].rise(1.0) for i in (kink - 1, kink))
+    jump = system.rise.jumps[kink]
     sides = [swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
     ends_here = any(rate < 0 and math.isinf(time) for rate, time in sides)
-    if abs(after - before) > _SAME * max(abs(before), abs(after)) and osc.N > 0:
+    if jump != 0 and osc.N > 0:
         # Where mu jumps up it holds the mass as static friction does; where it jumps down it drives it off.
-        return Rest(x, math.copysign(math.inf, before - after), after > before, before > after and ends_here)
+        return Rest(x, math.copysign(math.inf, -jump), jump > 0, jump < 0 and ends_here)
     aperiodic = [rate for rate, time in sides if math.isinf(time)]
     if aperiodic:  # motions on that side do not come back from it
         rate = max(aperiodic)
@@ -283,27 +288,40 @@ def swing(osc: Oscillator, slope: float) -> tuple[float, float]:
 
 def grows_far_out(law: FrictionLaw, osc: Oscillator) -> bool:
     """Whether damping and friction together feed motions at all high speeds."""
+    return bool(osc.c + osc.N * friction_far_out(law, osc.V) < 0)
+
+
+def friction_far_out(law: FrictionLaw, V: float) -> float:
+    """Return mu(v)/v in s/m at slip speeds beyond every feature of a law; 0 if it is measured up to a speed."""
     if law.v_max is not None:
-        return osc.c < 0
-    fast = _FAST * osc.V
-    return bool(osc.c + osc.N * law.mu(fast) / fast < 0)
+        return 0.0
+    fast = _FAST * V
+    return float(law.mu(fast)) / fast
 
 
-def _separatrices(
-    scene: Scene, osc: Oscillator, law: FrictionLaw, orbits: SlipOrbits, sticks: bool, rtol: float
-) -> Iterator[Separatrix]:
-    onset = osc.onset(law)
+def separatrices_of(
+    law: FrictionLaw, osc: Oscillator, unstable: Sequence[float], grazes: bool, rtol: float
+) -> list[Separatrix]:
+    """Return the curves that part basins, from inside out.
 
-    def curve(slip: SlipPhase, kind: SeparatrixKind, forward: int = 1) -> Separatrix:
-        q, w = slip.at(np.linspace(slip.interpolants[0].start.tau, slip.last.tau, _SAMPLES))
-        return Separatrix(onset + osc.length * forward * q, osc.V * (1 - w), kind)
+    - `unstable`: amplitudes in m/s of the unstable limit cycles below the belt's speed.
+    - `grazes`: whether the orbit that just touches the belt's speed parts motions that stick from others.
+    """
+    system, onset = Dimensionless.of(law, osc), osc.onset(law)
+    curves = []
+    for speed in unstable:
+        _, _, slip = next_peak(system, speed / osc.V, rtol, recorded=True)
+        curves.append(Separatrix("limit cycle", SlipCurve.of(system, slip, rtol), onset, osc))
+    if grazes:
+        slip = system.slip(system.turn(0.0), 0.0, rtol=rtol, backward=True, recorded=True)
+        if slip.end is not End.OUTSIDE:
+            curve = SlipCurve.of(system, slip, rtol, backward=True)
+            curves.append(Separatrix("graze", curve, onset, osc))
+    return curves
 
-    for cycle in orbits.cycles:
-        if not cycle.stable:
-            yield curve(next_peak(scene, cycle.amplitude / osc.V, rtol)[1], "limit cycle")
-    if sticks and orbits.growth[-1] < 0:
-        # With time reversed and q mirrored the equations keep their form; friction and damping change sign.
-        backward = replace(scene, eta=-scene.eta, zeta=-scene.zeta)
-        slip = follow(backward, Point(0.0, backward.turn(0.0), 0.0), 1, horizon=_LONGEST, rtol=rtol)
-        if slip.end is not End.UNBOUNDED:
-            yield curve(slip, "graze", -1)
+
+def _motion_of(fate: LimitCycle | float) -> Motion:
+    """Return the motion that an orbit in slip tends to; one that grows up to the belt's speed comes to stick."""
+    if isinstance(fate, LimitCycle):
+        return Motion.PURE_SLIP
+    return Motion.REST if fate == 0 else Motion.STICK_SLIP

@@ -1,56 +1,64 @@
-"""Which motion a start leads to."""
+"""Which motion an initial condition leads to."""
 
 import math
-from enum import Enum
-from functools import cached_property
+from collections.abc import Callable
+from functools import cached_property, partial
+from typing import Any, overload
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.core.errors import OutOfTime, StickSlipError
-from stickslip_sym.core.numbers import read_rtol, real
+from stickslip_sym.core.aliases import FloatArray, IntArray, ObjectArray
+from stickslip_sym.core.errors import StickSlipError
+from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, Scene
-from stickslip_sym.motion.ensemble.ends import Ends, first_ends
+from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.attractors import graze, grows_far_out
 from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits
-from stickslip_sym.motion.simulation.slip import follow
-from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase, Until
-from stickslip_sym.motion.simulation.steppers import Point
-from stickslip_sym.motion.simulation.transit import horizon, stick_slip_cycle
+from stickslip_sym.motion.simulation.cycle import stick_slip_cycle
+from stickslip_sym.motion.simulation.many import read_initial_conditions
+from stickslip_sym.motion.slip import Dimensionless, End, Slips
 
-__all__ = ["Motion", "classify", "classify_all"]
+__all__ = ["classify", "classify_all"]
 
 _ROUNDS = 12  # looked at on the way from far out
+_MOST_STEPS = 10_000  # of a slip
 _SAME = 1e-9  # relative change of a round that is periodic
-_MANY = 40  # starts, from which on it is faster to follow them together
+_FEW = 8  # initial conditions, up to which plain Python is as fast as loading compiled code
 _NEAR = 100  # times the tolerance, around a separatrix
 
 
-class Motion(Enum):
-    """What a mass does in the end."""
+@overload
+def classify(
+    law: FrictionLaw | str, osc: Oscillator, *, x0: float = ..., v0: float | None = ..., rtol: float = ...,
+    time_limit: float | None = ..., workers: int = ...,
+) -> Motion: ...  # fmt: skip
 
-    STICK_SLIP = "stick-slip"
-    PURE_SLIP = "pure slip"
-    DAMPED_SLIP = "damped slip"
-    UNBOUNDED = "grows without bound"
-    UNDECIDED = "undecided, within tolerance of a boundary"
+
+@overload
+def classify(
+    law: FrictionLaw | str, osc: Oscillator, *, x0: ArrayLike = ..., v0: ArrayLike | None = ..., rtol: float = ...,
+    time_limit: float | None = ..., workers: int = ...,
+) -> Motion | ObjectArray: ...  # fmt: skip
 
 
 def classify(
-    law: FrictionLaw,
+    law: FrictionLaw | str,
     osc: Oscillator,
     *,
-    x0: float = 0.0,
-    v0: float | None = None,
+    x0: ArrayLike = 0.0,
+    v0: ArrayLike | None = None,
     rtol: float = 1e-10,
     time_limit: float | None = None,
-) -> Motion:
-    """Return the motion to which a start leads.
+    workers: int = 1,
+) -> Motion | ObjectArray:
+    """Return the motion to which an initial condition leads, or many.
 
-    A mass that comes to stick leaves at P, and all that follows is the transit from there. One that only slips has
+    A mass that comes to stick leaves at P, and all that follows is the slip from there. One that only slips has
     peaks of velocity that grow or shrink up to the next limit cycle. So a few slip phases decide.
 
     Parameters
@@ -58,19 +66,22 @@ def classify(
     law : FrictionLaw
         With all parameters bound. One with mu(0) = 0 never sticks: its relaxation oscillation is pure slip.
     osc : Oscillator
-    x0 : float
-        Initial displacement in m.
-    v0 : float, optional
-        Initial velocity in m/s, on either side of the belt's; the belt's speed if not given.
+    x0 : float or array
+        Initial displacement in m, one or many.
+    v0 : float or array, optional
+        Initial velocity in m/s, on either side of the belt's; the belt's speed if not given. Arrays broadcast.
     rtol : float
         Relative tolerance of an integration step, 1e-13 to 1e-3.
     time_limit : float, optional
         Seconds of computation after which it is given up.
+    workers : int
+        Threads for many initial conditions, where numba is there.
 
     Returns
     -------
-    Motion
-        `UNDECIDED` where the start, or the oscillator itself, is on a boundary within the tolerance.
+    Motion or numpy.ndarray of Motion
+        STICK_SLIP, PURE_SLIP, REST, UNBOUNDED; `UNDECIDED` where the initial condition, or the oscillator itself,
+        is on a boundary within the tolerance.
 
     Raises
     ------
@@ -80,94 +91,113 @@ def classify(
         When the bound on the work is reached.
     OutOfTime
         When the time limit is reached.
+
+    Examples
+    --------
+    >>> import stickslip_sym as ss
+    >>> osc = ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)
+    >>> [motion.name for motion in ss.classify(ss.laws.exponential.typical(), osc, x0=[-0.1, 0.0], v0=0.0)]
+    ['STICK_SLIP', 'REST']
     """
-    rtol = read_rtol(rtol)
-    v0 = osc.V if v0 is None else real("v0", v0)
-    scene = Scene.of(law, osc)
-    start = Point(0.0, (real("x0", x0) - osc.onset(law)) / osc.length, abs(osc.V - v0) / osc.V)
+    law = as_law(law)
     with deadline.time_limit(time_limit):
-        return _Course(law, osc, scene, rtol).of(start, 1 if v0 < osc.V else -1)
+        deadline.check_time()  # what is kept from earlier calls may need no look at the time
+        found = classify_all(law, osc, x0, osc.V if v0 is None else v0, rtol=read_rtol(rtol), workers=workers)
+    for one in found.flat:
+        if isinstance(one, StickSlipError):
+            raise one
+    return found if found.ndim else found.item()
 
 
 def classify_all(
-    law: FrictionLaw, osc: Oscillator, x0: FloatArray, v0: FloatArray, *, rtol: float
-) -> list[Motion | StickSlipError]:
-    """Return what each of many starts leads to, as `classify` says it, or the error that it raises.
-
-    The first slips are followed all at once, and what follows from P is found once; starts that the steps of many
-    do not serve are classified one by one, and so are few.
+    law: FrictionLaw, osc: Oscillator, x0: ArrayLike, v0: ArrayLike, *, rtol: float, workers: int = 1
+) -> ObjectArray:
+    """Return what each initial condition leads to, or in its place the error that kept it from being known.
 
     Raises
     ------
     InputError
-        For an unbound law.
+        For an unbound law, or initial conditions that do not broadcast.
     """
-    scene = Scene.of(law, osc)
-    course = _Course(law, osc, scene, rtol)
-    q, u = (x0 - osc.onset(law)) / osc.length, v0 / osc.V
-    ends = first_ends(scene, q, u, horizon=horizon(scene), rtol=rtol) if x0.size >= _MANY else None
-    found: list[Motion | StickSlipError] = []
-    for i in range(x0.size):
-        point, side = Point(0.0, float(q[i]), abs(float(1 - u[i]))), 1 if u[i] < 1 else -1
-        try:
-            deadline.check_time()
-            known = None if ends is None or course.at_rest(point, side) else course.after(ends, i)
-            found.append(course.of(point, side) if known is None else known)
-        except StickSlipError as error:
-            found.append(error)
-    return found
+    places, speeds = read_initial_conditions(x0, v0)
+    system = Dimensionless.of(law, osc)
+    q, u = (places.ravel() - osc.onset(law)) / osc.length, speeds.ravel() / osc.V
+    course = _Course(law, osc, system, rtol, workers)
+    return course.of(q, np.abs(1 - u), np.where(u < 1, 1.0, -1.0)).reshape(places.shape)
+
+
+def _or_error(decide: Callable[[], Any]) -> Any:
+    """Return a decision, or the error that it raises."""
+    try:
+        return decide()
+    except StickSlipError as error:
+        return error
 
 
 class _Course:
-    """The course of a motion, from one slip phase to the next."""
+    """The courses of motions, from one slip phase to the next."""
 
-    def __init__(self, law: FrictionLaw, osc: Oscillator, scene: Scene, rtol: float) -> None:
-        self.law, self.osc, self.scene, self.rtol = law, osc, scene, rtol
+    def __init__(
+        self, law: FrictionLaw, osc: Oscillator, system: Dimensionless, rtol: float, workers: int
+    ) -> None:
+        self.law, self.osc, self.system, self.rtol, self.workers = law, osc, system, rtol, workers
 
-    def at_rest(self, point: Point, side: int) -> bool:
-        """Whether a start is at the equilibrium, within the tolerance."""
-        q, w = self.scene.rest
+    def of(self, q: FloatArray, w: FloatArray, side: FloatArray) -> ObjectArray:
+        """Return what initial conditions lead to."""
+        found = np.full(q.shape, None, dtype=object)
+        first = np.full(q.shape, np.nan)  # where slip slower than the belt began, outside P's orbit
+        rest_q, rest_w = self.system.rest
         near = _NEAR * self.rtol
-        return side > 0 and abs(point.w - w) <= near and abs(point.q - q) <= near * max(1.0, abs(q))
+        at_rest = (side > 0) & (np.abs(w - rest_w) <= near) & (np.abs(q - rest_q) <= near * max(1.0, abs(rest_q)))
+        found[at_rest] = Motion.REST if self.system.decay(rest_w) > 0 else Motion.UNDECIDED
+        left = np.flatnonzero(~at_rest)
+        while left.size:
+            still = w[left] == 0
+            some = left[still]
+            stuck = (q[some] <= 0) & (q[some] >= -2 * self.system.eta * self.system.table.static)
+            if stuck.any():
+                found[some[stuck]] = _or_error(lambda: self._from_onset)
+            some = some[~stuck]
+            side[some] = np.where(q[some] >= 0, 1.0, -1.0)
+            begins = some[side[some] > 0]
+            for i in begins[~np.isnan(first[begins])]:
+                found[i] = _or_error(partial(self._outside, float(first[i]), float(q[i])))
+            first[begins] = q[begins]
+            left = left[found[left] == None]  # noqa: E711  # elementwise
+            for one in (1.0, -1.0):
+                some = left[side[left] == one]
+                if not some.size:
+                    continue
+                slips = _or_error(partial(self._slips, q[some], w[some], int(one)))
+                if isinstance(slips, StickSlipError):
+                    found[some] = slips
+                    continue
+                q[some], w[some] = slips.q, slips.w
+                self._decide(found, some, slips)
+            left = left[found[left] == None]  # noqa: E711
+        return found
 
-    def after(self, ends: Ends, start: int) -> Motion | None:
-        """Return what one of many starts leads to after how it first ended; None where that is not known."""
-        if ends.late[start]:
-            raise OutOfTime("the time limit was reached")
-        if ends.onset[start]:
-            return self._from_onset
-        if ends.rests[start]:
-            return Motion.DAMPED_SLIP
-        if ends.unbounded[start]:
-            return self._beyond_all
-        if ends.lowest[start] == ends.lowest[start]:
-            return self._inside(1 - float(ends.lowest[start]))
-        before, now = ends.rounds[:, start].tolist()
-        return self._outside(before, now) if now == now else None
+    def _slips(self, q: FloatArray, w: FloatArray, side: int) -> Slips:
+        """Follow slips up to a return, or a minimum of w below the belt's speed."""
+        until = End.MINIMUM if side > 0 else End.RETURN
+        if q.size <= _FEW:
+            states = zip(q.tolist(), w.tolist(), strict=True)
+            rows = [
+                self.system.slip(*state, side, until=until, rtol=self.rtol, most=_MOST_STEPS) for state in states
+            ]
+            return Slips(*(np.array(column) for column in list(zip(*rows, strict=True))[:6]))
+        sides = np.full(q.shape, float(side))
+        return self.system.slips(q, w, sides, until=until, rtol=self.rtol, workers=self.workers)
 
-    def of(self, point: Point, side: int) -> Motion:
-        """Return what a start leads to."""
-        if self.at_rest(point, side):
-            return Motion.DAMPED_SLIP if self.scene.decay(self.scene.rest[1]) > 0 else Motion.UNDECIDED
-        first: float | None = None  # where slip slower than the belt began, outside P's orbit
-        while True:
-            if point.w == 0:
-                if self.scene.sticks(point.q):
-                    return self._from_onset
-                side = 1 if point.q >= 0 else -1
-                if side > 0 and first is not None:
-                    return self._outside(first, point.q)
-                first = point.q if side > 0 else first
-            slip = self._slip(point, side, End.MINIMUM if side > 0 else End.RETURN)
-            if slip.end is End.REST:
-                return Motion.DAMPED_SLIP
-            if slip.end is End.HORIZON:
-                return Motion.UNDECIDED
-            if slip.end is End.UNBOUNDED:
-                return self._beyond_all
-            if slip.end is End.MINIMUM:
-                return self._inside(1 - slip.last.w)
-            point = Point(0.0, slip.last.q, slip.last.w)
+    def _decide(self, found: ObjectArray, rows: IntArray, slips: Slips) -> None:
+        """Note what slips lead to that do not return."""
+        for end, motion in ((End.REST, Motion.REST), (End.HORIZON, Motion.UNDECIDED)):
+            found[rows[slips.end == end]] = motion
+        turned = slips.end == End.MINIMUM
+        found[rows[turned]] = _or_error(lambda: self._inside(1 - slips.w[turned]))
+        for i in np.flatnonzero(np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED))):
+            refusal = self.system.refusal(self.system.slip_of(slips, int(i)), self.rtol)
+            found[rows[i]] = _or_error(lambda: self._beyond_all) if refusal is None else refusal
 
     def _outside(self, before: float, now: float) -> Motion:
         """Return what two rounds outside P's orbit lead to: all that follow go the same way."""
@@ -181,31 +211,38 @@ class _Course:
         return Motion.PURE_SLIP if any(self._grows(q) for q in nearer) else self._from_onset
 
     def _grows(self, q: float) -> bool:
-        return round_from(self.scene, q, self.rtol)[0] > q
+        return round_from(self.system, q, self.rtol).end > q
 
     @cached_property
     def _from_onset(self) -> Motion:
         """Return what the slip from P leads to."""
-        height = graze(self.scene, self.rtol)
+        height = graze(self.system, self.rtol)
         if height == 0:
             return Motion.UNDECIDED
-        return self._inside(1 - height) if height > 0 else self._returned
+        return self._inside(np.array([1 - height]))[0] if height > 0 else self._returned
 
-    def _inside(self, peak: float) -> Motion:
-        """Return what a peak below the belt's speed leads to."""
-        orbits = self._orbits
+    def _inside(self, peaks: FloatArray) -> ObjectArray:
+        """Return what peaks below the belt's speed lead to."""
+        orbits, found = self._orbits, np.full(peaks.shape, None, dtype=object)
+        places = np.searchsorted([cycle.amplitude / self.osc.V for cycle in orbits.cycles], peaks)
+        for place in np.unique(places):
+            some = places == place
+            fate = orbits.fate(float(peaks[some][0]) * self.osc.V)
+            found[some] = _or_error(partial(self._of_fate, fate))
         for cycle in orbits.cycles:
-            if not cycle.stable and abs(cycle.amplitude / self.osc.V - peak) <= _NEAR * self.rtol:
-                return Motion.UNDECIDED
-        fate = orbits.fate(peak * self.osc.V)
+            if not cycle.stable:
+                found[np.abs(cycle.amplitude / self.osc.V - peaks) <= _NEAR * self.rtol] = Motion.UNDECIDED
+        return found
+
+    def _of_fate(self, fate: LimitCycle | float) -> Motion:
         if isinstance(fate, LimitCycle) or math.isnan(fate):
             return Motion.PURE_SLIP
-        return Motion.DAMPED_SLIP if fate == 0 else self._returned
+        return Motion.REST if fate == 0 else self._returned
 
     @cached_property
     def _returned(self) -> Motion:
         """Return what an orbit that grows up to the belt's speed leads to: no orbits cross, so where P's goes."""
-        if graze(self.scene, self.rtol) >= 0:
+        if graze(self.system, self.rtol) >= 0:
             return Motion.UNDECIDED
         if stick_slip_cycle(self.law, self.osc, rtol=self.rtol) is not None:
             return Motion.STICK_SLIP
@@ -220,7 +257,3 @@ class _Course:
     @cached_property
     def _orbits(self) -> SlipOrbits:
         return slip_orbits(self.law, self.osc, rtol=self.rtol)
-
-    def _slip(self, start: Point, side: int, until: Until) -> SlipPhase:
-        end = start.tau + horizon(self.scene)
-        return follow(self.scene, start, side, horizon=end, rtol=self.rtol, until=until)

@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.simulation.automaton import simulate
+from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.output.drawing import dense, require_matplotlib
 
@@ -32,7 +31,7 @@ _BELT: Style = {"color": "black", "linewidth": 0.8, "linestyle": ":"}
 def draw_regime(found: Any) -> "Figure":
     """Return the figure of a regime.
 
-    Raises `InputError` if matplotlib is not installed, or the regime does not know its law and its oscillator.
+    Raises `InputError` if matplotlib is not installed.
     """
     require_matplotlib()
     from matplotlib.figure import Figure
@@ -45,12 +44,7 @@ def draw_regime(found: Any) -> "Figure":
 
 
 def phase_plane(axes: "Axes", found: Any) -> "dict[str, Artist]":
-    """Draw a regime in the phase plane, and return what its legend has, by name.
-
-    Raises `InputError` if the regime does not know its law and its oscillator.
-    """
-    if found.law is None or found.oscillator is None:
-        raise InputError("this regime does not know its law and its oscillator; draw one that regime() returned")
+    """Draw a regime in the phase plane, and return what its legend has, by name."""
     for motion, label, style in _periodic(found, found.law, found.oscillator):
         state = motion.at(dense(np.unique(motion.t)))
         axes.plot(state.x, state.v, label=label, **style)

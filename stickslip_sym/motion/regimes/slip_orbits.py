@@ -16,26 +16,19 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
-from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, Scene
-from stickslip_sym.motion.orbits.cycles import LimitCycle, cycles_among, needed_damping
-from stickslip_sym.motion.simulation.levels import Levels
-from stickslip_sym.motion.simulation.slip import follow
-from stickslip_sym.motion.simulation.slip_phase import End, SlipPhase, Until
-from stickslip_sym.motion.simulation.steppers import Point
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles, needed_damping
+from stickslip_sym.motion.slip import Dimensionless, End, Slip
 
-__all__ = ["SlipOrbits", "by_simulation", "next_peak", "overtaking_cycle", "round_from", "slip_orbits", "trough"]
+__all__ = ["SlipOrbits", "by_return_map", "lowest", "next_peak", "overtaking_cycle", "round_from", "slip_orbits"]
 
-_MOST_WORK = 5e7  # cubes of grids: about as long as following the orbits at these amplitudes takes
 _NEAREST = 1e-3  # lowest amplitude that is looked at: a smaller cycle is not seen
 _NODES = sorted(
     {float(A) for A in _NEAREST + (1 - _NEAREST) * (1 - np.cos(np.linspace(0.0, math.pi, 33))) / 2}
     | {1 - 10.0**-decade for decade in range(3, 7)}
 )  # amplitudes over the belt's speed; graded towards the belt's speed, where laws are steep
 _NEUTRAL = 1e-11  # growth a round below which an integration cannot tell its sign
-_STEP = 1e-5  # of amplitude, for the slope of the return map
-_LONGEST = 1e3  # of dimensionless time, for one slip phase; more where damping makes it creep
 _FIRST = 1e-3  # displacement q at which a round outside P's is tried first
 _ESCAPED = 1e6  # the last q tried, and the peak over V of a motion without bound
 _STRONGEST = 1e-300  # contraction of a round that can still be told from 0
@@ -63,24 +56,19 @@ class SlipOrbits:
         return self.cycles[place - 1] if place else 0.0
 
 
-@lru_cache(maxsize=256)  # the maps and the basins of one scene ask again and again
+@lru_cache(maxsize=256)  # the maps and basins of one operating point ask again and again
 def slip_orbits(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> SlipOrbits:
     """Return the limit cycles of an oscillator in slip, up to the belt's speed.
 
     Raises `InputError` for an unbound law.
     Raises `NotConverged` when the bound on the work is reached.
     """
-    peaks = _Peaks(Scene.of(law, osc), rtol)
+    peaks = _Peaks(Dimensionless.of(law, osc), rtol)
     lone = peaks.lone_growth
     if lone is not None:
         return SlipOrbits((), (lone,))
-    try:
-        need = needed_damping(law, osc, most_work=_MOST_WORK)
-        cycles = cycles_among(need, law, osc)
-    except (InputError, NotConverged):  # not smooth, or too strong a friction or too thin a layer for collocation
-        return by_simulation(law, osc, rtol)
-    flat = 1e-14 * np.abs(need.series).max()
-    return _ordered(cycles, osc.V, lambda amplitude: float(need.at(amplitude)) - 2 * osc.zeta, flat)
+    need = needed_damping(law, osc)  # an orbit grows where it needs more damping than there is
+    return _ordered(limit_cycles(law, osc), osc.V, lambda A: need.gap(A, 2 * osc.zeta)[0], 0.0)
 
 
 def _ordered(cycles: tuple[LimitCycle, ...], V: float, gain: Callable[[float], float], flat: float) -> SlipOrbits:
@@ -90,38 +78,53 @@ def _ordered(cycles: tuple[LimitCycle, ...], V: float, gain: Callable[[float], f
     return SlipOrbits(cycles, tuple(0 if abs(g) <= flat else int(np.sign(g)) for g in gains))
 
 
-def trough(scene: Scene, amplitude: float) -> Point:
-    """Return the state of least slip speed, 1 - amplitude, where the velocity has its peak."""
-    w = 1 - amplitude
-    return Point(0.0, scene.turn(w), w)
-
-
-def next_peak(scene: Scene, amplitude: float, rtol: float) -> tuple[float, SlipPhase]:
-    """Return the next peak of the velocity over V, and the slip phase that leads there.
+def next_peak(
+    system: Dimensionless, amplitude: float, rtol: float, *, recorded: bool = False
+) -> tuple[float, float, Slip]:
+    """Return the next peak of the velocity over V, its derivative by the amplitude, and the slip that leads there.
 
     Where the mass meets the belt before, with an acceleration a, it is 1 + a^2/2 in units of omega V: the peak to
     which the spring alone would pull it. At rest it is 0; of a motion without bound it is very large.
     """
-    slip = follow(scene, trough(scene, amplitude), 1, horizon=_horizon(scene), rtol=rtol, until=End.MINIMUM)
+    w = 1 - amplitude
+    slip = system.slip(
+        system.turn(w), w, until=End.MINIMUM, rtol=rtol, wedge=system.no_wedge, D=-amplitude, recorded=recorded
+    )
     if slip.end is End.RETURN:
-        return 1 + scene.acceleration(slip.last.q, 0.0, 1) ** 2 / 2, slip
-    if slip.end is End.UNBOUNDED:
-        return _ESCAPED, slip
-    return (1 - slip.last.w if slip.end is End.MINIMUM else 0.0), slip
+        return 1 + slip.rate**2 / 2, math.nan, slip
+    if slip.end is End.MINIMUM:
+        return 1 - slip.w, slip.wedge / (slip.w - 1), slip
+    return (_ESCAPED if slip.end is End.OUTSIDE else 0.0), math.nan, slip
+
+
+@lru_cache(maxsize=256)  # a regime, its basins and classifications ask for the same slip
+def lowest(system: Dimensionless, rtol: float) -> float:
+    """Return the first minimum of the slip speed, over V, after P.
+
+    Where the mass returns with w' it is -w'^2/2; -infinity where it moves away for ever, and 1 where it creeps to
+    rest.
+    """
+    slip = system.slip(0.0, 0.0, until=End.MINIMUM, rtol=rtol)
+    if slip.end is End.RETURN:
+        return -(slip.rate**2) / 2
+    if slip.end is End.OUTSIDE:
+        return -math.inf
+    return slip.w if slip.end is End.MINIMUM else 1.0
 
 
 class _Peaks:
     """The return map of slip orbits, A to the A of the next peak, which grows with A since orbits do not cross."""
 
-    def __init__(self, scene: Scene, rtol: float) -> None:
-        self.scene, self.rtol, self.levels = scene, rtol, Levels(scene)
+    def __init__(self, system: Dimensionless, rtol: float) -> None:
+        self.system, self.rtol = system, rtol
         self.known: dict[float, float] = {}
 
     def after(self, amplitude: float) -> float:
         """Return the next peak."""
+        if amplitude not in self.known and amplitude == 1 and self.system.turn(0.0) == 0:
+            self.known[amplitude] = min(1 - lowest(self.system, self.rtol), _ESCAPED)  # the slip from P
         if amplitude not in self.known:
-            found = self.levels.next_peak(self.scene.zeta, amplitude, self.rtol)
-            self.known[amplitude] = next_peak(self.scene, amplitude, self.rtol)[0] if found is None else found
+            self.known[amplitude] = next_peak(self.system, amplitude, self.rtol)[0]
         return self.known[amplitude]
 
     def gain(self, amplitude: float) -> float:
@@ -131,7 +134,7 @@ class _Peaks:
     @property
     def lone_growth(self) -> int | None:
         """Whether all orbits grow (1) or shrink (-1), where one round from an end shows it; None elsewhere."""
-        if self.scene.decay(1.0) > 0:
+        if self.system.decay(1.0) > 0:
             return -1 if self.after(1.0) <= _NODES[0] else None
         return 1 if self.after(_NODES[0]) >= 1 else None
 
@@ -153,20 +156,23 @@ class _Peaks:
         return found
 
 
-def by_simulation(law: FrictionLaw, osc: Oscillator, rtol: float) -> SlipOrbits:
-    """Return the same by the return map of simulated orbits, for every law."""
-    peaks = _Peaks(Scene.of(law, osc), rtol)
+def by_return_map(law: FrictionLaw, osc: Oscillator, rtol: float) -> SlipOrbits:
+    """Return the same by the return map, for every law."""
+    peaks = _Peaks(Dimensionless.of(law, osc), rtol)
     roots = [brentq(peaks.gain, *bracket, rtol=max(rtol, 1e-14)) for bracket in peaks.brackets()]
-    cycles = tuple(_cycle(peaks.scene, osc, float(root), rtol) for root in roots)
+    cycles = tuple(_cycle(peaks.system, osc, float(root), rtol) for root in roots)
     return _ordered(cycles, osc.V, peaks.gain, _NEUTRAL)
 
 
-def _cycle(scene: Scene, osc: Oscillator, amplitude: float, rtol: float) -> LimitCycle:
-    _, slip = next_peak(scene, amplitude, rtol)
-    step = min(_STEP, (1 - amplitude) / 2)
-    ahead, behind = (next_peak(scene, amplitude + shift, rtol)[0] for shift in (step, -step))
-    floquet = math.log(max((ahead - behind) / (2 * step), _STRONGEST)) / slip.last.tau
-    return LimitCycle(amplitude * osc.V, slip.last.tau / osc.omega, floquet * osc.omega, floquet < 0)
+def _cycle(system: Dimensionless, osc: Oscillator, amplitude: float, rtol: float) -> LimitCycle:
+    _, factor, slip = next_peak(system, amplitude, rtol)
+    return _limit_cycle(osc, amplitude, slip.tau, factor)
+
+
+def _limit_cycle(osc: Oscillator, amplitude: float, tau: float, factor: float) -> LimitCycle:
+    """Return the cycle of an amplitude and a period, free of units, from which deviations grow by a factor."""
+    floquet = math.log(max(factor, _STRONGEST)) / tau
+    return LimitCycle(osc.V * amplitude, tau / osc.omega, floquet * osc.omega, floquet < 0)
 
 
 def overtaking_cycle(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> LimitCycle | None:
@@ -176,50 +182,58 @@ def overtaking_cycle(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> Limit
     hold it. It overtakes the belt, up to where the work of friction there balances the gain below. A law with
     mu(0) = 0 never sticks, and its relaxation oscillation is of this kind.
     """
-    scene = Scene.of(law, osc)
-    if not round_from(scene, 0.0, rtol)[0] > 0:
+    system = Dimensionless.of(law, osc)
+    if not round_from(system, 0.0, rtol).end > 0:
         return None
     inner, outer = 0.0, _FIRST
-    while (end := round_from(scene, outer, rtol)[0]) > outer:
+    while (end := round_from(system, outer, rtol).end) > outer:
         inner, outer = outer, 4 * outer
         if outer > _ESCAPED:
             return None
     if math.isnan(end):
         return None
-    q = float(brentq(lambda q: round_from(scene, q, rtol)[0] - q, inner, outer, xtol=1e-14, rtol=1e-13))
-    _, tau, speed = round_from(scene, q, rtol)
-    step = _STEP * q
-    ahead, behind = (round_from(scene, q + shift, rtol)[0] for shift in (step, -step))
-    floquet = math.log(max((ahead - behind) / (2 * step), _STRONGEST)) / tau
-    return LimitCycle(osc.V * (1 + speed), tau / osc.omega, floquet * osc.omega, floquet < 0)
+    q = float(brentq(lambda q: round_from(system, q, rtol).end - q, inner, outer, xtol=1e-14, rtol=1e-13))
+    cycle = round_from(system, q, rtol)
+    return _limit_cycle(osc, 1 + cycle.speed, cycle.tau, cycle.factor)
 
 
-def round_from(scene: Scene, q: float, rtol: float) -> tuple[float, float, float]:
-    """Follow a round that leaves the belt's speed at q >= 0, to slower motion first.
+@dataclass(frozen=True)
+class Round:
+    """A round that leaves the belt's speed, to slower motion first.
 
-    Returns `q, tau, speed`: where slip slower than the belt begins again, the time it took, and the highest
-      velocity above the belt's, over V. If the mass sticks q is NaN; if it stays slower than the belt, 0; if it
-      moves away for ever, infinity.
+    Attributes
+    ----------
+    end : float
+        Displacement q where slip slower than the belt begins again: NaN if the mass sticks, 0 if it stays slower
+        than the belt, infinity if it moves away for ever.
+    tau : float
+        The time it takes.
+    speed : float
+        The highest velocity above the belt's, over V.
+    factor : float
+        The derivative of the end by the begin.
     """
-    slow = _phase(scene, q, 1, rtol)
-    if slow.end is End.UNBOUNDED:
-        return math.inf, slow.last.tau, 0.0
+
+    end: float
+    tau: float
+    speed: float = 0.0
+    factor: float = math.nan
+
+
+def round_from(system: Dimensionless, q: float, rtol: float) -> Round:
+    """Follow a round from a displacement q >= 0."""
+    begin = system.acceleration(q, 0.0, 1)
+    slow = system.slip(q, 0.0, 1, until=End.MINIMUM, rtol=rtol, wedge=system.no_wedge, D=-begin)
     if slow.end is not End.RETURN:
-        return 0.0, slow.last.tau, 0.0
-    if scene.sticks(slow.last.q):
-        return math.nan, slow.last.tau, 0.0
-    fast = _phase(scene, slow.last.q, -1, rtol)
-    if fast.end is End.UNBOUNDED:
-        return math.inf, slow.last.tau + fast.last.tau, 0.0
-    stuck = fast.end is not End.RETURN or scene.sticks(fast.last.q)
-    speed = max((point.w for point in fast.extrema), default=0.0)
-    return (math.nan if stuck else fast.last.q), slow.last.tau + fast.last.tau, speed
-
-
-def _phase(scene: Scene, q: float, side: int, rtol: float) -> SlipPhase:
-    until: Until = End.MINIMUM if side > 0 else End.RETURN
-    return follow(scene, Point(0.0, float(q), 0.0), side, horizon=_horizon(scene), rtol=rtol, until=until)
-
-
-def _horizon(scene: Scene) -> float:
-    return _LONGEST * (1 + abs(scene.zeta))
+        return Round(math.inf if slow.end is End.OUTSIDE else 0.0, slow.tau)
+    if system.sticks(slow.q):
+        return Round(math.nan, slow.tau)
+    change = -slow.wedge / slow.rate  # of the q at which the mass overtakes the belt
+    begin = system.acceleration(slow.q, 0.0, -1)
+    fast = system.slip(slow.q, 0.0, -1, rtol=rtol, wedge=system.no_wedge, D=-begin * change, recorded=True)
+    tau = slow.tau + fast.tau
+    if fast.end is End.OUTSIDE:
+        return Round(math.inf, tau)
+    if fast.end is not End.RETURN or system.sticks(fast.q):
+        return Round(math.nan, tau)
+    return Round(fast.q, tau, max(step.w for step in fast.steps), -fast.wedge / fast.rate)

@@ -1,4 +1,1 @@
-"""Slip and stick, event by event: steps, phases, engines, trajectories.
-
-One more engine is one class, an `engines.Engine`, and an entry in `engines.ENGINES`.
-"""
+"""Motions from initial conditions: `simulate`, its reference by SciPy, and the stick-slip cycle."""

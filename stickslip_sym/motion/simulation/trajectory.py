@@ -3,22 +3,29 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import brentq
 
 from stickslip_sym.core.aliases import FloatArray, ObjectArray
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.motion import Motion
 from stickslip_sym.output import drawing, files, markup
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Course", "Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Tendency", "Trajectory"]
+__all__ = ["Course", "Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Trajectory"]
 
 _ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
+_SAME = 1e-6  # relative change of a swing in a round, up to which a motion repeats itself
+_STEPS = 100  # errors of a step that may add up in a round
+_STILL = 1e-9  # m for each m that the belt moves in 1/omega: a smaller swing is rest
 _SHOWN = 3000  # steps in the picture of a notebook, some hundred rounds; more take seconds to draw
 
 
@@ -50,18 +57,7 @@ class Outcome(Enum):
     UNDEFINED = "mu has no value there"
 
 
-class Tendency(Enum):
-    """What a motion has come to in its last rounds."""
-
-    REST = "rest"
-    STICK = "stick, nothing else so far"
-    STICK_SLIP = "stick-slip"
-    OVERTAKES = "slip that overtakes the belt"
-    PURE_SLIP = "pure slip"
-    SHRINKS = "slip that shrinks"
-    GROWS = "slip that grows"
-    UNBOUNDED = "grows without bound"
-    SHORT = "too short to tell"
+_DECIDED = {Outcome.AT_REST: Motion.REST, Outcome.UNBOUNDED: Motion.UNBOUNDED}
 
 
 @dataclass(frozen=True)
@@ -103,6 +99,9 @@ class Trajectory:
 
     Attributes
     ----------
+    oscillator : Oscillator
+    rtol : float
+        Relative tolerance of a step.
     t : numpy.ndarray
         Times in s, ascending, at the integrator's steps and at every event.
     x, v : numpy.ndarray
@@ -116,12 +115,10 @@ class Trajectory:
         The phases in order, as functions of time.
     note : str
         What kept the motion from going on, and what to try; empty as a rule.
-    tendency : Tendency
-        What the motion has come to in its last rounds; not where it leads later, which `classify` says.
-    change : float or None
-        Where it only slips: the relative change of the swing of x in its last round.
     """
 
+    oscillator: Oscillator
+    rtol: float
     t: FloatArray
     x: FloatArray
     v: FloatArray
@@ -130,17 +127,69 @@ class Trajectory:
     outcome: Outcome
     stretches: tuple[Stretch, ...]
     note: str = ""
-    tendency: Tendency = Tendency.SHORT
-    change: float | None = None
+
+    @cached_property
+    def motion(self) -> Motion:
+        """What the motion has come to in its last rounds; not where it leads later, which `classify` says."""
+        # A round goes from one extreme of x to the next but one.
+        if self.outcome in _DECIDED:
+            return _DECIDED[self.outcome]
+        since = self._turns[-3] if len(self._turns) > 2 else -np.inf
+        lately = {stretch.phase for stretch in self.stretches if stretch.end > since}
+        kinds = [event.kind for event in self.events]
+        if lately == {Phase.STICK} and EventKind.SLIPS not in kinds:
+            return Motion.STICK
+        if Phase.STICK in lately:
+            # Every stick ends at P, so a mass that comes back to stick does so for ever.
+            back = EventKind.SLIPS in kinds and EventKind.STICKS in kinds[kinds.index(EventKind.SLIPS) :]
+            return Motion.STICK_SLIP if back else Motion.UNDECIDED
+        if self.change is None:
+            return Motion.REST if self._is_still else Motion.UNDECIDED
+        if Phase.SLIP_FORWARD in lately:
+            return Motion.OVERTAKING
+        if abs(self.change) <= max(_SAME, _STEPS * self.rtol):
+            return Motion.PURE_SLIP
+        return Motion.SHRINKING if self.change < 0 else Motion.GROWING
+
+    @cached_property
+    def change(self) -> float | None:
+        """The relative change of the swing of x in the last round, where the mass only slips; else None."""
+        if self.outcome in _DECIDED or len(self._turns) < 4 or self._is_still:
+            return None
+        if any(stretch.phase is Phase.STICK and stretch.end > self._turns[-3] for stretch in self.stretches):
+            return None
+        return self._swings[2] / self._swings[0] - 1
+
+    @cached_property
+    def _turns(self) -> list[float]:
+        """The last four times at most at which v changes its sign."""
+        moving = np.flatnonzero(self.v)
+        signs = np.sign(self.v[moving])
+        places = np.flatnonzero(signs[:-1] != signs[1:])[-4:]
+        brackets = [(float(self.t[moving[i]]), float(self.t[moving[i + 1]])) for i in places]
+        return [float(brentq(lambda t: float(self.at(t).v), low, high)) for low, high in brackets]
+
+    @property
+    def _swings(self) -> list[float]:
+        swings: list[float] = np.abs(np.diff(self.at(self._turns).x)).tolist()
+        return swings
+
+    @property
+    def _is_still(self) -> bool:
+        """Whether the last swings of x are too small to be a motion."""
+        if len(self._turns) < 4:
+            return False
+        before, _, now = self._swings
+        return min(before, now) == 0 or max(before, now) <= _STILL * self.oscillator.length
 
     @property
     def summary(self) -> str:
         """What the motion is, in a few words."""
-        if self.change is None or self.tendency is Tendency.PURE_SLIP:
-            return self.tendency.value
-        if self.tendency is Tendency.OVERTAKES:
-            return f"{self.tendency.value}, {100 * self.change:+.2g} % a round"
-        return f"{self.tendency.value} by {100 * abs(self.change):.2g} % a round"
+        if self.change is None or self.motion is Motion.PURE_SLIP:
+            return self.motion.value
+        if self.motion is Motion.OVERTAKING:
+            return f"{self.motion.value}, {100 * self.change:+.2g} % a round"
+        return f"{self.motion.value} by {100 * abs(self.change):.2g} % a round"
 
     def __repr__(self) -> str:
         return (
@@ -169,8 +218,7 @@ class Trajectory:
     def at(self, t: ArrayLike) -> State:
         """Return the state at any times of the motion.
 
-        Stick is exact, and slip as accurate as the samples; only where a fast decay called for the implicit
-        method, which interpolates by cubics, the error between samples is about rtol^(2/3).
+        Stick is exact, and slip as accurate as the samples: a state between two of them is one shorter step.
 
         Parameters
         ----------

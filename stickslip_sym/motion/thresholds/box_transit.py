@@ -1,6 +1,6 @@
 """Whether the slip that leaves P comes back to the belt's speed, decided with every error bounded.
 
-The state is (q, w) as in `Scene`: P is the origin, and w the slip speed over the belt's. *It returns* where a
+The state is (q, w) as in `slip`: P is the origin, and w the slip speed over the belt's. *It returns* where a
 box with w < 0 is reached, or one from which w falls to 0 at a bounded rate. *It does not* where w > 0 all the
 way to its first minimum, at w < 1: on the line at that height between the orbit's first crossing and its end w'
 is not negative, so that nothing leaves what the orbit and this line enclose. As long as q > 0, w > 0 holds by

@@ -5,6 +5,7 @@ at which it does not enclose the threshold.
 """
 
 import math
+from contextlib import suppress
 from fractions import Fraction
 
 import sympy as sp
@@ -12,18 +13,17 @@ from flint import arb
 
 from stickslip_sym.core.aliases import Rational
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
-from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.box_scene import BoxScene
 from stickslip_sym.motion.thresholds.box_transit import Transit, transit
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
 from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
-from stickslip_sym.motion.thresholds.scenes import Scenes
+from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 from stickslip_sym.motion.thresholds.taylor_boxes import Undecided
 from stickslip_sym.motion.thresholds.theorem import Theorem
 
 __all__ = ["prove_threshold", "theorems"]
 
-_GUESS = 1e-10  # tolerance of the simulation that says where to look
+_GUESS = 1e-9  # tolerance of the simulation that says where to look
 _BITS = (40, 100, 250, 600)  # of a decision, beyond those of its distance from the threshold, until one falls
 _UNDAMPED_BITS = 64  # of the slip without damping, which is far from grazing
 _CURVED = 10  # the secant is off by the square of the bracket, times this
@@ -69,23 +69,25 @@ class _Search:
         """Find a damping at which the slip returns and one at which it does not, on both sides of a guess."""
         for side in (-1, 1):
             step = width
-            while self.decide(_rounded(center + side * step, step), float(step / center)).returns != (side < 0):
+            while self.decide(_rounded(center + side * step, step), float(step / abs(center))).returns != (
+                side < 0
+            ):
                 step *= 4
                 center = self.estimate() or center  # a guess that is off by more than it says is mended
-                if not 0 < step < center:
+                if not 0 < step < abs(center):
                     raise NotConverged(f"the guess {float(center):g} kg/s is not near the threshold")
 
     def narrow(self, half: Rational, rtol: Rational) -> None:
         """Bring both dampings within a relative distance, by the secant where it serves, else by halves."""
-        while self.high - self.low > rtol * self.low:
+        while self.high - self.low > rtol * abs(self.low):
             low, high = self.low, self.high
-            middle, radius = self.estimate(), max(half, _CURVED * (high - low) ** 2 / low)
+            middle, radius = self.estimate(), max(half, _CURVED * (high - low) ** 2 / abs(low))
             if middle is None or not low < middle < high or radius > (high - low) / 4:
                 middle, radius = (low + high) / 2, sp.Integer(0)
             grain = radius or (high - low) / 8
             for c in sorted({_rounded(middle + side * radius, grain) for side in (-1, 1)}):
                 if self.low < c < self.high:
-                    self.decide(c, float(grain / low))
+                    self.decide(c, float(grain / abs(low)))
 
     def estimate(self) -> Rational | None:
         """Return where the lowest slip speed vanishes by the secant through two decisions close to it."""
@@ -111,18 +113,17 @@ def _rounded(c: Rational, width: Rational) -> Rational:
     return sp.Rational(round(Fraction(int(c.p), int(c.q)) * 10**places), 10**places)
 
 
-def theorems(scenes: Scenes, rtol: float) -> list[Theorem]:
-    """Prove the threshold of every scene; simulation guesses where it lies.
+def theorems(points: OperatingPoints, rtol: float) -> list[Theorem]:
+    """Prove the threshold at every operating point; simulation guesses where it lies.
 
     Raises `InputError` if the law does not meet a hypothesis of the lemma.
     Raises `NoThreshold` if the slip returns for no damping c >= 0.
     Raises `NotConverged` if a decision does not fall; it says where the boxes grew.
     """
     found = []
-    for row in range(len(scenes)):
-        scene = BoxScene(scenes.law, **scenes.exact_row(row))
-        osc = Oscillator(**{name: float(value) for name, value in scenes.exact_row(row).items()})
-        guess, error = grazing_damping(scenes.law, osc, rtol=_GUESS)
+    for row in range(len(points)):
+        scene = BoxScene(points.law, **points.exact_row(row))
+        guess, error = grazing_damping(points.law, points.oscillator(row), rtol=_GUESS)
         found.append(prove_threshold(scene, guess, error, rtol))
     return found
 
@@ -138,16 +139,20 @@ def prove_threshold(scene: BoxScene, guess: float, error: float, rtol: float) ->
     """
     hypotheses = checked_hypotheses(scene)
     search = _Search(scene)
+    if guess == 0:
+        raise NoThreshold(
+            "the threshold is 0: friction does no work along the orbit, and nothing is left to enclose"
+        )
     center = sp.Rational(guess)
-    half = sp.Rational(rtol) * center * sp.Rational(2, 5)
-    width = max(half, center * sp.Rational(min(max(2 * error, 1e-15), _WIDEST)))
+    half = sp.Rational(rtol) * abs(center) * sp.Rational(2, 5)
+    width = max(half, abs(center) * sp.Rational(min(max(2 * error, 1e-15), _WIDEST)))
     search.enclose(center, width)
     search.narrow(half, sp.Rational(rtol))
     low, high = search.low, search.high
-    try:
-        undamped = transit(scene, sp.Integer(0), _UNDAMPED_BITS)
-    except (Undecided, InputError):
-        undamped = None
+    undamped = None
+    if low > 0:
+        with suppress(Undecided, InputError):
+            undamped = transit(scene, sp.Integer(0), _UNDAMPED_BITS)
     if undamped is not None and not undamped.returns:
         raise NoThreshold("the slip returns at some damping, but not without any: the lemma does not hold here")
     return Theorem(

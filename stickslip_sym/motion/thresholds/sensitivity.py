@@ -1,80 +1,36 @@
-"""How a threshold changes with every quantity and parameter: exact derivatives, one function a rung.
+"""How a threshold changes with every quantity and parameter: exact derivatives dc/dname.
 
 An average of -mu' changes with a parameter by the average of the derivative of mu, and with ln V by that of
 v mu' - mu. The damping of a grazing orbit follows from one linear solve, that of a simulated one from the
-variational equation along the slip. Nothing is differenced.
+wedges along its halves. Nothing is differenced.
 """
-
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.core.errors import InputError
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.expansion import averages, slopes, tangents
+from stickslip_sym.motion.orbits.expansion import averages, tangents
 from stickslip_sym.motion.orbits.orbit import derivatives
-from stickslip_sym.motion.simulation.variation import grazing_variation
-from stickslip_sym.motion.thresholds.grazing import grazing_damping
-from stickslip_sym.motion.thresholds.rungs import Rung, average
-from stickslip_sym.motion.thresholds.scenes import Scenes
+from stickslip_sym.motion.thresholds.averages import slope_mean
+from stickslip_sym.motion.thresholds.grazing import grazing_sensitivity
+from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
-__all__ = ["sensitivities", "slope_mean"]
-
-_SHARP = 1e-11  # relative error of a threshold at which the simulated slip may be differentiated
+__all__ = ["of_average", "of_expansion", "of_orbit", "of_slip"]
 
 
-def sensitivities(scenes: Scenes, rung: Rung, value: FloatArray, error: FloatArray) -> dict[str, FloatArray]:
-    """Return dc/dname for V, N, m and k, as far as they are given, and every parameter of the law.
-
-    Parameters
-    ----------
-    scenes : Scenes
-    rung : Rung
-        That gave the thresholds.
-    value, error : numpy.ndarray, shape (n,)
-        The thresholds, and their relative errors.
-
-    Raises
-    ------
-    InputError
-        For a rung of one's own, of which only its values are known.
-    """
-    if rung.criterion is not None:
-        return _of_average(scenes, rung.criterion)
-    if rung.name not in _WAYS:
-        raise InputError(
-            f"how a threshold of {rung.name!r} changes with the quantities is not known; try another method"
-        )
-    with np.errstate(all="ignore"):
-        return _WAYS[rung.name](scenes, value, error)
-
-
-# -- averages --------------------------------------------------------------------------------------
-
-
-def slope_mean(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray:
-    """Return the average of minus the slope of a law with all its values, at belt speeds V."""
-    if not law.expr.has(symbols.v):
-        return np.zeros_like(V)
-    if law.kinks():
-        return average(Scenes(law, V, np.ones_like(V), None, None, V.shape), criterion)
-    return -slopes(law)(V) if criterion.weight is None else averages(law, V, criteria=[criterion])[0]
-
-
-def _of_average(scenes: Scenes, criterion: Criterion) -> dict[str, FloatArray]:
-    law, N, V = scenes.law, scenes.N, scenes.V
+def of_average(criterion: Criterion, points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
+    """Differentiate an average of the slope; m and k do nothing to it."""
+    del value
+    law, N, V = points.law, points.N, points.V
 
     def changed(name: str) -> FloatArray:
         return N * (slope_mean(law.partial(name), criterion, V) + _of_jumps(law, criterion, V, name))
 
-    nothing = {} if scenes.m is None else {"m": np.zeros_like(V), "k": np.zeros_like(V)}
+    nothing = {} if points.m is None else {"m": np.zeros_like(V), "k": np.zeros_like(V)}
     return (
         {"V": changed("V") / V, "N": slope_mean(law, criterion, V)}
         | nothing
@@ -83,79 +39,67 @@ def _of_average(scenes: Scenes, criterion: Criterion) -> dict[str, FloatArray]:
 
 
 def _of_jumps(law: FrictionLaw, criterion: Criterion, V: FloatArray, name: str) -> FloatArray:
-    """Return what places bring at which mu jumps, and that move: c is the integral of mu times a kernel K(v)."""
+    """Return what moving jumps of mu bring: c is the integral of mu times a kernel K(v)."""
     found = np.zeros_like(V)
     if criterion.weight is None:
         return found
     values = {law.parameters[key].symbol: value for key, value in law.values.items()}
-    for place, height in jumps(law.expr):
-        moved = -place if name == "V" else sp.diff(place, law.parameters[name].symbol)
-        at, by, size = (float(part.xreplace(values)) for part in (place, moved, height))
-        kernel = criterion.moment_kernel.subs({symbols.v: at, symbols.N: 1})
+    for jump, height in jumps(law.expr):
+        moved = -jump if name == "V" else sp.diff(jump, law.parameters[name].symbol)
+        at, by, size = (float(part.xreplace(values)) for part in (jump, moved, height))
+        kernel = criterion.kernel.subs(symbols.v, at)
         for row, speed in enumerate(V):
             if 0 < at < 2 * speed:
                 found[row] -= size * by * float(kernel.subs(symbols.V, speed))
     return found
 
 
-# -- with m and k ----------------------------------------------------------------------------------
-
-
-def _by_impedance(scenes: Scenes, by_impedance: FloatArray) -> dict[str, FloatArray]:
+def _by_impedance(points: OperatingPoints, by_impedance: FloatArray) -> dict[str, FloatArray]:
     """Return the derivatives by m and k: both enter by sqrt(k m) alone."""
-    whole = by_impedance * scenes.impedance / 2
-    return {"m": whole / scenes.m, "k": whole / scenes.k}
+    whole = by_impedance * points.impedance / 2
+    return {"m": whole / points.m, "k": whole / points.k}
 
 
-def _second_order(scenes: Scenes, value: FloatArray, error: FloatArray) -> dict[str, FloatArray]:
+def of_expansion(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
     """Differentiate c = N (h + e^2 s), e = N/sqrt(k m)."""
-    del value, error
-    law, N, impedance = scenes.law, scenes.N, scenes.impedance
-    weak, tangent = tangents(law, scenes.V, ["V", *law.parameters])
+    del value
+    law, N, impedance = points.law, points.N, points.impedance
     e = N / impedance
+    with np.errstate(all="ignore"):
+        weak, tangent = tangents(law, points.V, ["V", *law.parameters])
 
-    def changed(name: str) -> FloatArray:
-        return N * (tangent[name].harmonic + e**2 * tangent[name].second)
+        def changed(name: str) -> FloatArray:
+            return N * (tangent[name].harmonic + e**2 * tangent[name].second)
 
-    return (
-        {"V": changed("V") / scenes.V, "N": weak.harmonic + 3 * e**2 * weak.second}
-        | _by_impedance(scenes, -2 * e**3 * weak.second)
-        | {name: changed(name) for name in law.parameters}
-    )
+        return (
+            {"V": changed("V") / points.V, "N": weak.harmonic + 3 * e**2 * weak.second}
+            | _by_impedance(points, -2 * e**3 * weak.second)
+            | {name: changed(name) for name in law.parameters}
+        )
 
 
-def _on_orbit(scenes: Scenes, value: FloatArray, error: FloatArray) -> dict[str, FloatArray]:
+def of_orbit(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
     """Differentiate c = sqrt(k m) d(V, N/sqrt(k m))."""
-    del value, error
-    impedance, strength = scenes.impedance, scenes.N / scenes.impedance
-    found = derivatives(scenes.law, scenes.V, strength)
-    (harmonic,) = averages(scenes.law, scenes.V)  # exact without friction
-    by_force = np.where(strength > 0, found["strength"] / strength, harmonic)
-    return (
-        {"V": found["V"] * impedance / scenes.V, "N": by_force}
-        | _by_impedance(scenes, found["d"] - found["strength"])
-        | {name: found[name] * impedance for name in scenes.law.parameters}
+    impedance, strength = points.impedance, points.N / points.impedance
+    found = derivatives(points.law, points.V, strength)
+    (harmonic,) = averages(points.law, points.V)  # exact without friction
+    with np.errstate(all="ignore"):
+        by_force = np.where(strength > 0, found["strength"] / strength, harmonic)
+    changes = (
+        {"V": found["V"] * impedance / points.V, "N": by_force}
+        | _by_impedance(points, found["d"] - found["strength"])
+        | {name: found[name] * impedance for name in points.law.parameters}
     )
+    strong = np.flatnonzero(~np.isfinite(found["d"]))  # no orbit on a grid of phases
+    if strong.size:
+        for name, column in of_slip(points.rows(strong), value[strong]).items():
+            changes[name][strong] = column
+    return changes
 
 
-def _simulated(scenes: Scenes, value: FloatArray, error: FloatArray) -> dict[str, FloatArray]:
-    """Differentiate the lowest slip speed after the slip from P, which is 0 at the threshold."""
-    found: dict[str, Any] = {}
-    for row, (V, N, m, k) in enumerate(zip(scenes.V, scenes.N, scenes.m, scenes.k, strict=True)):
-        osc = Oscillator(m=m, k=k, V=V, N=N, c=value[row])
-        if not error[row] <= _SHARP:
-            c, _ = grazing_damping(scenes.law, osc, rtol=_SHARP)
-            osc = Oscillator(m=m, k=k, V=V, N=N, c=c)
-        changes = grazing_variation(scenes.law, osc)
-        by_damping = changes.pop("c")
-        for name, change in changes.items():
-            found.setdefault(name, np.empty(len(scenes)))[row] = -change / by_damping
-    return found
-
-
-_WAYS: dict[str, Callable[[Scenes, Any, Any], dict[str, Any]]] = {
-    "second_order": _second_order,
-    "orbit": _on_orbit,
-    "simulation": _simulated,
-    "proof": _simulated,
-}
+def of_slip(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
+    """Differentiate the gap between both halves of the orbit that grazes the belt's speed, point by point."""
+    del value
+    found = [grazing_sensitivity(points.law, points.oscillator(row)) for row in range(len(points))]
+    names = (*points.columns, *points.law.parameters)
+    return {name: np.array([one[name] for one in found]) for name in names}

@@ -3,23 +3,36 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip_sym.core import deadline, symbols
-from stickslip_sym.core.aliases import FloatArray, ObjectArray
+from stickslip_sym.core.aliases import FloatArray, Rows
+from stickslip_sym.core.errors import InputError, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.uncertain import with_error
-from stickslip_sym.criteria.criterion import Criterion, equilibrium, harmonic
+from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.doubts import warn_where_negative
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.orbit import obstacle
-from stickslip_sym.motion.thresholds import rungs
-from stickslip_sym.motion.thresholds.climb import accuracy, by_name, climb
-from stickslip_sym.motion.thresholds.rungs import Rung
-from stickslip_sym.motion.thresholds.scenes import Quantity, Scenes
-from stickslip_sym.motion.thresholds.uncertainty import Budget, deserved_tolerance, standard_errors
+from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.thresholds.methods import (
+    Method,
+    accuracy,
+    by_method,
+    cheapest,
+    find_method,
+    methods,
+)
+from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, Quantity
+from stickslip_sym.motion.thresholds.uncertainty import (
+    Budget,
+    deserved_tolerance,
+    second_order_ratio,
+    standard_errors,
+    warn_of_ratio,
+)
 from stickslip_sym.output import markup
 
 if TYPE_CHECKING:
@@ -29,36 +42,37 @@ if TYPE_CHECKING:
 __all__ = ["Threshold", "pure_slip_damping"]
 
 _ENOUGH = 1e-3  # relative error of a threshold that is good enough where nothing else is said
+_NOT_NEEDED = "no damping is needed: a negative value says how much energy must be fed in for stick-slip"
 
 
 @dataclass(frozen=True)
 class Threshold:
-    """A threshold: its value, the method that gave it, and its estimated relative error.
+    """A threshold: its value, the method that gave it, and its relative error.
 
     Attributes
     ----------
     value : float or numpy.ndarray
-        In kg/s. A negative value says that only a mass that is fed energy sticks and slips.
+        In kg/s. Where it is negative no damping is needed: only a mass that is fed energy sticks and slips.
     method : str or numpy.ndarray of str
-    error : float, numpy.ndarray or None
+    relative_error : float, numpy.ndarray or None
         Error against the exact threshold, relative: an estimate, with "proof" a bound; None if nothing is known.
+    points : OperatingPoints
+        Where they are the thresholds; what they depend on follows from it.
+    used : mapping of str to Method
+        The methods that gave them, by name.
     theorems : tuple of Theorem
-        With "proof": what was proved of each scene, and how.
+        With "proof": what was proved at each point, and how.
     deserved : float, optional
         The tolerance that "auto" took where none was given and the parameters' uncertainty deserves no less.
-    scenes : Scenes, optional
-        Where they are the thresholds; what they depend on follows from it.
-    rung : Rung, optional
-        That gave them, where it is not one of the ladder.
     """
 
     value: Any
     method: Any
-    error: Any
+    relative_error: Any
+    points: OperatingPoints = field(repr=False, compare=False)
+    used: Mapping[str, Method] = field(repr=False, compare=False)
     theorems: "tuple[Theorem, ...]" = ()
     deserved: float | None = None
-    scenes: Scenes | None = field(default=None, repr=False, compare=False)
-    rung: Rung | None = field(default=None, repr=False, compare=False)
 
     @cached_property
     def sensitivity(self) -> Mapping[str, Any]:
@@ -73,66 +87,67 @@ class Threshold:
         Raises
         ------
         InputError
-            For a method of one's own, of which only its values are known.
+            For a method of one's own without derivatives.
         """
-        from stickslip_sym.motion.thresholds.sensitivity import sensitivities
+        columns = self._gradient(self.points)
+        return {name: _shaped(column, self.points.shape) for name, column in columns.items()}
 
-        assert self.scenes is not None
-        error = np.full(len(self.scenes), np.inf) if self.error is None else np.ravel(self.error)
-        value, method = np.ravel(self.value), np.ravel(self.method)
-        names = ["V", "N", *(["m", "k"] if self.scenes.m is not None else []), *self.scenes.law.parameters]
-        columns = {name: np.empty(len(self.scenes)) for name in names}
-        for chosen in np.unique(method):
-            rows = np.flatnonzero(method == chosen)
-            rung = self.rung or rungs.rungs()[str(chosen)]
-            found = sensitivities(self.scenes.rows(rows), rung, value[rows], error[rows])
-            for name, column in columns.items():
-                column[rows] = found[name]
-        if self.scenes.shape != ():
-            return {name: column.reshape(self.scenes.shape) for name, column in columns.items()}
-        return {name: float(column[0]) for name, column in columns.items()}
+    def _gradient(self, points: OperatingPoints, rows: Rows = slice(None)) -> dict[str, FloatArray]:
+        """Return dc/dname at points that stand for some rows, each by the method that gave the threshold there."""
+        method, value = np.ravel(self.method)[rows], np.ravel(self.value)[rows]
+        names = (*points.columns, *points.law.parameters)
+        columns: dict[str, FloatArray] = {name: np.empty(len(points)) for name in names}
+        for chosen in np.unique(method).tolist():
+            derivatives = self.used[chosen].sensitivity
+            if derivatives is None:
+                raise InputError(f"how a threshold by {chosen!r} changes is not known; try another method")
+            some = np.flatnonzero(method == chosen)
+            found = derivatives(points.rows(some), value[some])
+            for key, column in columns.items():
+                column[some] = found[key]
+        return columns
 
     @cached_property
     def budget(self) -> Budget | None:
-        """Which standard error brings how much of the threshold's; None where nothing carries one."""
-        assert self.scenes is not None
-        errors = standard_errors(self.scenes)
-        return None if errors is None else Budget.of(errors, self.sensitivity, self.scenes.shape)
+        """Which standard error brings how much of the threshold's; None without errors, or without derivatives."""
+        errors = standard_errors(self.points)
+        if errors is None or not all(method.sensitivity for method in self.used.values()):
+            return None
+        return Budget.of(errors, self.sensitivity, self.points.shape)
 
     @cached_property
     def nonlinearity(self) -> Any:
         """The standard error to second order over that to first order; 1.0 where nothing carries an error.
 
-        NaN where a threshold needed for it does not exist. It takes 2 n^2 + 1 thresholds for n errors.
+        NaN where a threshold needed for it does not exist. It takes the sensitivities at 2 n points for n errors.
         """
         return self._second_order[0]
 
     @cached_property
     def _second_order(self) -> tuple[Any, str]:
-        from stickslip_sym.motion.thresholds.cubature import second_over_first
-
-        assert self.scenes is not None
-        errors, shape = standard_errors(self.scenes), self.scenes.shape
-        if self.budget is None or errors is None:
-            return (1.0 if shape == () else np.ones(shape)), ""
-        first = np.ravel(self.budget.uncertainty)
-        ratio, reason = second_over_first(self.scenes, first, np.ravel(self.method), errors, self.rung)
-        return (float(ratio[0]) if shape == () else ratio.reshape(shape)), reason
+        errors, reason = standard_errors(self.points), ""
+        ratio: FloatArray = np.ones(len(self.points))
+        if self.budget is not None and errors is not None:
+            try:
+                ratio = second_order_ratio(self.points, np.ravel(self.value), self._gradient, errors)
+            except OutOfTime:
+                raise
+            except StickSlipError as error:
+                ratio, reason = np.full(len(self.points), np.nan), str(error)
+        return _shaped(ratio, self.points.shape), reason
 
     @property
     def uncertainty(self) -> Any:
         """Standard error of the threshold in kg/s that comes from those of V, N, m, k and the parameters.
 
-        To first order, correlations included; `error` is the method's, and apart from it. None where nothing
-        carries a standard error.
+        To first order, correlations included; `relative_error` is the method's, and apart from it. None where
+        nothing carries a standard error.
 
         Warns
         -----
         InputWarning
             If to second order it differs by more than 10 %, or that could not be computed.
         """
-        from stickslip_sym.motion.thresholds.cubature import warn_of_ratio
-
         if self.budget is None:
             return None
         warn_of_ratio(*self._second_order)
@@ -140,12 +155,12 @@ class Threshold:
 
     @property
     def theorem(self) -> "Theorem | None":
-        """What was proved of one scene, or None."""
+        """What was proved of one point, or None."""
         return self.theorems[0] if len(self.theorems) == 1 else None
 
     @property
     def enclosure(self) -> "Enclosure | None":
-        """Two dampings between which the threshold of one scene was proved to lie, or None."""
+        """Two dampings between which the threshold of one point was proved to lie, or None."""
         return None if self.theorem is None else self.theorem.enclosure
 
     @property
@@ -154,67 +169,78 @@ class Threshold:
         return "PROVED" if self.theorems else "ESTIMATED"
 
     def __str__(self) -> str:
-        if self.theorem is not None:
-            return f"{self.enclosure} kg/s ({self.method}, relative error at most {accuracy(self.error)}, PROVED)"
-        if not np.ndim(self.value) and self.scenes is not None and self.budget is not None:
-            off = "unknown" if self.error is None else f"{self.error * abs(self.value):.0e}"
-            value = with_error(self.value, self.budget.uncertainty)
-            return f"{value} kg/s (parameters) +/- {off} (method: {self.method})"
-        if not np.ndim(self.value):
-            return f"{self.value:.10g} kg/s ({self.method}, relative error {accuracy(self.error)}, {self.status})"
         if not np.size(self.value):
             return "0 thresholds"
-        low, high, methods = np.min(self.value), np.max(self.value), ", ".join(np.unique(self.method))
-        worst = accuracy(None if self.error is None else float(np.max(self.error)))
-        return (
-            f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s ({methods}, relative error {worst}, "
-            f"{self.status})"
-        )
+        negative = f"; {_NOT_NEEDED}" if np.min(self.value) < 0 else ""
+        return f"{self._numbers}{negative}"
+
+    @property
+    def _numbers(self) -> str:
+        error, worst = self.relative_error, accuracy(None)
+        if error is not None:
+            worst = accuracy(float(np.max(error)))
+        if np.ndim(self.value):
+            low, high, methods = np.min(self.value), np.max(self.value), ", ".join(np.unique(self.method))
+            return (
+                f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s "
+                f"({methods}, relative error {worst}, {self.status})"
+            )
+        if self.theorem is not None:
+            return f"{self.enclosure} kg/s ({self.method}, relative error at most {worst}, PROVED)"
+        if self.budget is not None:
+            off = "unknown" if error is None else f"{error * abs(self.value):.0e}"
+            value = with_error(self.value, self.budget.uncertainty)
+            return f"{value} kg/s (parameters) +/- {off} (method: {self.method})"
+        return f"{self.value:.10g} kg/s ({self.method}, relative error {worst}, {self.status})"
 
     def __repr__(self) -> str:
         return f"Threshold: {self}"
 
     def _repr_html_(self) -> str:
         value, method = np.atleast_1d(self.value), np.atleast_1d(self.method)
-        error = np.broadcast_to(np.inf if self.error is None else self.error, value.shape)
+        error = np.broadcast_to(np.inf if self.relative_error is None else self.relative_error, value.shape)
         rows = [
             ["..."] * 5
-            if place is None
+            if index is None
             else [
-                ", ".join(map(str, place)),
-                f"{value[place]:.10g}",
-                str(method[place]),
-                accuracy(float(error[place])),
+                ", ".join(map(str, index)),
+                f"{value[index]:.10g}",
+                str(method[index]),
+                accuracy(float(error[index])),
                 self.status,
             ]
-            for place in markup.shortened(list(np.ndindex(value.shape)))
+            for index in markup.shortened(list(np.ndindex(value.shape)))
         ]
-        header = ["scene", "c in kg/s", "method", "relative error", "status"]
-        start = 0 if np.ndim(self.value) else 1
-        return markup.table(header[start:], [row[start:] for row in rows], caption="pure-slip damping")
+        header = ["operating point", "c in kg/s", "method", "relative error", "status"]
+        first = 0 if np.ndim(self.value) else 1
+        return markup.table(header[first:], [row[first:] for row in rows], caption="pure-slip damping")
 
 
-_Found: TypeAlias = "tuple[FloatArray, ObjectArray, FloatArray | None, tuple[Theorem, ...]]"
-"""Values, methods, errors, and what was proved."""
+def _shaped(column: FloatArray, shape: tuple[int, ...]) -> Any:
+    return float(column[0]) if shape == () else np.asarray(column).reshape(shape)
 
 
 def pure_slip_damping(
-    law: FrictionLaw,
+    law: FrictionLaw | str,
+    osc: Oscillator | None = None,
+    /,
     *,
-    V: Quantity,
-    N: Quantity,
+    V: Quantity | None = None,
+    N: Quantity | None = None,
     m: Quantity | None = None,
     k: Quantity | None = None,
-    method: str | Criterion | Rung = "auto",
+    method: str | Criterion | Method = "auto",
     rtol: float | None = None,
     time_limit: float | None = None,
 ) -> Threshold:
-    """Return the pure-slip damping coefficient of a law in a scene.
+    """Return the pure-slip damping of a law at operating points: with less damping the slip from P comes back.
 
     Parameters
     ----------
     law : FrictionLaw
         With all parameters bound.
+    osc : Oscillator, optional
+        Holds V, N, m and k; its c is not used.
     V, N : float or array_like
         Belt speed in m/s and normal force in N. All four quantities broadcast. One number may be text, which
         "proof" takes exactly: "9.81" is 9.81, and 9.81 the nearest binary number. Each may carry a standard
@@ -222,23 +248,25 @@ def pure_slip_damping(
     m, k : float or array_like, optional
         Mass in kg and stiffness in N/m. Without them the error of an average of slopes is not known, unless
         mu is a straight line, which all methods treat exactly.
-    method : str, Criterion or Rung
-        "auto" gives the first value that knows its own error to be at most `rtol`, the cheapest rung first: to
-        know how far an average is off takes a closer value. Without m and k it gives "harmonic", the limit of weak
-        friction. Otherwise a rung: by name "equilibrium", "least_squares", "harmonic", "second_order", "orbit" or
-        "simulation", or the average by a criterion of one's own. "proof" encloses the threshold, with every error
-        bounded.
+    method : str, Criterion or Method
+        "auto" asks one method after another, the cheapest first, and gives the first value that knows its own
+        error to be at most `rtol`: "second_order", "orbit" or "simulation". Without m and k it gives "harmonic",
+        the limit of weak friction. Otherwise one method: "equilibrium", "least_squares", "harmonic",
+        "second_order", "orbit", "simulation", the average by a criterion of one's own, or "proof", which encloses
+        the threshold, with every error bounded.
     rtol : float, optional
         Relative error that is good enough, 1e-13 to 1; for "simulation" at most 1e-3; for "proof" 1e-40 to 1e-3.
         If not given 1e-3, or with "auto" a tenth of the relative standard error that the parameters give c, if
-        that is more: no method makes up for what is not known of them.
+        that is more: no method makes up for what is not known of them. An average is what it is: its error is
+        stated, whatever `rtol`.
     time_limit : float, optional
         Seconds of computation after which it is given up.
 
     Returns
     -------
     Threshold
-        Of arrays, where an argument is one; each scene has its own method then.
+        Of arrays, where an argument is one; each operating point has its own method then. A negative value says
+        that no damping is needed.
 
     Raises
     ------
@@ -246,64 +274,61 @@ def pure_slip_damping(
         For an unknown method, numbers that are missing or unusable, or a law that is not smooth, with "orbit"
         or "second_order".
     NoThreshold
-        By simulation, if the orbit from P never returns for any c >= 0.
+        If the slip from P returns for no damping, or for every one.
     NotConverged
-        If the error is above `rtol` on the highest rung.
+        If the error stays above `rtol`; the message holds the best value, and its error.
     OutOfTime
-        When the time limit is reached; it tells the best value found, and its error.
+        When the time limit is reached; the message holds the best value so far, and its error.
 
     Warns
     -----
     InputWarning
         If mu is negative at a slip speed up to 2 V.
+
+    Examples
+    --------
+    >>> from stickslip_sym import Oscillator, laws, pure_slip_damping
+    >>> osc = Oscillator(m=1.0, k=100.0, V=0.5, N=9.81)
+    >>> threshold = pure_slip_damping(laws.exponential.typical(), osc, rtol=1e-8)
+    >>> f"{threshold.value:.7f} kg/s by {threshold.method}"
+    '2.5730789 kg/s by orbit'
     """
-    rung = rungs.find(method)
-    best, worst = (1e-13, 1.0) if rung is None else (rung.tightest, rung.loosest)
-    scenes = Scenes.of(law, V=V, N=N, m=m, k=k)
+    law = as_law(law)
+    chosen = find_method(method)
+    points = OperatingPoints.of(law, osc, V=V, N=N, m=m, k=k)
     law.function("numpy")  # refuses a law with parameters that have no value
-    deserved = None
-    if rtol is None:
-        found = deserved_tolerance(scenes) if rung is None and scenes.m is not None else 0.0
-        deserved = found if found > _ENOUGH else None
-        rtol = max(found, _ENOUGH)
-    rtol = read_rtol(rtol, least=best, most=worst)
-    if rung is not None:
-        rung.require_oscillator(scenes.m)
-    if len(scenes):
-        warn_where_negative(law, float(scenes.V.max()))
+    if chosen is not None:
+        chosen.check(law, points.V, points.m is not None)
+    elif points.m is None:
+        chosen = find_method("equilibrium" if _is_straight(law) else "harmonic")
+    deserved = deserved_tolerance(points) if rtol is None and chosen is None else 0.0
+    least, most = (1e-13, 1.0) if chosen is None else (chosen.tightest, chosen.loosest)
+    rtol = read_rtol(max(_ENOUGH, deserved) if rtol is None else rtol, least=least, most=most)
+    if len(points):
+        warn_where_negative(law, float(points.V.max()))
     with deadline.time_limit(time_limit):
-        value, names, error, theorems = _found(scenes, rung, rtol)
-    value = value + 0.0  # -0.0 becomes 0.0
-    names = np.array(names.tolist(), dtype=str)
-    own = None if rung is None or rungs.rungs().get(rung.name) is rung else rung
-    if scenes.shape != ():
-        error = None if error is None else error.reshape(scenes.shape)
-        return Threshold(
-            value.reshape(scenes.shape), names.reshape(scenes.shape), error, theorems, deserved, scenes, own
-        )
-    known = float(error[0]) if error is not None and np.isfinite(error[0]) else None
-    return Threshold(float(value[0]), str(names[0]), known, theorems, deserved, scenes, own)
+        deadline.check_time()
+        if chosen is None:
+            computed, names = cheapest(points, rtol)
+            used = {name: one for name, one in methods().items() if name in set(names.tolist())}
+        else:
+            computed = by_method(points, chosen, rtol)
+            names, used = np.full(len(points), chosen.name, dtype=object), {chosen.name: chosen}
+    value, error = computed.value + 0.0, computed.relative_error  # -0.0 becomes 0.0
+    shown: Any = error.reshape(points.shape)
+    if not np.isfinite(error).all():
+        shown = None if points.shape == () or not np.isfinite(error).any() else shown
+    return Threshold(
+        _shaped(value, points.shape),
+        str(names[0]) if points.shape == () else np.array(names.tolist(), dtype=str).reshape(points.shape),
+        shown if shown is None or points.shape != () else float(error[0]),
+        points,
+        used,
+        computed.theorems,
+        deserved if deserved > _ENOUGH else None,
+    )
 
 
-def _found(scenes: Scenes, rung: Rung | None, rtol: float) -> _Found:
-    deadline.check_time()
-    if scenes.m is None and (rung is None or not rung.oscillator):
-        return _without_oscillator(scenes, rung, rtol)
-    if rung is None:
-        return (*climb(scenes, rtol), ())
-    value, error, theorems = by_name(scenes, rung, rtol)
-    return value, np.full(len(scenes), rung.name), error, theorems
-
-
-def _without_oscillator(scenes: Scenes, rung: Rung | None, rtol: float) -> _Found:
-    """Return what can be said without m and k."""
-    reason = obstacle(scenes.law, scenes.V)
-    straight = reason is None and not scenes.law.slope_expr.has(symbols.v)
-    chosen = rung or rungs.find(equilibrium if straight else harmonic)
-    assert chosen is not None
-    if rung is None and reason is None:
-        value = rungs.numerical_averages(scenes)[chosen.name]
-    else:
-        value = chosen.compute(scenes, rtol).value
-    error = np.full(len(scenes), rungs.ROUNDING) if straight else None
-    return value, np.full(len(scenes), chosen.name), error, ()
+def _is_straight(law: FrictionLaw) -> bool:
+    """Whether the slope of mu is one number, which every average takes exactly."""
+    return not law.slope_expr.has(symbols.v) and not law.kinks()

@@ -1,37 +1,43 @@
-"""What the standard errors of quantities and parameters do to a threshold, to first order."""
+"""What the standard errors of quantities and parameters do to a threshold, to first and to second order."""
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from stickslip_sym.core.aliases import FloatArray, Numbers, ObjectArray, Rows
+from stickslip_sym.core.aliases import FloatArray, IntArray, Numbers, ObjectArray, Rows
+from stickslip_sym.core.errors import InputWarning
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.criteria.criterion import harmonic
-from stickslip_sym.motion.thresholds.rungs import rungs
-from stickslip_sym.motion.thresholds.scenes import Scenes
+from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
+from stickslip_sym.motion.thresholds.sensitivity import of_average
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import table
 
-__all__ = ["Budget", "Errors", "deserved_tolerance", "standard_errors"]
+__all__ = ["Budget", "Errors", "deserved_tolerance", "second_order_ratio", "standard_errors", "warn_of_ratio"]
 
 _PART = 0.1  # of the parameters' standard error, that of the method
 _LARGEST = 0.1  # relative error of a method, however little is known of the parameters
 _CORRELATED = 1e-9  # a coefficient of correlation below is rounding
+_FAR = np.sqrt(3.0)  # standard errors; the outer nodes of the Gauss rule of three for normal errors
+_SUFFICES = 0.1  # of the first order's standard error, by which the second order's may differ
+_HIDDEN = 1e-12  # of a threshold, a standard error that is rounding
+_RANK = 1e-12  # of the largest eigenvalue of the correlations, below which one is 0
 
 
 @dataclass(frozen=True)
 class Errors:
-    """The standard errors of some scenes of one law.
+    """The standard errors of some operating points of one law.
 
     Attributes
     ----------
     names : tuple of str
         Of what carries an error.
     covariance : numpy.ndarray, shape (n, names, names) or (1, names, names)
-        Of each scene, or of all.
+        Of each point, or of all.
     """
 
     names: tuple[str, ...]
@@ -39,12 +45,12 @@ class Errors:
 
     @property
     def deviations(self) -> FloatArray:
-        """Standard errors, one row a scene."""
+        """Standard errors, one row a point."""
         return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
 
     @property
     def correlated(self) -> list[tuple[str, str, float]]:
-        """The pairs that are correlated, with the largest coefficient that any scene has."""
+        """The pairs that are correlated, with the largest coefficient that any point has."""
         size = self.deviations
         with np.errstate(all="ignore"):
             r = np.nan_to_num(self.covariance / (size[:, :, None] * size[:, None, :]))
@@ -57,32 +63,31 @@ class Errors:
         ]
 
     def rows(self, chosen: Rows) -> "Errors":
-        """Return those of some scenes."""
+        """Return those of some points."""
         return Errors(self.names, self.covariance if len(self.covariance) == 1 else self.covariance[chosen])
 
 
-def standard_errors(scenes: Scenes) -> Errors | None:
-    """Return the covariance of all that carries a standard error in some scenes; None where nothing does."""
-    given: dict[str, UFloat | ObjectArray] = {**scenes.uncertain, **scenes.law.uncertain}
-    if not given:
+def standard_errors(points: OperatingPoints) -> Errors | None:
+    """Return the covariance of all that carries a standard error at some points; None where nothing does."""
+    carriers: dict[str, UFloat | ObjectArray] = {**points.uncertain, **points.law.uncertain}
+    if not carriers:
         return None
-    single = all(isinstance(value, UFloat) for value in given.values())
-    count = 1 if single else len(scenes)
+    single = all(isinstance(value, UFloat) for value in carriers.values())
+    count, size = 1 if single else len(points), len(carriers)
     covariance = np.array([
-        _covariance([value if isinstance(value, UFloat) else value[row] for value in given.values()])
+        _covariance([value if isinstance(value, UFloat) else value[row] for value in carriers.values()])
         for row in range(count)
-    ]).reshape(count, len(given), len(given))  # fmt: skip
-    return Errors(tuple(given), covariance)
+    ]).reshape(count, size, size)  # fmt: skip
+    return Errors(tuple(carriers), covariance)
 
 
 def _covariance(values: list[float | UFloat]) -> FloatArray:
     import uncertainties
 
-    carrying = [place for place, value in enumerate(values) if isinstance(value, UFloat)]
+    carrying = [i for i, value in enumerate(values) if isinstance(value, UFloat)]
     whole = np.zeros((len(values), len(values)))
     if carrying:
-        found = uncertainties.covariance_matrix([values[place] for place in carrying])
-        whole[np.ix_(carrying, carrying)] = found
+        whole[np.ix_(carrying, carrying)] = uncertainties.covariance_matrix([values[i] for i in carrying])
     return whole
 
 
@@ -184,20 +189,108 @@ def _range(values: Numbers, form: str) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def deserved_tolerance(scenes: Scenes) -> float:
+def deserved_tolerance(points: OperatingPoints) -> float:
     """Return the relative error of a method that is small beside what the parameters do to harmonic averages.
 
-    A tenth of the smallest relative standard error of any scene, which adds half a percent to it; 0 where nothing
+    A tenth of the smallest relative standard error of any point, which adds half a percent to it; 0 where nothing
     carries an error.
     """
-    errors = standard_errors(scenes)
-    if errors is None or not len(scenes):
+    errors = standard_errors(points)
+    if errors is None or not len(points):
         return 0.0
-    from stickslip_sym.motion.thresholds.sensitivity import sensitivities
-
-    nothing = np.zeros(len(scenes))
-    by = sensitivities(scenes, rungs()[harmonic.name], nothing, nothing)
-    budget = Budget.of(errors, {name: by.get(name, nothing) for name in errors.names}, (len(scenes),))
+    nothing = np.zeros(len(points))
+    by = of_average(harmonic, points, nothing)
+    budget = Budget.of(errors, {name: by.get(name, nothing) for name in errors.names}, (len(points),))
     with np.errstate(all="ignore"):
-        relative = budget.uncertainty / np.abs(scenes.N * by["N"])
+        relative = budget.uncertainty / np.abs(points.N * by["N"])
     return min(_PART * float(np.nan_to_num(relative, nan=0.0).min()), _LARGEST)
+
+
+# -- second order ----------------------------------------------------------------------------------
+
+
+def second_order_ratio(
+    points: OperatingPoints,
+    value: FloatArray,
+    gradient: Callable[[OperatingPoints, IntArray], Mapping[str, FloatArray]],
+    errors: Errors,
+) -> FloatArray:
+    """Return the standard error of thresholds to second order over that to first, one for each point.
+
+    In independent standard normal variables x, with covariance C = L L^T, the threshold is
+    a x + h x x/2 + t x x x/6, its variance sum a_j^2 + sum h_ij^2/2 + sum a_j t_iij up to the fourth order
+    in the errors. All of it follows from the gradients sqrt(3) standard errors up and down each axis: 2 n of
+    them for n errors, products included.
+
+    Parameters
+    ----------
+    points : OperatingPoints
+    value : numpy.ndarray, shape (n,)
+        The thresholds: standard errors below their rounding need no second order.
+    gradient : callable
+        From points, and the rows that they stand for, to the derivatives of their thresholds, by name.
+    errors : Errors
+
+    Raises
+    ------
+    InputError
+        If a quantity one standard error off leaves where it may be.
+    NoThreshold, NotConverged
+        If there is no threshold there.
+    """
+    apart = len(errors.covariance) > 1
+    groups = np.arange(len(points))[:, None] if apart else [np.arange(len(points))]
+    ratio = np.ones(len(points))
+    for rows in groups:
+        chosen = points.rows(rows)
+        axes = _axes(errors.rows(rows[:1]).covariance[0])
+
+        # The gradient by x at the point itself, and up and down each axis: one column a point.
+        slopes = [
+            axes.T @ np.stack([by[name] for name in errors.names])
+            for shift in (np.zeros(len(errors.names)), *(_FAR * axes.T), *(-_FAR * axes.T))
+            for by in [gradient(chosen.shifted(dict(zip(errors.names, shift.tolist(), strict=True))), rows)]
+        ]
+        first, count = (slopes[0] ** 2).sum(axis=0), axes.shape[1]
+        up, down = np.array(slopes[1 : count + 1]), np.array(slopes[count + 1 :])
+        second = first
+        if count:
+            h, t = (up - down) / (2 * _FAR), (up + down - 2 * slopes[0]) / _FAR**2
+            second = np.maximum(first + (h**2).sum(axis=(0, 1)) / 2 + (slopes[0] * t).sum(axis=(0, 1)), 0.0)
+        shows = second > (_HIDDEN * value[rows]) ** 2
+        with np.errstate(divide="ignore"):
+            ratio[rows[shows]] = np.sqrt(second[shows] / first[shows])
+    return ratio
+
+
+def _axes(covariance: FloatArray) -> FloatArray:
+    """Return a matrix L with L L^T = covariance, without columns of zeros."""
+    size = np.sqrt(np.diagonal(covariance))
+    unit = np.where(size > 0, size, 1.0)
+    eigenvalues, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
+    kept = eigenvalues > _RANK * eigenvalues.max(initial=0.0)
+    matrix: FloatArray = unit[:, None] * vectors[:, kept] * np.sqrt(eigenvalues[kept])
+    return matrix
+
+
+def warn_of_ratio(ratio: Numbers, reason: str) -> None:
+    """Warn where the second order says that the first does not suffice.
+
+    Warns
+    -----
+    InputWarning
+    """
+    ratio = np.ravel(ratio)
+    if np.isnan(ratio).any():
+        message = (
+            f"the standard error of c could not be checked by its second order: {reason or 'there is no value'}; "
+            "take it as a rough one"
+        )
+    elif ratio.size and abs((worst := ratio[np.abs(ratio - 1).argmax()]) - 1) > _SUFFICES:
+        message = (
+            f"the standard error of c is {worst:.2f} times as large to second order: the errors of the "
+            "parameters are too large for the first order to suffice"
+        )
+    else:
+        return
+    warnings.warn(message, InputWarning, stacklevel=3)

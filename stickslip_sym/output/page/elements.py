@@ -19,6 +19,10 @@ _SIGNS = {"<=": "≤", ">=": "≥", "->": "→", "x''": "ẍ", "x'": "ẋ"}
 class Html(str):
     """Text that is markup already."""
 
+    def __html__(self) -> str:
+        """Return it as it is: templates ask for this before they escape."""
+        return self
+
 
 def raw(markup: str) -> Html:
     """Mark text as markup."""

@@ -1,18 +1,23 @@
 """What an element gives does not depend on its neighbours, nor on the branch that is taken for its block."""
 
 import tracemalloc
-from math import inf
 
 import numpy as np
 import pytest
-import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym.core.symbols import v
-from stickslip_sym.formula.evaluation.profile import profile_of
 
-LAWS = ["exponential", "polynomial", "gaussian", "hyperbolic"]
-SAME = 2e-15  # relative to the largest term: a rounding or two
+LAWS = [
+    "exponential",
+    "polynomial",
+    "gaussian",
+    "hyperbolic",
+    "arctangent",
+    "rational",
+    "logarithmic",
+    "two_exponentials",
+]
+SAME = 4e-15  # relative: a few roundings, of powers of numbers that are out of range
 SHARES = (0.02, 0.5, 0.98)  # of low speeds in a block
 
 
@@ -26,8 +31,8 @@ def test_neighbours_change_nothing(name, criterion):
         V = np.where(low, 10 ** rng.uniform(-4, -1, 500), 10 ** rng.uniform(-0.5, 3, 500))
         together = average(V=V, N=9.81)
         alone = np.concatenate([average(V=part, N=9.81) for part in np.split(V, 50)])
-        scale = np.abs(together) + (np.abs(together).max() if name == "polynomial" else 0.0)
-        assert (np.abs(together - alone) <= SAME * scale).all()
+        assert (together == alone).all()
+        assert all(average(V=float(one), N=9.81) == value for one, value in zip(V[:100], together, strict=False))
 
 
 def test_blocks_join_without_a_seam():
@@ -35,9 +40,9 @@ def test_blocks_join_without_a_seam():
     average = ss.slope_average(ss.laws.exponential)
     V, alpha = rng.uniform(0.01, 3, 64_001), rng.uniform(1, 6, 64_001)
     together = average(V=V, N=9.81, mu_s=0.5, mu_m=0.2, alpha=alpha)
-    for part in (slice(0, 7), slice(31_998, 32_003), slice(63_999, 64_001)):
+    for part in (slice(0, 7), slice(16_382, 16_387), slice(63_999, 64_001)):
         alone = average(V=V[part], N=9.81, mu_s=0.5, mu_m=0.2, alpha=alpha[part])
-        assert together[part] == pytest.approx(alone, rel=SAME, abs=0)
+        assert (together[part] == alone).all()
     exchanged = average(V=V[:9], N=9.81, mu_s=0.5, mu_m=0.2, alpha=alpha[9:18])
     assert not np.allclose(exchanged, together[:9], rtol=1e-3)
 
@@ -46,51 +51,6 @@ def test_no_negative_zero_comes_out():
     average = ss.slope_average(ss.FrictionLaw("0.3"))
     assert not np.signbit(average(V=[0.1, 0.2], N=1.0)).any()
     assert not np.signbit(average(V=0.1, N=1.0))
-
-
-PROFILES = [
-    (sp.exp(-v), "least_squares"),
-    (v * sp.exp(-v), "least_squares"),
-    (sp.tanh(v), "harmonic"),
-    (v**3 + v, "harmonic"),
-]
-
-
-@pytest.mark.parametrize(("mu", "criterion"), PROFILES)
-def test_a_block_takes_the_fewest_branches_that_serve_it(mu, criterion):
-    profile = profile_of(mu, getattr(ss.criteria, criterion))
-    assert profile.ends[-1] == inf
-    rng = np.random.default_rng(5)
-    places = np.concatenate([2 ** rng.uniform(-40, 70, 60), profile.starts, profile.ends[:-1]])
-    for low, high in np.sort(rng.choice(places, (200, 2))):
-        branches, edges = profile.cover(low, high)
-        bounds = [low, *edges, high]
-        for branch, first, last in zip(branches, bounds[:-1], bounds[1:], strict=True):
-            which = profile.branches.index(branch)
-            assert profile.starts[which] <= first <= last <= profile.ends[which]
-        assert all(low < edge <= high for edge in edges)
-        assert len(branches) == fewest(profile, low, high)
-
-
-def fewest(profile, low, high):
-    """Count the branches of a cover: from each place on, the one that reaches furthest."""
-    count, place = 0, low
-    while True:
-        count += 1
-        place = max(end for start, end in zip(profile.starts, profile.ends, strict=True) if start <= place)
-        if place > high:
-            return count
-
-
-def test_far_out_no_exponential_is_computed():
-    """A block of large r takes the polynomial in 1/r alone, beside which exp(-2 r) is nothing."""
-    profile = profile_of(sp.exp(-v), ss.criteria.least_squares)
-    (branch,), edges = profile.cover(25.0, 1e9)
-    assert branch.decay == 0
-    assert branch.variable == -1
-    assert not edges
-    (branch,), edges = profile.cover(3.0, 1e9)
-    assert profile.ends[profile.branches.index(branch)] > 1e9
 
 
 @pytest.mark.parametrize(("name", "scale"), [("exponential", "alpha"), ("polynomial", "v_m")])

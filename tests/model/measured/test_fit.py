@@ -1,7 +1,6 @@
 """Fits held against known truth, lmfit with numerical derivatives, and propagation by uncertainties."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
@@ -160,11 +159,14 @@ def test_what_cannot_be_told_apart_is_said_with_what_to_fix():
     assert any("hardly" in text and "law.bind(" in text for text in loose.warnings)
 
 
-def test_a_sigma_that_is_too_small_is_warned_of():
+def test_a_wrong_sigma_is_warned_of():
     v, mu = data()
     assert not ss.fit(v, mu, NOISE, laws="exponential").best.warnings
-    said = ss.fit(v, mu, NOISE / 3, laws="exponential").best.warnings
-    assert any("times sigma" in text for text in said)
+    for sigma, words in (
+        (NOISE / 3, "or sigma is too small"),
+        (NOISE * 3, "sigma is too large; if each mu is the mean"),
+    ):
+        assert any(words in text for text in ss.fit(v, mu, sigma, laws="exponential").best.warnings)
 
 
 def test_a_fit_reports_itself(fits):
@@ -198,10 +200,99 @@ def test_data_of_any_scale_are_fitted():
         assert best.values["alpha"] * scale == pytest.approx(3.0, rel=0.15)
 
 
-def test_without_lmfit_the_extra_is_named(monkeypatch):
-    monkeypatch.setitem(sys.modules, "lmfit", None)
-    with pytest.raises(ss.InputError, match=r'fits need lmfit: pip install "stickslip_sym\[fit\]"'):
-        ss.fit([1, 2, 3, 4], [1, 1, 1, 1])
+def correlated(rng, count, rho):
+    """Noise in which each value keeps a part rho of the one before."""
+    white, noise = rng.normal(size=count), np.empty(count)
+    noise[0] = white[0]
+    for i in range(1, count):
+        noise[i] = rho * noise[i - 1] + np.sqrt(1 - rho**2) * white[i]
+    return noise
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.8])
+def test_intervals_hold_the_truth_under_correlated_noise(rho):
+    """Of a sweep of speeds; unwidened, they hold it in 38 to 61 of 100 at 0.8."""
+    rng = np.random.default_rng(17)
+    v = np.linspace(0.01, 1.5, 80)
+    held, plain, warned = [], [], 0
+    for _ in range(60):
+        mu = 0.2 + 0.3 * np.exp(-3 * v) + NOISE * correlated(rng, 80, rho)
+        best = ss.fit(v, mu, laws="exponential").best
+        warned += any("are correlated" in text for text in best.warnings)
+        for name, (low, high) in best.confidence().items():
+            held.append(low <= TRUE[name] <= high)
+            half = (high - low) / 2 / best.inflation**0.5
+            plain.append(abs(best.values[name] - TRUE[name]) <= half)
+    assert np.mean(held) >= 0.92
+    assert (warned > 50) if rho else (warned < 5)
+    assert rho < 0.8 or np.mean(plain) < 0.8
+
+
+def test_correlation_is_of_rows_in_file_order():
+    rng = np.random.default_rng(3)
+    v = np.linspace(0.01, 1.5, 100)
+    mu = 0.4 - 0.1 * v + NOISE * correlated(rng, 100, 0.9)
+    shuffled = rng.permutation(100)
+    assert ss.fit(v, mu, laws="linear").best.inflation > 3
+    assert ss.fit(v[shuffled], mu[shuffled], laws="linear").best.inflation == 1
+
+
+def test_lack_of_fit_shows_where_speeds_repeat():
+    rng = np.random.default_rng(4)
+    v = rng.permutation(np.repeat(np.linspace(0.05, 1.2, 8), 6))
+    mu = 0.2 + 0.3 * np.exp(-6 * v) + NOISE * rng.normal(size=48)
+    for sigma in (None, NOISE):
+        fits = ss.fit(v, mu, sigma, laws=["linear", "exponential"])
+        assert any("repeats at one speed scatter by" in text for text in fits["linear"].warnings)
+        assert not fits["exponential"].warnings
+
+
+def test_three_rows_suffice_for_one_parameter():
+    fits = ss.fit([0.1, 0.5, 1.0], [0.38, 0.31, 0.2], laws=ss.laws.linear.bind(mu_s=0.4))
+    assert fits.best.dof == 2
+    assert json.loads(fits.to_json())["fits"][0]["aicc"] is None
+    with pytest.raises(ss.InputError, match="2 free parameters, and 3 rows at 3 speeds are too few"):
+        ss.fit([0.1, 0.5, 1.0], [0.38, 0.31, 0.2], laws="linear")
+
+
+def test_a_quantity_is_averaged_over_laws():
+    v = np.linspace(0.1, 0.8, 30)
+    mu = 0.5 - 0.2 * v + 0.01 * np.random.default_rng(6).normal(size=30)
+    fits = ss.fit(v, mu, laws=["a - b*v", "a - b*v^2", "a - b*sqrt(v)"])
+    averaged = fits.average(lambda law: ss.pure_slip_damping(law, V=0.5, N=9.81, method="harmonic"))
+    weights, values, errors = np.array([(row.weight, row.value, row.standard_error) for row in averaged.rows]).T
+    assert [row.law for row in averaged.rows] == [fit.name for fit in fits if fit.weight > 0.01 * fits[0].weight]
+    assert averaged.value == pytest.approx(weights @ values / weights.sum())
+    draws = np.random.default_rng(1)
+    which = draws.choice(len(values), 200_000, p=weights / weights.sum())
+    assert averaged.standard_error == pytest.approx(np.std(draws.normal(values[which], errors[which])), rel=0.02)
+    assert averaged.standard_error > errors[0]
+    for row in averaged.rows:
+        law = fits[row.law]
+        alone = ss.pure_slip_damping(law.law.bind(**law.uncertain), V=0.5, N=9.81, method="harmonic")
+        assert (row.value, row.standard_error) == pytest.approx((alone.value, alone.uncertainty))
+
+
+def test_extrapolation_is_said():
+    v, mu = data(low=0.2)
+    fit = ss.fit(v, mu, laws="linear").best
+    assert fit.extrapolation(0.6 * v.max()).startswith("extrapolated above")
+    assert "below" in fit.extrapolation(0.1)
+    assert fit.extrapolation(0.49 * v.max()) is None or v.min() > 0.049 * v.max()
+    near = ss.fit(*data(), laws="linear").best
+    assert near.extrapolation(0.5) is None
+
+
+def test_many_rows_are_fitted_as_few():
+    """To the same minimum as without bins, which the starts of many rows are taken from."""
+    rng = np.random.default_rng(12)
+    v = rng.uniform(0.001, 1.5, 20_000)
+    mu = ss.laws.stribeck.typical().mu(v) + NOISE * rng.normal(size=20_000)
+    best = ss.fit(v, mu, laws="stribeck").best
+    for name, value in ss.laws.stribeck.typical().values.items():
+        assert best.values[name] == pytest.approx(float(value), abs=4 * best.standard_errors[name])
+    again = ss.fit(v, mu, laws="stribeck").best
+    assert again.values == best.values
 
 
 @pytest.mark.parametrize(
@@ -215,6 +306,7 @@ def test_without_lmfit_the_extra_is_named(monkeypatch):
         (([1, 2], [1, 1], None, ["linear", "linear"]), "the law linear is given twice"),
         (([1, 2], [1, 1], None, "lineer"), "did you mean 'linear'"),
         (([1, 2], [1, 1], None, ss.laws.linear.typical()), "it has no parameter without a value"),
+        (([1, 2], [1, 7]), r"mu\[1\] = 7; a coefficient of friction is below 5"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(arguments, message):

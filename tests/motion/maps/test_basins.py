@@ -6,6 +6,7 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
+from stickslip_sym.motion.slip import Dimensionless
 
 
 def test_basins_of_rest_and_stick_slip(tmp_path):
@@ -15,12 +16,12 @@ def test_basins_of_rest_and_stick_slip(tmp_path):
     assert found.motion.shape == (4, 5)
     for row, v in enumerate(v0):
         assert found.motion[row].tolist() == [ss.classify(law, osc, x0=x, v0=v) for x in x0]
-    assert set(found.count()) == {Motion.STICK_SLIP, Motion.DAMPED_SLIP}
+    assert set(found.count()) == {Motion.STICK_SLIP, Motion.REST}
     # The separatrix is the unstable cycle: starts well inside come to rest, those outside do not.
     (curve,) = found.regime.separatrices
     centre = found.regime.rest.x
     ends = np.array([curve.x.min(), curve.x.max()])
-    for scale, expected in ((0.9, Motion.DAMPED_SLIP), (1.1, Motion.STICK_SLIP)):
+    for scale, expected in ((0.9, Motion.REST), (1.1, Motion.STICK_SLIP)):
         assert ss.basin_map(law, osc, x0=centre + scale * (ends - centre), v0=[0.0]).count() == {expected: 2}
     found.to_csv(tmp_path / "basins.csv")
     assert len((tmp_path / "basins.csv").read_text().splitlines()) == 1 + 20
@@ -31,15 +32,28 @@ def test_basins_of_rest_and_stick_slip(tmp_path):
     assert ">separatrix</text>" in (tmp_path / "basins.svg").read_text()
 
 
-def test_basins_keep_what_is_done(tmp_path):
+def test_pure_slip_draws_every_start():
     law, osc = ss.laws.polynomial.typical(), paper_oscillator(3.1)
-    starts = {"x0": [-0.1, 0.0, 0.1], "v0": [0.0, 0.5]}
-    first = ss.basin_map(law, osc, **starts, checkpoint=tmp_path / "kept")
-    again = ss.basin_map(law, osc, **starts, checkpoint=tmp_path / "kept", workers=lambda f, tasks: [])
-    assert np.array_equal(first.motion, again.motion)
-    assert first.count() == {Motion.PURE_SLIP: 6}
+    assert ss.basin_map(law, osc, x0=[-0.1, 0.0, 0.1], v0=[0.0, 0.5]).count() == {Motion.PURE_SLIP: 6}
     with pytest.raises(ss.InputError, match="x0 holds a value that is not finite: inf"):
         ss.basin_map(law, osc, x0=[float("inf")], v0=[0.0])
+
+
+def test_the_slip_from_P_is_not_integrated_for_each_initial_condition(monkeypatch):
+    follow, counts = Dimensionless.slip, []
+
+    def counted(system, q, w, *arguments, **options):
+        counts[-1] += q == w == 0 and not options.get("backward")  # backward it is what leads to P
+        return follow(system, q, w, *arguments, **options)
+
+    monkeypatch.setattr(Dimensionless, "slip", counted)
+    for count in (2, 20):
+        counts.append(0)
+        osc = paper_oscillator(2.3 + 1e-9 * count)  # nothing is known of it yet
+        ss.basin_map(
+            ss.laws.exponential.typical(), osc, x0=np.linspace(-0.05, 0.08, count), v0=np.linspace(-1, 1, 10)
+        )
+    assert 0 < counts[0] == counts[1] < 6
 
 
 FALLING = ss.FrictionLaw("Piecewise((0.5 - 0.1*v, v < 0.3), (0.3, True))")

@@ -22,7 +22,7 @@ def test_files_hold_what_the_map_does(tmp_path, law):
         assert np.array_equal(arrays["x"], V)
         assert (arrays["x_name"], arrays["y_unit"], arrays["fixed_N"]) == ("V", "kg/s", 9.81)
         assert arrays["motion"].tolist() == [[motion.value for motion in row] for row in found.motion]
-        assert np.array_equal(arrays["rest"], found.rest)
+        assert np.array_equal(arrays["rest"], found.attractors["rest"])
         assert np.array_equal(arrays["c_exact"], found.thresholds["exact"])
     found.to_csv(tmp_path / "map.csv")
     with (tmp_path / "map.csv").open(newline="") as stream:

@@ -27,14 +27,14 @@ def test_births_and_deaths_have_their_closed_forms(over_speed):
 
 
 def test_shares_are_those_of_the_map_at_each_speed(over_speed):
-    rest, stick = (over_speed.share[motion] for motion in (Motion.DAMPED_SLIP, Motion.STICK_SLIP))
+    rest, stick = (over_speed.share[motion] for motion in (Motion.REST, Motion.STICK_SLIP))
     assert np.allclose(rest + stick, 1.0, rtol=0, atol=1e-13)
     assert (rest[:2] == 0).all()  # below the Hopf speed
     assert (rest[-2:] == 1).all()  # above the graze
     assert (np.diff(rest[2:-2]) > 0).all()
     osc = ss.Oscillator(m=1, k=1, c=0.1, V=over_speed.axis.values[4], N=1)
     found = ss.basin_map(LAW, osc, x0=np.linspace(-2, 2, 300), v0=np.linspace(0, 2, 300)).share
-    assert abs(found[Motion.DAMPED_SLIP].value - rest[4]) <= 2 * over_speed.error[Motion.DAMPED_SLIP][4]
+    assert abs(found[Motion.REST].value - rest[4]) <= 2 * over_speed.error[Motion.REST][4]
     assert max(error.max() for error in over_speed.error.values()) < 1e-8
 
 
@@ -49,7 +49,7 @@ def test_a_fold_is_where_two_cycles_meet(tmp_path):
     found.plot(tmp_path / "sweep.svg")
     text = (tmp_path / "sweep.svg").read_text()
     assert ">fold 4.04658</text>" in text
-    assert ">share of the box of starts</text>" in text
+    assert ">share of the box of initial conditions</text>" in text
 
 
 def test_without_a_smooth_law_a_fold_is_between_two_values():

@@ -45,7 +45,7 @@ def made_up_map(rng, names):
     flat = (1, shape[1]) if y.name == "c" else (shape[0], 1) if x.name == "c" else shape
     return ss.MotionMap(
         x=x, y=y, law=LAW, fixed={"m": 1.0, "k": 100.0}, motion=any_of(rng, Motion, shape),
-        **{name: rng.random(shape) < 0.5 for name in ATTRACTORS}, reason=any_of(rng, Reason, shape),
+        attractors={name: rng.random(shape) < 0.5 for name in ATTRACTORS}, reason=any_of(rng, Reason, shape),
         thresholds={name: rng.normal(size=flat) for name in CURVES}, notes={},
     )  # fmt: skip
 
@@ -65,7 +65,7 @@ def test_a_maps_columns_are_what_its_cells_say(tmp_path, names):
                 for name, curve in found.thresholds.items()
             }
             expected = {found.x.name: found.x.values[column], found.y.name: found.y.values[row]}
-            expected |= {name: getattr(found, name)[row, column] for name in ATTRACTORS} | thresholds
+            expected |= {name: found.attractors[name][row, column] for name in ATTRACTORS} | thresholds
             assert (cell.pop("motion"), cell.pop("reason")) == (
                 found.motion[row, column].value, found.reason[row, column].value,
             )  # fmt: skip
@@ -83,7 +83,7 @@ def test_a_maps_arrays_are_its_attributes(tmp_path, names):
         assert kept.pop(side).tolist() == axis.values.tolist()
         assert (kept.pop(f"{side}_name"), kept.pop(f"{side}_unit")) == (axis.name, axis.unit)
     for name in ATTRACTORS:
-        assert kept.pop(name).tolist() == getattr(found, name).tolist()
+        assert kept.pop(name).tolist() == found.attractors[name].tolist()
     for name in ("motion", "reason"):
         assert kept.pop(name).tolist() == [[one.value for one in row] for row in getattr(found, name)]
     for name, curve in found.thresholds.items():

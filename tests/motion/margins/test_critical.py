@@ -45,7 +45,7 @@ def test_put_back_they_give_the_damping(method):
             scene = {"V": scene["V"], "N": scene["N"]}
         c = ss.pure_slip_damping(law, **scene, method="orbit" if method == "auto" else method).value * factor
         given = {"within": (x0 / 3, 3 * x0)}
-        for one in ss.critical(of, law, c=c, **without(scene, of), method=method, rtol=1e-6, **given):
+        for one in ss.critical(law, of, c=c, **without(scene, of), method=method, rtol=1e-6, **given):
             there, scene_there = put_back(law, scene, of, one.value)
             by = "simulation" if one.method == "orbit" else one.method
             back = ss.pure_slip_damping(there, **scene_there, method=by, rtol=1e-10)
@@ -70,7 +70,7 @@ def test_laws_with_kinks_and_measured_points_by_simulation():
         (kink.bind(mu_s=0.5, a=0.4, b=0.1, v_1=0.3), "v_1", 0.3, (0.2, 0.4)),
         (points, "N", 2.0, (8.0, 100.0)),
     ):
-        (one,) = ss.critical(of, law, c=c, **without(SCENE, of), within=within)
+        (one,) = ss.critical(law, of, c=c, **without(SCENE, of), within=within, rtol=1e-6)
         assert one.method == "simulation"
         there, scene = put_back(law, SCENE, of, one.value)
         assert ss.pure_slip_damping(there, **scene, method="simulation", rtol=1e-10).value == (
@@ -81,8 +81,8 @@ def test_laws_with_kinks_and_measured_points_by_simulation():
 def test_a_value_of_the_other_sign_is_found_on_its_side():
     law = ss.FrictionLaw("mu_s + b*v + a*v^3", parameters=[ss.Parameter("b", positive=False)])
     law = law.bind(mu_s=0.5, b=-0.2, a=0.1)
-    (by_orbit,) = ss.critical("b", law, c=1.0, **SCENE, method="orbit")
-    (average,) = ss.critical("b", law, c=1.0, V=0.5, N=9.81, method="harmonic")
+    (by_orbit,) = ss.critical(law, "b", c=1.0, **SCENE, method="orbit")
+    (average,) = ss.critical(law, "b", c=1.0, V=0.5, N=9.81, method="harmonic")
     assert by_orbit.value == pytest.approx(average.value, rel=1e-3)
     assert average.value == pytest.approx(-1.0 / 9.81 - 3 * 0.1 * 0.5**2 * 1.25, rel=1e-12)
 
@@ -97,7 +97,7 @@ def test_all_that_a_dense_scan_finds():
         scan = np.geomspace(1e-3, 10, 4001)
         values = ss.slope_average(law, "harmonic")(V=0.5, N=9.81, v_1=scan)
         expected = np.flatnonzero(np.diff(np.sign(values - c)) != 0)
-        found = ss.critical("v_1", law, c=c, V=0.5, N=9.81, within=(1e-3, 10))
+        found = ss.critical(law, "v_1", c=c, V=0.5, N=9.81, within=(1e-3, 10))
         assert len(found) == len(expected)
         for one, place in zip(found, expected, strict=True):
             assert scan[place] <= one.value <= scan[place + 1]
@@ -110,34 +110,100 @@ def test_all_that_a_dense_scan_finds():
 
 def test_linear_and_polynomial_averages_need_no_range():
     law = ss.FrictionLaw("0.6 - b*v + b^2*v^2*a").bind(a=0.3)
-    roots = ss.critical("b", law, c=0.5, V=0.5, N=9.81, method="equilibrium")
+    roots = ss.critical(law, "b", c=0.5, V=0.5, N=9.81, method="equilibrium")
     # c = N (b - b^2 a) at V = 0.5
     expected = sorted(np.roots([-9.81 * 0.3, 9.81, -0.5]))
     assert [one.value for one in roots] == pytest.approx(expected, rel=1e-12)
-    (force,) = ss.critical("N", ss.laws.exponential.typical(), c=1e-9, V=0.5, method="equilibrium")
+    (force,) = ss.critical(ss.laws.exponential.typical(), "N", c=1e-9, V=0.5, method="equilibrium")
     assert force.value == pytest.approx(1e-9 * 9.81 / 1.9700161839504866, rel=1e-12)
-    assert ss.critical("N", ss.laws.coulomb_viscous.typical(), c=1.0, V=0.5, method="equilibrium") == ()
+    assert ss.critical(ss.laws.coulomb_viscous.typical(), "N", c=1.0, V=0.5, method="equilibrium") == ()
 
 
-def test_the_belt_speed_is_transition_speed():
+POLYNOMIAL = ss.laws.polynomial.bind(mu_s=0.5, mu_m=0.2, v_m=2.0)
+
+
+@pytest.mark.parametrize(
+    ("method", "square"), [("equilibrium", 1), ("least_squares", 21 / 26), ("harmonic", 12 / 15)]
+)
+def test_speeds_of_a_polynomial_law_are_those_of_its_closed_forms(method, square):
+    (speed,) = ss.critical(POLYNOMIAL, "V", c=0.0, N=9.81, method=method)
+    assert speed.value == pytest.approx(2 * math.sqrt(square), rel=1e-14)
+    assert ss.critical(POLYNOMIAL, "V", c=3.0, N=9.81, method=method) == ()
+
+
+def test_the_asymptotes_as_the_damping_vanishes():
+    """least_squares: c = (5/2) N D/(alpha V^2); harmonic: c = N D sqrt(2/(pi alpha)) V^-3/2."""
+    law, ND, alpha = ss.laws.exponential.typical(), 9.81 * 0.3, 3.0
+    for c in (1e-6, 1e-9):
+        (square,) = ss.critical(law, "V", c=c, N=9.81, method="least_squares")
+        (power,) = ss.critical(law, "V", c=c, N=9.81, method="harmonic")
+        assert square.value == pytest.approx(math.sqrt(2.5 * ND / (alpha * c)), rel=10 / (alpha * square.value))
+        expected = (ND / c * math.sqrt(2 / (math.pi * alpha))) ** (2 / 3)
+        assert power.value == pytest.approx(expected, rel=1 / power.value)
+    assert ss.critical(law, "V", c=0.0, N=9.81) == ()
+
+
+@pytest.mark.parametrize("method", ["least_squares", "second_order", "orbit", "simulation", "auto"])
+@pytest.mark.parametrize(("name", "count"), [("exponential", 1), ("gaussian", 2)])
+def test_a_critical_speed_put_back_gives_the_damping(name, count, method):
+    law = ss.laws.catalogue[name].typical()
+    speeds = ss.critical(law, "V", c=2.0, **without(SCENE, "V"), method=method, rtol=1e-2)
+    assert len(speeds) == count
+    for speed in speeds:
+        back = ss.pure_slip_damping(law, **SCENE | {"V": speed.value}, method=speed.method, rtol=1e-3).value
+        assert back == pytest.approx(2.0, rel=1e-6)
+        assert speed.relative_error is None or speed.relative_error <= 1e-2
+    assert ss.critical(law, "V", c=2.0, **without(SCENE, "V"), method=method, within=(10.0, 20.0)) == ()
+
+
+@pytest.mark.parametrize(
+    "law", [ss.FrictionLaw("0.3", static="0.35"), ss.FrictionLaw("0.2 + 0.3*Max(0, 1 - v/0.3)")]
+)
+def test_critical_speeds_of_static_jumps_and_kinks(law):
+    (found,) = ss.critical(law, "V", c=0.1 if law.static else 2.0, N=9.81, m=1.0, k=100.0 if law.static else 1e4)
+    point = {"V": found.value, "N": 9.81, "m": 1.0, "k": 100.0 if law.static else 1e4}
+    back = ss.pure_slip_damping(law, **point, method="simulation", rtol=1e-8)
+    assert back.value == pytest.approx(0.1 if law.static else 2.0, rel=1e-6)
+    with pytest.raises(ss.InputError, match="needs a law that is smooth"):
+        ss.critical(law, "V", c=2.0, **without(SCENE, "V"), method="orbit")
+
+
+def test_the_error_of_a_speed_is_known_where_no_damping_is_needed():
+    """The relative error of the threshold is nothing there."""
+    (speed,) = ss.critical(ss.laws.polynomial.typical(), "V", c=0.0, **without(SCENE, "V"), method="orbit")
+    assert 0 < speed.relative_error < 1e-9
+
+
+def test_the_damping_is_critical_as_a_threshold_is():
     law = ss.laws.exponential.typical()
-    speeds = ss.transition_speed(law, c=2.0, **without(SCENE, "V"), rtol=1e-9)
-    found = ss.critical("V", law, c=2.0, **without(SCENE, "V"), rtol=1e-9)
-    assert [one.value for one in found] == [speed.value for speed in speeds]
-    assert found[0].sensitivity["c"] < 0 < found[0].sensitivity["N"]
-    assert ss.critical("V", law, c=2.0, **without(SCENE, "V"), within=(1.0, 2.0)) == ()
-    (damping,) = ss.critical("c", law, **SCENE, method="orbit")
+    (damping,) = ss.critical(law, "c", **SCENE, method="orbit")
     assert damping.value == ss.pure_slip_damping(law, **SCENE, method="orbit").value
+    osc = ss.Oscillator(c=2.0, **SCENE)
+    assert ss.critical(law, "N", osc)[0].value == ss.critical(law, "N", c=2.0, **without(SCENE, "N"))[0].value
+    with pytest.raises(ss.InputError, match="N was given beside an Oscillator"):
+        ss.critical(law, "V", osc, N=1.0)
+
+
+def test_crossings_are_changes_of_sign_and_dips():
+    """Of piecewise laws whose harmonic threshold over a parameter is known: one, none, and two close together."""
+    law = ss.FrictionLaw("0.5 - 0.3*v + 0.2*(log(a) - b)^2*v").bind(b=math.log(2.0))
+    low = 9.81 * (0.3 - 0.2 * 0.0)
+    for c, roots in ((low - 1e-3, 2), (low + 1e-3, 0)):
+        found = ss.critical(law, "a", c=c, V=0.5, N=9.81, within=(0.3, 11.0))
+        off = math.sqrt(1e-3 / (9.81 * 0.2))
+        assert [one.value for one in found] == pytest.approx(
+            [2 * math.exp(x) for x in (-off, off)][:roots], rel=1e-8
+        )
 
 
 def test_proved_values_enclose_what_the_orbit_finds():
     law = ss.laws.exponential.typical()
     for of in ("V", "mu_s"):
         given = {"within": (0.3, 0.9), "c": 2.0, **without(SCENE, of)}
-        (orbit,) = ss.critical(of, law, **given, method="orbit", rtol=1e-9)
-        (proof,) = ss.critical(of, law, **given, method="proof", rtol=1e-8)
+        (orbit,) = ss.critical(law, of, **given, method="orbit", rtol=1e-9)
+        (proof,) = ss.critical(law, of, **given, method="proof", rtol=1e-8)
         assert float(proof.enclosure.low) < orbit.value < float(proof.enclosure.high)
-        assert proof.error <= 0.5e-8
+        assert proof.relative_error <= 0.5e-8
         assert "PROVED" in str(proof)
 
 
@@ -154,7 +220,7 @@ def test_proved_values_enclose_what_the_orbit_finds():
 )
 def test_what_cannot_be_found_is_refused(of, given, message):
     with pytest.raises(ss.InputError, match=message):
-        ss.critical(of, ss.laws.exponential.typical(), **given)
+        ss.critical(ss.laws.exponential.typical(), of, **given)
 
 
 @pytest.fixture(scope="module")
@@ -209,7 +275,21 @@ def test_the_probability_of_stick_slip(found):
     below = 0.5 * math.erfc((2.8 - found.threshold.value) / spread / math.sqrt(2))
     assert found.probability == pytest.approx(below, rel=1e-9)
     assert 0.1 < below < 0.3
-    share, error = found.sampled
-    assert abs(share - below) < 4 * error
-    assert "probability of stick-slip: 0.1" in str(found) or "probability of stick-slip: 0.2" in str(found)
+    assert abs(found.sampled.probability - below) < 4 * found.sampled.standard_error
+    assert found.sampled.undecided == 0
+    assert "probability that stick-slip is possible: 0.1" in str(found) or "possible: 0.2" in str(found)
     assert found._repr_html_().count("<tr>") == 9
+
+
+def test_samples_without_a_threshold_are_no_stick_slip():
+    """Of a kinked law: a slope that is positive as a whole needs no damping, and c > 0 suffices."""
+    law = ss.FrictionLaw("0.5 - a*Min(v, 0.5) + b*Max(v - 0.5, 0)").bind(a="0.30(5)", b=0.28)
+    found = ss.margins(law, ss.Oscillator(c=0.01, **SCENE), samples=60)
+    assert abs(found.sampled.probability - found.probability) < 4 * found.sampled.standard_error
+    assert found.sampled.undecided < 0.1
+
+
+def test_samples_that_are_no_operating_point_are_undecided():
+    found = ss.margins(ss.laws.exponential.typical(alpha="3.0(20)"), ss.Oscillator(c=2.0, **SCENE), samples=60)
+    assert 0.02 < found.sampled.undecided < 0.2
+    assert "% undecided" in str(found)

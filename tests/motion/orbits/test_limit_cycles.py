@@ -8,6 +8,8 @@ from scenes import TWO, paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Phase
+from stickslip_sym.motion.regimes.slip_orbits import next_peak
+from stickslip_sym.motion.slip import Dimensionless
 
 CASES = [
     ("exponential", 2.3, False), ("exponential", 2.4, False),
@@ -112,7 +114,19 @@ def test_no_cycle_is_isolated_without_friction_and_damping():
     assert ss.limit_cycles(ss.laws.exponential.typical(), paper_oscillator(0.0, N=0.0)) == ()
 
 
-def test_laws_with_kinks_are_refused():
-    kinked = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.36)")
-    with pytest.raises(ss.InputError, match=r"kink at v = 0\.7"):
-        ss.limit_cycles(kinked, paper_oscillator(1.0))
+KINKED = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.36)")
+JUMPING = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.38)")
+MEASURED = ss.FrictionLaw.from_samples([0, 0.2, 0.4, 0.6, 0.8, 1.2], [0.5, 0.47, 0.43, 0.4, 0.39, 0.39])
+
+
+@pytest.mark.parametrize("law", [KINKED, JUMPING, MEASURED, ss.FrictionLaw("0.5 - 0.4*v + 0.2*v^3", static="0.6")])
+def test_a_cycle_of_any_law_is_a_fixed_point_of_its_rounds(law):
+    """Kinked, jumping, measured and static; rounds beside it part as its exponent says, or merge by sliding."""
+    cycles = [(c, one) for c in np.linspace(0.2, 2.2, 9) for one in ss.limit_cycles(law, paper_oscillator(c))]
+    assert cycles
+    for c, cycle in cycles[:4]:
+        system = Dimensionless.of(law, paper_oscillator(c))
+        peak, growth, slip = next_peak(system, cycle.amplitude / 0.5, 1e-12)
+        assert peak == pytest.approx(cycle.amplitude / 0.5, rel=1e-9)
+        assert slip.tau / 10 == pytest.approx(cycle.period, rel=1e-9)
+        assert math.log(max(growth, 1e-300)) / cycle.period == pytest.approx(cycle.floquet, rel=1e-6)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
 from scenes import paper_oscillator
-from systems import needs_heyoka
 
 import stickslip_sym as ss
 from stickslip_sym import EventKind, Outcome, Phase
@@ -136,18 +135,17 @@ def test_a_motion_that_comes_to_rest_says_so(law):
     assert motion.at(99.0).x == pytest.approx(osc.N * law.mu(osc.V) / osc.k, rel=1e-15)
 
 
-@pytest.mark.parametrize("engine", ["scipy", pytest.param("heyoka", marks=needs_heyoka)])
 @pytest.mark.parametrize("c", [-50.0, -5.0])
-def test_a_motion_that_grows_for_ever_says_so_and_is_kept(engine, c):
-    """At c = -50 it creeps away from the belt, at c = -5 it swings ever farther; both as far as numbers go."""
+def test_a_motion_that_grows_for_ever_says_so_and_is_kept(c):
+    """At c = -50 it creeps away from the belt, at c = -5 it swings ever farther; both as far as laws are known."""
     law, osc = ss.FrictionLaw("0.3"), paper_oscillator(c)
-    motion = ss.simulate(law, osc, t_end=1e3, engine=engine)
+    motion = ss.simulate(law, osc, t_end=1e3)
     assert motion.outcome is Outcome.UNBOUNDED
     assert "a larger c" in motion.note
-    assert 1e90 < np.abs(motion.v).max() < 1e101
+    assert 1e19 < np.abs(motion.v).max() < 1.1e20
     # Friction is soon nothing beside damping, whose growth rate is the larger eigenvalue's.
     rate = max(np.roots([osc.m, c, osc.k]).real)
-    late = np.abs(motion.v) > 1e50
+    late = np.abs(motion.v) > 1e10
     envelope = np.hypot(motion.v, motion.x * osc.omega)[late]
     assert np.log(envelope[-1] / envelope[0]) / np.ptp(motion.t[late]) == pytest.approx(rate, rel=0.02)
     assert ss.classify(law, osc) is ss.Motion.UNBOUNDED
@@ -176,7 +174,7 @@ def test_a_start_beyond_the_static_limit_slips_at_once(law):
     [
         ({"max_steps": 0}, "max_steps = 0 must be at least 1"),
         ({"max_steps": math.nan}, "max_steps = nan is not finite"),
-        ({"time_limit": 0.0}, "time_limit = 0 s must be positive"),
+        ({"time_limit": -1.0}, "not a number of seconds"),
         ({"t_end": -1.0}, "t_end = -1 must be positive"),
         ({"t_end": math.nan}, "t_end = nan is not finite"),
         ({"v0": math.inf}, "v0 = inf is not finite"),
@@ -195,8 +193,8 @@ def test_numbers_may_be_written_as_text(law):
         assert repr(call(law, osc, rtol="1e-8")) == repr(call(law, osc, rtol=1e-8))
         with pytest.raises(ss.InputError, match="rtol = 1 is outside 1e-13"):
             call(law, osc, rtol="1")
-    with pytest.raises(ss.InputError, match="time_limit = 0 s must be positive"):
-        ss.simulate(law, osc, t_end=1.0, time_limit="0")
+    with pytest.raises(ss.InputError, match="not a number of seconds"):
+        ss.simulate(law, osc, t_end=1.0, time_limit="-1")
 
 
 @pytest.mark.parametrize(

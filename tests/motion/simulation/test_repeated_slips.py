@@ -7,22 +7,21 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import EventKind, Outcome
-from stickslip_sym.motion.simulation import engines
+from stickslip_sym.motion.slip import Dimensionless
 
 EXACT = 1e-9  # relative to the motion's size; a hundred steps at rtol = 1e-12, and grazes
 
 
 @pytest.fixture
 def slips(monkeypatch):
-    """The list of slip phases that are integrated."""
-    begun = []
-    engine = engines.find("scipy")
+    """The list of slips that are integrated."""
+    begun, slip = [], Dimensionless.slip
 
-    def counted(scene, phase, **options):
-        begun.append(phase)
-        return engine(scene, phase, **options)
+    def counted(self, *state, **options):
+        begun.append(state)
+        return slip(self, *state, **options)
 
-    monkeypatch.setitem(engines.ENGINES, "counted", counted)
+    monkeypatch.setattr(Dimensionless, "slip", counted)
     return begun
 
 
@@ -46,7 +45,8 @@ def test_a_motion_goes_on_from_any_point_as_it_did():
 def test_one_round_is_integrated_and_every_one_is_there(law, slips):
     osc = paper_oscillator(1.0)
     cycle = ss.stick_slip_cycle(law, osc)
-    motion = ss.simulate(law, osc, t_end=200.2 * cycle.period, x0=0.2, v0=0.0, engine="counted")
+    slips.clear()
+    motion = ss.simulate(law, osc, t_end=200.2 * cycle.period, x0=0.2, v0=0.0)
     assert len(slips) <= 5  # three from the start to P, P's, and the one that the end cuts
     sticks = motion.starts_of(ss.Phase.STICK)
     assert len(sticks) in (199, 200, 201)
@@ -61,7 +61,8 @@ def test_rounds_that_overtake_are_kept_too(slips):
     law = ss.laws.exponential.bind(mu_s=1.9, mu_m=0.25, alpha=16)
     osc = ss.Oscillator(m=1, k=1, c=-0.1, V=1, N=0.95)
     assert ss.stick_slip_cycle(law, osc).v_max > 1.5
-    motion = ss.simulate(law, osc, t_end=200.0, engine="counted")
+    slips.clear()
+    motion = ss.simulate(law, osc, t_end=200.0)
     kinds = [event.kind for event in motion.events]
     assert kinds.count(EventKind.CROSSES) > 25 < kinds.count(EventKind.STICKS)
     assert len(slips) <= 4

@@ -1,4 +1,4 @@
-"""The ladder of thresholds: its values and its bounds; and the transition speed, its inverse."""
+"""Thresholds by every method: their values, their bounds, and what is refused."""
 
 import math
 
@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym.motion.thresholds.rungs import numerical_averages, rungs
-from stickslip_sym.motion.thresholds.scenes import Scenes
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 SIMULATED = 1e-9
@@ -20,18 +18,18 @@ def exponential():
 
 def test_without_mass_and_stiffness_the_error_is_not_known(exponential):
     found = ss.pure_slip_damping(exponential, V=0.5, N=9.81)
-    assert (found.method, found.error) == ("harmonic", None)
+    assert (found.method, found.relative_error) == ("harmonic", None)
     assert "relative error unknown" in str(found)
     straight = ss.pure_slip_damping(ss.laws.catalogue["linear"].typical(), V=0.5, N=9.81)
     assert straight.value == pytest.approx(0.15 * 9.81, rel=1e-15)
-    assert straight.error < 1e-13
+    assert straight.relative_error < 1e-13
 
 
 def test_arrays_broadcast(exponential):
     V, k = np.array([[0.2], [0.5], [0.8]]), np.array([50.0, 100.0])
     for method in ("auto", "harmonic", "second_order", "orbit"):
         found = ss.pure_slip_damping(exponential, V=V, N=9.81, m=1.0, k=k, method=method)
-        assert found.value.shape == found.error.shape == found.method.shape == (3, 2)
+        assert found.value.shape == found.relative_error.shape == found.method.shape == (3, 2)
         single = ss.pure_slip_damping(exponential, V=0.8, N=9.81, m=1.0, k=50.0, method=method)
         assert found.value[2, 0] == pytest.approx(single.value, rel=1e-9)
         assert found.method[2, 0] == single.method
@@ -44,15 +42,11 @@ def test_arrays_broadcast(exponential):
 def test_twelve_decades_of_each_quantity(exponential, name, size):
     """An answer within the tolerance, or an outcome that says why not."""
     scene = SCENE | {name: size}
-    if size == 1e6 and name == "V":  # a layer too thin to be followed
-        with pytest.raises(ss.NotConverged, match=r"rtol = 0\.001 is not reached for .*; try another rtol"):
-            ss.pure_slip_damping(exponential, **scene, rtol=1e-3)
-        return
     # m and k matter by their product only, and N and k m by the ratio of their squares.
     both = scene | {"m": scene["m"] * np.array([1, 64]), "k": scene["k"] / np.array([1, 64])}
     found = ss.pure_slip_damping(exponential, **both, rtol=1e-3)
     assert np.isfinite(found.value).all()
-    assert (found.error <= 1e-3).all()
+    assert (found.relative_error <= 1e-3).all()
     assert found.value[1] == pytest.approx(found.value[0], rel=1e-9)
 
 
@@ -78,20 +72,19 @@ def test_a_kink_beyond_reach_does_no_harm():
     assert values[0] == pytest.approx(values[1], rel=1e-14)
 
 
-def test_an_infinite_slope_at_rest_is_told():
+@pytest.mark.parametrize("method", ["orbit", "simulation", "auto"])
+def test_an_infinite_slope_at_rest_is_no_obstacle(method):
     law = ss.FrictionLaw("0.5 - 0.1*sqrt(v)")
-    with pytest.raises(ss.NotConverged, match='try method="simulation"'):
-        ss.pure_slip_damping(law, **SCENE, method="orbit", rtol=1e-9)
-    assert ss.pure_slip_damping(law, **SCENE, method="simulation", rtol=1e-10).value == pytest.approx(0.832662017)
+    assert ss.pure_slip_damping(law, **SCENE, method=method, rtol=1e-9).value == pytest.approx(0.832662017)
 
 
 def test_simulation_of_kinks_and_jumps_settles_to_1e_9():
     for law in (KINKED, JUMP, ss.FrictionLaw("Piecewise((0.4, v < 0.3), 0.43 - 0.1*v)", static="0.41")):
         loose, tight = (
-            ss.pure_slip_damping(law, **SCENE, method="simulation", rtol=rtol) for rtol in (1e-10, 1e-12)
+            ss.pure_slip_damping(law, **SCENE, method="simulation", rtol=rtol) for rtol in (1e-8, 1e-11)
         )
         assert abs(loose.value / tight.value - 1) < SIMULATED
-        assert tight.error < SIMULATED
+        assert tight.relative_error < SIMULATED
 
 
 def test_a_small_static_excess_follows_the_weak_friction_law():
@@ -99,7 +92,7 @@ def test_a_small_static_excess_follows_the_weak_friction_law():
     jump, off = 0.02 / 2.0 ** np.arange(4), []
     for excess in jump:
         law = ss.FrictionLaw("0.3", static=repr(0.3 + float(excess)))
-        zeta = ss.pure_slip_damping(law, **SCENE, method="simulation", rtol=1e-11).value / (2 * 10.0)
+        zeta = ss.pure_slip_damping(law, **SCENE, method="simulation", rtol=1e-7).value / (2 * 10.0)
         off.append(abs(zeta / ((excess * 9.81 / (0.5 * 10.0)) ** 2 / (4 * math.pi)) - 1))
     order, _ = np.polyfit(np.log(jump), np.log(off), 1)
     assert order == pytest.approx(2, abs=0.1)
@@ -124,94 +117,9 @@ def test_wrong_input(exponential, changes, message):
         ss.pure_slip_damping(exponential, **(SCENE | changes))
 
 
-# -- transition speed --------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["exponential", "polynomial", "gaussian"])
-@pytest.mark.parametrize("method", ["equilibrium", "least_squares", "harmonic", "second_order", "orbit"])
-def test_the_transition_speed_inverts_the_threshold(name, method):
-    law, scene = ss.laws.catalogue[name].typical(), {"N": 9.81, "m": 1.0, "k": 100.0}
-    found = ss.transition_speed(law, c=2.0, **scene, method=method)
-    assert len(found) == (2 if name == "gaussian" else 1)
-    for speed in found:
-        if method in ("second_order", "orbit"):
-            value = ss.pure_slip_damping(law, V=speed.value, **scene, method=method, rtol=1e-12).value
-        else:
-            value = numerical_averages(Scenes.of(law, V=speed.value, N=9.81))[method][0]
-        assert value == pytest.approx(2.0, rel=1e-11)
-
-
-def test_the_polynomial_law_by_its_closed_forms():
-    law = ss.laws.polynomial.bind(mu_s=0.5, mu_m=0.2, v_m=2.0)
-    for method, square in (("equilibrium", 1), ("least_squares", 21 / 26), ("harmonic", 12 / 15)):
-        (speed,) = ss.transition_speed(law, c=0.0, N=9.81, method=method)
-        assert speed.value == pytest.approx(2 * math.sqrt(square), rel=1e-15)
-    # (18) solved for V, and a damping that suffices at every speed.
-    (speed,) = ss.transition_speed(law, c=1.0, N=9.81, method="least_squares")
-    assert speed.value == pytest.approx(math.sqrt((21 * 4 - 14 * 8 / (0.3 * 9.81)) / 26), rel=1e-14)
-    assert ss.transition_speed(law, c=3.0, N=9.81, method="least_squares") == ()
-
-
 def test_a_slope_that_is_exactly_zero_needs_no_damping():
     law = ss.laws.polynomial.bind(mu_s="0.5", mu_m="0.2", v_m="1")
     assert ss.pure_slip_damping(law, V=1.0, N=9.81, method="equilibrium").value == 0
-
-
-def test_the_asymptotes_as_the_damping_vanishes(exponential):
-    """least_squares: c = (5/2) N D/(alpha V^2); harmonic: c = N D sqrt(2/(pi alpha)) V^-3/2."""
-    ND, alpha = 9.81 * 0.3, 3.0
-    for c in (1e-6, 1e-9):
-        (square,) = ss.transition_speed(exponential, c=c, N=9.81, method="least_squares")
-        (power,) = ss.transition_speed(exponential, c=c, N=9.81, method="harmonic")
-        assert square.value == pytest.approx(math.sqrt(2.5 * ND / (alpha * c)), rel=10 / (alpha * square.value))
-        assert power.value == pytest.approx(
-            (ND / c * math.sqrt(2 / (math.pi * alpha))) ** (2 / 3), rel=1 / power.value
-        )
-    assert ss.transition_speed(exponential, c=0.0, N=9.81) == ()
-
-
-def test_auto_gives_the_cheapest_transition_speed_with_its_error(exponential):
-    exact = ss.transition_speed(exponential, c=2.5, N=9.81, m=1.0, k=100.0, method="simulation")[0]
-    for rtol, method in ((0.3, "equilibrium"), (0.03, "least_squares"), (1e-4, "second_order"), (1e-8, "orbit")):
-        (found,) = ss.transition_speed(exponential, c=2.5, N=9.81, m=1.0, k=100.0, rtol=rtol)
-        assert found.method == method
-        assert abs(found.value / exact.value - 1) < 1.2 * found.error + 1e-8
-    assert "m/s (orbit, relative error" in str(found)
-
-
-def test_the_transition_speed_of_a_static_jump():
-    (found,) = ss.transition_speed(
-        ss.FrictionLaw("0.3", static="0.35"), c=0.1, N=9.81, m=1.0, k=100.0, method="simulation"
-    )
-    law = ss.FrictionLaw("0.3", static="0.35")
-    back = ss.pure_slip_damping(law, V=found.value, N=9.81, m=1.0, k=100.0, method="simulation", rtol=1e-10)
-    assert back.value == pytest.approx(0.1, rel=1e-7)
-
-
-def test_the_command_line_prints_the_ladder(run):
-    scene = ["-p", "mu_s=0.5", "-V", "0.5", "-N", "9.81", "-m", "1", "-k", "100"]
-    best = "3.036483165 kg/s (second_order, relative error 7e-05, ESTIMATED)\n"
-    assert run("damping", "polynomial", *scene, "--rtol", "1e-4") == (0, best, "")
-    _, ladder, _ = run("damping", "linear", "-m", "1", "-k", "100", "--all")
-    assert [line.split()[0] for line in ladder.splitlines()[1:]] == list(rungs())
-    assert run("damping", "linear", "-m", "1")[0] == 2
-
-
-def test_the_transition_speed_of_a_kink_is_found_by_simulation():
-    law = ss.FrictionLaw("0.2 + 0.3*Max(0, 1 - v/0.3)")
-    scene = {"c": 2.0, "N": 9.81, "m": 1.0, "k": 1e4}
-    (found,) = ss.transition_speed(law, **scene)
-    assert found.method == "simulation"
-    threshold = ss.pure_slip_damping(law, V=found.value, N=9.81, m=1.0, k=1e4, method="simulation", rtol=1e-9)
-    assert threshold.value == pytest.approx(2.0, rel=1e-6)
-    with pytest.raises(ss.InputError, match="needs a law that is smooth"):
-        ss.transition_speed(law, **scene, method="orbit")
-
-
-def test_the_transition_speed_of_measured_points():
-    law = ss.FrictionLaw.from_samples([0, 0.1, 0.2, 0.4, 0.8, 1.6, 3.0], [0.5, 0.42, 0.37, 0.3, 0.25, 0.22, 0.21])
-    (found,) = ss.transition_speed(law, c=1.0, N=9.81)
-    assert ss.derive(law, "harmonic")(V=found.value, N=9.81) == pytest.approx(1.0, rel=1e-9)
 
 
 def test_masked_scenes_are_refused():

@@ -8,8 +8,7 @@ import pytest
 from uncertainties import correlated_values, ufloat
 
 import stickslip_sym as ss
-from stickslip_sym.motion.thresholds.cubature import shifted
-from stickslip_sym.motion.thresholds.scenes import Scenes
+from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 COVARIANCE = [[4e-4, -1.5e-4, 0], [-1.5e-4, 1e-4, 1e-3], [0, 1e-3, 0.04]]
@@ -110,7 +109,7 @@ def test_an_error_that_does_not_show_needs_no_second_order(method):
         warnings.simplefilter("error")
         assert line.uncertainty == pytest.approx(0, abs=1e-12)
         assert small.uncertainty > 0
-    assert (line.nonlinearity, small.nonlinearity) == (1.0, 1.0)
+    assert (line.nonlinearity, small.nonlinearity) == pytest.approx((1.0, 1.0))
 
 
 def test_a_small_error_at_an_extremum_shows_to_second_order_alone():
@@ -133,7 +132,7 @@ def test_arrays_each_with_its_own_error():
     assert "0.0 to " in str(found.budget)
 
 
-def test_auto_climbs_no_further_than_the_parameters_deserve():
+def test_auto_goes_no_further_than_the_parameters_deserve():
     certain, uncertain = ss.laws.exponential.typical(), ss.laws.exponential.typical(mu_s="0.50(2)")
     exact = ss.pure_slip_damping(certain, **SCENE, method="orbit").value
     for text, method in (("0.5(3)", "second_order"), ("0.50(2)", "second_order"), ("0.5000(1)", "orbit")):
@@ -155,19 +154,21 @@ def test_printed_with_both_errors_apart():
 
 
 def test_what_is_shifted_is_what_was_asked():
-    scenes = shifted(Scenes.of(ss.laws.exponential.typical(), **SCENE), {"mu_s": 0.1, "V": 0.2, "k": -1.0})
-    assert float(scenes.law.values["mu_s"]) == pytest.approx(0.6)
-    assert (scenes.V[0], scenes.N[0], scenes.m[0], scenes.k[0]) == pytest.approx((0.7, 9.81, 1.0, 99.0))
+    points = OperatingPoints.of(ss.laws.exponential.typical(), **SCENE).shifted({"mu_s": 0.1, "V": 0.2, "k": -1.0})
+    assert float(points.law.values["mu_s"]) == pytest.approx(0.6)
+    assert (points.V[0], points.N[0], points.m[0], points.k[0]) == pytest.approx((0.7, 9.81, 1.0, 99.0))
 
 
 def test_the_command_prints_them(run):
     arguments = ("damping", "exponential", "-p", "mu_s=0.50+/-0.02", "-V", "0.50(1)", "-m", "1", "-k", "100")
     _, text, _ = run(*arguments)
-    assert text.startswith("c = 2.57 +/- 0.18 kg/s (parameters) +/- ")
+    assert "\nc = 2.57 +/- 0.18 kg/s (parameters) +/- " in text
     assert "deserve: rtol = 7.0e-03" in text
     assert "mu_s      0.02" in text
-    (threshold,) = json.loads(run(*arguments, "--rtol", "1e-8", "--json")[1])["thresholds"]
-    assert threshold["standard_error"]["value"] == pytest.approx(0.1782, rel=1e-3)
-    assert sum(part["share"] for part in threshold["budget"]) == pytest.approx(1)
-    assert threshold["deserved_rtol"] is None
-    assert threshold["second_order_ratio"] == pytest.approx(1, abs=1e-2)
+    (answer,) = json.loads(run(*arguments, "--rtol", "1e-8", "--json")[1])["answers"]
+    threshold = answer["threshold"]
+    assert threshold["uncertainty"] == pytest.approx(0.1782, rel=1e-3)
+    assert sum(threshold["budget"]["shares"].values()) == pytest.approx(1)
+    assert threshold["budget"]["deviations"] == {"mu_s": 0.02, "V": 0.01}
+    assert threshold["deserved"] is None
+    assert threshold["nonlinearity"] == pytest.approx(1, abs=1e-2)

@@ -1,0 +1,176 @@
+"""What the commands print: tables, progress, and with ``--json`` one object, valid JSON, of a shape that stays.
+
+    {"format": 2, "version": "0.3.0", "command": "damping", "law": ..., "operating_point": ..., ...}
+
+Results are objects with the names of their attributes in Python, without what only pictures need. Numbers are in
+SI units, and null where there is none; formulas are text, and so is a number as it was given. "format" grows when
+a name goes or changes its meaning; names may be added without.
+"""
+
+import json
+import math
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stickslip_sym.cli.reading import UNITS, Point
+from stickslip_sym.cli.words import in_options
+
+if TYPE_CHECKING:
+    from rich.progress import ProgressColumn
+
+    from stickslip_sym.model.law import FrictionLaw
+
+Json = dict[str, Any]
+"""What stands for an object of JSON."""
+
+__all__ = ["Json", "as_json", "counted", "echo_json", "law_of", "point_of", "progress_bar", "table"]
+
+_FORMAT = 2
+_WIDTH = 115  # characters of a line where no terminal says how many it has
+_ATTRIBUTES = {
+    "Threshold": (
+        "value",
+        "method",
+        "relative_error",
+        "status",
+        "uncertainty",
+        "nonlinearity",
+        "budget",
+        "deserved",
+    ),
+    "Budget": ("deviations", "alone", "shares", "correlated"),
+    "Critical": ("value", "unit", "method", "relative_error", "sensitivity"),
+    "Margin": ("name", "value", "below", "above", "change"),
+    "Margins": ("stick_slip", "threshold", "rows", "probability", "sampled", "refused"),
+    "ClosedForm": ("expr", "verdict"),
+    "Trajectory": ("motion", "change", "outcome", "note", "events"),
+    "MotionMap": ("motion", "reason", "attractors"),
+    "Axis": ("name", "unit", "values"),
+    "Trade": ("scene", "box", "ways", "dominators"),
+    "Study": (
+        "warnings",
+        "headline",
+        "verdict",
+        "regime",
+        "answers",
+        "choice",
+        "probability",
+        "margins",
+        "forms",
+        "fit",
+        "refused",
+        "defaults",
+        "seconds",
+    ),
+    "Regime": ("attractors",),
+}
+"""What is printed of these classes, by their names; of other dataclasses every attribute."""
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return rows under a header, as wide as the terminal is; without one, 115 characters."""
+    from rich.console import Console
+    from rich.table import Table
+
+    shown = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
+    for name in header:
+        shown.add_column(name, overflow="fold")
+    for row in rows:
+        shown.add_row(*row)
+    console = Console(width=None if sys.stdout.isatty() else _WIDTH, markup=False, emoji=False, highlight=False)
+    with console.capture() as captured:
+        console.print(shown)
+    return "\n".join(line.rstrip() for line in captured.get().splitlines())
+
+
+@contextmanager
+def progress_bar(*columns: "ProgressColumn") -> Iterator[Callable[..., None]]:
+    """Show columns of rich on a terminal, and yield what updates them; elsewhere show nothing."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    # Rich takes FORCE_COLOR for a terminal, and would draw into a file.
+    drawn = console.is_terminal and sys.stderr.isatty()
+    with Progress(*columns, console=console, transient=True, disable=not drawn) as shown:
+        yield partial(shown.update, shown.add_task("reading the law", total=None))
+
+
+@contextmanager
+def counted(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Show on a terminal how many of something are done; elsewhere show nothing."""
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+
+    with progress_bar(TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()) as update:
+        yield lambda done, total: update(completed=done, total=total)
+
+
+def echo_json(command: str, **content: object) -> None:
+    """Print the object of a command; results in it become what `as_json` makes of them."""
+    from stickslip_sym.core.version import __version__
+
+    head = {"format": _FORMAT, "version": __version__, "command": command}
+    click.echo(json.dumps(head | as_json(content), indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def as_json(value: Any) -> Any:
+    """Return a result as JSON can hold it."""
+    if value is None or isinstance(value, bool | int):
+        return value
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, str | Exception):
+        return in_options(str(value))
+    if isinstance(value, Mapping):
+        return {str(key.value if isinstance(key, Enum) else key): as_json(one) for key, one in value.items()}
+    if hasattr(value, "tolist"):  # an array, or a number of NumPy
+        return as_json(value.tolist())
+    if isinstance(value, list | tuple):
+        return [as_json(one) for one in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    names = _ATTRIBUTES.get(type(value).__name__)
+    if names is None and not is_dataclass(value):
+        from stickslip_sym.output import printing
+
+        return printing.text(value) if hasattr(value, "free_symbols") else str(value)
+    return {name: as_json(getattr(value, name)) for name in names or [one.name for one in fields(value)]}
+
+
+def point_of(point: Point) -> Json:
+    """Return the law and the operating point with which every answer begins."""
+    from stickslip_sym.core.uncertain import separated
+
+    _, errors = separated(point.texts)
+    quantities = {
+        name: {
+            "value": value, "unit": UNITS[name], "text": point.texts[name], "default": name in point.defaults,
+            "standard_error": float(errors[name].std_dev) if name in errors else None,
+        }
+        for name, value in point.numbers.items()
+    }  # fmt: skip
+    return {"law": law_of(point.law, point.typical), "operating_point": quantities}
+
+
+def law_of(law: "FrictionLaw", typical: Sequence[str] = ()) -> Json:
+    """Return a law: its name, its formula, and its parameters with their values, some of them typical ones."""
+    parameters = {
+        name: {
+            "value": float(law.values[name]) if name in law.values else None,
+            "text": str(law.values[name]) if name in law.values else None,
+            "standard_error": float(law.uncertain[name].std_dev) if name in law.uncertain else None,
+            "default": name in typical, "typical": parameter.typical, "unit": parameter.unit,
+            "meaning": parameter.meaning,
+        }
+        for name, parameter in law.parameters.items()
+    }  # fmt: skip
+    static = None if law.static is None else as_json(law.static)
+    content = {"name": law.name, "formula": law.text, "static": static, "parameters": parameters}
+    return content | {"validity": law.validity, "source": law.source}

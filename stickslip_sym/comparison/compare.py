@@ -1,0 +1,178 @@
+"""`compare`: the threshold of one operating point by every method, each with its error, status and time."""
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from stickslip_sym.core.deadline import time_limit as limited
+from stickslip_sym.core.errors import InputError, StickSlipError
+from stickslip_sym.core.uncertain import UFloat
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.thresholds.methods import find_method
+from stickslip_sym.motion.thresholds.methods import methods as every_method
+from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
+from stickslip_sym.output import markup
+from stickslip_sym.output.tables import duration, table
+
+__all__ = ["HEADER", "Answer", "Comparison", "Quantity", "answer", "compare"]
+
+Quantity = float | str | UFloat
+"""A quantity of an operating point in SI units, perhaps with a standard error."""
+
+_RTOL = 1e-10
+"""Asked of the methods that can be made more accurate; the others have the error that they have."""
+HEADER = ("method", "c in kg/s", "relative error", "status", "time")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one method gives.
+
+    Attributes
+    ----------
+    method : str
+    threshold : Threshold or None
+        None where the method gives no value.
+    reason : str
+        Why there is no value; empty where there is one.
+    seconds : float
+        Elapsed time.
+    """
+
+    method: str
+    threshold: Threshold | None
+    reason: str
+    seconds: float
+
+    @property
+    def cells(self) -> list[str]:
+        """The row of a table: method, damping, relative error, status and time, as text."""
+        if self.threshold is None:
+            return [self.method, f"none: {self.reason}", "", "", ""]
+        error = self.threshold.relative_error
+        stated = "unknown" if error is None else f"{error:.1e}"
+        value = f"{self.threshold.value:.12g}"
+        return [self.method, value, stated, str(self.threshold.status), duration(self.seconds)]
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison:
+    """The threshold of one operating point by several methods; `compare` makes it.
+
+    Attributes
+    ----------
+    law : FrictionLaw
+    point : mapping of str to Quantity
+        V, N, m and k as they were given.
+    answers : tuple of Answer
+        In the order of the methods, from the simplest on.
+    """
+
+    law: FrictionLaw
+    point: Mapping[str, Quantity]
+    answers: tuple[Answer, ...]
+
+    def __iter__(self) -> Iterator[Answer]:
+        return iter(self.answers)
+
+    def __getitem__(self, method: str) -> Answer:
+        """Return what a method gives, by its name."""
+        for one in self.answers:
+            if one.method == method:
+                return one
+        methods = ", ".join(one.method for one in self.answers)
+        raise InputError(f"{method!r} was not compared; there are: {methods}")
+
+    def __str__(self) -> str:
+        return table(HEADER, [one.cells for one in self.answers])
+
+    def __repr__(self) -> str:
+        values = sum(one.threshold is not None for one in self.answers)
+        return f"Comparison: {self.law.name or 'a law'}, {len(self.answers)} methods, {values} with a value"
+
+    def _repr_html_(self) -> str:
+        return markup.block(markup.table(HEADER, [one.cells for one in self.answers], caption=repr(self)))
+
+
+def compare(
+    law: FrictionLaw | str,
+    osc: Oscillator | None = None,
+    *,
+    methods: Sequence[str] | None = None,
+    rtol: float = _RTOL,
+    time_limit: float | None = None,
+    **point: Quantity,
+) -> Comparison:
+    """Compute the threshold of one operating point by every method.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound.
+    osc : Oscillator, optional
+        The operating point; its damping does not matter.
+    methods : sequence of str, optional
+        Names of methods; all that can be used if not given.
+    rtol : float, optional
+        Relative error that is asked of methods that can be made more accurate.
+    time_limit : float, optional
+        Seconds for each method.
+    **point : float or str
+        V, N, m and k in SI units, in place of `osc`, perhaps with standard errors. Without m and k only the slope
+        averages are compared.
+
+    Returns
+    -------
+    Comparison
+        A method that gives no value here says why in its row.
+
+    Raises
+    ------
+    InputError
+        For an unknown method, or an operating point that is given twice, not at all, or with other names.
+
+    Examples
+    --------
+    >>> from stickslip_sym import Oscillator, laws
+    >>> found = compare(laws.polynomial.typical(), Oscillator(m=1, k=100, V=0.5, N=9.81))
+    >>> for one in found:
+    ...     print(f"{one.method:13} {one.threshold.value:.6f} {one.threshold.status}")
+    equilibrium   3.310875 ESTIMATED
+    least_squares 3.048107 ESTIMATED
+    harmonic      3.034969 ESTIMATED
+    second_order  3.036483 ESTIMATED
+    orbit         3.036477 ESTIMATED
+    simulation    3.036477 ESTIMATED
+    proof         3.036477 PROVED
+    """
+    law = as_law(law)
+    if (osc is None) == (not point):
+        raise InputError("the operating point is wanted once: give an Oscillator, or V=, N=, m= and k=")
+    if osc is not None:
+        point = {name: getattr(osc, name) for name in "VNmk"}
+    if not set(point) <= set("VNmk"):
+        raise InputError(
+            f"an operating point has V, N, m and k, not {', '.join(sorted(set(point) - set('VNmk')))}"
+        )
+    if methods is None:
+        methods = [name for name, method in every_method().items() if "m" in point or not method.oscillator]
+    for name in methods:
+        find_method(name)
+    with limited(time_limit):  # refuses what is no time: below, an error is a method's answer
+        pass
+    answers = tuple(answer(law, point, name, rtol=rtol, time_limit=time_limit) for name in methods)
+    return Comparison(law, dict(point), answers)
+
+
+def answer(
+    law: FrictionLaw, point: Mapping[str, Quantity], method: str, *, rtol: float | None, time_limit: float | None
+) -> Answer:
+    """Return what one method gives at an operating point, or why it gives nothing."""
+    begin = time.perf_counter()
+    try:
+        found = pure_slip_damping(law, **point, method=method, rtol=rtol, time_limit=time_limit)
+    except StickSlipError as error:
+        return Answer(method, None, str(error), time.perf_counter() - begin)
+    return Answer(method, found, "", time.perf_counter() - begin)

@@ -1,0 +1,390 @@
+"""The table of functions: a row for each, with all that is known of it, and the one fold over expressions.
+
+A new function is one row here and nothing else: formulas, printers, derivatives, balls, power series, differences
+and programs in other languages look it up when they need it.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import mpmath
+import sympy as sp
+from flint import acb, arb, arb_series
+from sympy.codegen.cfunctions import expm1, log1p
+from sympy.printing.printer import Printer
+
+from stickslip_sym.core.aliases import Expr, Mpf
+
+__all__ = [
+    "CONSTANTS", "FUNCTIONS", "Constant", "Function", "Lerch", "NumberPower", "add_function", "arguments", "fold",
+    "in_laws", "lerch", "power", "row",
+]  # fmt: skip
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Function:
+    r"""A function, and all that is known of it.
+
+    Its derivative is SymPy's, `kind.fdiff`.
+
+    Attributes
+    ----------
+    kind : type
+        SymPy's class.
+    ball : callable or None
+        From balls of the arguments to a ball around the value, in Arb.
+    cut : callable
+        Whether a ball of the argument meets a branch cut. A pole needs no cut: no ball around it is finite.
+    series : callable or None
+        From a power series to that of the function; None where the integral of its derivative has to do.
+    gain : callable or None
+        From the argument x, its value a at another point, and x - a: f(x) - f(a), without cancellation where the
+        two are close; None where the difference is taken as it stands.
+    inverse : type or None
+        SymPy's class of the inverse, of a function that rises from any value to any higher one.
+    in_laws : bool
+        Whether the formula of a friction law may have it.
+    aliases : tuple of str
+        Other names that are read.
+    latex : str or None
+        Its name in LaTeX; by default ``\operatorname{name}``, None where it is printed in a way of its own.
+    indexed, squared : bool
+        Whether LaTeX writes the first argument as an index, and powers on the name.
+    c, python : str or None
+        A call in C99, and in Python with NumPy as np: the name, or text with ``{}`` for the argument. None where
+        the language has no such function.
+    octave : str or None
+        The same in Octave; by default that of C.
+    """
+
+    kind: type[Expr]
+    ball: Callable[..., acb] | None
+    cut: Callable[..., bool] = lambda *z: False
+    series: Callable[[arb_series], arb_series] | None = None
+    gain: Callable[[Expr, Expr, Expr], Expr] | None = None
+    inverse: type[Expr] | None = None
+    in_laws: bool = False
+    aliases: tuple[str, ...] = ()
+    latex: str | None = ""
+    indexed: bool = False
+    squared: bool = False
+    c: str | None = None
+    python: str | None = None
+    octave: str | None = None
+
+    @property
+    def name(self) -> str:
+        """Its name in a formula."""
+        return str(self.kind.__name__)
+
+    def call(self, language: str, *arguments: str) -> str | None:
+        """Return a call in a language, "c", "python" or "octave"; None where it has no such function."""
+        text: str | None = getattr(self, language) or (self.c if language == "octave" else None)
+        if text is None:
+            return None
+        return text.format(*arguments) if "{" in text else f"{text}({', '.join(arguments)})"
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A constant with a name: its value as SymPy's and as a ball, and what LaTeX calls it."""
+
+    name: str
+    value: Expr
+    ball: Callable[[], acb]
+    latex: str
+    in_laws: bool = False
+
+
+class Lerch(sp.Function):  # type: ignore[misc]  # SymPy is untyped
+    """Lerch's transcendent sum_n z^n / (n + a)^s for -1 <= z <= 0, a > 0 and s = 0, 1, 2, ...
+
+    SymPy has it as `lerchphi`; mpmath's function behind that takes up to seconds a value, and gives
+    complex numbers for real arguments.
+    """
+
+    nargs = 3
+
+    @classmethod
+    def eval(cls, z: Expr, s: Expr, a: Expr) -> Expr:
+        """Reduce order 0 to an elementary function."""
+        return 1 / (1 - z) if s == 0 else None
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """Differentiate with respect to z."""
+        if argindex != 1:
+            raise sp.core.function.ArgumentIndexError(self, argindex)
+        z, s, a = self.args
+        return (Lerch(z, s - 1, a) - a * Lerch(z, s, a)) / z
+
+    def _eval_evalf(self, prec: int) -> Expr:
+        with mpmath.workprec(prec + 10):
+            value = lerch(*(argument._to_mpmath(prec + 10) for argument in self.args))
+        return sp.Float._new(value._mpf_, prec)
+
+
+def lerch(z: Mpf, s: Mpf, a: Mpf) -> Mpf:
+    """Evaluate `Lerch` in mpmath; the error relative to the sum is 5.8^-terms.
+
+    H. Cohen, F. Rodriguez Villegas, D. Zagier, Convergence acceleration of alternating series,
+    Experimental Mathematics 9 (2000), algorithm 1.
+    """
+    with mpmath.extradps(5):
+        terms = int(1.31 * mpmath.mp.dps) + 2
+        scale = (3 + mpmath.sqrt(8)) ** terms
+        scale = (scale + 1 / scale) / 2
+        b, c, total, power = mpmath.mpf(-1), -scale, mpmath.mpf(0), mpmath.mpf(1)
+        for k in range(terms):
+            c = b - c
+            total += c * power / (k + a) ** s
+            power *= -z
+            b *= mpmath.mpf((k + terms) * (k - terms) * 2) / ((2 * k + 1) * (k + 1))
+        return total / scale
+
+
+class NumberPower(sp.Function):  # type: ignore[misc]  # SymPy is untyped
+    """A positive rational number to a rational power, which is not computed.
+
+    SymPy would expand a power such as 0.0788816^1.4144337 into factors with exponents near 1e15.
+    """
+
+    nargs = 2
+    is_positive = True
+
+    def _eval_evalf(self, prec: int) -> Expr:
+        base, exponent = self.args
+        with mpmath.workprec(prec + 10):
+            value = mpmath.mpf(int(base.p)) / int(base.q)
+            value **= mpmath.mpf(int(exponent.p)) / int(exponent.q)
+        return sp.Float._new(value._mpf_, prec)
+
+    def _printed(self, printer: Printer) -> str:
+        """Print it as the power of two symbols would be, the numbers in their place."""
+        base, exponent = (f"({printer._print(argument)})" for argument in self.args)
+        return str(printer._print(sp.Symbol("B") ** sp.Symbol("E"))).replace("B", base).replace("E", exponent)
+
+    _sympystr = _latex = _numpycode = _pythoncode = _mpmathcode = _printed
+
+
+def power(base: Expr, exponent: Expr) -> Expr:
+    """Return a power, its rational factor kept as it is written where SymPy would expand it."""
+    number, rest = base.as_coeff_Mul(rational=True) if not base.is_Rational else (base, sp.S.One)
+    harmless = not exponent.is_Rational or exponent.q <= _LARGEST_ROOT or number in (0, 1) or number.is_negative
+    return base**exponent if harmless else NumberPower(number, exponent) * rest**exponent
+
+
+_LARGEST_ROOT = 64  # of a rational number that SymPy simplifies: as (1/4)^(3/2) = 1/8
+
+# -- where branch cuts lie -------------------------------------------------------------------------
+
+
+def _below_zero(z: acb) -> bool:
+    return bool(z.imag.contains(0) and not z.real > 0)
+
+
+def _below_one(z: acb) -> bool:
+    return bool(z.imag.contains(0) and not z.real > 1)
+
+
+def _outside_real_unit(z: acb) -> bool:
+    return bool(z.imag.contains(0) and not abs(z.real) < 1)
+
+
+def _outside_imaginary_unit(z: acb) -> bool:
+    return bool(z.real.contains(0) and not abs(z.imag) < 1)
+
+
+def _anywhere(*z: acb) -> bool:
+    """Say that a function may not be analytic, as nothing is known of it."""
+    return True
+
+
+# -- differences without cancellation --------------------------------------------------------------
+
+
+def _gain_of_asinh(x: Expr, a: Expr, gain: Expr) -> Expr:
+    return sp.asinh(gain * (x + a) / (x * sp.sqrt(1 + a**2) + a * sp.sqrt(1 + x**2)))
+
+
+def _gain_of_cosh(x: Expr, a: Expr, gain: Expr) -> Expr:
+    return 2 * sp.sinh((x + a) / 2) * sp.sinh(gain / 2)
+
+
+_ROWS = (
+    Function(
+        sp.exp, acb.exp, series=arb_series.exp, gain=lambda x, a, gain: sp.exp(a) * expm1(gain),
+        inverse=sp.log, in_laws=True, latex=None, c="exp", python="np.exp",
+    ),
+    Function(
+        sp.log, acb.log, _below_zero, arb_series.log, gain=lambda x, a, gain: log1p(gain / a),
+        inverse=sp.exp, in_laws=True, aliases=("ln",), latex=r"\ln", c="log", python="np.log",
+    ),
+    Function(
+        sp.sin, acb.sin, series=arb_series.sin,
+        gain=lambda x, a, gain: 2 * sp.cos((x + a) / 2) * sp.sin(gain / 2),
+        in_laws=True, latex=r"\sin", squared=True, c="sin", python="np.sin",
+    ),
+    Function(
+        sp.cos, acb.cos, series=arb_series.cos,
+        gain=lambda x, a, gain: -2 * sp.sin((x + a) / 2) * sp.sin(gain / 2),
+        in_laws=True, latex=r"\cos", squared=True, c="cos", python="np.cos",
+    ),
+    Function(
+        sp.tan, acb.tan, series=arb_series.tan,
+        in_laws=True, latex=r"\tan", squared=True, c="tan", python="np.tan",
+    ),
+    Function(
+        sp.sinh, acb.sinh, series=lambda z: (z.exp() - (-z).exp()) / 2,
+        gain=lambda x, a, gain: 2 * sp.cosh((x + a) / 2) * sp.sinh(gain / 2),
+        inverse=sp.asinh, in_laws=True, latex=r"\sinh", squared=True, c="sinh", python="np.sinh",
+    ),
+    Function(
+        sp.cosh, acb.cosh, series=lambda z: (z.exp() + (-z).exp()) / 2, gain=_gain_of_cosh,
+        in_laws=True, latex=r"\cosh", squared=True, c="cosh", python="np.cosh",
+    ),
+    Function(
+        sp.tanh, acb.tanh, series=lambda z: 1 - 2 / ((2 * z).exp() + 1),
+        gain=lambda x, a, gain: sp.tanh(gain) * (1 - sp.tanh(x) * sp.tanh(a)),
+        in_laws=True, latex=r"\tanh", squared=True, c="tanh", python="np.tanh",
+    ),
+    Function(
+        sp.sech, acb.sech, series=lambda z: 2 / (z.exp() + (-z).exp()),
+        gain=lambda x, a, gain: -_gain_of_cosh(x, a, gain) * sp.sech(x) * sp.sech(a),
+        in_laws=True, squared=True, c="(1.0/cosh({}))", python="(1.0/np.cosh({}))",
+    ),
+    Function(
+        sp.coth, acb.coth, series=lambda z: 1 + 2 / ((2 * z).exp() - 1),
+        latex=r"\coth", squared=True, c="(1.0/tanh({}))", python="(1.0/np.tanh({}))",
+    ),
+    Function(sp.csch, acb.csch, c="(1.0/sinh({}))", python="(1.0/np.sinh({}))"),
+    Function(
+        # Arb's own is not finite on wide balls.
+        sp.asinh, lambda z: (z + (z * z + 1).sqrt()).log(), _outside_imaginary_unit,
+        series=lambda z: (z + (z * z + 1).sqrt()).log(), gain=_gain_of_asinh,
+        inverse=sp.sinh, in_laws=True, aliases=("arcsinh", "arsinh"), latex=r"\operatorname{arsinh}",
+        c="asinh", python="np.arcsinh",
+    ),
+    Function(
+        sp.acosh, acb.acosh, _below_one,
+        latex=r"\operatorname{arcosh}", c="acosh", python="np.arccosh",
+    ),
+    Function(
+        sp.atanh, acb.atanh, _outside_real_unit,
+        latex=r"\operatorname{artanh}", c="atanh", python="np.arctanh",
+    ),
+    Function(
+        sp.atan, acb.atan, _outside_imaginary_unit, arb_series.atan,
+        gain=lambda x, a, gain: sp.atan2(gain, 1 + x * a),
+        in_laws=True, aliases=("arctan",), latex=r"\arctan", c="atan", python="np.arctan",
+    ),
+    Function(
+        sp.asin, acb.asin, _outside_real_unit,
+        latex=r"\arcsin", c="asin", python="np.arcsin",
+    ),
+    Function(
+        sp.acos, acb.acos, _outside_real_unit,
+        latex=r"\arccos", c="acos", python="np.arccos",
+    ),
+    Function(
+        sp.erf, acb.erf, series=arb_series.erf, in_laws=True,
+        c="erf", python="_erf",
+    ),
+    Function(sp.erfc, acb.erfc, series=arb_series.erfc, c="erfc", python="_erfc"),
+    Function(sp.erfi, acb.erfi, series=arb_series.erfi),
+    Function(expm1, acb.expm1, c="expm1", python="np.expm1"),
+    Function(log1p, acb.log1p, lambda z: _below_zero(1 + z), c="log1p", python="np.log1p"),
+    Function(sp.besseli, lambda order, z: z.bessel_i(order), _anywhere, latex="I", indexed=True),
+    Function(sp.besselj, lambda order, z: z.bessel_j(order), _anywhere, latex="J", indexed=True),
+    Function(sp.besselk, lambda order, z: z.bessel_k(order), _anywhere, latex="K", indexed=True),
+    Function(sp.bessely, lambda order, z: z.bessel_y(order), _anywhere, latex="Y", indexed=True),
+    Function(sp.gamma, acb.gamma, latex=r"\Gamma"),
+    Function(sp.lowergamma, lambda s, z: z.gamma_lower(s), _anywhere, latex=r"\gamma"),
+    Function(sp.uppergamma, lambda s, z: z.gamma_upper(s), _anywhere, latex=r"\Gamma"),
+    Function(sp.beta, None, _anywhere, latex=r"\mathrm{B}"),
+    Function(sp.expint, lambda s, z: z.expint(s), _anywhere, latex="E", indexed=True),
+    Function(sp.polylog, lambda s, z: z.polylog(s), _anywhere, latex=r"\operatorname{Li}", indexed=True),
+    Function(sp.zeta, acb.zeta, _anywhere, latex=r"\zeta"),
+    Function(sp.dirichlet_eta, acb.dirichlet_eta, _anywhere, latex=r"\eta"),
+    Function(sp.elliptic_k, acb.elliptic_k, _anywhere, latex="K"),
+    Function(sp.elliptic_e, acb.elliptic_e, _anywhere, latex="E"),
+    Function(sp.elliptic_pi, acb.elliptic_pi, _anywhere, latex=r"\Pi"),
+    Function(Lerch, lambda z, s, a: z.lerch_phi(s, a), _anywhere, latex=r"\Phi"),
+    Function(sp.Ei, acb.ei, _anywhere),
+    Function(sp.Si, acb.si, _anywhere),
+    Function(sp.Ci, acb.ci, _anywhere),
+    Function(sp.Shi, acb.shi, _anywhere),
+    Function(sp.Chi, acb.chi, _anywhere),
+    Function(sp.fresnels, acb.fresnel_s, _anywhere, latex="S"),
+    Function(sp.fresnelc, acb.fresnel_c, _anywhere, latex="C"),
+    Function(
+        NumberPower, lambda base, exponent: base.pow(exponent), latex=None,
+        c="pow({}, {})", python="({})**({})", octave="({})^({})",
+    ),
+    Function(sp.re, lambda z: acb(z.real), _anywhere, latex=r"\operatorname{Re}"),
+    Function(sp.im, lambda z: acb(z.imag), _anywhere, latex=r"\operatorname{Im}"),
+    Function(sp.Abs, lambda z: acb(abs(z)), _anywhere, latex=None, c="fabs", python="np.abs", octave="abs"),
+    Function(sp.arg, lambda z: acb(z.arg()), _anywhere, latex=r"\arg"),
+    Function(sp.sign, lambda z: z.sgn(), _anywhere, latex=r"\operatorname{sgn}", python="np.sign", octave="sign"),
+)  # fmt: skip
+
+FUNCTIONS: dict[type[Expr], Function] = {function.kind: function for function in _ROWS}
+"""Every function by SymPy's class."""
+
+CONSTANTS = {
+    constant.value: constant
+    for constant in (
+        Constant("pi", sp.pi, acb.pi, r"\pi", in_laws=True),
+        Constant("E", sp.E, lambda: acb(1).exp(), "e"),
+        Constant("I", sp.I, lambda: acb(0, 1), "i"),
+        Constant("EulerGamma", sp.EulerGamma, lambda: acb(arb.const_euler()), r"\gamma"),
+        Constant("Catalan", sp.Catalan, lambda: acb(arb.const_catalan()), "G"),
+    )
+}
+"""Every constant by SymPy's."""
+
+
+def add_function(function: Function) -> None:
+    """Add a row to the table."""
+    FUNCTIONS[function.kind] = function
+
+
+def row(expr: Expr) -> Function | None:
+    """Return the row of the function that an expression applies to its arguments; None for any other node."""
+    return FUNCTIONS.get(sp.exp if expr.is_Pow and expr.base is sp.E else expr.func)
+
+
+def in_laws() -> dict[str, Function]:
+    """Return the functions that a friction law may have, by every name that is read."""
+    rows = [function for function in FUNCTIONS.values() if function.in_laws]
+    return {name: function for function in rows for name in (function.name, *function.aliases)}
+
+
+def arguments(expr: Expr) -> Sequence[Expr]:
+    """Return the arguments of a node; those of a hypergeometric function stand in tuples."""
+    if expr.is_Pow and expr.base is sp.E:
+        return (expr.exp,)
+    return [
+        part for argument in expr.args for part in (argument if isinstance(argument, sp.Tuple) else [argument])
+    ]
+
+
+def fold(expr: Expr, combine: Callable[[Expr, list[T]], T]) -> T:
+    """Return what an expression is in an algebra: a node from its arguments, each distinct node once.
+
+    Parameters
+    ----------
+    expr : sympy.Expr
+    combine : callable
+        From a node, and what its `arguments` are, to what the node is; an atom has none.
+    """
+    seen: dict[Expr, T] = {}
+
+    def of(node: Expr) -> T:
+        if node not in seen:
+            seen[node] = combine(node, [of(argument) for argument in arguments(node)])
+        return seen[node]
+
+    return of(expr)

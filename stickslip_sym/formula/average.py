@@ -1,0 +1,311 @@
+"""The average of a profile under a criterion, F(V) = -<g'(V (1 + s))>_w: all that is known of it, in one object.
+
+A law is a sum of terms amplitude * g(v/scale), so every criterion of every law is
+
+    c = N sum_i amplitude_i/scale_i F_i(V/scale_i).
+
+Here v and V are speeds in units of the scale, and the profile's shapes are its only parameters. What is found,
+proved and checked of a profile is found, proved and checked once.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import sympy as sp
+from flint import acb, arb, arb_series
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.balls import ball_value, rational, series_function
+from stickslip_sym.core.errors import InputError, NoClosedForm
+from stickslip_sym.core.status import Status
+from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.criteria.enclosure import average_ball
+from stickslip_sym.formula.derivation import Step
+from stickslip_sym.formula.finding.rules import Part, Progress, definition, integrate_terms
+from stickslip_sym.formula.proof.gate import kinks_of, verify
+from stickslip_sym.formula.proof.normal_form import normal_form
+from stickslip_sym.formula.proof.proving import Verdict, prove_equal
+from stickslip_sym.formula.proof.recurrence import AVERAGES_AGREE
+from stickslip_sym.model.coefficient import symbolic_limit_at_rest
+from stickslip_sym.model.terms import shapes_of
+from stickslip_sym.output import printing
+
+__all__ = ["Average", "average_of"]
+
+_TELLING_BITS = 40  # to which a value is known that tells a right formula from a wrong one
+
+
+class Average:
+    """F(V; shapes) = -<g'(V (1 + s); shapes)>_w of a profile g(v; shapes).
+
+    Parameters
+    ----------
+    profile : sympy.Expr
+        g, a function of `symbols.v` and of shapes.
+    criterion : Criterion
+
+    Attributes
+    ----------
+    shapes : tuple of Symbol
+    slope : sympy.Expr
+        g'.
+    """
+
+    def __init__(self, profile: Expr, criterion: Criterion) -> None:
+        self.profile, self.criterion = profile, criterion
+        self.shapes = shapes_of(profile)
+        self.slope = sp.diff(profile, symbols.v)
+        self._slack = {condition: sp.Dummy(positive=True) for condition in self.conditions}
+        self._parts: tuple[Part, ...] | None = None
+        self._obstacle: NoClosedForm | None = None
+        self._searched = -1.0  # seconds that SymPy's integrator had
+        self._agrees: bool | None = None  # the closed form with the definition, once both were enclosed
+
+    # -- the closed form -----------------------------------------------------------------------------
+
+    def find(self, seconds: float = 0.0, progress: Progress | None = None) -> Expr:
+        """Return F as a formula in V and the shapes.
+
+        What failed once is not tried again, unless SymPy's integrator is given more time.
+
+        Parameters
+        ----------
+        seconds : float
+            For SymPy's integrator, where no rule applies.
+        progress : callable, optional
+            Told in a few words what is being done.
+
+        Raises
+        ------
+        NoClosedForm
+            Saying what was tried, or which condition the profile does not fulfil.
+        """
+        if self._parts is None and seconds > self._searched:
+            try:
+                self._parts = self._integrated(seconds, progress or (lambda _: None))
+            except NoClosedForm as failure:
+                self._obstacle, self._searched = failure, seconds
+        if self._parts is None:
+            raise NoClosedForm(*self._obstacle.args) if self._obstacle else NoClosedForm("nothing was tried")
+        return self._formula(self._parts)
+
+    def _integrated(self, seconds: float, progress: Progress) -> tuple[Part, ...]:
+        self.require_integrable()
+        if self.criterion.weight is None or not self.profile.has(symbols.v):
+            return ()
+        # A condition p < b holds where p = b - d with d > 0, which SymPy sees in every exponent.
+        known = {p.lhs: p.rhs + (d if isinstance(p, sp.StrictGreaterThan) else -d) for p, d in self._slack.items()}
+        return tuple(integrate_terms(self.profile.xreplace(known), self.criterion, seconds, progress))
+
+    def offer(self, source: "Average", variable: Expr) -> None:
+        """Take the derivative of another average as the closed form, where no rule gives one.
+
+        Parameters
+        ----------
+        source : Average
+            Of a profile g with a closed form.
+        variable : Symbol
+            `symbols.v` if this profile is v g'(v), or the shape with respect to which it is the derivative of g.
+        """
+        if self.closed is None:
+            known = Differentiated(source, variable)
+            value = known.value
+            if not value.has(sp.Derivative, sp.Subs, sp.meijerg):
+                integral = definition(self.profile, self.criterion)
+                self._parts = (Part(self.profile, integral, value, f"differentiate {source!r}", known),)
+
+    def _in_shapes(self, expr: Expr) -> Expr:
+        """Write what was found under the conditions in the shapes again."""
+        return expr.xreplace(
+            {
+                d: p.lhs - p.rhs if isinstance(p, sp.StrictGreaterThan) else p.rhs - p.lhs
+                for p, d in self._slack.items()
+            }
+        )
+
+    def _formula(self, parts: tuple[Part, ...]) -> Expr:
+        if not parts:
+            return -self.slope.xreplace({symbols.v: symbols.V})
+        return self._in_shapes(sp.Add(*[part.value for part in parts]))
+
+    @property
+    def closed(self) -> Expr | None:
+        """F as a formula in V and the shapes; None where the rules find none and no search did."""
+        try:
+            return self.find()
+        except NoClosedForm:
+            return None
+
+    def require_integrable(self) -> None:
+        """Refuse a profile that is infinite at v = 0+, faster than the weight vanishes there.
+
+        Raises
+        ------
+        NoClosedForm
+        """
+        v = symbols.v
+        if self.criterion.weight is None or self.profile.subs(v, 0).is_finite is not False or self.conditions:
+            return
+        order = self.criterion.order_at_rest
+        strength = symbolic_limit_at_rest(v**order * self.profile)
+        if strength.is_infinite or (order > 0 and strength is not sp.nan and sp.simplify(strength) != 0):
+            raise NoClosedForm(
+                f"it is not integrable at v = 0+ with the weight of the criterion {self.criterion.name!r}, which "
+                "has no value; cut mu off there"
+            )
+
+    @cached_property
+    def conditions(self) -> tuple[Expr, ...]:
+        """Relations between the shapes without which the average does not exist.
+
+        A factor v^p of the profile asks for p + q > 0, the weight vanishing like (1 + s)^q where the slip speed
+        is 0.
+        """
+        if self.criterion.weight is None:
+            return ()
+        found: list[Expr] = []
+        for term in sp.Add.make_args(sp.expand_mul(self.profile)):
+            powers = [factor.as_base_exp() for factor in sp.Mul.make_args(term)]
+            exponent = sp.Add(*[power for base, power in powers if base == symbols.v])
+            lowest = -self.criterion.order_at_rest  # of the exponents with an average, which exceed it
+            if not exponent.free_symbols or (exponent - lowest).is_positive:
+                continue
+            shape = sorted(exponent.free_symbols, key=str)[0]
+            rate = sp.diff(exponent, shape)
+            if rate.is_positive or rate.is_negative:
+                bound = (lowest - exponent.subs(shape, 0)) / rate
+                found.append(sp.Gt(shape, bound) if rate.is_positive else sp.Lt(shape, bound))
+        return tuple(dict.fromkeys(found))
+
+    # -- what is known of it -------------------------------------------------------------------------
+
+    @cached_property
+    def gate(self) -> Verdict:
+        """The agreement of the closed form with its definition, which shares no step with finding or proof.
+
+        Raises
+        ------
+        NoClosedForm
+        """
+        return verify(self.profile, self.criterion, self.find(), self.conditions)
+
+    @cached_property
+    def steps(self) -> tuple[Step, ...]:
+        """The steps from the definition to the closed form, each with its verdict.
+
+        Raises
+        ------
+        NoClosedForm
+        """
+        self.find()
+        assert self._parts is not None
+        if not self._parts:
+            return ()
+        return tuple(self._step(part) for part in self._parts)
+
+    def _step(self, part: Part) -> Step:
+        statement = self._in_shapes(sp.Eq(part.integral, part.value, evaluate=False))
+        if self.criterion.is_polynomial:
+            reason = f"the antiderivative is found by the rule: {part.rule}"
+            return Step(self._operation, reason, statement, prove_equal(part.integral, part.value, part.by))
+        verdict = Verdict(self.gate.status, f"{self.gate.evidence}; of a profile in pieces no proof is known here")
+        if part.by is not None:
+            verdict = prove_equal(part.integral, part.value, part.by, checked=self.gate)
+        why = f"; {AVERAGES_AGREE}" if verdict.status is Status.PROVED else ""
+        return Step(self._operation, f"by the rule: {part.rule}{why}", statement, verdict)
+
+    @property
+    def _operation(self) -> str:
+        return f"average the profile {printing.text(self.profile)}, speeds in units of its scale"
+
+    # -- values --------------------------------------------------------------------------------------
+
+    def ball(self, V: arb, shapes: Mapping[Expr, Expr | acb]) -> arb:
+        """Return a ball around F, by the closed form where there is one that balls can evaluate.
+
+        The first value is compared with the definition: values are also asked for where no gate was passed.
+
+        Parameters
+        ----------
+        V : arb
+            Positive.
+        shapes : mapping
+            Exact values of the shapes; balls too for a profile without kinks.
+        """
+        if self.closed is not None and self._agrees is not False:
+            try:
+                value = ball_value(self.closed, {**shapes, symbols.V: acb(V)})
+            except InputError:  # a function that is not among those enclosed
+                return self.enclosed(V, shapes)
+            if value.is_finite() and value.imag.contains(0):
+                if self._agrees is None:
+                    expected = self.enclosed(V, shapes)
+                    if not expected.overlaps(value.real):
+                        self._agrees = False
+                        return expected
+                    if min(expected.rel_accuracy_bits(), value.real.rel_accuracy_bits()) >= _TELLING_BITS:
+                        self._agrees = True
+                return value.real
+        return self.enclosed(V, shapes)
+
+    def enclosed(self, V: arb, shapes: Mapping[Expr, Expr | acb]) -> arb:
+        """Return a ball around F by its definition, an integral in ball arithmetic; it knows no closed form."""
+        return average_ball(self.profile, shapes, kinks_of(self.profile, shapes), self.criterion, V)
+
+    def taylor(self, shapes: Mapping[Expr, Expr | acb], count: int) -> list[arb] | None:
+        """Return the coefficients of V^0, ..., V^(count - 1) of F at the working precision and number of terms.
+
+        With g_n the Taylor coefficients of g and m_k = <(1 + s)^k> they are -(n + 1) m_n g_(n+1). None where g is
+        not known to be analytic at v = 0. To be called within `working_precision(bits, count)`.
+        """
+        try:
+            series = series_function(self.slope, symbols.v, shapes)(arb_series([0, 1], prec=count))
+        except (ValueError, ZeroDivisionError, InputError):  # a pole, or a function without a series here
+            return None
+        coefficients = [-series[k] * arb(rational(self.criterion.mean_power(k))) for k in range(count)]
+        return coefficients if all(c.is_finite() for c in coefficients) else None
+
+    def __repr__(self) -> str:
+        return f"Average: {printing.text(self.profile)}, {self.criterion.name}"
+
+
+@dataclass(frozen=True)
+class Differentiated:
+    """Evaluate the average of v g'(v), or of dg/dp, by the average F of g: it is (V F)', or dF/dp.
+
+    Attributes
+    ----------
+    source : Average
+        Of g; its closed form is proved.
+    variable : Symbol
+        `symbols.v`, or a shape p.
+    """
+
+    source: Average
+    variable: Expr
+
+    @property
+    def value(self) -> Expr:
+        """The derivative of the closed form."""
+        V, F = symbols.V, self.source.find()
+        return sp.diff(V * F, V) if self.variable == symbols.v else sp.diff(F, self.variable)
+
+    def __call__(self, expr: Expr) -> Expr:
+        """Differentiate the integral of g under its sign."""
+        g, criterion = self.source.profile, self.source.criterion
+        profile = symbols.v * self.source.slope if self.variable == symbols.v else sp.diff(g, self.variable)
+        if normal_form(definition(profile, criterion) - expr) != 0:
+            raise ValueError(f"the integral is not the average of the derivative of {g}")
+        if g.has(sp.Piecewise):
+            raise ValueError(f"{g} may jump, at a place that moves")
+        if any(step.verdict.status is not Status.PROVED for step in self.source.steps):
+            raise ValueError(f"the average of {g} is not proved")
+        return self.value
+
+
+@lru_cache(maxsize=256)
+def average_of(profile: Expr, criterion: Criterion) -> Average:
+    """Return the average of a profile under a criterion: the same object again, with all that is known of it."""
+    return Average(profile, criterion)

@@ -1,0 +1,430 @@
+"""`ClosedForm`: a criterion of a law as a sum of averages; `derive`, which finds and proves it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy as sp
+
+from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.deadline import time_limit as limit
+from stickslip_sym.core.errors import InputError, NoClosedForm, OutOfTime
+from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.numbers import Number, exact, suggestion
+from stickslip_sym.core.status import Status
+from stickslip_sym.core.symbols import N, V, c, mu, v
+from stickslip_sym.criteria.criterion import Criterion, find
+from stickslip_sym.formula.average import Average, average_of
+from stickslip_sym.formula.code import writer
+from stickslip_sym.formula.derivation import Derivation
+from stickslip_sym.formula.exact import exact_value
+from stickslip_sym.formula.finding.rules import Progress
+from stickslip_sym.formula.limits import Limits, limits_of
+from stickslip_sym.formula.proof.gate import GATE_POINTS
+from stickslip_sym.formula.proof.proving import Verdict, prove_equal
+from stickslip_sym.formula.slope_average import OnInvalid, SlopeAverage, check_names, check_reach
+from stickslip_sym.formula.tidy import tidy
+from stickslip_sym.model.law import FrictionLaw, Parameter
+from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.terms import Term, shapes_of
+from stickslip_sym.output import markup, printing
+from stickslip_sym.output.notation import check_known, notation_of
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+
+__all__ = ["ClosedForm", "derive"]
+
+_SEARCHING = 2.0  # seconds of the processor for SymPy: what it finds at all, it finds in that time
+_REMEDY = (
+    "Take the criterion as a fast function, stickslip_sym.slope_average, which stickslip export writes as code,"
+    " or by quadrature, stickslip_sym.quadrature.damping"
+)
+_LINEAR = "a criterion is linear in mu, and a change of the unit of speed scales it"
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedForm:
+    """The damping coefficient of a criterion as a formula.
+
+    It holds the terms of a law, and no formula: expression, call, LaTeX, code and verdict are made from the
+    terms, each with the average of its profile. So none of them can say something else than the others.
+
+    Attributes
+    ----------
+    law : FrictionLaw
+    criterion : Criterion
+    terms : tuple of Term
+    """
+
+    law: FrictionLaw
+    criterion: Criterion
+    terms: tuple[Term, ...]
+
+    @property
+    def averages(self) -> tuple[tuple[Term, Average], ...]:
+        """The terms that vary with v, each with the average of its profile."""
+        varying = [term for term in self.terms if term.profile.has(v)]
+        return tuple((term, average_of(term.profile, self.criterion)) for term in varying)
+
+    @cached_property
+    def expr(self) -> Expr:
+        """The damping coefficient c in kg/s, an expression in V, N and the law's parameters."""
+        return tidy(self._sum, self.law.expr, V)
+
+    @cached_property
+    def _sum(self) -> Expr:
+        """N sum_i amplitude_i/scale_i F_i(V/scale_i), as it stands."""
+        parts = [
+            N * term.amplitude / term.scale * term.in_parameters(average.find()) for term, average in self.averages
+        ]
+        return sp.Add(*parts)
+
+    @cached_property
+    def derivation(self) -> Derivation:
+        """The steps that lead to the formula, each with its verdict."""
+        criterion, law = self.criterion, self.law
+        derivation = Derivation(
+            f"{law.name or 'law'}/{criterion.name}", f"The {criterion.name} criterion for mu(v) = {law.text}"
+        )
+        derivation.equal(
+            "split the law into terms, each an amplitude times a profile of v over a scale",
+            "both sides are the same function of v",
+            law.expr,
+            sp.Add(*[term.expr for term in self.terms]),
+            shown=mu(v),
+        )
+        for average in dict.fromkeys(average for _, average in self.averages):
+            derivation.steps.extend(average.steps)
+        local = criterion.weight is None
+        derivation.equal(
+            "take the slope at the belt speed" if local else "add up the averages of the terms",
+            "a small motion about it decays if c + N mu'(V) > 0" if local else _LINEAR,
+            self._sum,
+            self.expr,
+            shown=c,
+        )
+        return derivation
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """What is established: the weakest verdict of the steps and of the comparisons with the definition."""
+        gates = [average.gate for average in dict.fromkeys(average for _, average in self.averages)]
+        status = Status.weakest(
+            [self.derivation.status, *(g.status for g in gates if g.status is not Status.CHECKED)]
+        )
+        count = len(self.derivation.steps)
+        evidence = dict.fromkeys(gate.evidence for gate in gates)
+        return Verdict(status, "; ".join([f"{count} steps" if count != 1 else "1 step", *evidence]))
+
+    @property
+    def conditions(self) -> tuple[Expr, ...]:
+        """Relations between the law's parameters without which the criterion has no value."""
+        relations = [
+            term.in_parameters(condition) for term, average in self.averages for condition in average.conditions
+        ]
+        return tuple(dict.fromkeys(relation for relation in relations if relation != sp.true))
+
+    @cached_property
+    def limits(self) -> Limits:
+        """What the criterion tends to as V falls to 0, and as V grows."""
+        return limits_of(self.averages, self.law.expr)
+
+    def sensitivity(self, name: str) -> "ClosedForm":
+        """Return the derivative of the damping coefficient with respect to a parameter, as a closed form.
+
+        A criterion is linear in mu, so dc/dp is the criterion of the law dmu/dp: it is proved and compared with
+        its definition as that, and its LaTeX, code and calls are those of a closed form. Beyond that it is
+        compared with the derivative of this formula, which differs where a place at which mu jumps moves.
+
+        Parameters
+        ----------
+        name : str
+            A parameter of the law.
+
+        Raises
+        ------
+        InputError
+            If the law has no parameter of that name.
+        NoClosedForm
+            If the derivative has no closed form, or is not that of mu alone.
+
+        Examples
+        --------
+        >>> from stickslip_sym import derive, laws
+        >>> derive(laws.linear).sensitivity("a_1").expr
+        N
+        """
+        if name not in self.law.parameters:
+            raise InputError(
+                f"{name!r} is no parameter of the law{suggestion(name, self.law.parameters)}; it has: "
+                f"{', '.join(self.law.parameters) or 'none'}"
+            )
+        symbol = self.law.parameters[name].symbol
+        slope = sp.diff(self.law.expr, symbol)
+        # Without units: the derivative is no pure number, as a coefficient of friction is.
+        described = self.law.parameters.values()
+        kept = [
+            Parameter(p.name, p.meaning, positive=p.positive) for p in described if p.symbol in slope.free_symbols
+        ]
+        law = FrictionLaw(slope, parameters=kept, name=f"d {self.law.name or 'mu'}/d {name}")
+        law = law.bind(**{key: value for key, value in self.law.values.items() if key in law.parameters})
+        terms = [part for term in self.terms for part in _differentiated(term, self.criterion, symbol)]
+        form = ClosedForm(law, self.criterion, tuple(terms))
+        for term, average in form.averages:
+            if average.closed is None:
+                raise NoClosedForm(f"{printing.text(term.expr)}, a term of dmu/d{name}, has no closed form here")
+        _require(form.verdict)
+        _require(prove_equal(sp.diff(self.expr, symbol), form.expr))
+        return form
+
+    @property
+    def arguments(self) -> dict[str, Expr]:
+        """The symbols that a call takes by name: V, N, then the law's parameters."""
+        return self._average.arguments
+
+    @cached_property
+    def _average(self) -> SlopeAverage:
+        exactly = partial(exact_value, self._uncancelled, self._slope, digits=17)
+        return SlopeAverage(self.law, self.criterion, exactly, terms=self.terms)
+
+    @cached_property
+    def _slope(self) -> Expr:
+        return sp.Add(*[sp.diff(term.expr, v) for term in self.terms])
+
+    @cached_property
+    def _uncancelled(self) -> Expr:
+        """The formula; the slope itself where it is the criterion, for there 1 - tanh^2 is still to be seen."""
+        if self.criterion.weight is None and self.expr.has(sp.tanh):
+            return -N * self._slope.subs(v, V)
+        return self.expr
+
+    def __call__(self, *, on_invalid: OnInvalid = "raise", **values: "ArrayLike") -> Any:
+        """Return the damping coefficient in kg/s, broadcast over all arguments, as a `SlopeAverage` does.
+
+        Parameters
+        ----------
+        on_invalid : {"raise", "nan"}
+        **values : float or array_like
+            V (m/s), N (N) and the law's parameters; those that the law has bound may be left out.
+
+        Returns
+        -------
+        float, numpy.ndarray or numpy.ma.MaskedArray
+
+        Raises
+        ------
+        InputError
+        """
+        self._require_conditions(dict(self.law.values) | values)
+        return self._average(on_invalid=on_invalid, **values)
+
+    def _require_conditions(self, values: Mapping[str, Any]) -> None:
+        """Refuse parameters for which the criterion has no value."""
+        for relation in self.conditions:
+            names = [str(symbol) for symbol in sorted(relation.free_symbols, key=str)]
+            if not values.keys() >= set(names):
+                continue  # a missing argument is refused in its own words
+            columns = [np.asarray(values[name], dtype=np.float64) for name in names]
+            holds = function_of([self.arguments[name] for name in names], relation.lhs - relation.rhs, "numpy")
+            sides = np.asarray(holds(*columns))
+            if not np.all(sides > 0 if isinstance(relation, sp.StrictGreaterThan) else sides < 0):
+                got = ", ".join(f"{name} = {values[name]}" for name in names)
+                raise InputError(
+                    f"the {self.criterion.name} criterion exists for {printing.text(relation)} only, got {got}; "
+                    "for other values its integral does not converge"
+                )
+
+    def evaluate(self, digits: int = 50, **values: Number) -> Mpf:
+        """Return the damping coefficient in kg/s to any number of digits.
+
+        Parameters
+        ----------
+        digits : int
+        **values : number
+            As for a call; floats count as exact binary numbers, text as exact decimals.
+
+        Returns
+        -------
+        mpmath.mpf
+        """
+        if not 1 <= digits <= 10_000:
+            raise InputError(f"digits = {digits} is outside 1 to 10000")
+        given = dict(self.law.values) | values
+        check_names(self.arguments, given)
+        self._require_conditions(given)
+        point = {symbol: exact(given[name], name) for name, symbol in self.arguments.items()}
+        for name, symbol in self.arguments.items():
+            if symbol.is_nonnegative and point[symbol] < 0:
+                raise InputError(f"{name} = {float(point[symbol]):g} must not be negative")
+        check_reach(self.law, self.criterion, point[V])
+        return exact_value(self._uncancelled, self._slope, point, digits)
+
+    @property
+    def average(self) -> SlopeAverage:
+        """The criterion over arrays, with its branches; what is written as code."""
+        return self._average
+
+    def latex(self, symbols: Mapping[str, str] | None = None) -> str:
+        r"""Return the criterion as a LaTeX equation, ``c = ...``.
+
+        Parameters
+        ----------
+        symbols : mapping of str to str, optional
+            Names and what they shall be printed as, e.g. ``{"V": "v_b", "alpha": r"\beta"}``.
+        """
+        given = symbols or {}
+        check_known(given, ["c", *self.arguments])
+        names = notation_of(["c", *self.arguments], given)
+        conditions = [f"\\quad {printing.latex(condition, names)}" for condition in self.conditions]
+        return ", ".join([f"{names['c']} = {printing.latex(self.expr, names)}", *conditions])
+
+    def code(self, language: str) -> str:
+        """Return text of a language, "c", "python" or "octave", that defines a function ``damping`` of V, N, ...
+
+        It has the branches of a call, and gives NaN where a call refuses. Where terms cancel, a call turns to
+        ball arithmetic, and the text adds them up as they are.
+
+        Raises
+        ------
+        InputError
+            If there is no such language, or a profile has a shape without a value: bind it first.
+        """
+        return writer.code({"damping": self}, language)
+
+    def __getstate__(self) -> dict[str, object]:
+        # What is compiled cannot be pickled, and is made again when it is needed.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def _repr_html_(self) -> str:
+        where = f"{self.law.name or self.law.text}, {self.criterion.name}: damping coefficient in kg/s"
+        return markup.block(where, markup.formula(f"\\displaystyle {self.latex()}"), str(self.verdict))
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.latex()}$"
+
+    def __repr__(self) -> str:
+        name = self.law.name or self.law.text
+        return f"ClosedForm: {name}, {self.criterion.name}, {self.verdict.status.value}"
+
+
+def derive(
+    law: FrictionLaw | str,
+    criterion: str | Criterion = "least_squares",
+    *,
+    time_limit: float = 120.0,
+    search: bool = True,
+    progress: Progress | None = None,
+) -> ClosedForm:
+    """Derive the closed form of a criterion for a law, prove it, and check it against its definition.
+
+    The law is split into terms, and the profile of each is averaged once: by rules first, by SymPy's integrator
+    last, in a process that is killed when its time is up. Antiderivatives are proved by differentiation, harmonic
+    averages by the differential equation that both sides satisfy. Every average, proved or not, is compared with
+    its definition at 12 seeded points over six decades.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        Bound values become the defaults of a call; the formula stays symbolic.
+    criterion : str or Criterion
+    time_limit : float
+        Seconds that all of this may take.
+    search : bool
+        Let SymPy's integrator try what no rule covers, for 2 s a profile.
+    progress : callable, optional
+        Called with a few words whenever another piece of work begins.
+
+    Returns
+    -------
+    ClosedForm
+        PROVED, or CHECKED where a hypothesis of the proof is not known to hold; the step says which.
+
+    Raises
+    ------
+    NoClosedForm
+        If a term resists, or the result does not pass every check, or the time is up. The message names the term,
+        or what was under way.
+    """
+    law = as_law(law)
+    criterion = find(criterion)
+    stages = _Stages(progress or (lambda _: None))
+    try:
+        with limit(time_limit):
+            return _derived(law, criterion, search, stages)
+    except OutOfTime:
+        raise NoClosedForm(
+            f"the time limit of {time_limit:g} s was reached while {stages.last}; give it more time with "
+            "time_limit=..., or take the criterion by stickslip_sym.slope_average"
+        ) from None
+
+
+def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[Term]:
+    """Return the terms of the derivative of a term: of its amplitude, its scale, and its shapes."""
+    amplitude, scale, average = term.amplitude, term.scale, average_of(term.profile, criterion)
+    shares = [
+        (sp.diff(amplitude, parameter), term.profile),
+        (-amplitude * sp.diff(scale, parameter) / scale, v * average.slope),
+        *(
+            (amplitude * sp.diff(meaning, parameter), sp.diff(term.profile, shape))
+            for shape, meaning in term.shapes.items()
+        ),
+    ]
+    found = []
+    for (share, profile), variable in zip(shares, (None, v, *term.shapes), strict=True):
+        if share == 0 or profile == 0:
+            continue
+        if variable is not None:
+            average_of(profile, criterion).offer(average, variable)
+        shapes = {shape: term.shapes[shape] for shape in shapes_of(profile)}
+        found.append(Term(sp.factor(share), scale, profile, shapes))
+    return found
+
+
+class _Stages:
+    """What a derivation is at."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress, self.last = progress, "reading the law"
+
+    def __call__(self, stage: str) -> None:
+        check_time()
+        self.last = stage
+        self._progress(stage)
+
+
+def _derived(law: FrictionLaw, criterion: Criterion, search: bool, stages: _Stages) -> ClosedForm:
+    form = ClosedForm(law, criterion, law.terms)
+    for term, average in form.averages:
+        name = printing.text(term.expr)
+        stages(f"averaging {name}")
+        try:
+            average.find(_SEARCHING if search else 0.0, stages)
+        except NoClosedForm as failure:
+            raise NoClosedForm(
+                f"the term {name} has no closed form that is known here: {failure}. {_REMEDY}"
+            ) from None
+    for term, average in form.averages:
+        name = printing.text(term.profile)
+        stages(f"comparing the average of {name} with its definition at {GATE_POINTS} points")
+        _require(average.gate)
+        stages(f"proving the average of {name}")
+        for step in average.steps:
+            _require(step.verdict)
+    stages("adding up the averages")
+    _require(form.verdict)
+    return form
+
+
+def _require(verdict: Verdict) -> None:
+    """Refuse a formula that was refuted, or that could be neither proved nor checked."""
+    if verdict.status is Status.REFUTED:
+        raise NoClosedForm(f"a formula was found but refuted, so it is not returned: {verdict.evidence}")
+    if verdict.status is Status.ESTIMATED:
+        raise NoClosedForm(
+            f"a formula was found but could not be checked, so it is not returned: {verdict.evidence}"
+        )

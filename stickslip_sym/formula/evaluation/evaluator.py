@@ -1,0 +1,376 @@
+"""A criterion of a law over floats and arrays: c = N sum_i amplitude_i/scale_i F_i(V/scale_i).
+
+Each F_i comes from the branches of its profile, and the powers of the arguments stand before it. Where terms
+cancel, or a profile has no branches, a value comes from balls, one at a time.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Numbers
+from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.formula.average import average_of
+from stickslip_sym.formula.evaluation.branches import Branches, MeanSlope, alike, branches_of, power_of
+from stickslip_sym.formula.evaluation.values import reach_of
+from stickslip_sym.model.terms import Term
+
+__all__ = ["Evaluator", "Product", "TermFunction"]
+
+_BITS = 900.0  # binary exponents that no product may pass, lest something overflows on the way
+_CANCELLED = 4.0  # the sum of the terms' sizes over the size of their sum, from where the slope is looked at
+_ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, from where balls are asked
+_WORTH_BRANCHES = 8  # values with the same shapes, from where their branches are made
+_LARGEST = 4000  # binary exponents beyond this are clipped: the value is 0 or infinite
+
+Power = tuple[FloatArray, float | FloatArray]
+"""An array, and the exponent that it is raised to."""
+Exact = Callable[[Mapping[Expr, Expr]], Any]
+"""From the exact values of all arguments to the criterion, as a number."""
+
+
+class Product:
+    """A number times powers of what is accurate in floats: arguments, their sums, and whatever else is one factor.
+
+    Attributes
+    ----------
+    number : float
+    powers : dict of Expr to float
+    """
+
+    def __init__(self, expr: Expr) -> None:
+        number: Expr = sp.Integer(1)
+        self.powers: dict[Expr, float] = {}
+        for base, exponent in sp.factor(expr).as_powers_dict().items():
+            if base.is_number and exponent.is_number:
+                number *= base**exponent
+            else:
+                base, power = (base, exponent) if exponent.is_Rational else (base**exponent, sp.Integer(1))
+                self.powers[base] = self.powers.get(base, 0.0) + float(power)
+        self.number = float(number)
+
+
+class _Base:
+    """A factor of a product as a function of all arguments: NaN where it cancels."""
+
+    def __init__(self, expr: Expr, arguments: Sequence[Expr]) -> None:
+        self.index = list(arguments).index(expr) if expr in arguments else None
+        terms = sp.Add.make_args(expr)
+        exact = all(term.is_Symbol or (-term).is_Symbol for term in terms) and len(terms) == 2
+        one_sign = all(term.is_positive for term in terms) or all(term.is_negative for term in terms)
+        self._checked = not (exact or one_sign) and len(terms) > 1
+        if self.index is None:
+            size = sp.Add(*[abs(term) for term in terms]) if self._checked else sp.Integer(0)
+            self._function = alike(function_of(arguments, [expr, size], "numpy"), sp.Tuple(expr, size))
+
+    def __call__(self, values: Sequence[Numbers]) -> Numbers:
+        if self.index is not None:
+            return values[self.index]
+        value, size = self._function(*values)
+        if self._checked:
+            value = np.where(np.abs(value) * _CANCELLED >= size, value, np.nan)
+        return value if np.ndim(value) else float(value)
+
+
+class TermFunction:
+    """A term of a law under a criterion, as a function of V, N and the parameters.
+
+    Parameters
+    ----------
+    term : Term
+    criterion : Criterion
+    arguments : sequence of Symbol
+        V, N, then the parameters, in the order in which values come.
+    """
+
+    def __init__(self, term: Term, criterion: Criterion, arguments: Sequence[Expr]) -> None:
+        self.term, self.average = term, average_of(term.profile, criterion)
+        amplitude, scale = Product(term.amplitude / term.scale), Product(term.scale)
+        self.number, self.size = amplitude.number, scale.number
+        self.bases = list(dict.fromkeys([*amplitude.powers, *scale.powers]))
+        self._base_functions = [_Base(base, arguments) for base in self.bases]
+        self.amplitude = [amplitude.powers.get(base, 0.0) for base in self.bases]
+        self.ratio = [-scale.powers.get(base, 0.0) for base in self.bases]
+        self._shapes = [function_of(arguments, meaning, "numpy") for meaning in term.shapes.values()]
+        self._asked: dict[tuple[float, ...], int] = {}
+        self._branches: dict[tuple[float, ...], tuple[Branches | None, float]] = {}
+
+    def branches(self, shapes: tuple[float, ...] = ()) -> Branches | None:
+        """Return the branches for values of the shapes; None if there are none."""
+        exact = tuple((symbol, sp.Rational(x)) for symbol, x in zip(self.average.shapes, shapes, strict=True))
+        return branches_of(self.average.profile, self.average.criterion, self.average.closed, exact)
+
+    def ask_for_branches(self, values: Sequence[float]) -> None:
+        """Have branches made for the shapes at some values of the arguments, however few values they are for."""
+        self._asked[self.shape_values(values)] = _WORTH_BRANCHES
+
+    def shape_values(self, values: Sequence[float]) -> tuple[float, ...]:
+        """Return the values of the shapes at some values of the arguments."""
+        return tuple(float(shape(*values)) for shape in self._shapes)
+
+    def _require_conditions(self, shapes: Sequence[float]) -> None:
+        """Refuse values of the shapes for which the average does not exist.
+
+        Raises
+        ------
+        InputError
+        """
+        values = dict(zip(self.average.shapes, map(sp.Float, shapes), strict=True))
+        for condition in self.average.conditions:
+            if not condition.xreplace(values):
+                raise InputError(
+                    f"the {self.average.criterion.name} average of {self.term.expr} exists only for "
+                    f"{condition.xreplace(dict(self.term.shapes))}; at these values its integral diverges"
+                )
+
+    def require_reach(self, values: Sequence[float]) -> None:
+        """Refuse a belt speed for which the law is needed beyond a pole, or the end of a logarithm or a root.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.average.criterion.weight is None:
+            return
+        exact = dict(zip(self.average.shapes, map(sp.Rational, self.shape_values(values)), strict=True))
+        reach = reach_of(self.average.profile, exact)
+        ratios = [power_of(base(values), e) for base, e in zip(self._base_functions, self.ratio, strict=True) if e]
+        factor = math.prod([float(ratio) for ratio in ratios]) / self.size
+        if values[0] * factor >= reach / 2:
+            raise InputError(
+                f"V = {values[0]:g} m/s needs mu up to v = {2 * values[0]:g} m/s, but the term "
+                f"{self.term.expr} of the law ends at v = {reach / factor:g} m/s"
+            )
+
+    def __call__(self, values: Sequence[Numbers]) -> Numbers:
+        """Evaluate at floats, or at floats and flat arrays of one length; NaN where balls must be asked."""
+        if not self._shapes:
+            return self._with_shapes(values, ())
+        shapes = [shape(*values) for shape in self._shapes]
+        if all(np.ndim(shape) == 0 for shape in shapes):
+            return self._with_shapes(values, tuple(float(shape) for shape in shapes))
+        count = _count(values)
+        columns = np.stack([np.broadcast_to(shape, count) for shape in shapes])
+        kinds, which = np.unique(columns, axis=1, return_inverse=True)
+        result = np.full(count, np.nan)
+        for kind in range(kinds.shape[1]):
+            here = np.flatnonzero(which.ravel() == kind)
+            some = [value if isinstance(value, float) else value[here] for value in values]
+            result[here] = self._with_shapes(some, tuple(float(x) for x in kinds[:, kind]))
+        return result
+
+    def _with_shapes(self, values: Sequence[Numbers], shapes: tuple[float, ...]) -> Numbers:
+        if shapes:
+            self._require_conditions(shapes)
+            self._asked[shapes] = asked = self._asked.get(shapes, 0) + max(_count(values), 1)
+            if asked < _WORTH_BRANCHES:
+                return math.nan
+        if shapes not in self._branches:
+            self._branches[shapes] = self._with_largest(self.branches(shapes))
+        branches, largest = self._branches[shapes]
+        if branches is None:
+            return math.nan
+        bases = [base(values) for base in self._base_functions]
+        unsafe = _outside([values[0], values[1], *bases], largest)
+        if unsafe is False:
+            return self._plain(branches, values[0], values[1], bases)
+        count = _count(values)
+        if unsafe is True:
+            columns = [np.atleast_1d(np.asarray(value)) for value in (values[0], values[1], *bases)]
+            result = self._apart(branches, columns)
+            return result if count else float(result[0])
+        result = np.empty(count)
+        columns = [np.broadcast_to(np.asarray(value), count) for value in (values[0], values[1], *bases)]
+        safe, here = np.flatnonzero(~unsafe), np.flatnonzero(unsafe)
+        if safe.size:
+            speed, force, *others = (column[safe] for column in columns)
+            result[safe] = self._plain(branches, speed, force, others)
+        result[here] = self._apart(branches, [column[here] for column in columns])
+        return result
+
+    def _with_largest(self, branches: Branches | None) -> tuple[Branches | None, float]:
+        """Return the size that V, N and the bases may have so that no product of their powers overflows."""
+        if branches is None:
+            return None, 0.0
+        total = 2.0 + branches.steepest + sum(map(abs, self.amplitude))
+        total += (1 + branches.steepest) * sum(map(abs, self.ratio))
+        return branches, float(2.0 ** (_BITS / total))
+
+    def _plain(self, branches: Branches, speed: Numbers, force: Numbers, bases: Sequence[Numbers]) -> Numbers:
+        """Multiply, always in the same order."""
+        factor: Numbers = 1 / self.size
+        amplitude: Numbers = self.number
+        for base, a, e in zip(bases, self.amplitude, self.ratio, strict=True):
+            if e:
+                factor = factor * power_of(base, e)
+            if a:
+                amplitude = amplitude * power_of(base, a)
+        return branches(speed * factor) * (amplitude * force)
+
+    def _apart(self, branches: Branches, columns: Sequence[FloatArray]) -> FloatArray:
+        """Multiply with mantissas and exponents apart: nothing over- or underflows on the way."""
+        speed, force, *bases = columns
+        count = max(column.size for column in columns)
+        one = np.ones(count)
+        ratio: list[Power] = [(speed, 1.0), *zip(bases, self.ratio, strict=True)]
+        r = scaled_product(1 / self.size, ratio, one)
+        result = np.full(count, np.nan)
+        good = np.flatnonzero(np.isfinite(r))
+        values, powers = branches.apart(r[good])
+        bases = [np.broadcast_to(base, count)[good] for base in bases]
+        exponents: list[float | FloatArray] = [
+            a + powers * e for a, e in zip(self.amplitude, self.ratio, strict=True)
+        ]
+        factors: list[Power] = [
+            (np.broadcast_to(force, count)[good], 1.0), (np.broadcast_to(speed, count)[good], powers)
+        ]  # fmt: skip
+        result[good] = scaled_product(
+            self.number, [*factors, *zip(bases, exponents, strict=True)], values * self.size**-powers
+        )
+        return result
+
+
+def _count(values: Sequence[Numbers]) -> int:
+    """Return the length of the arrays among some values; 0 where all are floats."""
+    for value in values:
+        if not isinstance(value, float):
+            return value.size
+    return 0
+
+
+def _outside(values: Sequence[Numbers], largest: float) -> BoolArray | bool:
+    """Return where the size of a value is not between 1/largest and largest: everywhere, nowhere, or where."""
+    smallest = 1 / largest
+    result: BoolArray | bool = False
+    for value in values:
+        if isinstance(value, float):
+            if not smallest < abs(value) < largest:
+                return True
+            continue
+        if value.min() > smallest and value.max() < largest:  # as it nearly always is
+            continue
+        size = np.abs(value)
+        if not (size.min() > smallest and size.max() < largest):
+            result = result | ~((size > smallest) & (size < largest))
+    return result
+
+
+def scaled_product(number: float, factors: Sequence[Power], rest: FloatArray) -> FloatArray:
+    """Multiply a number, powers of arrays, and an array, with mantissas and exponents apart.
+
+    An element is NaN where 0 is raised to a negative power.
+    """
+    mantissa, binary = np.frexp(number * rest)
+    binary = binary.astype(np.float64)
+    for value, exponent in factors:
+        part, shift = np.frexp(value)
+        with np.errstate(all="ignore"):
+            power = np.sign(part) ** exponent * np.abs(part) ** exponent
+            zero = np.where(np.asarray(exponent) > 0, 0.0, np.where(np.asarray(exponent) < 0, np.nan, 1.0))
+            power = np.where(part == 0, zero, power)
+        whole = np.floor(shift * exponent)
+        mantissa, carry = np.frexp(mantissa * power * np.exp2(shift * exponent - whole))
+        binary = binary + whole + carry
+    with np.errstate(over="ignore", under="ignore"):
+        return np.asarray(np.ldexp(mantissa, np.clip(binary, -_LARGEST, _LARGEST).astype(np.int32)))
+
+
+class Evaluator:
+    """A criterion of a law over floats and flat arrays.
+
+    Parameters
+    ----------
+    terms : sequence of Term
+    criterion : Criterion
+    arguments : sequence of Symbol
+        V, N and the parameters, in the order in which values come.
+    exact : callable
+        The last resort.
+    """
+
+    def __init__(
+        self, terms: Sequence[Term], criterion: Criterion, arguments: Sequence[Expr], exact: Exact
+    ) -> None:
+        self.arguments, self.criterion, self.exact = list(arguments), criterion, exact
+        functions = [TermFunction(term, criterion, arguments) for term in terms]
+        self.terms = [function for function in functions if function.term.profile.has(symbols.v)]
+        self._mean_slope: MeanSlope | None = None
+
+    def __call__(self, values: Sequence[Numbers]) -> Numbers:
+        """Evaluate at floats, or at floats and flat arrays of one length.
+
+        Raises
+        ------
+        InputError
+            For a value beyond the range of float64, or a speed for which the law is needed where it ends.
+        """
+        count = _count(values)
+        with np.errstate(all="ignore"):
+            total = self._sum(values, count)
+        if isinstance(total, float):
+            return total + 0.0 if math.isfinite(total) else self._by_balls([float(value) for value in values])
+        if not np.isfinite(total.sum()):  # one pass; what overflows there is looked at
+            for i in np.flatnonzero(~np.isfinite(total)):
+                total[i] = self._by_balls([v if isinstance(v, float) else float(v[i]) for v in values])
+        total += 0.0  # -0.0 becomes 0.0
+        return total
+
+    def _sum(self, values: Sequence[Numbers], count: int) -> Numbers:
+        """Add up the terms; NaN where they cancel, or one has no branches."""
+        parts = [self._part(term, values) for term in self.terms]
+        if not count:
+            floats = [float(part) for part in parts]
+            total, sizes = sum(floats, 0.0), sum(map(abs, floats), 0.0)
+            kept = len(parts) < 2 or sizes <= _CANCELLED * abs(total) or sizes <= self._unit(values)[0]
+            return total if kept else math.nan
+        arrays = [np.asarray(part) for part in parts]
+        result: FloatArray = np.array(np.broadcast_to(arrays[0] if arrays else 0.0, count))
+        if len(arrays) < 2:
+            return result
+        spread = np.abs(result)
+        for array in arrays[1:]:
+            result += array
+            spread += np.abs(array)
+        here = np.flatnonzero(spread > _CANCELLED * np.abs(result))
+        if here.size:
+            some = [value if isinstance(value, float) else value[here] for value in values]
+            result[here[~(spread[here] <= self._unit(some))]] = np.nan
+        return result
+
+    @staticmethod
+    def _part(term: TermFunction, values: Sequence[Numbers]) -> Numbers:
+        try:
+            return term(values)
+        except ArithmeticError:  # of floats; arrays give infinity or NaN
+            return math.nan
+
+    def _unit(self, values: Sequence[Numbers]) -> FloatArray:
+        """Return the size of terms that N <|mu'|> allows: where the slope itself cancels, they are larger."""
+        if self._mean_slope is None:
+            mu = sp.Add(*[function.term.expr for function in self.terms])
+            self._mean_slope = MeanSlope(mu, self.criterion, self.arguments[2:])
+        speed, force, *rest = (np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in values)
+        return np.asarray(_ALLOWED * force * self._mean_slope(speed, *rest))
+
+    def _by_balls(self, values: Sequence[float]) -> float:
+        point = {symbol: sp.Rational(x) for symbol, x in zip(self.arguments, values, strict=True)}
+        for term in self.terms:
+            term.require_reach(values)
+        try:
+            value = float(self.exact(point)) + 0.0
+        except NotConverged:  # as where mu is infinite at v = 0; branches know its power there
+            for term in self.terms:
+                term.ask_for_branches(values)
+            with np.errstate(all="ignore"):
+                value = float(self._sum(values, 0)) + 0.0
+            if math.isnan(value):
+                raise
+        if not math.isfinite(value):
+            raise InputError("the damping coefficient is beyond the range of float64; use evaluate(digits=...)")
+        return value

@@ -1,0 +1,212 @@
+"""Formulas at exact values, to any number of digits, in ball arithmetic.
+
+Two precisions that agree prove little: log(1 + exp(-1000)) is 0 in both. A ball carries the bound of its error, so
+the precision rises until the radius is small. What Arb does not enclose, such as a hypergeometric function of a
+large argument, mpmath evaluates; its value counts as a ball as wide as two precisions differ.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+
+import mpmath
+import sympy as sp
+from flint import acb, arb, ctx
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.balls import ball_value, working_precision
+from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.functions import arguments
+from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.numbers import to_mpf
+
+__all__ = ["exact_value", "formula_ball", "from_mpmath", "in_mpmath", "to_ball", "to_digits", "without_squares"]
+
+_GUARD = 40  # bits beyond those that are asked for
+_MOST_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
+_MORE = 64  # bits by which the second look of mpmath is more precise
+
+
+def to_digits(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
+    """Evaluate an expression at exact rational values to `digits` significant digits, whatever it cancels.
+
+    A zero is believed only where the arithmetic of rationals gives it: everywhere else all digits cancelled.
+
+    Raises
+    ------
+    InputError
+        Where the formula divides by zero or is not real.
+    NotConverged
+        If the bound on the working precision does not settle it.
+    """
+    value, _ = to_ball(expr, point, digits)
+    with mpmath.workdps(digits):
+        return +in_mpmath(value)
+
+
+def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, bool]:
+    """Return a ball around an expression, its relative radius below 10^-digits, and whether Arb alone made it.
+
+    Raises
+    ------
+    InputError
+    NotConverged
+        As `to_digits`.
+    """
+    goal = math.ceil(digits * math.log2(10)) + 4
+    precision, finite = goal + _GUARD, False
+    while precision <= _MOST_BITS:
+        with working_precision(precision):
+            try:
+                value, alone = formula_ball(expr, point)
+            except (ZeroDivisionError, ValueError, OverflowError):
+                raise _no_value(point) from None
+            missing = precision
+            if value.is_finite():
+                finite = True
+                if not value.imag.contains(0):
+                    raise _no_value(point)
+                if (reached := value.real.rel_accuracy_bits()) >= goal:
+                    return value.real, alone
+                missing = min(goal - reached, precision)
+        # What is the same and cancels for good, SymPy's rationals see.
+        expr = expr.xreplace(dict(point))
+        if expr.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+            break
+        precision += max(missing + 16, precision // 4)
+    else:
+        if finite:
+            raise NotConverged(f"{digits} digits are out of reach of {_MOST_BITS} bits of working precision")
+    raise _no_value(point)
+
+
+def formula_ball(expr: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[acb, bool]:
+    """Return a ball around an expression at the working precision, and whether Arb alone made it.
+
+    Raises
+    ------
+    ZeroDivisionError, ValueError, OverflowError
+        Where a function of mpmath has no value.
+    NotConverged
+        Where it cannot be evaluated.
+    """
+    asked: list[Expr] = []
+
+    def otherwise(node: Expr, arguments: list[acb]) -> acb:
+        asked.append(node)
+        return _by_mpmath(node, arguments)
+
+    return ball_value(expr, point, otherwise), not asked
+
+
+def _by_mpmath(node: Expr, arguments: list[acb]) -> acb:
+    """Return a ball around a function as mpmath evaluates it."""
+    if not all(argument.is_finite() for argument in arguments):
+        return acb("nan")
+    function = _function(node.func, tuple(len(a) if isinstance(a, sp.Tuple) else 0 for a in node.args))
+    places = [in_mpmath(argument) for argument in arguments]
+
+    def value(places: list[Mpf]) -> Mpf:
+        return mpmath.mpmathify(function(*places))
+
+    try:
+        with mpmath.workprec(ctx.prec):
+            rough = value(places)
+            doubt = mpmath.ldexp(abs(rough), 2 - ctx.prec)
+            for i, argument in enumerate(arguments):
+                if radius := in_mpmath(arb(argument.rad())):
+                    step = mpmath.mpc(radius, radius) if argument.imag != 0 else radius
+                    moved = [value([*places[:i], places[i] + way * step, *places[i + 1 :]]) for way in (1, -1)]
+                    doubt += 2 * sum(abs(one - rough) for one in moved)
+        with mpmath.workprec(ctx.prec + _MORE):
+            fine = value(places)
+            doubt += 2 * abs(fine - rough)
+    except mpmath.mp.NoConvergence as failure:
+        raise NotConverged(f"a special function of the closed form could not be evaluated: {failure}") from None
+    return from_mpmath(fine, doubt)
+
+
+@lru_cache(maxsize=64)
+def _function(kind: type[Expr], lengths: tuple[int, ...]) -> Callable[..., Mpf]:
+    """Compile a function, of whose arguments some are tuples of so many."""
+    node = kind(*(sp.Tuple(*sp.symbols(f"x:{n}", cls=sp.Dummy)) if n else sp.Dummy() for n in lengths))
+    return function_of(arguments(node), node, "mpmath")
+
+
+def in_mpmath(value: arb | acb) -> Mpf:
+    """Return the middle of a ball as mpmath's number, exactly."""
+    if isinstance(value, acb):
+        real, imaginary = in_mpmath(value.real), in_mpmath(value.imag)
+        return mpmath.mpc(real, imaginary) if imaginary else real
+    mantissa, exponent = value.mid().man_exp()
+    return mpmath.ldexp(int(mantissa), int(exponent))
+
+
+def from_mpmath(value: Mpf, error: Mpf) -> acb:
+    """Return a ball around a number of mpmath, real or complex."""
+    width, imaginary = _exactly(mpmath.mpf(error)), mpmath.im(value)
+    return acb(arb(_exactly(mpmath.re(value)), width), arb(_exactly(imaginary), width) if imaginary else 0)
+
+
+def _exactly(value: Mpf) -> arb:
+    sign, mantissa, exponent, _ = value._mpf_
+    return arb(((-1) ** sign * int(mantissa), int(exponent)))
+
+
+def _no_value(point: Mapping[Expr, Expr]) -> InputError:
+    zeros = ", ".join(f"{symbol} = 0" for symbol, value in point.items() if value == 0)
+    hint = f": it divides by zero at {zeros}; take a small value, or use quadrature.damping" if zeros else ""
+    return InputError(f"the closed form has no finite real value at these parameters{hint}")
+
+
+def exact_value(expr: Expr, slope: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
+    """Evaluate a closed form at exact values to `digits` digits; at V = 0 by its limit -N mu'(0+)."""
+    if point[symbols.V] == 0:
+        at_rest = _slope_at_rest(slope)
+        if at_rest is None:
+            return -to_mpf(point[symbols.N]) * _numeric_slope_at_rest(slope, point)
+        expr = -symbols.N * at_rest
+        if expr.is_infinite:
+            raise InputError(_INFINITE)
+    return to_digits(_uncancelled(expr), point, digits)
+
+
+_INFINITE = "the slope of mu is infinite at v = 0, so the criterion has no value at V = 0"
+
+
+@lru_cache(maxsize=128)
+def _slope_at_rest(slope: Expr) -> Expr | None:
+    """Return the limit of a slope at v = 0+; None where SymPy finds none, as for exponents without a value."""
+    try:
+        return sp.limit(slope, symbols.v, 0, "+")
+    except (TypeError, ValueError, NotImplementedError):  # as SymPy says that it finds none
+        return None
+
+
+def _numeric_slope_at_rest(slope: Expr, point: Mapping[Expr, Expr]) -> Mpf:
+    """Return the limit of a slope at v = 0+ from two speeds close to 0."""
+    near, nearer = (to_digits(slope, {**point, symbols.v: sp.Rational(1, 10**k)}, 20) for k in (100, 200))
+    if abs(nearer) < abs(near) / 2:
+        return 0 * nearer
+    if abs(nearer - near) > abs(near) * 1e-12:
+        raise InputError(_INFINITE)
+    return nearer
+
+
+def without_squares(expr: Expr) -> Expr:
+    """Write 1 - tanh^2 as sech^2, which does not cancel."""
+    return expr.replace(
+        lambda node: _tanh_squared(node) is not None, lambda node: sp.sech(_tanh_squared(node)) ** 2
+    )
+
+
+def _tanh_squared(node: Expr) -> Expr | None:
+    """Return a where a sum is 1 - tanh(a)^2."""
+    if not (node.is_Add and len(node.args) == 2 and node.args[0] == 1):
+        return None
+    square = -node.args[1]
+    return square.base.args[0] if square.is_Pow and square.exp == 2 and isinstance(square.base, sp.tanh) else None
+
+
+_uncancelled = lru_cache(maxsize=128)(without_squares)

@@ -1,0 +1,177 @@
+"""Closed forms and laws kept in files: written as text, read back safely.
+
+A file is JSON. A closed form stands there as its law, its criterion and the text of its formula. It is derived
+again when it is read, so its verdict is computed, and a file whose formula or verdict is another one is refused.
+Nothing in a file is ever evaluated as code. A digest tells a file that was changed, by hand or by accident; it is
+no signature.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import sympy as sp
+
+from stickslip_sym import criteria
+from stickslip_sym.core import symbols
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import exact
+from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.formula.closed_form import ClosedForm, derive
+from stickslip_sym.model.content import law_in, law_out
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.output import files, printing
+
+__all__ = ["load", "save", "text_of"]
+
+_FORMAT, _VERSION = "stickslip_sym", 2
+_LARGEST = 20_000_000  # bytes of a file
+_BROKEN = (KeyError, TypeError, ValueError, AttributeError, IndexError)
+
+Item = ClosedForm | FrictionLaw
+
+
+def save(items: Item | Sequence[Item], path: str | Path) -> None:
+    """Write a closed form, a law, or several of them to a file.
+
+    Parameters
+    ----------
+    items : ClosedForm, FrictionLaw, or a sequence of them
+    path : str or Path
+        What was there before is replaced at once, or kept if writing fails.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written, or an item is neither a closed form nor a law.
+    """
+    files.write_text(Path(path), text_of(items))
+
+
+def text_of(items: Item | Sequence[Item]) -> str:
+    """Return the text of the file that `save` writes."""
+    single = isinstance(items, Item)
+    listed: Sequence[Item] = [items] if isinstance(items, Item) else list(items)
+    content: dict[str, object] = {
+        "format": _FORMAT,
+        "version": _VERSION,
+        "single": single,
+        "items": [_item_out(item) for item in listed],
+    }
+    content["digest"] = _digest(content)
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def _item_out(item: object) -> dict[str, object]:
+    if isinstance(item, FrictionLaw):
+        return {"kind": "law", "law": law_out(item)}
+    if not isinstance(item, ClosedForm):
+        raise InputError(f"closed forms and laws are saved, got {type(item).__name__}; save its .law, for example")
+    return {
+        "kind": "closed form",
+        "law": law_out(item.law),
+        "criterion": _criterion_out(item.criterion),
+        "formula": printing.text(item.expr),
+        "status": item.verdict.status.value,
+    }
+
+
+def _criterion_out(criterion: Criterion) -> str | dict[str, object]:
+    """Return the name of a criterion of the catalogue, and all there is to know of another one."""
+    if criteria.catalogue.get(criterion.name) == criterion:
+        return criterion.name
+    weight: object = None if criterion.weight is None else "harmonic"
+    if criterion.is_polynomial:
+        weight = [str(number) for number in sp.Poly(criterion.weight, symbols.s).all_coeffs()]
+    return {"name": criterion.name, "weight": weight, "source": criterion.source}
+
+
+def _criterion_in(content: Any) -> Criterion:
+    if isinstance(content, str):
+        return criteria.find(content)
+    weight = content["weight"]
+    if weight == "harmonic":
+        weight = criteria.harmonic.weight
+    elif weight is not None:
+        weight = sp.Poly([exact(number, "a coefficient") for number in weight], symbols.s).as_expr()
+    return Criterion(content["name"], weight, str(content["source"]))
+
+
+def _digest(content: Mapping[str, object]) -> str:
+    """Return a digest of everything but itself."""
+    others = {key: value for key, value in content.items() if key != "digest"}
+    return hashlib.sha256(json.dumps(others, sort_keys=True).encode()).hexdigest()
+
+
+def load(path: str | Path) -> Item | tuple[Item, ...]:
+    """Read what `save` or ``stickslip export --json`` wrote.
+
+    A closed form is derived, proved and compared with its definition again, which takes up to a second; its
+    verdict is computed, and not read.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    ClosedForm or FrictionLaw, or a tuple of them if several were saved
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is of another format or version, was changed, or holds a formula or a verdict
+        that is not that of its law and criterion.
+    NoClosedForm
+        If there is none for a law and a criterion in the file.
+    """
+    content = _checked(_read(Path(path)), path)
+    try:
+        items = tuple(_item_in(item) for item in content["items"])
+        return items[0] if content["single"] else items
+    except InputError as error:
+        raise InputError(f"{str(path)!r} holds something that cannot be read: {error}") from None
+    except _BROKEN as error:
+        raise InputError(f"{str(path)!r} lacks a part, or one has another shape: {error!r}") from None
+
+
+def _item_in(content: dict[str, Any]) -> Item:
+    law = law_in(content["law"])
+    if content["kind"] == "law":
+        return law
+    form = derive(law, _criterion_in(content["criterion"]))
+    for name, right in (("formula", printing.text(form.expr)), ("status", form.verdict.status.value)):
+        if content[name] != right:
+            got = str(content[name])[:80]
+            raise InputError(f"its {name} is {got!r}, and that of its law and criterion is {right[:80]!r}")
+    return form
+
+
+def _read(path: Path) -> object:
+    files.require_name(path)
+    try:
+        if path.stat().st_size > _LARGEST:
+            raise InputError(f"{str(path)!r} has over {_LARGEST} bytes; nothing that is saved here is as long")
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{str(path)!r} is no JSON text: {str(error)[:80]}") from None
+
+
+def _checked(content: object, path: str | Path) -> dict[str, Any]:
+    """Refuse what is not of this format and version, or was changed."""
+    if not isinstance(content, dict) or content.get("format") != _FORMAT:
+        raise InputError(f"{str(path)!r} holds no closed form and no law; `save` writes them")
+    if type(content.get("version")) is not int or content["version"] != _VERSION:
+        raise InputError(
+            f"{str(path)!r} is of version {content.get('version')!r}, and this package reads version {_VERSION}; "
+            "derive the form again, or use the package that wrote it"
+        )
+    if content.get("digest") != _digest(content):
+        raise InputError(f"{str(path)!r} was changed since it was saved; derive the form again")
+    return content

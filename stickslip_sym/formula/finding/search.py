@@ -1,0 +1,111 @@
+"""SymPy's integrator and limits as a last resort, in a process of its own that is killed when its time is up:
+seconds of the processor, so that what is found does not depend on what else runs.
+
+SymPy's `integrate` and `limit` may take minutes, hang, or return something wrong; none of that can be
+prevented from inside. Expressions travel between the two processes as pickles made here, never as text.
+"""
+
+import contextlib
+import pickle
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import sympy as sp
+
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.deadline import check_time, time_left
+
+__all__ = ["Found", "Nothing", "antiderivative", "carried_out", "limit"]
+
+_RULE = "SymPy's integrator"
+_PATIENCE = 8.0  # times as long as its own time a process may take on a busy machine
+_OUT_OF_TIME = 24  # the signal that ends a process whose time is up
+_MEMORY = 4  # GB that the process may take: SymPy's intermediate results can explode
+
+
+@dataclass(frozen=True)
+class Found:
+    """What came out, and the name of the rule that gave it."""
+
+    rule: str
+    value: Expr
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """Why nothing came out, in words that follow the name of what was asked."""
+
+    reason: str
+
+
+def antiderivative(f: Expr, x: Expr, seconds: float, progress: Callable[[str], None]) -> Found | Nothing:
+    """Return an antiderivative of f(x), or why none came in so many seconds."""
+    start = time.monotonic()
+    if seconds > 0:
+        progress(f"{_RULE} for at most {seconds:.0f} s: {f}")
+    result = _done(sp.Integral(f, x), seconds)
+    if isinstance(result, Nothing):
+        return Nothing(f"{_RULE} {result.reason}")
+    if result.has(sp.Integral, sp.Piecewise, sp.oo, sp.zoo, sp.nan, sp.I):
+        return Nothing(f"{_RULE} ended after {time.monotonic() - start:.1f} s without a usable result")
+    return Found(_RULE, result)
+
+
+def limit(expr: Expr, variable: Expr, place: Expr, seconds: float) -> Expr | None:
+    """Return the finite limit of an expression from above, or from below at infinity; None if none came."""
+    found = _done(sp.Limit(expr, variable, place, "-" if place == sp.oo else "+"), seconds)
+    unfinished = isinstance(found, Nothing) or found.has(
+        sp.Limit, sp.AccumBounds, sp.oo, sp.zoo, sp.nan, sp.I, variable
+    )
+    return None if unfinished else found
+
+
+def _done(expr: Expr, seconds: float) -> Expr:
+    """Carry out an integral or a limit by SymPy, or return `Nothing`."""
+    if seconds <= 0:
+        return Nothing("was not asked")
+    try:
+        # On any exception, Ctrl-C included, `run` kills the process and waits for it.
+        done = subprocess.run(
+            [sys.executable, "-m", __name__],
+            input=pickle.dumps((expr, seconds)),
+            capture_output=True,
+            timeout=min(_PATIENCE * seconds, max(time_left(), 0.0)),
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        check_time()
+        return Nothing(f"found nothing in its {seconds:.0f} s")
+    if done.returncode == -_OUT_OF_TIME:
+        return Nothing(f"found nothing in its {seconds:.0f} s")
+    if done.returncode != 0:
+        said = done.stderr.decode(errors="replace").strip().splitlines()
+        why = f": {said[-1][:200]}" if said else ""
+        return Nothing(f"failed without a look at it: its process ended with {done.returncode}{why}")
+    return pickle.loads(done.stdout)
+
+
+def carried_out(expr: Expr, seconds: float) -> Expr:
+    """Carry out an integral or a limit in this process, in so many seconds of it, or say how that ended."""
+    # Limits on memory and on the processor's time, so that a busy machine finds no less; only Unix has them.
+    with contextlib.suppress(ImportError, ValueError, OSError):
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY << 30, _MEMORY << 30))
+        resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time() + seconds) + 1, resource.RLIM_INFINITY))
+    try:
+        return expr.doit()
+    except MemoryError:
+        return Nothing(f"needed more than {_MEMORY} GB")
+    except Exception as error:  # SymPy raises many kinds
+        return Nothing(f"gave up with {type(error).__name__}: {str(error)[:200]}")
+
+
+if __name__ == "__main__":
+    # As the module's own, for the classes to be the parent's.
+    from stickslip_sym.formula.finding import search
+
+    sys.stdout.buffer.write(pickle.dumps(search.carried_out(*pickle.load(sys.stdin.buffer))))

@@ -1,0 +1,150 @@
+"""The gate: every closed form is compared with its definition before it is returned.
+
+At seeded points both sides are enclosed: the formula in ball arithmetic, the definition by integrals of the
+profile with proved bounds, which know no antiderivative. A right formula overlaps; one off in the thirtieth digit
+does not.
+"""
+
+import random
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+import sympy as sp
+from flint import acb
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.balls import ball, working_precision
+from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.numbers import exact
+from stickslip_sym.core.status import Status
+from stickslip_sym.criteria import quadrature
+from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.criteria.enclosure import Enclosure, average_ball, enclosure_of
+from stickslip_sym.formula.exact import to_ball, without_squares
+from stickslip_sym.formula.proof.proving import Verdict
+from stickslip_sym.model.expression.pieces import places
+from stickslip_sym.model.terms import shapes_of
+
+__all__ = ["GATE_POINTS", "verify"]
+
+GATE_POINTS = 12
+GATE_DIGITS = 30
+_QUADRATURE_DIGITS = 24  # by mpmath, where the definition is not enclosed: each digit takes long there
+_GATE_SEED = 1
+_MOST_DRAWS = 40
+_DECADES = (-3, 3)  # of the belt speed and of every shape, for the points of the gate
+_EXPONENT_DECADES = (-0.5, 0.7)  # of a shape that is an exponent
+_BITS = (140, 200, 300, 600)  # of working precision, until a side has the digits of the gate
+_LOST = 8  # digits that are not claimed where a side is not enclosed
+_NEARLY_AT_REST = sp.Rational(1, 10**6)  # of the belt speed, where a profile is looked at
+_PLACE_DIGITS = 1200  # of a kink at an irrational place
+
+
+def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequence[Expr] = ()) -> Verdict:
+    """Compare a formula for the average of a profile with its definition at seeded log-uniform points.
+
+    Points at which the profile has no real value, or a side is not known to `GATE_DIGITS` digits, say nothing;
+    others are drawn in their place. ESTIMATED if too few say something.
+
+    Parameters
+    ----------
+    profile, closed : sympy.Expr
+        g(v) and F(V), of shapes too.
+    criterion : Criterion
+    conditions : sequence of relations
+        Between shapes, without which the average does not exist.
+    """
+    rng = random.Random(_GATE_SEED)
+    exponents = {node.exp for node in profile.atoms(sp.Pow)}
+    symbols_drawn = (symbols.V, *shapes_of(profile))
+    compared, enclosed = 0, True
+    for _ in range(_MOST_DRAWS):
+        check_time()
+        point = {
+            symbol: exact(
+                f"{10 ** rng.uniform(*(_EXPONENT_DECADES if symbol in exponents else _DECADES)):.6g}", symbol.name
+            )
+            for symbol in symbols_drawn
+        }
+        if not all(condition.subs(point) for condition in conditions) or not _is_real(profile, criterion, point):
+            continue
+        try:
+            expected, surely = _definition(profile, criterion, point)
+            value, too = to_ball(without_squares(closed), point, GATE_DIGITS)
+        except (InputError, NotConverged):
+            continue
+        with working_precision(_BITS[0]):
+            got = enclosure_of(value)
+        digits = GATE_DIGITS - 3 if surely else _QUADRATURE_DIGITS - _LOST  # the last ones may be rounded
+        if not all(_is_known(side, profile, point, digits) for side in (expected, got)):
+            continue
+        if not expected.overlaps(got):
+            words = ", ".join(f"{symbol} = {float(value):g}" for symbol, value in point.items())
+            sides = expected.apart(got)
+            return Verdict(Status.REFUTED, f"formula {sides[1]}, definition {sides[0]} at {words}", point)
+        compared, enclosed = compared + 1, enclosed and surely and too
+        if compared == GATE_POINTS or not closed.free_symbols:
+            what = f"enclosures to {GATE_DIGITS}" if enclosed else f"quadrature to {_QUADRATURE_DIGITS - _LOST}"
+            return Verdict(Status.CHECKED, f"agrees with {what} digits at {GATE_POINTS} seeded points")
+    return Verdict(
+        Status.ESTIMATED, f"only {compared} of {_MOST_DRAWS} points could be compared with the definition"
+    )
+
+
+def _is_real(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr]) -> bool:
+    """Whether a profile is real at the lowest and at the highest slip speeds that its average needs."""
+    reach = (1,) if criterion.weight is None else (_NEARLY_AT_REST, 2)
+    values = [sp.sympify(_near(profile, {**point, symbols.v: share * point[symbols.V]})) for share in reach]
+    return all(value.is_real and value.is_finite for value in values)
+
+
+def _near(profile: Expr, point: Mapping[Expr, Expr]) -> Expr:
+    """Return a profile at rounded values: SymPy would factor exact powers of fractions."""
+    return profile.xreplace({symbol: sp.Float(value, 20) for symbol, value in point.items()}).evalf(15)
+
+
+def _is_known(side: Enclosure, profile: Expr, point: Mapping[Expr, Expr], digits: int) -> bool:
+    """Whether an enclosure says enough: to so many digits, or that the value is 0 beside g(V)/V."""
+    if side.digits >= digits:
+        return True
+    V = point[symbols.V]
+    size = abs(complex(_near(profile, {**point, symbols.v: V}))) / float(V)
+    return 0 in side and side.radius <= Fraction(size) / 10**GATE_DIGITS
+
+
+def _definition(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr]) -> tuple[Enclosure, bool]:
+    """Return the average by its definition, and whether it is enclosed for certain."""
+    shapes = {symbol: value for symbol, value in point.items() if symbol != symbols.V}
+    kinks = kinks_of(profile, shapes)
+    for bits in _BITS:
+        with working_precision(bits):
+            try:
+                value = average_ball(profile, shapes, kinks, criterion, ball(point[symbols.V]).real)
+            except InputError:  # a function that is not enclosed
+                break
+            if not value.is_finite():
+                break
+            if value.rel_accuracy_bits() > GATE_DIGITS * 10 / 3 or bits == _BITS[-1]:
+                return enclosure_of(value), True
+    # The profile is infinite at v = 0, or holds a function that is not enclosed.
+    mu = function_of([symbols.v], profile.xreplace(shapes), "mpmath")
+    return _around(quadrature.average(mu, kinks, criterion, point[symbols.V], _QUADRATURE_DIGITS)), False
+
+
+def kinks_of(profile: Expr, shapes: Mapping[Expr, Expr | acb]) -> list[Expr]:
+    """Return the places v > 0 of the kinks and jumps of a profile, ascending."""
+    found = {place.xreplace(dict(shapes)) for place in places(profile)}
+    if not all(place.is_real for place in found):
+        raise InputError(f"a kink of {profile} is at no real place")
+    numbers = {place if place.is_Rational else place.evalf(_PLACE_DIGITS) for place in found}
+    return sorted(place for place in numbers if place > 0)
+
+
+def _around(value: Mpf) -> Enclosure:
+    """Return a value that is right to all but the last digits as an enclosure."""
+    number = exact(value, "value")
+    room = abs(number) / sp.Integer(10) ** (_QUADRATURE_DIGITS - _LOST)
+    return Enclosure.of(number - room, number + room)

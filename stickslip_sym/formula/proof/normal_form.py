@@ -1,0 +1,109 @@
+"""The normal form in which equal expressions become the same expression."""
+
+import sympy as sp
+
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.deadline import check_time
+from stickslip_sym.model.terms import expand_above
+
+__all__ = ["eta_by_zeta", "in_units", "normal_form", "single_limit"]
+
+_BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
+
+
+def single_limit(integral: Expr) -> tuple[Expr, Expr, Expr]:
+    """Return the variable and the limits of a definite integral over one variable.
+
+    Raises
+    ------
+    ValueError
+        For an indefinite or a multiple integral.
+    """
+    if len(integral.limits) != 1 or len(integral.limits[0]) != 3:
+        raise ValueError(f"{integral} is not a definite integral over one variable")
+    variable, low, high = integral.limits[0]
+    return variable, low, high
+
+
+def normal_form(expr: Expr) -> Expr:
+    """Reduce an expression so that zero becomes 0.
+
+    Integrals are split by linearity, and done where their integrand is a polynomial. Hyperbolic
+    functions become exponentials, polylogarithms of order 1 elementary, Dirichlet's eta a zeta, and radicands
+    are factored. What is left is put over one denominator, and its numerator expanded: a polynomial in symbols,
+    in functions that are algebraically independent, and in integrals of unknown functions.
+    """
+    check_time()
+    expr = sp.sympify(expr).replace(lambda node: isinstance(node, sp.Integral), _split)
+    # Which argument a Min, Max or Piecewise takes does not matter to an identity that holds for all numbers.
+    expr = expr.replace(lambda node: isinstance(node, sp.Min | sp.Max), in_units)
+    expr = expr.replace(lambda node: isinstance(node, sp.Min | sp.Max | sp.Piecewise), _opaque)
+    expr = expr.replace(_is_tangent_integral, lambda node: sp.atan(node.args[0].args[1] / sp.I))
+    expr = expr.replace(sp.polylog, lambda order, z: -sp.log(1 - z) if order == 1 else sp.polylog(order, z))
+    expr = expr.replace(sp.dirichlet_eta, eta_by_zeta)
+    expr = expr.replace(_is_root, lambda node: sp.factor(node.base) ** node.exp)
+    expr = expr.rewrite((sp.sinh, sp.cosh, sp.tanh, sp.sech), sp.exp)
+    expr = _exponentials_as_symbols(expr)
+    numerator, _ = sp.fraction(sp.together(expr))
+    return sp.expand(sp.powsimp(sp.expand(numerator)))
+
+
+def eta_by_zeta(order: Expr) -> Expr:
+    """Write Dirichlet's eta of a number by Riemann's zeta, which readers know."""
+    return sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
+
+
+def in_units(node: Expr) -> Expr:
+    """Bring a positive factor out of a Min or a Max: Min(2 V/w, p/w) is Min(2 V, p)/w."""
+    denominators = {sp.denom(argument) for argument in node.args if not argument.is_number}
+    unit = sp.Mul(*denominators) if len(denominators) == 1 else sp.Integer(1)
+    return node.func(*[argument * unit for argument in node.args]) / unit if unit.is_positive else node
+
+
+def _exponentials_as_symbols(expr: Expr) -> Expr:
+    """Give each exponential a symbol of its own, where none stands in a denominator.
+
+    Expanding merges the exponentials of every product first, so no relation between them is lost. To SymPy
+    exp(-x/3) and exp(-1000 x) are powers of one generator, of a degree that nothing survives.
+    """
+    if not expr.has(sp.exp):
+        return expr
+    below = [node for node in expr.atoms(sp.Pow) if not (node.exp.is_Integer and node.exp > 0)]
+    if any(node.has(sp.exp) for node in below):
+        return expr
+    expr = sp.expand(expr)
+    return expr.xreplace({node: sp.Dummy(positive=True) for node in expr.atoms(sp.exp)})
+
+
+def _opaque(node: Expr) -> Expr:
+    return sp.Symbol(f"[{sp.srepr(node)}]", nonnegative=node.is_nonnegative, positive=node.is_positive)
+
+
+def _is_root(node: Expr) -> bool:
+    return bool(node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer)
+
+
+def _is_tangent_integral(node: Expr) -> bool:
+    """Tell whether it is Im Li_1(i y), the arctangent of y."""
+    return isinstance(node, sp.im) and isinstance(node.args[0], sp.polylog) and node.args[0].args[0] == 1
+
+
+def _split(integral: Expr) -> Expr:
+    """Split an integral over its sum, do the polynomial parts, and give the others one notation.
+
+    That is: limits from low to high, and one name for the variable of integration.
+    """
+    variable, low, high = single_limit(integral)
+    low, high = sp.expand(low), sp.expand(high)
+    sign = 1
+    if sp.default_sort_key(low) > sp.default_sort_key(high):
+        low, high, sign = high, low, -1
+    total = sp.Integer(0)
+    for term in sp.Add.make_args(expand_above(integral.function.subs(variable, _BOUND))):
+        constant, rest = term.as_independent(_BOUND, as_Add=False)
+        if rest.is_polynomial(_BOUND):
+            part = sp.integrate(rest, (_BOUND, low, high))
+        else:
+            part = sp.Integral(rest, (_BOUND, low, high))
+        total += sign * constant * part
+    return total

@@ -1,0 +1,218 @@
+"""The theorems of calculus that proofs use; each checks its hypotheses before it applies."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import sympy as sp
+
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.functions import Lerch
+from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
+
+__all__ = [
+    "Antiderivative", "By", "ChangeOfVariable", "PieceByPiece", "ends_of_pieces", "is_positive", "is_smooth",
+    "value_at",
+]  # fmt: skip
+
+
+class By(Protocol):
+    """A theorem applied to the left side of an equation; raises ValueError where it does not apply."""
+
+    def __call__(self, expr: Expr) -> Expr:
+        """Return an expression equal to `expr`."""
+
+
+def _in_integrals_over(variable: Expr, expr: Expr, change: Callable[..., Expr]) -> Expr:
+    """Replace every integral over a variable; `change` takes it and its limits."""
+
+    def changed(integral: Expr) -> Expr:
+        found, low, high = single_limit(integral)
+        return change(integral, low, high) if found == variable else integral
+
+    return expr.replace(lambda node: isinstance(node, sp.Integral), changed)
+
+
+@dataclass(frozen=True)
+class ChangeOfVariable:
+    """Substitute ``old = image(new)``, with `image` linear, in every integral over `old`."""
+
+    old: Expr
+    new: Expr
+    image: Expr
+
+    def __call__(self, expr: Expr) -> Expr:
+        """Apply integration by substitution; a linear image is one to one and smooth."""
+        slope = sp.diff(self.image, self.new)
+        if slope.has(self.new) or not slope.is_nonzero:
+            raise ValueError(f"{self.old} = {self.image} is not linear in {self.new}")
+
+        def substitute(integral: Expr, *limits: Expr) -> Expr:
+            if integral.has(self.new):
+                raise ValueError(f"{self.new} already means something in {integral}")
+            low, high = (sp.expand((limit - self.image.subs(self.new, 0)) / slope) for limit in limits)
+            return sp.Integral(integral.function.subs(self.old, self.image) * slope, (self.new, low, high))
+
+        return _in_integrals_over(self.old, expr, substitute)
+
+
+@dataclass(frozen=True)
+class Antiderivative:
+    """Evaluate every integral over `variable` whose integrand is the derivative of `primitive`."""
+
+    primitive: Expr
+    variable: Expr
+
+    def __call__(self, expr: Expr) -> Expr:
+        """Apply the fundamental theorem of calculus, after differentiating the primitive."""
+
+        def evaluate(integral: Expr, low: Expr, high: Expr) -> Expr:
+            return _difference(self.primitive, integral.function, self.variable, low, high)
+
+        return _in_integrals_over(self.variable, expr, evaluate)
+
+
+@dataclass(frozen=True)
+class PieceByPiece:
+    """Evaluate every integral over `variable` from 0 up, its integrand given in pieces.
+
+    primitives[i] belongs to the piece between places i - 1 and i; the first piece starts at 0. Which pieces
+    lie within the limits is left open: each end is taken at most as far as the upper limit.
+    """
+
+    primitives: Sequence[Expr]
+    variable: Expr
+    places: Sequence[Expr]
+
+    def __call__(self, expr: Expr) -> Expr:
+        """Apply the fundamental theorem of calculus on each piece."""
+
+        def evaluate(integral: Expr, low: Expr, high: Expr) -> Expr:
+            if low != 0:
+                raise ValueError(f"the pieces start at 0, the integral at {low}")
+            pieces = _branches(integral.function)
+            ends = ends_of_pieces(self.places, high)
+            if not len(pieces) == len(self.primitives) == len(ends) - 1:
+                raise ValueError(f"{len(self.primitives)} antiderivatives for {len(pieces)} pieces")
+            return sp.Add(
+                *[
+                    _difference(primitive, piece, self.variable, left, right)
+                    for primitive, piece, left, right in zip(self.primitives, pieces, ends, ends[1:], strict=False)
+                ]
+            )
+
+        return _in_integrals_over(self.variable, expr, evaluate)
+
+
+def ends_of_pieces(places: Sequence[Expr], high: Expr) -> list[Expr]:
+    """Return the ends of the pieces within [0, high], in order whatever the places are."""
+    ends: list[Expr] = [sp.Integer(0)]
+    for place in places:
+        after = place if place.is_positive and ends[-1] == 0 else sp.Max(place, ends[-1])
+        ends.append(sp.Min(after, high))
+    return [*ends, high]
+
+
+def _branches(integrand: Expr) -> list[Expr]:
+    nodes = integrand.atoms(sp.Piecewise)
+    if not nodes:
+        return [integrand]
+    if len(nodes) > 1:
+        raise ValueError("two laws in pieces stand in one integrand")
+    (node,) = nodes
+    return [integrand.xreplace({node: branch}) for branch, _ in node.args]
+
+
+def _difference(primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr) -> Expr:
+    """Return primitive(high) - primitive(low), once it is known to be the integral."""
+    if normal_form(sp.diff(primitive, x) - integrand) != 0:
+        raise ValueError(f"{primitive} is not known to be an antiderivative of {integrand}")
+    if x.is_nonnegative and not (low.is_nonnegative and high.is_nonnegative):
+        raise ValueError(f"{x} is nonnegative, the limits {low} and {high} are not known to be")
+    # Above a place that is positive, or 0 if the primitive has a limit there, x is positive: so log(x) is smooth.
+    above = sp.Dummy(x.name, positive=True)
+    smooth_above = low.is_nonnegative and is_smooth(primitive.xreplace({x: above}), above)
+    if not (is_smooth(primitive, x) or smooth_above):
+        raise ValueError(f"{primitive} is not known to be smooth between {low} and {high}")
+    return value_at(primitive, x, high) - value_at(primitive, x, low)
+
+
+def value_at(primitive: Expr, x: Expr, place: Expr) -> Expr:
+    """Return a primitive at a place, or its limit from above at 0 where powers outweigh logarithms.
+
+    Raises
+    ------
+    ValueError
+        If it is not finite there.
+    """
+    value = primitive.subs(x, place)
+    if place == 0 and value.has(sp.zoo, sp.oo, sp.nan):
+        value = sp.Add(*[_limit_of_term(term, x) for term in sp.Add.make_args(sp.expand(primitive))])
+    if value.has(sp.zoo, sp.oo, sp.nan):
+        raise ValueError(f"{primitive} is not finite at {x} = {place}")
+    return value
+
+
+def _limit_of_term(term: Expr, x: Expr) -> Expr:
+    """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0."""
+    power, singular, rest = sp.Integer(0), False, sp.Integer(1)
+    for factor in sp.Mul.make_args(term):
+        base, exponent = factor.as_base_exp()
+        if base == x and not exponent.has(x):
+            power += exponent
+        elif isinstance(base, sp.log) and base.args[0].subs(x, 0) == 0 and exponent.is_Integer and exponent > 0:
+            singular = True
+        else:
+            rest *= factor.subs(x, 0)
+    if not singular:
+        return term.subs(x, 0)
+    return sp.Integer(0) if power.is_positive and not rest.has(sp.zoo, sp.oo, sp.nan) else sp.nan
+
+
+_ENTIRE = (
+    sp.Add, sp.Mul, sp.im, sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.asinh, sp.atan, sp.erf,
+)  # fmt: skip
+
+
+def is_smooth(expr: Expr, x: Expr) -> bool:
+    """Tell whether an expression is known to be continuous for all x that the assumptions of x allow.
+
+    So an integral over [-1, 1] whose variable is nonnegative would be misjudged: the limits are compared with
+    the assumptions of the variable by `_difference`.
+    """
+    if not expr.has(x) or expr == x:
+        return True
+    if isinstance(expr, sp.core.function.AppliedUndef | sp.Derivative | sp.Subs):
+        return True  # unknown functions are as smooth as the derivation takes them
+    if isinstance(expr, sp.Pow):
+        base, exponent = expr.args
+        if exponent.has(x):
+            fine = bool(base.is_positive)
+        elif exponent.is_Integer and exponent > 0:
+            fine = True
+        else:
+            fine = is_positive(base, x) or bool(base.is_nonnegative and exponent.is_positive)
+    elif isinstance(expr, sp.log):
+        fine = is_positive(expr.args[0], x)
+    elif isinstance(expr, sp.lowergamma):
+        order, argument = expr.args
+        fine = bool(order.is_positive and argument.is_nonnegative)
+    elif isinstance(expr, sp.expint):
+        fine = is_positive(expr.args[1], x)
+    elif isinstance(expr, sp.polylog | Lerch):
+        # Analytic off the ray from 1: on the negative axis, and on the imaginary one.
+        argument = expr.args[1] if isinstance(expr, sp.polylog) else expr.args[0]
+        fine = bool(argument.is_nonpositive or argument.is_imaginary)
+    else:
+        fine = isinstance(expr, _ENTIRE)
+    return fine and all(is_smooth(argument, x) for argument in expr.args)
+
+
+def is_positive(expr: Expr, x: Expr) -> bool:
+    """Tell whether an expression is known to be positive: by its signs, or as a quadratic without real roots."""
+    if expr.is_positive:
+        return True
+    if not expr.is_polynomial(x) or sp.degree(expr, x) != 2:
+        return False
+    a, b, c = sp.Poly(expr, x).all_coeffs()
+    return bool(a.is_positive and sp.factor(4 * a * c - b**2).is_positive)

@@ -1,0 +1,131 @@
+"""One normal form for formulas that mean the same, so that what is known of one spelling is known of all.
+
+Every rule is an identity for real v >= 0 and positive parameters. Closed forms are known for the right sides.
+"""
+
+from functools import reduce
+
+import sympy as sp
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.functions import fold, power
+from stickslip_sym.model.expression.pieces import joined
+
+__all__ = ["normal_form"]
+
+_MOST_EXPANDED = 6  # of a power of a sum of two terms that a rule makes
+
+
+def normal_form(expr: Expr) -> Expr:
+    """Return an expression of the same value, in one spelling.
+
+    - ``1/cosh(x)`` is sech(x), an even power of sech one of 1 - tanh(x)^2, and ``1/(exp(x) + exp(-x))`` sech(x)/2.
+    - ``1/(b + a*exp(x))`` is (1 - tanh(y/2))/(2 b) with y = x + log(a/b).
+    - ``a^x`` is exp(x*log(a)), and exp(p*log(x)) is x^p.
+    - A product of an exponential and hyperbolic functions is a sum of exponentials.
+    - tanh(log(x)) is (x^2 - 1)/(x^2 + 1), and log(b + a/v^p) a difference of logarithms without the quotient.
+    - No two kinks stand in one term.
+    """
+    return joined(fold(expr, _rebuilt))
+
+
+def _rebuilt(node: Expr, parts: list[Expr]) -> Expr:
+    """Return a node of normal arguments in its normal form."""
+    if not node.has(symbols.v) or not parts or node.has(sp.Piecewise):
+        return node if not parts or not node.has(symbols.v) or list(node.args) == parts else _remade(node, parts)
+    if node.is_Pow and len(parts) == 2:
+        return _power(*parts)
+    if isinstance(node, sp.exp) or (node.is_Pow and node.base is sp.E):
+        return _exponential(parts[0])
+    made = node.func(*parts)
+    if isinstance(made, sp.log):
+        return _logarithm(made)
+    if isinstance(made, sp.tanh | sp.sinh | sp.cosh | sp.sech) and isinstance(made.args[0], sp.log | sp.Mul):
+        return _of_logarithm(made)
+    if made.is_Mul:
+        return _product(made)
+    return made
+
+
+def _remade(node: Expr, parts: list[Expr]) -> Expr:
+    return node if isinstance(node, sp.Piecewise) or node.has(sp.core.relational.Relational) else node.func(*parts)
+
+
+def _power(base: Expr, exponent: Expr) -> Expr:
+    if exponent.has(symbols.v):
+        return sp.exp(exponent * sp.log(base)) if base.is_positive and not base.has(symbols.v) else base**exponent
+    if isinstance(base, sp.cosh) and exponent.is_negative:
+        base, exponent = sp.sech(base.args[0]), -exponent
+    if isinstance(base, sp.sech) and exponent.is_Integer and exponent.is_even and exponent > 0:
+        return sp.expand((1 - sp.tanh(base.args[0]) ** 2) ** (exponent / 2))
+    if base.is_Add and exponent.is_Integer and -_MOST_EXPANDED <= exponent < 0:
+        reciprocal = _reciprocal_of_exponentials(base)
+        if reciprocal is not None:
+            return reduce(lambda a, b: sp.expand(a * b), [reciprocal] * int(-exponent))
+    return power(base, exponent)
+
+
+def _reciprocal_of_exponentials(base: Expr) -> Expr | None:
+    """Return 1/(a exp(x) + b exp(y)), b and y perhaps without v, by a hyperbolic function; None for other sums."""
+    terms = [term.as_independent(sp.exp, as_Add=False) for term in base.args]
+    if len(terms) != 2 or any(front.has(symbols.v) or not front.is_positive for front, _ in terms):
+        return None
+    (a, x), (b, y) = ((front, rest.args[0] if isinstance(rest, sp.exp) else sp.log(rest)) for front, rest in terms)
+    if any(not (rest == 1 or isinstance(rest, sp.exp)) for _, rest in terms):
+        return None
+    if a == b and x + y == 0:
+        return sp.sech(x) / (2 * a)
+    if x == 0:
+        (a, x), (b, y) = (b, y), (a, x)
+    if y != 0:
+        return None
+    return (1 - sp.tanh((x + sp.log(a / b)) / 2)) / (2 * b)
+
+
+def _exponential(argument: Expr) -> Expr:
+    """Return exp(...) with the logarithms in its argument taken as powers."""
+    factors, rest = [], []
+    for term in sp.Add.make_args(sp.expand_mul(argument)):
+        front, logarithm = term.as_independent(sp.log, as_Add=False)
+        if isinstance(logarithm, sp.log) and logarithm.has(symbols.v) and not front.has(symbols.v):
+            factors.append(power(logarithm.args[0], front))
+        else:
+            rest.append(term)
+    return sp.Mul(*factors, sp.exp(sp.Add(*rest))) if factors else sp.exp(argument)
+
+
+def _logarithm(expr: Expr) -> Expr:
+    """Return log(b + a/v^p) as log(1 + b v^p/a) - log(v^p) + log(a)."""
+    offset, rest = expr.args[0].as_independent(symbols.v, as_Add=True)
+    front, base_power = rest.as_independent(symbols.v, as_Add=False)
+    base, exponent = base_power.as_base_exp()
+    if base != symbols.v or not exponent.is_negative or not front.is_positive or not offset.is_nonnegative:
+        return expr
+    inverse = power(symbols.v, -exponent) / front
+    return sp.log(1 + offset * inverse) + exponent * sp.log(symbols.v) + sp.log(front)
+
+
+def _of_logarithm(expr: Expr) -> Expr:
+    """Return a hyperbolic function of c*log(x) as a rational one of x^c."""
+    front, logarithm = expr.args[0].as_independent(sp.log, as_Add=False)
+    if not isinstance(logarithm, sp.log) or front.has(symbols.v):
+        return expr
+    x = power(logarithm.args[0], front)
+    square = power(logarithm.args[0], 2 * front)
+    return {
+        sp.tanh: (square - 1) / (square + 1), sp.sech: 2 * x / (square + 1),
+        sp.sinh: (x - 1 / x) / 2, sp.cosh: (x + 1 / x) / 2,
+    }[expr.func]  # fmt: skip
+
+
+def _product(expr: Expr) -> Expr:
+    """Return a product of an exponential and hyperbolic sines and cosines as a sum of exponentials."""
+    waves = [factor for factor in expr.args if factor.has(sp.sinh, sp.cosh) and factor.has(symbols.v)]
+    decays = [factor for factor in expr.args if isinstance(factor, sp.exp) and factor.has(symbols.v)]
+    if not decays or not waves or any(not isinstance(factor, sp.sinh | sp.cosh) for factor in waves):
+        return expr
+    others = sp.Mul(*(factor for factor in expr.args if factor not in (*waves, *decays)))
+    total = sp.expand(sp.Mul(*decays, *(wave.rewrite(sp.exp) for wave in waves)))
+    terms = [sp.powsimp(term, combine="exp") for term in sp.Add.make_args(total)]
+    return sp.Add(*(others * term.replace(sp.exp, lambda x: sp.exp(sp.factor_terms(x))) for term in terms))

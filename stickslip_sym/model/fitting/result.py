@@ -1,0 +1,524 @@
+"""`Fit`: a law with values from measurements, and how well they are known; `Fits`: several laws, ranked."""
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip_sym.core.errors import InputError, StickSlipError
+from stickslip_sym.core.numbers import lookup
+from stickslip_sym.core.uncertain import UFloat
+from stickslip_sym.model.fitting.least_squares import Parametric, Problem
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.measured.measurements import Measurements
+from stickslip_sym.output import markup
+from stickslip_sym.output.drawing import Drawn, picture, require_matplotlib
+from stickslip_sym.output.tables import table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Averaged", "ByLaw", "Estimate", "Fit", "Fits", "aicc"]
+
+_HEADS = ["parameter", "value", "95 % interval", "unit"]
+_SEARCHED = 100.0  # standard errors on either side, within which the end of an interval is sought
+_NEAR_REST = 0.1  # of V: slip speeds below it are a part of 0 to 2 V that does not matter
+_RATHER = 0.01  # Akaike weight of laws over which a quantity is averaged, over that of the best
+_POINTS, _CURVE, _BAND = "0.35", "#0072B2", "#56B4E9"  # told apart by the colour-blind, and in print
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(Drawn):
+    """A friction law fitted to measurements.
+
+    Attributes
+    ----------
+    law : FrictionLaw
+        Bound with the fitted values.
+    values : dict of str to float
+        Of the parameters that were fitted.
+    covariance : ndarray of shape (k, k)
+        Of the fitted parameters, in the order of `values`.
+    measured : Measurements
+    chi_squared : float
+        Sum of the squared residuals, divided by sigma where it is known.
+    dof : float
+        Degrees of freedom n/f - k: rows less parameters, where f is `inflation`.
+    inflation : float
+        (1 + r)/(1 - r) of the correlation r of residuals from row to row of the file: so many rows count as
+        one. 1 where there is none.
+    aicc : float
+        Akaike's criterion, corrected for few rows: less is better.
+    weight : float
+        Akaike weight among the laws that were fitted together: 1 if no other could be meant.
+    warnings : tuple of str
+        What the measurements do not determine, and what to fix.
+
+    References
+    ----------
+    K. P. Burnham and D. R. Anderson, Model Selection and Multimodel Inference, Springer 2002: AICc and weights.
+    """
+
+    law: FrictionLaw
+    values: Mapping[str, float]
+    covariance: FloatArray
+    measured: Measurements
+    chi_squared: float
+    dof: float
+    inflation: float
+    aicc: float
+    weight: float = 1.0
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The law's name, or its formula."""
+        return str(self.law.name or self.law.text)
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Standard error of each fitted parameter."""
+        return dict(zip(self.values, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Correlations of the fitted parameters, of shape (k, k)."""
+        errors = np.sqrt(np.diag(self.covariance))
+        return np.asarray(self.covariance / np.outer(errors, errors))
+
+    @property
+    def sigma(self) -> float:
+        """Residual standard deviation of mu: the root of sum (mu_i - mu(v_i))^2 / (n - k)."""
+        return float(np.sqrt(np.sum(self.residuals**2) / (len(self.measured) - len(self.values))))
+
+    @cached_property
+    def residuals(self) -> FloatArray:
+        """Measured less fitted coefficients, of shape (n,)."""
+        return np.asarray(self.measured.mu - self._model(self.measured.v).mu(self._p))
+
+    @cached_property
+    def uncertain(self) -> dict[str, UFloat]:
+        """The fitted parameters as correlated `uncertainties.UFloat`."""
+        import warnings
+
+        from uncertainties import correlated_values
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # that a standard error of 0 says nothing
+            return dict(zip(self.values, correlated_values(list(self._p), self.covariance), strict=True))
+
+    @property
+    def free_law(self) -> FrictionLaw:
+        """The law without the values that were fitted."""
+        from copy import copy
+
+        free = copy(self.law)
+        free._values = {name: value for name, value in self.law._values.items() if name not in self.values}
+        return free
+
+    def extrapolation(self, V: float) -> str | None:
+        """Return which part of 0 to 2 V, where thresholds take friction from, was not measured; None if none."""
+        low, high = float(self.measured.v[0]), float(self.measured.v[-1])
+        beyond = [f"above {high:.3g} m/s"] if high * (1 + 1e-9) < 2 * V else []
+        beyond += [f"below {low:.3g} m/s"] if low > _NEAR_REST * V else []
+        if not beyond:
+            return None
+        return (
+            f"extrapolated {' and '.join(beyond)}: thresholds take friction from 0 to 2 V = {2 * V:.3g} m/s, and "
+            f"it was measured from {low:.3g} to {high:.3g} m/s"
+        )
+
+    def confidence(self, level: float = 0.95, *, profile: bool = False) -> dict[str, tuple[float, float]]:
+        """Return an interval for each fitted parameter that holds the true value with a probability.
+
+        Parameters
+        ----------
+        level : float
+            The probability, between 0 and 1.
+        profile : bool
+            Search where the sum of squares has risen so far, instead of the standard error times a quantile of
+            Student's t (of the normal distribution where sigma is known). Right also where the law bends much
+            in its parameters, and takes longer.
+
+        Raises
+        ------
+        InputError
+            If the level is not between 0 and 1.
+        """
+        quantile = self._quantile(level)
+        if profile:
+            return self._profile(quantile)
+        errors = self.standard_errors
+        return {
+            name: (value - quantile * errors[name], value + quantile * errors[name])
+            for name, value in self.values.items()
+        }
+
+    def _profile(self, quantile: float) -> dict[str, tuple[float, float]]:
+        """Return for each parameter where the sum of squares, least over the others, has risen to the level.
+
+        A side on which it does not is infinite, or the bound 0 of a positive parameter.
+        """
+        from scipy.optimize import brentq
+
+        measured, p = self.measured, self._p
+        weights = np.ones(len(measured)) if measured.sigma is None else 1 / measured.sigma
+        problem = Problem(self.free_law, measured.v, measured.mu, weights)
+        variance = self.inflation if measured.sigma is not None else self.chi_squared / self.dof
+        intervals = {}
+        for i, (name, error) in enumerate(self.standard_errors.items()):
+            positive, ends = bool(problem.model.positive[i]), []
+            for side in (-1, 1):
+
+                def risen(distance: float, i: int = i, error: float = error, side: int = side) -> float:
+                    start = p.copy()
+                    start[i] += side * distance * error
+                    minimum = problem.minimum(start, fixed=i) if len(p) > 1 else problem.at(start)
+                    rise = math.inf if minimum is None else minimum.chi_squared - self.chi_squared
+                    return min(rise / variance, 1e300) - quantile**2
+
+                farthest = min(_SEARCHED, (1 - 1e-9) * p[i] / error) if positive and side < 0 else _SEARCHED
+                limit = 0.0 if positive and side < 0 else side * math.inf
+                steps = [
+                    0.0,
+                    *(step for step in np.geomspace(quantile / 2, _SEARCHED, 12) if step < farthest),
+                    farthest,
+                ]
+                above = next((step for step in steps[1:] if risen(step) > 0), None) if error > 0 else 0.0
+                if above is None:
+                    ends.append(limit)
+                    continue
+                below = steps[steps.index(above) - 1] if above else 0.0
+                root = brentq(risen, below, above, xtol=1e-6) if above else 0.0
+                ends.append(float(p[i] + side * root * error))
+            intervals[name] = (ends[0], ends[1])
+        return intervals
+
+    def band(self, v: ArrayLike, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
+        """Return the lower and upper end of the interval that holds the true mu at each speed, to first order."""
+        speeds = np.asarray(v, dtype=np.float64)
+        model = self._model(speeds)
+        derivatives, mu = model.jacobian(self._p), model.mu(self._p)
+        half = self._quantile(level) * np.sqrt(np.einsum("ni,ij,nj->n", derivatives, self.covariance, derivatives))
+        return mu - half, mu + half
+
+    def _quantile(self, level: float) -> float:
+        from scipy.special import ndtri, stdtrit
+
+        if not 0 < level < 1:
+            raise InputError(f"level = {level:g} is no probability between 0 and 1; 0.95 is usual")
+        above = (1 + level) / 2
+        return float(ndtri(above) if self.measured.sigma is not None else stdtrit(self.dof, above))
+
+    @property
+    def _p(self) -> FloatArray:
+        return np.array(list(self.values.values()))
+
+    def _model(self, v: FloatArray) -> Parametric:
+        return Parametric(self.free_law, v)
+
+    def _rows(self) -> list[list[str]]:
+        errors, intervals = self.standard_errors, self.confidence()
+        return [
+            [
+                name,
+                _rounded(value, errors[name]),
+                "{:.4g} to {:.4g}".format(*intervals[name]),
+                self.law.parameters[name].unit or "",
+            ]
+            for name, value in self.values.items()
+        ]
+
+    def __str__(self) -> str:
+        head = f"{self.name}: mu(v) = {self.law.text}" if self.law.name else f"mu(v) = {self.law.text}"
+        about = f"residual standard deviation {self.sigma:.3g}, AICc {self.aicc:.6g}, weight {self.weight:.2g}"
+        parts = [head, table(_HEADS, self._rows()), about]
+        return "\n\n".join([*parts, *(f"warning: {text}" for text in self.warnings)])
+
+    def __repr__(self) -> str:
+        return f"Fit: {self.name}, {self.values_in_words()}"
+
+    def values_in_words(self) -> str:
+        """Return the fitted parameters with their standard errors, in a line."""
+        errors = self.standard_errors
+        return ", ".join(f"{name} = {_rounded(value, errors[name])}" for name, value in self.values.items())
+
+    def _repr_html_(self) -> str:
+        values = markup.table(_HEADS, self._rows())
+        drawn = picture(self._figure, f"measured friction and the fitted law {self.name}")
+        return markup.block(f"{self.name}: mu(v) = {self.law.text}", values, drawn, *self.warnings)
+
+    def content(self) -> dict[str, object]:
+        """Return all that the fit says as nested dictionaries and lists that JSON holds."""
+        intervals = self.confidence()
+        return {
+            "law": self.name,
+            "formula": self.law.text,
+            "parameters": {
+                name: {
+                    "value": value,
+                    "standard_error": self.standard_errors[name],
+                    "confidence_95": list(intervals[name]),
+                    "unit": self.law.parameters[name].unit,
+                }
+                for name, value in self.values.items()
+            },
+            "covariance": self.covariance.tolist(),
+            "sigma": self.sigma,
+            "chi_squared": self.chi_squared,
+            "degrees_of_freedom": self.dof,
+            "rows_that_count_as_one": self.inflation,
+            "measured_from_to": [float(self.measured.v[0]), float(self.measured.v[-1])],
+            "aicc": self.aicc if math.isfinite(self.aicc) else None,
+            "weight": self.weight,
+            "warnings": list(self.warnings),
+        }
+
+    def to_json(self) -> str:
+        """Return all that the fit says as JSON."""
+        return json.dumps(self.content(), indent=2, ensure_ascii=False, allow_nan=False)
+
+    def _figure(self) -> "Figure":
+        require_matplotlib()
+        from matplotlib.figure import Figure
+
+        measured = self.measured
+        figure = Figure(figsize=(6.4, 5.0), layout="constrained")
+        above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
+        v = np.unique([*np.linspace(0, measured.v[-1], 300), *np.geomspace(1e-4, 1, 100) * measured.v[-1]])[1:]
+        low, high = self.band(v)
+        above.fill_between(v, low, high, color=_BAND, alpha=0.4, linewidth=0, label="95 % band of the curve")
+        above.plot(v, self.law.at_speeds(v), color=_CURVE, label=self.name[:60])
+        for axes, y in ((above, measured.mu), (below, self.residuals)):
+            if measured.sigma is not None:
+                axes.errorbar(measured.v, y, measured.sigma, fmt="none", ecolor=_POINTS, elinewidth=0.6, alpha=0.6)
+            axes.plot(measured.v, y, ".", color=_POINTS, markersize=3, label="measured" if axes is above else None)
+        below.axhline(0, color=_CURVE, linewidth=1)
+        above.set_ylabel("coefficient of friction mu")
+        below.set_ylabel("residual")
+        below.set_xlabel("slip speed v in m/s")
+        above.legend(frameon=False)
+        return figure
+
+
+def aicc(chi_squared: float, k: int, count: int, *, known: bool, inflation: float = 1.0) -> float:
+    """Return Akaike's criterion, corrected for few rows; infinite where they are too few to compare laws.
+
+    - `known`: whether sigma is; an unknown one is one more parameter.
+    - `inflation`: so many correlated rows count as one.
+    """
+    total = k if known else k + 1
+    if count - total - 1 <= 0:
+        return math.inf
+    deviance = chi_squared if known else count * math.log(max(chi_squared, 1e-300) / count)
+    return deviance / inflation + 2 * total + 2 * total * (total + 1) / (count - total - 1)
+
+
+class Estimate(Protocol):
+    """A quantity with its standard error, as a `Threshold` is one."""
+
+    @property
+    def value(self) -> float:
+        """The quantity."""
+
+    @property
+    def uncertainty(self) -> float:
+        """Its standard error."""
+
+
+@dataclass(frozen=True)
+class ByLaw:
+    """A quantity by one law: the law's name and weight, the value and its standard error."""
+
+    law: str
+    weight: float
+    value: float
+    standard_error: float
+
+
+@dataclass(frozen=True)
+class Averaged:
+    """A quantity by each of several laws, and its average by their weights.
+
+    Attributes
+    ----------
+    rows : tuple of ByLaw
+    refused : dict of str to str
+        Laws that have no such quantity, each with the reason.
+    value : float
+        The sum of weights times values, of the laws that have one.
+    standard_error : float
+        The root of the sum of w_i (s_i^2 + (c_i - value)^2): of values and of the choice of law.
+
+    References
+    ----------
+    K. P. Burnham and D. R. Anderson, Sociological Methods & Research 33 (2004) 261: unconditional variance.
+    """
+
+    rows: tuple[ByLaw, ...]
+    refused: Mapping[str, str]
+    value: float
+    standard_error: float
+
+    def above(self, value: float, standard_error: float = 0.0) -> float:
+        """Return the probability that the quantity, normal for each law, is above a value with an error."""
+        total = sum(row.weight for row in self.rows)
+        spreads = [max(math.hypot(row.standard_error, standard_error), 1e-300) for row in self.rows]
+        return sum(
+            row.weight / total / 2 * math.erfc((value - row.value) / spread / math.sqrt(2))
+            for row, spread in zip(self.rows, spreads, strict=True)
+        )
+
+
+def _rounded(value: float, error: float) -> str:
+    """Return a value with its standard error, two digits of it."""
+    if error == 0:
+        return f"{value:g}"
+    from uncertainties import ufloat
+
+    return f"{ufloat(value, error):.2u}"
+
+
+class Fits(Sequence[Fit]):
+    """Fits of several laws to the same measurements, the best first.
+
+    Attributes
+    ----------
+    measured : Measurements
+    rejected : dict of str to str
+        Laws that these measurements do not determine, each with the reason.
+    """
+
+    def __init__(self, fits: Sequence[Fit], measured: Measurements, rejected: Mapping[str, str]) -> None:
+        inflation = min(fits, key=lambda fit: fit.chi_squared).inflation
+        known, count = measured.sigma is not None, len(measured)
+        criteria = [
+            aicc(fit.chi_squared, len(fit.values), count, known=known, inflation=inflation) for fit in fits
+        ]
+        order = sorted(range(len(fits)), key=lambda i: (criteria[i], fits[i].chi_squared))
+        best = criteria[order[0]]
+        likelihoods = np.array([math.exp((best - criteria[i]) / 2) if best < math.inf else 1.0 for i in order])
+        weights = likelihoods / likelihoods.sum()
+        self._fits = tuple(
+            replace(fits[i], weight=float(w), aicc=criteria[i]) for i, w in zip(order, weights, strict=True)
+        )
+        self.measured = measured
+        self.rejected = dict(rejected)
+
+    @property
+    def best(self) -> Fit:
+        """The fit with the least AICc."""
+        return self._fits[0]
+
+    def average(self, quantity: Callable[[FrictionLaw], Estimate]) -> Averaged:
+        """Return a quantity by each law that may be meant, and its average by their weights.
+
+        Parameters
+        ----------
+        quantity : callable
+            What a law with standard errors gives, as ``lambda law: pure_slip_damping(law, V=0.5, N=9.81)``. Laws
+            whose weight is below a hundredth of the best one's are left out.
+
+        Raises
+        ------
+        InputError
+            If no law has such a quantity.
+
+        Examples
+        --------
+        >>> import stickslip_sym as ss
+        >>> v = [0.01 * i for i in range(1, 120)]
+        >>> mu = [0.4 - 0.1 * x + 0.002 * (-1) ** i for i, x in enumerate(v)]
+        >>> fits = ss.fit(v, mu, laws=["linear"])
+        >>> averaged = fits.average(lambda law: ss.pure_slip_damping(law, V=0.5, N=9.81))
+        >>> f"{averaged.value:.2f} +/- {averaged.standard_error:.3f}"
+        '0.98 +/- 0.005'
+        """
+        rows: list[ByLaw] = []
+        refused = {}
+        for fit in self._fits:
+            if fit.weight < _RATHER * self.best.weight:
+                continue
+            try:
+                estimate = quantity(fit.law.bind(**fit.uncertain))
+                rows.append(ByLaw(fit.name, fit.weight, float(estimate.value), float(estimate.uncertainty)))
+            except StickSlipError as error:
+                refused[fit.name] = str(error)
+        if not rows:
+            raise InputError(f"no law has it: {next(iter(refused.items()))}")
+        weights, values = (np.array([getattr(row, name) for row in rows]) for name in ("weight", "value"))
+        errors = np.array([row.standard_error for row in rows])
+        weights = weights / weights.sum()
+        mean = float(weights @ values)
+        spread = float(np.sqrt(weights @ (errors**2 + (values - mean) ** 2)))
+        return Averaged(tuple(rows), refused, mean, spread)
+
+    @overload
+    def __getitem__(self, place: int | str) -> Fit: ...
+    @overload
+    def __getitem__(self, place: slice) -> Sequence[Fit]: ...
+    def __getitem__(self, place: int | str | slice) -> Fit | Sequence[Fit]:
+        """Return a fit by its rank from 0, or by its law's name."""
+        if isinstance(place, str):
+            return lookup("fit of the law", place, {fit.name: fit for fit in self._fits})
+        return self._fits[place]
+
+    def __len__(self) -> int:
+        return len(self._fits)
+
+    def __str__(self) -> str:
+        header, rows = self._table()
+        parts = [str(self.measured), table(header, rows)]
+        parts += [f"warning: {fit.name}: {text}" for fit in self._fits[:1] for text in fit.warnings]
+        if self.rejected:
+            parts.append(table(["not fitted", "because"], [[name, why] for name, why in self.rejected.items()]))
+        return "\n\n".join(parts)
+
+    def __repr__(self) -> str:
+        return f"Fits: {', '.join(f'{fit.name} ({fit.weight:.2g})' for fit in self._fits)}; {self.measured}"
+
+    def _table(self) -> tuple[list[str], list[list[str]]]:
+        rows = []
+        for fit in self._fits:
+            warned = f"{len(fit.warnings)} warning{'s' * (len(fit.warnings) > 1)}" if fit.warnings else ""
+            rows.append(
+                [
+                    fit.name,
+                    f"{fit.aicc - self.best.aicc:.1f}",
+                    f"{fit.weight:.3f}",
+                    f"{fit.sigma:.3g}",
+                    fit.values_in_words(),
+                    warned,
+                ]
+            )
+        return ["law", "AICc above", "weight", "sigma", "values", ""], rows
+
+    def _repr_html_(self) -> str:
+        header, rows = self._table()
+        drawn = picture(self.best._figure, f"measured friction and the fitted law {self.best.name}")
+        rest = [f"not fitted: {name}: {why}" for name, why in self.rejected.items()]
+        return markup.block(str(self.measured), markup.table(header, rows), drawn, *rest)
+
+    def plot(self, path: str | Path | None = None) -> "Figure":
+        """Draw the best fit, as `Fit.plot` does."""
+        return self.best.plot(path)
+
+    def content(self) -> dict[str, object]:
+        """Return all that the fits say as nested dictionaries and lists that JSON holds."""
+        return {
+            "measured": self.measured.understood,
+            "fits": [fit.content() for fit in self._fits],
+            "not_fitted": self.rejected,
+        }
+
+    def to_json(self) -> str:
+        """Return all that the fits say as JSON."""
+        return json.dumps(self.content(), indent=2, ensure_ascii=False, allow_nan=False)

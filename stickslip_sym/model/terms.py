@@ -1,0 +1,370 @@
+"""A law as a sum of terms, mu(v) = sum of amplitude * profile(v / scale; shapes).
+
+A profile is a function of v, the slip speed in units of the scale. It holds no parameter of a law: what neither
+the amplitude nor the scale takes out becomes a shape, a symbol p_1, p_2, ... of the profile, such as an exponent
+or a ratio of two speeds. Laws that differ in their parameters share their profiles, so what is derived of a
+profile is derived once.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import pairwise
+
+import sympy as sp
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
+
+__all__ = ["Term", "expand_above", "grouped", "shapes_of", "speed_scales", "split_polynomial", "terms_of"]
+
+_OPERATORS = sp.Add | sp.Mul | sp.Pow
+_MOST_PIECES = (
+    8  # of a function in pieces whose pieces are simplified; that of a table of measurements has up to 60
+)
+
+
+@dataclass(frozen=True)
+class Term:
+    """A term amplitude * profile(v / scale; shapes) of a law.
+
+    Its share of a criterion is N amplitude/scale F(V/scale; shapes), F the average of the profile: the criteria
+    are linear in mu, and a change of the unit of speed scales them.
+
+    Attributes
+    ----------
+    amplitude : sympy.Expr
+        Of the parameters; may be negative.
+    scale : sympy.Expr
+        A positive speed: of the parameters, or a number.
+    profile : sympy.Expr
+        g(v), a function of `symbols.v`, the slip speed in units of the scale, and of the shapes.
+    shapes : mapping of Symbol to sympy.Expr
+        What each shape p_1, p_2, ... of the profile is in terms of the law's parameters, in order.
+    """
+
+    amplitude: Expr
+    scale: Expr
+    profile: Expr
+    shapes: Mapping[Expr, Expr] = field(default_factory=dict)
+
+    @property
+    def expr(self) -> Expr:
+        """The term as a function of v and the law's parameters."""
+        return self.amplitude * self.in_parameters(self.profile)
+
+    def in_parameters(self, function: Expr) -> Expr:
+        """Return a function of the shapes and of speeds in units of the scale in terms of the law's parameters."""
+        belt = {symbols.V: symbols.V / self.scale}
+        return _at_scale(function.subs({**belt, **self.shapes}, simultaneous=True), 1 / self.scale)
+
+    def __hash__(self) -> int:
+        return hash((self.amplitude, self.scale, self.profile, tuple(self.shapes.items())))
+
+
+def shapes_of(profile: Expr) -> tuple[Expr, ...]:
+    """Return the shapes of a profile in order."""
+    return tuple(sorted(profile.free_symbols - {symbols.v}, key=lambda symbol: (len(symbol.name), symbol.name)))
+
+
+@lru_cache(maxsize=256)
+def terms_of(mu: Expr) -> tuple[Term, ...]:
+    """Split a coefficient mu(v) into terms; their sum is mu(v).
+
+    A part without v is a term whose profile is 1. A polynomial with one scale is one term, which rounds as one;
+    any other is split by powers.
+
+    Examples
+    --------
+    >>> from stickslip_sym import laws
+    >>> [(term.amplitude, term.scale, term.profile) for term in terms_of(laws.exponential.expr)]
+    [(mu_m, 1, 1), (-mu_m + mu_s, 1/alpha, exp(-v))]
+    """
+    v = symbols.v
+    polynomial, terms = sp.Integer(0), []
+    for rest, constant in grouped(mu, v).items():
+        if rest.is_polynomial(v):
+            polynomial += constant * rest
+        else:
+            terms.append(_scaled(constant, rest))
+    return (*_polynomial_terms(polynomial, v), *terms)
+
+
+def _polynomial_terms(polynomial: Expr, v: Expr) -> Iterator[Term]:
+    if polynomial == 0:
+        return
+    constant = sp.factor_terms(polynomial.subs(v, 0))
+    if constant != 0:
+        yield Term(constant, sp.Integer(1), sp.Integer(1))
+    varying = sp.Poly(sp.expand(polynomial - constant), v)
+    powers = [(int(k), sp.factor(coefficient)) for (k,), coefficient in varying.terms() if coefficient != 0]
+    if len(powers) > 1:
+        # Numbers such as sqrt(3) stay with the coefficients: there they become fractions.
+        whole = _scaled(
+            sp.Integer(1),
+            sp.Add(*[coefficient * v**power for power, coefficient in powers]),
+            lambda scale: scale.as_independent(*scale.free_symbols, as_Add=False)[1],
+        )
+        if not whole.shapes:
+            yield whole
+            return
+    for power, coefficient in powers:
+        yield Term(coefficient, sp.Integer(1), symbols.v**power)
+
+
+# -- amplitude, scale and shapes ---------------------------------------------------------------------
+
+
+def _scaled(constant: Expr, rest: Expr, rounded: Callable[[Expr], Expr] = lambda scale: scale) -> Term:
+    """Return a term with the scale that leaves the fewest shapes."""
+    scales = map(rounded, speed_scales(rest, symbols.v))
+    numbers = rest.has(sp.Piecewise)  # places that are numbers stay what they are, and the pieces with them
+    candidates = [scale for scale in scales if scale.is_positive and not (numbers and scale.is_number)]
+    terms = [_with_scale(constant, rest, scale) for scale in dict.fromkeys([*candidates, sp.Integer(1)])]
+    return min(terms, key=lambda term: (len(term.shapes), term.profile.count_ops()))
+
+
+def _with_scale(constant: Expr, rest: Expr, scale: Expr) -> Term:
+    coefficient, profile = _simplified(_at_scale(rest, scale)).as_independent(symbols.v, as_Add=False)
+    if profile.is_polynomial(symbols.v) and not profile.free_symbols - {symbols.v}:
+        polynomial = sp.Poly(profile, symbols.v)
+        content, monic = polynomial.monic().as_expr().as_content_primitive()
+        coefficient, profile = coefficient * polynomial.LC() * content, monic
+    number, profile = profile.as_coeff_Mul() if not profile.has(sp.Piecewise) else (sp.Integer(1), profile)
+    named = _Shapes()
+    profile = named.without_parameters(profile)
+    return Term(sp.factor(constant * coefficient * number), scale, profile, named.meanings())
+
+
+def _at_scale(rest: Expr, scale: Expr) -> Expr:
+    """Write scale v for v; the places of kinks are divided by the scale."""
+    if scale == 1:
+        return rest
+    relative = sp.Dummy(nonnegative=True)  # v/scale, until it is called v
+
+    def compared(relation: Expr) -> Expr:
+        below = relation.lts == symbols.v  # v < place; SymPy may have turned it round
+        place = sp.powsimp((relation.gts if below else relation.lts) / scale)
+        return relative < place if below else place < relative
+
+    kinds = (sp.StrictLessThan, sp.StrictGreaterThan)
+    relations = {node: compared(node) for node in rest.atoms(*kinds) if node.has(symbols.v)}
+    return rest.xreplace(relations).subs(symbols.v, scale * relative).xreplace({relative: symbols.v})
+
+
+def _simplified(expr: Expr) -> Expr:
+    """Bring out the constant factor of a function of v, so that equal profiles become the same expression."""
+    if expr.has(sp.Piecewise):
+        nodes = [node for node in expr.atoms(sp.Piecewise) if len(node.args) <= _MOST_PIECES]
+        return expr.xreplace({node: _simplified_pieces(node) for node in nodes})
+    if expr.is_rational_function(symbols.v):
+        return _with_plain_factors(sp.factor(expr))
+    expr = expr.replace(lambda node: node.is_Pow and not node.exp.is_Integer, _with_plain_factors)
+    return expr.replace(lambda node: isinstance(node, sp.Function), _with_plain_arguments)
+
+
+def _simplified_pieces(node: Expr) -> Expr:
+    """Bring out the constant factor that all pieces share."""
+    pieces = [sp.factor_terms(piece) for piece, _ in node.args]
+    factors = [piece.as_independent(symbols.v, as_Add=False)[0] for piece in pieces if piece != 0]
+    common = factors[0].as_coeff_Mul()[1]
+    if not all((factor / common).is_number for factor in factors):
+        common = sp.Integer(1)
+    return common * node.func(
+        *[(piece / common, holds) for piece, (_, holds) in zip(pieces, node.args, strict=True)]
+    )
+
+
+def _with_plain_factors(product: Expr) -> Expr:
+    """Write each power of a polynomial in a product with 1 for its constant coefficient, or its highest one."""
+    plain, v = [], symbols.v
+    for factor in sp.Mul.make_args(product):
+        base, exponent = factor.as_base_exp()
+        if base != v and base.has(v) and base.free_symbols != {v} and base.is_polynomial(v):
+            powers = sp.Poly(base, v)
+            unit = sp.factor(powers.nth(0) or powers.LC())
+            if unit.is_positive or exponent.is_Integer:
+                monic = sp.Add(*[sp.factor(coefficient / unit) * v**k for (k,), coefficient in powers.terms()])
+                plain += [unit**exponent, monic**exponent]
+                continue
+        plain.append(factor)
+    return sp.Mul(*plain)
+
+
+def _with_plain_arguments(node: Expr) -> Expr:
+    """Write an argument that is a polynomial in v by its coefficients, each factored."""
+    arguments = []
+    for argument in node.args:
+        if argument.has(symbols.v) and argument.is_polynomial(symbols.v):
+            powers = sp.Poly(argument, symbols.v).terms()
+            argument = sp.Add(*[sp.factor(coefficient) * symbols.v**k for (k,), coefficient in powers])
+        arguments.append(argument)
+    return node.func(*arguments)
+
+
+class _Shapes:
+    """The symbols p_1, p_2, ... for what a profile holds of a law's parameters."""
+
+    def __init__(self) -> None:
+        self._names: dict[Expr, Expr] = {}  # of what it stands for
+
+    def meanings(self) -> dict[Expr, Expr]:
+        """Return what each symbol stands for."""
+        return {symbol: meaning for meaning, symbol in self._names.items()}
+
+    def without_parameters(self, expr: Expr) -> Expr:
+        """Replace the parameters of a function of v by shapes."""
+        if not expr.free_symbols - {symbols.v}:
+            return expr
+        if not isinstance(expr, sp.Expr):  # the condition of a piece, and the pair that it makes with the piece
+            return expr.func(*[self.without_parameters(argument) for argument in expr.args])
+        if not expr.has(symbols.v):
+            return self._constant(expr)
+        if expr.is_Add or expr.is_Mul:
+            fixed, moving = expr.as_independent(symbols.v, as_Add=expr.is_Add)
+            parts = [self.without_parameters(part) for part in expr.func.make_args(moving)]
+            return expr.func(*([self._constant(fixed)] if fixed != expr.func.identity else []), *parts)
+        return expr.func(*[self.without_parameters(argument) for argument in expr.args])
+
+    def _constant(self, expr: Expr) -> Expr:
+        """Replace a function of the parameters by shapes: sums term by term, monomials up to a power."""
+        if not expr.free_symbols:
+            return expr
+        if expr.is_Add:
+            return sp.Add(*[self._constant(term) for term in expr.args])
+        if expr.is_Pow and expr.exp.free_symbols:
+            return self._constant(expr.base) ** self._constant(expr.exp)
+        number, product = expr.as_coeff_Mul()
+        powers = product.as_powers_dict()
+        if any(exponent.free_symbols for exponent in powers.values()):
+            return number * sp.Mul(*[self._constant(base**exponent) for base, exponent in powers.items()])
+        if not all(exponent.is_Rational for exponent in powers.values()):
+            return number * self._named(product)
+        ordered = sorted(powers, key=sp.default_sort_key)
+        common = sp.gcd_list([powers[base] for base in ordered]) * sp.sign(powers[ordered[0]])
+        primitive = sp.Mul(*[base ** (powers[base] / common) for base in ordered])
+        if primitive.is_positive or common.is_Integer:
+            return number * self._named(primitive) ** common
+        return number * self._named(product)
+
+    def _named(self, meaning: Expr) -> Expr:
+        if meaning not in self._names:
+            kind = next((kind for kind in ("positive", "nonnegative") if getattr(meaning, f"is_{kind}")), "real")
+            self._names[meaning] = sp.Symbol(f"p_{len(self._names) + 1}", **{kind: True})
+        return self._names[meaning]
+
+
+# -- what a law is a sum of --------------------------------------------------------------------------
+
+
+def expand_above(expr: Expr) -> Expr:
+    """Multiply out a product of sums but leave denominators whole: 1/(u + w)^2 stays what it is."""
+    if expr.is_Add:
+        return sp.Add(*[expand_above(term) for term in expr.args])
+    terms = [sp.Integer(1)]
+    for factor in sp.Mul.make_args(expr):
+        base, power = factor.as_base_exp()
+        if not (base.is_Add and power.is_Integer and power > 0):
+            base, power = factor, 1
+        summands = sp.Add.make_args(expand_above(base)) if base.is_Add else (base,)
+        for _ in range(power):
+            total = sp.Add(*[term * summand for term in terms for summand in summands])
+            terms = list(sp.Add.make_args(total))
+    return sp.Add(*terms)
+
+
+def grouped(f: Expr, u: Expr) -> dict[Expr, Expr]:
+    """Split a sum into functions of `u` and their constant factors, f = sum of constant times function.
+
+    Products are expanded, denominators are not, and fractions over one denominator stay together.
+    """
+    constants: dict[Expr, Expr] = {}
+    fractions: dict[Expr, list[Expr]] = {}
+    for term in sp.Add.make_args(expand_above(f)):
+        constant, rest = _merge_exponentials(term, u).as_independent(u, as_Add=False)
+        numerator, denominator = sp.fraction(rest)
+        if denominator.has(u) and rest.is_rational_function(u):
+            fractions.setdefault(denominator, []).append(constant * numerator)
+        else:
+            constants[rest] = constants.get(rest, 0) + constant
+    for denominator, numerators in fractions.items():
+        constant, numerator = sp.factor_terms(sp.Add(*numerators)).as_independent(u, as_Add=False)
+        constants[numerator / denominator] = constant
+    factored = {rest: sp.factor(constant) for rest, constant in constants.items()}
+    return {rest: constant for rest, constant in factored.items() if constant != 0}
+
+
+def split_polynomial(product: Expr, u: Expr) -> tuple[Expr, list[Expr]]:
+    """Split a product into its polynomial in u and its other factors."""
+    factors = sp.Mul.make_args(product)
+    others = [factor for factor in factors if not factor.is_polynomial(u)]
+    return sp.Mul(*[factor for factor in factors if factor.is_polynomial(u)]), others
+
+
+def _merge_exponentials(term: Expr, u: Expr) -> Expr:
+    """Write a product with one exponential of `u` at most; SymPy leaves exp(-v) exp(-p v) as it is."""
+    exponentials, others = sp.sift(
+        sp.Mul.make_args(term), lambda factor: isinstance(factor, sp.exp) and factor.has(u), binary=True
+    )
+    if len(exponentials) < 2:
+        return term
+    return sp.Mul(*others, sp.exp(sp.Add(*[factor.exp for factor in exponentials])))
+
+
+# -- the speeds at which a function changes ----------------------------------------------------------
+
+
+def speed_scales(expr: Expr, v: Expr) -> list[Expr]:
+    """Return the slip speeds on the scale of which an expression changes, as monomials of its parameters.
+
+    In a sum of monomials a v^p that is the speed at which two of them balance, in a power (a v)^p and in the
+    argument of a function the speed at which it is 1, and of pieces the places between them.
+    """
+    found: dict[Expr, None] = {}
+    for node in sp.postorder_traversal(expr):
+        for scale in _scales_of(node, v):
+            if not scale.has(v) and scale != 0:
+                found[scale] = None
+    return list(found)
+
+
+def _scales_of(node: Expr, v: Expr) -> Iterator[Expr]:
+    if isinstance(node, sp.StrictLessThan | sp.StrictGreaterThan) and node.has(v):
+        yield node.gts if node.lts == v else node.lts
+    elif node.is_Pow and not node.exp.is_Integer and node.base.is_Mul and node.has(v):
+        constant, rest = node.base.as_independent(v, as_Add=False)
+        if rest == v:
+            yield _positive(1 / constant)
+    elif node.is_Add and node.has(v):
+        known = [term for term in (_monomial(term, v) for term in node.args) if term is not None]
+        for (a, p), (b, q) in pairwise(known):
+            if p != q:
+                yield _root(a / b, q - p)
+    elif (isinstance(node, sp.Function) and not isinstance(node, sp.Piecewise)) or (
+        node.is_Pow and node.exp.has(v)
+    ):
+        for argument in node.args:
+            powers: dict[Expr, Expr] = {}
+            for a, p in filter(None, (_monomial(term, v) for term in sp.Add.make_args(sp.expand_mul(argument)))):
+                powers[p] = powers.get(p, 0) + a
+            for p, a in powers.items():
+                if p != 0 and a != 0:
+                    yield _root(1 / sp.factor(a), p)
+
+
+def _root(value: Expr, index: Expr) -> Expr:
+    return sp.powdenest(_positive(value) ** (1 / index), force=True)
+
+
+def _positive(value: Expr) -> Expr:
+    return value if value.is_positive else sp.Abs(value)
+
+
+def _monomial(term: Expr, v: Expr) -> tuple[Expr, Expr] | None:
+    """Return (a, p) of a term a v^p."""
+    split: Callable[..., Expr] = sp.expand_power_base
+    coefficient, rest = split(term, force=True).as_independent(v, as_Add=False)
+    base, exponent = rest.as_base_exp()
+    if rest == 1:
+        return coefficient, sp.Integer(0)
+    return (coefficient, exponent) if base == v and not exponent.has(v) else None

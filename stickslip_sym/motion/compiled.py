@@ -1,0 +1,89 @@
+"""Functions that run as plain Python, or compiled by numba where many runs are asked for.
+
+A function marked `compilable` is written in the subset of Python that numba compiles: floats, tuples and lists, no
+objects. A single run calls it as it is; for many, `compiled` returns it as machine code, kept on disk from one
+session to the next. Without numba, the extra `fast`, it returns the function itself.
+"""
+
+import inspect
+import logging
+import os
+import sys
+import threading
+from collections.abc import Callable
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, TypeVar
+
+__all__ = ["compilable", "compiled", "is_compiling"]
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+_PATIENCE = 1.0  # seconds, after which a compilation is announced
+_log = logging.getLogger("stickslip_sym")
+_marked: list[Callable[..., Any]] = []
+_registered: list[Callable[..., Any]] = []
+
+
+def compilable(function: _Function) -> _Function:
+    """Mark a function that compiled functions may call."""
+    _marked.append(function)
+    return function
+
+
+@cache
+def is_compiling() -> bool:
+    """Whether numba is there; where it is not, a line on the log says once what it would do."""
+    if find_spec("numba") is not None:
+        return True
+    _say("many motions are computed in plain Python; pip install 'stickslip_sym[fast]' makes that 30 times faster")
+    return False
+
+
+@cache
+def compiled(function: _Function) -> _Function:
+    """Return a compilable function as machine code that runs without holding the interpreter.
+
+    Compilation takes some seconds once; what was compiled is kept on disk. Where it takes more than a second, a
+    line on stderr says so.
+    """
+    if not is_compiling():
+        return function
+    import numba
+    from numba.extending import register_jitable
+
+    while _marked:
+        _registered.append(register_jitable(_marked.pop()))
+    machine_code: Any = numba.njit(cache=True, nogil=True)(function)
+    _forget_what_is_older(function, Path(machine_code._cache.cache_path))
+    ready = False
+
+    def call(*arguments: Any) -> Any:
+        nonlocal ready
+        if ready:
+            return machine_code(*arguments)
+        notice = threading.Timer(_PATIENCE, _say, ["compiling the integrator, once for this installation ..."])
+        notice.daemon = True
+        notice.start()
+        try:
+            return machine_code(*arguments)
+        finally:
+            notice.cancel()
+            ready = True
+
+    return call  # type: ignore[return-value]
+
+
+def _forget_what_is_older(function: Callable[..., Any], folder: Path) -> None:
+    """Remove kept machine code of a function that is older than a file of what it may call."""
+    newest = max(os.path.getmtime(inspect.getfile(part)) for part in _registered)
+    for index in folder.glob(f"*.{function.__name__}-*.nbi"):
+        if index.stat().st_mtime < newest:
+            index.unlink(missing_ok=True)
+
+
+def _say(line: str) -> None:
+    if _log.hasHandlers():
+        _log.info(line)
+    else:
+        print(line, file=sys.stderr)

@@ -1,0 +1,20 @@
+"""`Motion`: what a motion is."""
+
+from enum import Enum
+
+__all__ = ["Motion"]
+
+
+class Motion(Enum):
+    """What a mass does, in the end (`classify`, maps) or so far (`simulate`)."""
+
+    STICK_SLIP = "stick-slip"
+    PURE_SLIP = "pure slip"
+    REST = "rest"
+    UNBOUNDED = "grows without bound"
+    STICK = "stick, nothing else so far"
+    OVERTAKING = "slip that overtakes the belt"
+    SHRINKING = "slip that shrinks"
+    GROWING = "slip that grows"
+    UNDECIDED = "undecided"
+    """Within the tolerance of a boundary, or too short to tell."""

@@ -1,0 +1,294 @@
+"""The damping that a slip orbit needs: d(A), for every law.
+
+With time in 1/omega and w = |x' - V|/V, an orbit in slip whose mass reaches A V at its fastest comes to
+w = 1 - A, where w' = 0. Forward from there it goes over its highest slip speed down to w = 1, where the mass
+stands still; backward it comes to w = 1 as well. The orbit is closed where both halves meet, with one rate r = w'.
+Along an orbit's last stretch neighbouring motions part, by many powers of ten if friction is strong; backward they
+close up. So both halves are steady where one way round is not.
+
+Damping rotates the field of directions one way, so the gap log(r_f/r_b) falls with the damping ratio zeta, for
+weak friction at the rate 2 pi, and has one root, found by Newton's method in a bracket. Its derivatives by zeta,
+by A and by every quantity follow from the wedge D of `slip`. At w = 1 - A there is D = 0, but for A itself, where
+it is -A; at w = 1
+
+    dr/dp = dw'/dp - D/r,    dgap/dp = (dr_f/dp)/r_f - (dr_b/dp)/r_b.
+
+For A = 1 the orbit grazes the belt's speed, and d is the pure-slip threshold. The half forward is then the slip
+from P, q = w = 0, and the half backward comes from the graze, q = -push with push = eta (mu_static - mu(0+)):
+without a static excess they begin at one point, and the orbit is closed. For A to 0 it is the Hopf point.
+"""
+
+import math
+from typing import Any
+
+from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
+from stickslip_sym.motion.compiled import compilable
+from stickslip_sym.motion.slip import Dimensionless, End, follow
+from stickslip_sym.motion.slip import _rise as rise_at
+
+__all__ = ["BEYOND", "FOUND", "LOST", "NONE", "SOUGHT", "by_zeta", "gap", "halves", "needed", "needed_ratio"]
+
+_MAXIMUM, _LEVEL, _OUTSIDE = int(End.MAXIMUM), int(End.LEVEL), int(End.OUTSIDE)
+_NO_MORE, _FAILED = int(End.STEPS), int(End.FAILED)
+
+_COARSE, _TIGHT, _TIGHTEST = (
+    1e-5,
+    1e-12,
+    1e-13,
+)  # tolerances of the steps: first, last, and where digits are wanted
+_FINE = 1e-8  # relative error below which the tightest is taken
+_STRONG, _STIFF = (
+    30.0,
+    1e-9,
+)  # eta from which halves are stiff, and the last tolerance there, unless digits are wanted
+_LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
+_NEAR = 1e-2  # gap at which the tight tolerance is taken
+_DONE = 1e-7  # gap after which the next secant is the last one: it leaves the square of that
+_MOST = 100  # dampings that are tried
+_PHASES = 64  # for the first guess
+_FALL = -2 * math.pi  # of the gap with zeta, where friction is weak
+_FARTHEST = 1e6  # damping ratio over 1 + |eta|, and over the largest rise of friction, beyond which there is none
+_PATIENT = 100.0  # times as long as the displacement takes at the belt's speed, after which a half creeps to rest
+_FEW, _STEPS = 6_000, 60_000  # steps of a half: coarse ones, after which it creeps to rest; and tight ones
+_ROUNDING, _STEPPED = 1e-13, 1e-10  # of the gap, and what looser tolerances have in common: steps are never longer
+_TABULATED = 1e-13  # relative error of a rise in its table
+_FLAT = 1e-15  # of mu, below which a rise is none
+_CLOSE = 4e-16  # relative width of a bracket that is not halved again
+
+FOUND, SOUGHT, NONE, BEYOND, LOST = 0, 1, 2, 3, 4
+"""How a search stands: at the root; still on its way; no root; beyond what was measured of the law; too
+many steps."""
+
+
+@compilable
+def halves(
+    rise: Any, eta: float, zeta: float, push: float, A: float, rtol: float, wanted: bool, D: float, source: Any
+) -> Any:
+    """Follow both halves from w = 1 - A to w = 1.
+
+    - `push`: eta (mu_static - mu(0+)).
+    - `wanted`, `D`, `source`: whether a wedge is, its value at w = 1 - A, and the fields of a `Wedge`.
+
+    Returns for either half, the forward one first, whether it came to w = 1 (1), crept to rest (0), left the
+      table of the law (-1) or took too many steps (-2), w' and D there, and how long it took; and the highest
+      slip speed.
+    """
+    pieces = rise[0]
+    whole = len(pieces[0]) - 1
+    w = 1.0 - A
+    graze = 2.0 * zeta * w - push + eta * rise_at(pieces, 0, whole, 0, w)
+    q = 0.0 if w == 0.0 else graze
+    at_rest = abs(eta * rise_at(pieces, 0, whole, 0, 1.0)) if rise[1][len(rise[1]) - 1] > 1.0 else 0.0
+    most = _FEW if rtol >= _COARSE else _STEPS
+    horizon = _PATIENT * (1.0 + 2.0 * abs(zeta) + abs(push) + at_rest)
+    end, tau, q_f, w_f, r_f, D_f, _, _ = follow(
+        rise,
+        eta,
+        zeta,
+        push,
+        1.0,
+        q,
+        w,
+        horizon,
+        rtol,
+        1.0,
+        _MAXIMUM,
+        math.inf,
+        most,
+        (wanted, D, source),
+        False,
+    )
+    highest = w_f
+    if end == _MAXIMUM:
+        end, more, q_f, w_f, r_f, D_f, _, _ = follow(
+            rise,
+            eta,
+            zeta,
+            push,
+            1.0,
+            q_f,
+            w_f,
+            horizon,
+            rtol,
+            1.0,
+            _LEVEL,
+            1.0,
+            most,
+            (wanted, D_f, source),
+            False,
+        )
+        tau += more
+    way = 1 if end == _LEVEL else -1 if end == _OUTSIDE else -2 if end in (_NO_MORE, _FAILED) else 0
+    end, tau_b, _, _, r_b, D_b, _, _ = follow(
+        rise, eta, zeta, push, 1.0, graze, w, horizon, rtol, -1.0, _LEVEL, 1.0, most, (wanted, D, source), False
+    )
+    back = 1 if end == _LEVEL else -2 if end in (_NO_MORE, _FAILED) else 0
+    return (way, r_f, D_f, tau), (back, r_b, D_b, tau_b), highest
+
+
+@compilable
+def gap(
+    rise: Any, eta: float, zeta: float, push: float, A: float, rtol: float, wanted: bool, D: float, source: Any
+) -> Any:
+    """Return the gap, its derivative, and whether the forward half left the table of the law.
+
+    Arguments as for `halves`; the derivative is that by the quantity of the wedge. The gap is infinite where a
+    half creeps to rest, or the forward one leaves the table.
+    """
+    (way, r_f, D_f, _), (back, r_b, D_b, _), _ = halves(rise, eta, zeta, push, A, rtol, wanted, D, source)
+    if way == 1 and back == 1 and r_f < 0.0 and r_b < 0.0:
+        constant, linear, factor, pieces, _ = source
+        b = constant + linear
+        if factor != 0.0:
+            b += factor * rise_at(pieces, 0, len(pieces[0]) - 1, 0, 1.0)
+        return math.log(r_f / r_b), (b - D_f / r_f) / r_f - (b - D_b / r_b) / r_b, False
+    if rtol < _COARSE and (way == -2 or back == -2):
+        return math.nan, 0.0, False
+    driven = way == -1 or (way == 1 and r_f < 0.0)
+    return math.inf if driven else -math.inf, 0.0, way == -1
+
+
+@compilable
+def begun(rise: Any, eta: float, push: float, A: float) -> Any:
+    """Return the state of a search for the damping ratio that an orbit needs, before the first gap.
+
+    It begins with the harmonic balance over slip speeds from 1 - A to 1 + A.
+    """
+    pieces = rise[0]
+    whole, end = len(pieces[0]) - 1, rise[1][len(rise[1]) - 1]
+    zeta, largest = 0.0, 0.0
+    for i in range(_PHASES):
+        cosine = math.cos((i + 0.5) * math.pi / _PHASES)
+        lifted = eta * rise_at(pieces, 0, whole, 0, min(1.0 - A * cosine, end))
+        zeta += lifted * cosine / (A * _PHASES)
+        largest = max(largest, abs(lifted))
+    flat = largest <= _FLAT * abs(eta) and abs(push) <= _FLAT * abs(eta)
+    if flat:
+        zeta = 0.0
+    reach = 0.1 * max(abs(zeta), largest + abs(push))
+    error = 0.0 if flat else math.inf
+    how = FOUND if flat else SOUGHT
+    return (
+        how,
+        zeta,
+        error,
+        -math.inf,
+        math.inf,
+        _FALL,
+        _COARSE,
+        math.nan,
+        math.nan,
+        reach,
+        largest,
+        False,
+    )
+
+
+@compilable
+def improved(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any, state: Any) -> Any:
+    """Return the state of a search after one gap more.
+
+    - `tight`: tolerance of the last steps.
+    - `by_zeta`: the fields of the wedge by zeta.
+    """
+    _, zeta, _, low, high, slope, rtol, before, gap_before, reach, largest, beyond = state
+    coarse = rtol > tight
+    value, by, outside = gap(rise, eta, zeta, push, A, rtol, coarse, 0.0, by_zeta)
+    beyond = beyond or outside
+    if by < 0.0 and coarse:
+        slope = by
+    elif math.isfinite(gap_before) and math.isfinite(value) and (value - gap_before) * (zeta - before) < 0.0:
+        slope = (value - gap_before) / (zeta - before)
+    if value > 0.0:
+        low = max(low, zeta)
+    elif value <= 0.0:
+        high = min(high, zeta)
+    how, error, ahead = SOUGHT, math.inf, zeta
+    if math.isnan(value):
+        how = LOST
+    elif not coarse and abs(value) <= _DONE:
+        loose, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
+        off = abs(loose - value) + value * value + (_ROUNDING if tight <= _TIGHT else _STEPPED)
+        how, error, ahead = FOUND, off / -slope + _TABULATED * largest, zeta - value / slope
+    elif math.isfinite(high - low) and high - low <= _CLOSE * max(abs(low), abs(high)):
+        # The gap jumps there: the halves pass a jump of mu on one side only.
+        how, error = BEYOND if outside else FOUND, math.inf if outside else high - low + _TABULATED * largest
+    elif coarse and abs(value) <= _NEAR:
+        ahead, rtol, low, high, value = zeta - value / slope, tight, -math.inf, math.inf, math.nan
+    else:
+        slow = abs(value) > 0.5 * abs(
+            gap_before
+        )  # Newton's method does not help, as where a half ends close to rest
+        ahead = zeta - value / slope if math.isfinite(value) and not slow else math.nan
+        if not (low < ahead < high and abs(ahead - zeta) <= 4.0 * (reach + abs(zeta))):
+            if low > -math.inf and high < math.inf:
+                ahead = 0.5 * (low + high)
+            else:
+                ahead = zeta + reach if value > 0.0 else zeta - reach
+                reach *= 3.0
+        if abs(ahead) > _FARTHEST * (1.0 + abs(eta) + largest):
+            # Coarse steps that fail are taken for a half that creeps to rest; tight ones say that they failed.
+            sure, _, _ = gap(rise, eta, zeta, push, A, tight, False, 0.0, by_zeta)
+            how = BEYOND if beyond else LOST if math.isnan(sure) else NONE
+    return how, ahead, error, low, high, slope, rtol, zeta, value, reach, largest, beyond
+
+
+@compilable
+def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any) -> Any:
+    """Return the damping ratio that an orbit needs, its error, the gap's slope there, and how the search ended.
+
+    Arguments as for `improved`.
+    """
+    state = begun(rise, eta, push, A)
+    for _ in range(_MOST):
+        if state[0] != SOUGHT:
+            break
+        state = improved(rise, eta, push, A, tight, by_zeta, state)
+    return state[1], state[2], state[5], state[0]
+
+
+def needed_ratio(system: Dimensionless, A: float = 1.0, *, rtol: float = 1e-12) -> tuple[float, float, float]:
+    """Return the damping ratio that an orbit needs, its error, and the slope of the gap there, in plain Python.
+
+    - `A`: highest velocity over the belt's; 1 for the slip from P, static excess included.
+    - `rtol`: relative error that is wanted.
+
+    Raises `InputError` if the orbit goes beyond what was measured of the law.
+    Raises `NoThreshold` if no damping ratio closes the orbit.
+    Raises `NotConverged` when the bound on the work is reached.
+    Raises `OutOfTime` when the time of a `time_limit` is up; it says between which ratios the root lies.
+    """
+    push = system.push(1) if A == 1.0 else 0.0
+    tight = _TIGHTEST if rtol < _FINE else _STIFF if abs(system.eta) > _STRONG else _TIGHT
+    state = begun(system.rise, system.eta, push, A)
+    for _ in range(_MOST):
+        if state[0] != SOUGHT:
+            break
+        try:
+            check_time()
+        except OutOfTime as stop:
+            low, high = (2 * ratio for ratio in state[3:5])
+            raise OutOfTime(f"{stop}; c lies between {low:.6g} and {high:.6g} times sqrt(k m)") from None
+        state = improved(system.rise, system.eta, push, A, tight, by_zeta(system), state)
+    how, zeta, error, low, high, slope, *_ = state
+    if how == FOUND:
+        return zeta, error, slope
+    if how == BEYOND:
+        raise system.unmeasured(system.w_max)
+    if how == NONE:
+        raise NoThreshold(
+            "the slip from P returns to the belt's speed for every damping, or for none, "
+            f"at eta = {system.eta:g} and V = {system.V:g} m/s"
+        )
+    if not math.isfinite(high - low):
+        raise NotConverged(
+            f"the slip from P cannot be integrated at eta = {system.eta:g} and V = {system.V:g} m/s: friction is "
+            "too strong, or its law too steep, for the bound on the work"
+        )
+    raise NotConverged(f"the damping ratio lies between {low:.10g} and {high:.10g}, and no closer was found")
+
+
+def by_zeta(system: Dimensionless) -> tuple[float, float, float, Any, Any]:
+    """Return the fields of the wedge by the damping ratio."""
+    return (0.0, -2.0, 0.0, system.rise.pieces, [0.0] * len(system.rise.jumps))

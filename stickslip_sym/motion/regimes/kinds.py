@@ -1,0 +1,86 @@
+"""The kinds of attractors, an entry each: what it is called, how it is found, and how it is drawn.
+
+Regimes, maps, their files and their pictures read this table. A further kind is one more entry.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip_sym.core.aliases import BoolArray
+from stickslip_sym.motion.motion import Motion
+
+__all__ = ["ATTRACTORS", "AttractorKind", "Signs"]
+
+
+@dataclass(frozen=True)
+class Signs:
+    """What comparisons with the needed damping d(A) of slip orbits say of some dampings c of an operating point.
+
+    Attributes
+    ----------
+    rest : numpy.ndarray of bool
+        c > d(0), where small motions about rest decay.
+    falls : numpy.ndarray of bool
+        d falls through c somewhere between A = 0 and A = 1: a stable limit cycle in pure slip.
+    returns : numpy.ndarray of bool
+        c < d(1): the slip from P comes back to the belt's speed.
+    held : numpy.ndarray of bool
+        Static friction holds the mass at the end of such a slip, or of one that overtakes the belt after it.
+    """
+
+    rest: BoolArray
+    falls: BoolArray
+    returns: BoolArray
+    held: BoolArray
+
+
+@dataclass(frozen=True)
+class AttractorKind:
+    """A kind of motion that others come to.
+
+    Attributes
+    ----------
+    name : str
+        In files, and as the key of `MotionMap.attractors`.
+    motion : Motion
+        What a motion is that comes to it.
+    label : str
+        In legends.
+    letter, color, hatch : str
+        How a region of a map is printed and drawn where this is the only attractor.
+    of : callable
+        The attractors of this kind in a `Regime`.
+    exists : callable
+        For which dampings there is one.
+    """
+
+    name: str
+    motion: Motion
+    label: str
+    letter: str
+    color: str
+    hatch: str
+    of: Callable[[Any], tuple[Any, ...]]
+    exists: Callable[[Signs], BoolArray]
+
+
+# Colours of Okabe and Ito, which colour-blind people tell apart, lightened.
+ATTRACTORS = [
+    AttractorKind(
+        "rest", Motion.REST, "rest", ".", "#BFE0F5", "",
+        of=lambda regime: (regime.rest,) if regime.rest.stable else (),
+        exists=lambda signs: signs.rest,
+    ),
+    AttractorKind(
+        "pure_slip", Motion.PURE_SLIP, "pure slip", "p", "#009E73", "....",
+        of=lambda regime: tuple(cycle for cycle in regime.cycles if cycle.stable),
+        exists=lambda signs: signs.falls | signs.returns & ~signs.held,
+    ),
+    AttractorKind(
+        "stick_slip", Motion.STICK_SLIP, "stick-slip", "S", "#E69F00", "",
+        of=lambda regime: () if regime.stick_slip is None else (regime.stick_slip,),
+        exists=lambda signs: signs.returns & signs.held,
+    ),
+]  # fmt: skip
+"""From inside out in the phase plane."""

@@ -1,0 +1,167 @@
+"""The stick-slip cycle: one stick phase, and the slip from P that ends it.
+
+Every forward stick phase ends at the same point P, at the belt's speed. So the slip that leaves P either comes
+back to the belt's speed, and is the whole cycle together with the stick phase that follows, or never does: orbits
+in a plane do not cross, so an orbit that misses once stays inside. Where damping and friction are weak, or damping
+feeds energy in, it can come back beyond what static friction holds. The mass then overtakes the belt, and if that
+slip does not end in stick either, the motion lies outside its first round from then on: it never sticks again, and
+slips on both sides of the belt's speed.
+"""
+
+from dataclasses import dataclass, fields
+
+from stickslip_sym.core import deadline
+from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.numbers import read_rtol
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.slip import EVERY_TURN, Dimensionless, End
+from stickslip_sym.output import markup
+
+__all__ = ["StickSlipCycle", "peak_velocity", "stick_slip_cycle"]
+
+
+@dataclass(frozen=True)
+class StickSlipCycle:
+    """The periodic motion of stick and slip.
+
+    One stick phase, one slip slower than the belt, and, where the mass returns beyond what static friction
+    holds, one slip faster than the belt.
+
+    Attributes
+    ----------
+    period, stick_time, slip_time : float
+        In s; `slip_time` is all slip.
+    x_min, x_max : float
+        Extreme displacements in m.
+    v_min, v_max : float
+        Extreme velocities in m/s; the highest is the belt speed unless the mass overtakes the belt.
+    """
+
+    period: float
+    stick_time: float
+    slip_time: float
+    x_min: float
+    x_max: float
+    v_min: float
+    v_max: float
+
+    def __str__(self) -> str:
+        return f"stick-slip of period {self.period:.6g} s, of which stick {self.stick_time:.6g} s"
+
+    def __repr__(self) -> str:
+        return (
+            f"StickSlipCycle: {self}; x from {self.x_min:.6g} to {self.x_max:.6g} m, "
+            f"v from {self.v_min:.6g} to {self.v_max:.6g} m/s"
+        )
+
+    def _repr_html_(self) -> str:
+        units = {"period": "s", "stick_time": "s", "slip_time": "s", "x_min": "m", "x_max": "m"}
+        rows = [[f.name, f"{getattr(self, f.name):.9g}", units.get(f.name, "m/s")] for f in fields(self)]
+        return markup.table(["quantity", "value", "unit"], rows, caption="stick-slip cycle")
+
+
+def stick_slip_cycle(
+    law: FrictionLaw | str, osc: Oscillator, *, rtol: float = 1e-12, time_limit: float | None = None
+) -> StickSlipCycle | None:
+    """Return the stick-slip cycle of an oscillator, or None if it has none.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With all parameters bound.
+    osc : Oscillator
+    rtol : float
+        Relative tolerance of an integration step, 1e-13 to 1e-3.
+    time_limit : float, optional
+        Seconds of computation after which it is given up.
+
+    Raises
+    ------
+    InputError
+        For an unbound law, or an unusable tolerance.
+    NotConverged
+        When the bound on the work is reached.
+    OutOfTime
+        When the time limit is reached.
+
+    Examples
+    --------
+    >>> import stickslip_sym as ss
+    >>> osc = ss.Oscillator(m=1, k=100, c=1.0, V=0.5, N=9.81)
+    >>> print(ss.stick_slip_cycle(ss.laws.exponential.typical(), osc))
+    stick-slip of period 0.651445 s, of which stick 0.120047 s
+    """
+    law, rtol = as_law(law), read_rtol(rtol)
+    with deadline.time_limit(time_limit):
+        system = Dimensionless.of(law, osc)
+        tau, q, w, side = 0.0, 0.0, 0.0, 1
+        places, velocities = [0.0], [1.0]
+        turned = False
+        while True:
+            slip = system.slip(q, w, side, until=EVERY_TURN, level=1.0, rtol=rtol)
+            tau, q, w = tau + slip.tau, slip.q, slip.w
+            places.append(q)
+            velocities.append(1 - side * w)
+            if slip.end is End.MINIMUM:
+                return None
+            if slip.end in (End.MAXIMUM, End.LEVEL):
+                continue
+            if slip.end is not End.RETURN or (turned and not system.sticks(q)):
+                return None
+            if system.sticks(q):
+                break
+            side, turned = -1, True
+    onset = osc.onset(law)
+    return StickSlipCycle(
+        period=(tau - q) / osc.omega,
+        stick_time=-q / osc.omega,
+        slip_time=tau / osc.omega,
+        x_min=onset + osc.length * min(places),
+        x_max=onset + osc.length * max(places),
+        v_min=osc.V * min(velocities),
+        v_max=osc.V * max(velocities),
+    )
+
+
+def peak_velocity(law: FrictionLaw | str, osc: Oscillator, *, rtol: float = 1e-12) -> float:
+    """Return the velocity in m/s at the peak that follows the slip from P, above V where the mass returns.
+
+    The mass that misses the belt's speed has its peak below. One that returns, with the velocity V and an
+    acceleration a, has none, and V + a^2/(2 omega^2 V) stands for it: by so much it would overshoot if the
+    spring alone went on to pull, and near a graze that continues the peak with its value and its slope.
+    The root of the result minus V, as a function of the damping, is the pure-slip threshold.
+
+    Parameters
+    ----------
+    law, osc, rtol
+        As for `stick_slip_cycle`.
+
+    Raises
+    ------
+    InputError
+        For an unbound law, or an unusable tolerance.
+    NotConverged
+        If the motion has no peak, since the mass creeps to rest, or when the bound on the work is reached.
+
+    Examples
+    --------
+    >>> import stickslip_sym as ss
+    >>> law = ss.laws.exponential.typical()
+    >>> [round(ss.peak_velocity(law, ss.Oscillator(m=1, k=100, c=c, V=0.5, N=9.81)), 6) for c in (2.5, 2.7)]
+    [0.513853, 0.475376]
+    """
+    law = as_law(law)
+    system = Dimensionless.of(law, osc)
+    slip = system.slip(0.0, 0.0, until=End.MINIMUM, rtol=read_rtol(rtol))
+    if slip.end is End.RETURN:
+        return osc.V * (1 + slip.rate**2 / 2)
+    if slip.end is End.MINIMUM:
+        return osc.V * (1 - slip.w)
+    if slip.end is End.OUTSIDE:
+        raise NotConverged("the velocity has no peak after the slip from P, it falls for ever; try a larger c")
+    raise NotConverged(
+        f"the velocity has no peak after the slip from P, the mass creeps to rest: the damping ratio is "
+        f"{osc.zeta:g}; try a smaller c"
+    )

@@ -1,0 +1,109 @@
+"""The reference: the motion by ``scipy.integrate.solve_ivp`` with events, in SI units.
+
+It shares nothing with the package's own integrator but the law's mu(v), and is short enough to be checked by eye.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.deadline import check_time, time_left
+from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.simulation.trajectory import (
+    Course,
+    Event,
+    EventKind,
+    Outcome,
+    Phase,
+    Stretch,
+    Trajectory,
+)
+
+__all__ = ["simulate_by_solve_ivp", "slip_by_solve_ivp"]
+
+_ROUNDING = 1e-12  # of the force at which static friction gives way
+_BESIDE = 1e-9  # of the belt's speed, by which slip begins off it: an event at the start itself ends a run
+_LEAST = 1e-2  # absolute tolerance in units of V and V/omega, over the relative one
+_STEP = 0.1  # of 1/omega, the longest: events are seen where a step has different signs at its ends
+
+
+def slip_by_solve_ivp(
+    law: FrictionLaw, osc: Oscillator, t: float, x: float, v: float, side: int, t_end: float, rtol: float
+) -> Any:
+    """Follow slip on one side of the belt's speed, 1 below and -1 above, until it comes back to it.
+
+    Returns SciPy's result, with `sol` for times between; `t_events[0]` holds the return, if there is one.
+    """
+    mu, mu_0 = law.function("math"), law.onset
+
+    def rates(_: float, y: FloatArray) -> tuple[float, float]:
+        if time_left() < 0:
+            check_time()
+        speed = side * (osc.V - y[1])
+        friction = side * osc.N * (mu(speed) if speed > 0 else mu_0)
+        return y[1], (friction - osc.c * y[1] - osc.k * y[0]) / osc.m
+
+    def at_belt_speed(_: float, y: FloatArray) -> float:
+        return float(y[1] - osc.V)
+
+    at_belt_speed.terminal, at_belt_speed.direction = True, side  # type: ignore[attr-defined]  # SciPy's way
+    v = side * min(side * v, side * osc.V - _BESIDE * osc.V)
+    found = solve_ivp(
+        rates, (t, t_end), (x, v), method="DOP853", rtol=max(rtol, 1e-13), dense_output=True, events=at_belt_speed,
+        atol=_LEAST * rtol * np.array([osc.V / osc.omega, osc.V]), max_step=_STEP / osc.omega,
+    )  # fmt: skip
+    if found.status < 0:
+        raise NotConverged(f"solve_ivp cannot go on beyond t = {found.t[-1]:.6g} s: {found.message}")
+    return found
+
+
+def simulate_by_solve_ivp(
+    law: FrictionLaw, osc: Oscillator, x0: float, v0: float, t_end: float, rtol: float
+) -> Trajectory:
+    """Return the motion as `simulate` does: slip by `solve_ivp`, stick in closed form."""
+    hold = law.static_value * osc.N
+    x_P = (hold - osc.c * osc.V) / osc.k
+    t, x, v = 0.0, x0, v0
+    samples, events, stretches = list[tuple[FloatArray, FloatArray, FloatArray]](), list[Event](), list[Stretch]()
+    while t < t_end:
+        pull = osc.c * osc.V + osc.k * x
+        sticks = v == osc.V and abs(pull) < hold * (1 - _ROUNDING)
+        if sticks:
+            phase, end = Phase.STICK, min(t_end, t + (x_P - x) / osc.V)
+            sample = np.array([[t, end], [x, x + osc.V * (end - t)], [v, v]])
+            stretch = Stretch(phase, t, end, _straight(t, x, osc.V))
+        else:
+            side = math.copysign(1, pull) if v == osc.V else math.copysign(1, osc.V - v)
+            phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
+            found = slip_by_solve_ivp(law, osc, t, x, v, int(side), t_end, rtol)
+            sample = np.array([found.t, *found.y])
+            if found.t_events[0].size:
+                sample[2, -1] = osc.V
+            stretch = Stretch(phase, t, float(sample[0, -1]), _curved(found.sol))
+        kind = EventKind.SLIPS if events and events[-1].begins is Phase.STICK else EventKind.CROSSES
+        kind = EventKind.STICKS if sticks else kind
+        events.append(Event(t, x, v, phase, kind if events else EventKind.START))
+        samples.append((sample[0], sample[1], sample[2]))
+        stretches.append(stretch)
+        t, x, v = sample[:, -1].tolist()
+    times, places, speeds = (np.concatenate(column) for column in zip(*samples, strict=True))
+    phases = np.concatenate([np.full(part[0].size, s.phase) for part, s in zip(samples, stretches, strict=True)])
+    return Trajectory(osc, rtol, times, places, speeds, phases, tuple(events), Outcome.FINISHED, tuple(stretches))
+
+
+def _straight(t: float, x: float, v: float) -> Course:
+    return lambda times: (x + v * (times - t), np.full(times.shape, v))
+
+
+def _curved(solution: Callable[[FloatArray], FloatArray]) -> Course:
+    def course(times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        x, v = solution(times.ravel())
+        return x.reshape(times.shape), v.reshape(times.shape)
+
+    return course

@@ -1,0 +1,82 @@
+"""What one call of each method costs: ``python -m pytest tests/benchmarks/bench_calls.py -n 0``."""
+
+import numpy as np
+import pytest
+
+import stickslip_sym as ss
+from stickslip_sym.motion.thresholds.methods import methods
+
+LAW = ss.laws.exponential.typical()
+POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+SPEEDS = np.linspace(0.01, 1.0, 101)
+MANY = np.linspace(0.01, 1.0, 100_000)
+PLANE = {"x": ("V", np.linspace(0.01, 1, 100)), "y": ("c", np.linspace(0, 6, 100)), "N": 9.81, "m": 1, "k": 100}
+
+
+@pytest.fixture(scope="module")
+def form():
+    form = ss.derive(LAW)
+    form(V=0.5, N=9.81)
+    return form
+
+
+@pytest.mark.benchmark(group="one array of 1e5 speeds")
+def test_call_of_an_array(benchmark, form):
+    benchmark(form, V=MANY, N=9.81)
+
+
+@pytest.mark.benchmark(group="one array of 1e5 speeds")
+def test_numpy_exp(benchmark):
+    benchmark(np.exp, MANY)
+
+
+@pytest.mark.benchmark(group="one value")
+@pytest.mark.parametrize("digits", [None, 50])
+def test_call_of_one_value(benchmark, form, digits):
+    if digits is None:
+        benchmark(form, V=0.5, N=9.81)
+    else:
+        benchmark(form.evaluate, digits, V=0.5, N=9.81)
+
+
+@pytest.mark.benchmark(group="one value")
+def test_quadrature(benchmark):
+    benchmark(ss.quadrature.damping, LAW, V=0.5, N=9.81, digits=50)
+
+
+@pytest.mark.benchmark(group="one threshold, its error included")
+@pytest.mark.parametrize("method", list(methods()))
+def test_method(benchmark, method):
+    ss.pure_slip_damping(LAW, **POINT, method=method)
+    benchmark(ss.pure_slip_damping, LAW, **POINT, method=method, rtol=1e-10)
+
+
+@pytest.mark.benchmark(group="one threshold, as good as asked for")
+@pytest.mark.parametrize("rtol", [0.3, 1e-2, 1e-4, 1e-10])
+def test_auto(benchmark, rtol):
+    benchmark(ss.pure_slip_damping, LAW, **POINT, rtol=rtol)
+
+
+@pytest.mark.benchmark(group="101 speeds")
+@pytest.mark.parametrize("method", ["second_order", "orbit", "auto"])
+def test_speeds(benchmark, method):
+    benchmark(ss.pure_slip_damping, LAW, **(POINT | {"V": SPEEDS}), method=method, rtol=1e-10)
+
+
+@pytest.mark.benchmark(group="critical values and cycles")
+def test_critical_speed(benchmark):
+    benchmark(ss.critical, LAW, "V", c=2.5, N=9.81, m=1.0, k=100.0)
+
+
+@pytest.mark.benchmark(group="critical values and cycles")
+def test_limit_cycles(benchmark):
+    benchmark(ss.limit_cycles, LAW, ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81))
+
+
+@pytest.mark.benchmark(group="the plane of the paper, 10,000 cells")
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("name", ["exponential", "polynomial"])
+def test_plane(benchmark, name, workers):
+    law = ss.laws.catalogue[name].typical()
+    plane = benchmark.pedantic(ss.motion_map, (law,), PLANE | {"workers": workers}, rounds=1)
+    assert plane.motion.size == 10_000

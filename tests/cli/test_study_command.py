@@ -1,0 +1,125 @@
+"""``stickslip study``: from files of three instruments to a page in one command each, and what is refused."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from commands import run
+from pages import check_well_formed
+
+import stickslip_sym as ss
+
+pytest.importorskip("matplotlib")
+
+
+def instruments():
+    """A falling line, as three instruments write it."""
+    rng = np.random.default_rng(9)
+    v = np.repeat(np.round(np.linspace(0.02, 1.2, 15), 4), 2)
+    mu = np.round(0.5 - 0.2 * v + 0.004 * rng.normal(size=30), 4)
+    way, order = rng.choice([-1, 1], 30), rng.permutation(30)
+    semicolon = "".join(f"{mu[i]};{1000 * v[i]:.1f}\n".replace(".", ",") for i in order)
+    forces = "".join(f"{way[i] * v[i] * 60:.6g}\t{way[i] * mu[i] * 20:.6g}\t0.02\n" for i in range(30))
+    return {
+        "comma": "v [m/s],mu\n" + "".join(f"{a},{b}\n" for a, b in zip(v, mu, strict=True)),
+        "semicolon": "Reibwert;Gleitgeschwindigkeit [mm/s]\n" + semicolon,
+        "forces": "speed (m/min)\tF_t [N]\tF_n [kN]\n" + forces,
+    }
+
+
+@pytest.mark.parametrize("name", ["comma", "semicolon", "forces"])
+def test_from_a_file_to_a_page(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "disc.csv").write_text(instruments()[name], encoding="utf-8")
+    code, out, err = run(monkeypatch, capsys, "study", "linear", "--fit", "disc.csv", "-c", "1.9(1)", "-V", "0.4")
+    assert (code, err.splitlines()[0][:8]) == (0, "30 rows,")
+    best = ss.fit(ss.read_measurements("disc.csv"), laws="linear").best
+    exact = ss.pure_slip_damping(best.law.bind(**best.uncertain), V=0.4, N=9.81, m=1, k=100, method="orbit")
+    shown = re.search(r"pure-slip damping ([\d.]+) \+/- ([\d.]+) kg/s", out)
+    assert float(shown[1]) == pytest.approx(exact.value, abs=5e-4)
+    assert float(shown[2]) == pytest.approx(exact.budget.uncertainty, rel=0.05)
+    root = check_well_formed((tmp_path / "study.html").read_text(encoding="utf-8"))
+    text = "".join(root.itertext())
+    assert re.search(r"Measured \(disc.csv, \d{4}-\d\d-\d\d\): 30 rows", text)
+    assert re.search(r"N = 9.81 N \(default\),\s+m = 1 kg \(default\)", text)
+    assert "0.4 m/s (default)" not in text
+
+
+def test_through_measured_points(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "pin.csv").write_text("v,mu\n0,0.5\n0.1,0.45\n0.3,0.4\n0.6,0.38\n1.2,0.37\n")
+    line = ["study", "--from-csv", "pin.csv", "-c", "1", "-o", "pin.html", "--time-limit", "4"]
+    code, out, _ = run(monkeypatch, capsys, *line)
+    assert code == 0
+    assert "pin.html: " in out
+    text = (tmp_path / "pin.html").read_text(encoding="utf-8")
+    check_well_formed(text)
+    assert re.search(r"Measured \(pin.csv, \d{4}-\d\d-\d\d\): 5 rows", text)
+
+
+def test_numbers_for_a_program(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    line = ["study", "linear", "-c", "1.2", "-p", "mu_s=0.50+/-0.02", "-o", "page.html", "--json"]
+    code, out, err = run(monkeypatch, capsys, *line)
+    assert (code, err) == (0, "")
+    told = json.loads(out)
+    law = ss.laws.linear.typical(mu_s="0.50+/-0.02")
+    found = ss.study(law, ss.Oscillator(m=1, k=100, c=1.2, V=0.5, N=9.81))
+    assert (told["command"], told["page"], told["study"]["verdict"]) == ("study", "page.html", found.verdict)
+    assert told["study"]["headline"] == found.headline
+    assert told["study"]["probability"] == found.probability
+    (cycle,) = told["study"]["regime"]["attractors"]
+    assert cycle["stick_time"] == found.regime.stick_slip.stick_time
+    by_method = {one["method"]: one["threshold"]["value"] for one in told["study"]["answers"]}
+    assert by_method == {one.method: one.threshold.value for one in found.answers}
+    margins = told["study"]["margins"]
+    assert margins["threshold"]["value"] == found.margins.threshold.value
+    changes = {row["name"]: row["change"] for row in margins["rows"]}
+    assert changes == {row.name: row.change if np.isfinite(row.change) else None for row in found.margins.rows}
+    assert told["study"]["forms"].keys() == found.forms.keys()
+    assert (tmp_path / "page.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("", "no law: give a name"),
+        ("linear --fit a.csv --from-csv a.csv", "the measurements are given twice, by --fit and by --from-csv"),
+        ("linear -c -", "c = '-'"),
+        ("linear -m 0", "m = 0"),
+        ("linear -o no/folder/study.html", "no/folder"),
+        ("--fit none.csv", "none.csv"),
+        ("--fit a.csv", "line 3, column 2, 'mu'"),
+        ("--from-csv a.csv", "line 3, column 2, 'mu'"),
+        ("linear --time-limit x", "time_limit = 'x'"),
+        ("--fit a.csv --static 0.7", "--static does nothing here"),
+        ("--fit a.csv --unit a=m", "--unit does nothing here"),
+        ("--fit a.csv --source x", "--source does nothing here"),
+        ("--fit a.csv --extrapolate", "--extrapolate does nothing here"),
+        ("linear --column v=1", "--column does nothing here"),
+        ("linear --leave-out", "--leave-out does nothing here"),
+        ("linear -o page.txt", "--output page.txt: its ending is none of .html, .htm, .xhtml"),
+        ("linear --pdf page.html", "--pdf page.html: its ending is none of .pdf"),
+    ],
+)
+def test_what_cannot_be_studied_is_refused_before_anything_is_written(
+    line, message, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.csv").write_text("v,mu\n0.1,0.5\n0.2,n/a\n0.3,0.4\n0.4,0.3\n")
+    code, out, err = run(monkeypatch, capsys, "study", *line.split())
+    assert (code, out) == (2, "")
+    assert message in err
+    assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
+
+
+def test_without_a_browser_nothing_is_computed(tmp_path, monkeypatch, capsys):
+    from stickslip_sym.output import browser
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(browser.shutil, "which", lambda name: None)
+    code, out, err = run(monkeypatch, capsys, "study", "linear", "--pdf", "study.pdf")
+    assert (code, out) == (2, "")
+    assert "a PDF needs chromium or chrome" in err
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,99 @@
+"""`compare` and the table of `derive`: every method beside the others, and why they differ."""
+
+import math
+import random
+
+import pytest
+
+import stickslip_sym as ss
+from stickslip_sym.comparison.crosscheck import crosscheck, differences, report, scatter
+
+POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+
+
+def test_compare_gives_what_each_method_gives(law):
+    found = ss.compare(law, ss.Oscillator(c=0.0, **POINT))
+    assert [one.method for one in found][:4] == ["equilibrium", "least_squares", "harmonic", "second_order"]
+    for one in found:
+        alone = ss.pure_slip_damping(law, **POINT, method=one.method, rtol=1e-10)
+        assert one.threshold.value == alone.value
+        assert one.method in str(found)
+        assert f"{alone.value:.12g}" in str(found)
+    proved = found["proof"].threshold
+    for one in (one.threshold for one in found):
+        assert abs(one.value / proved.value - 1) <= 1.5 * one.relative_error + proved.relative_error
+
+
+def test_compare_says_why_a_method_has_no_value():
+    found = ss.compare(ss.FrictionLaw("0.5 - 0.1*Min(v, 0.3)"), **POINT, methods=["orbit", "simulation"])
+    assert found["orbit"].threshold is None
+    assert found["orbit"].reason
+    assert f"none: {found['orbit'].reason[:20]}" in str(found)
+    assert found["simulation"].threshold.value > 0
+
+
+def test_compare_without_an_oscillator_has_averages_only():
+    found = ss.compare(ss.laws.polynomial.typical(), V=0.5, N=9.81)
+    assert [one.method for one in found] == list(ss.criteria.catalogue)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({}, "wanted once"),
+        ({"osc": ss.Oscillator(c=0.0, **POINT), "V": 1.0}, "wanted once"),
+        ({"V": 1.0, "N": 1.0, "c": 1.0}, "V, N, m and k, not c"),
+        ({**POINT, "methods": ["orbits"]}, "did you mean 'orbit'"),
+    ],
+)
+def test_compare_refuses_what_is_no_operating_point(given, words):
+    with pytest.raises(ss.InputError, match=words):
+        ss.compare(ss.laws.polynomial.typical(), **given)
+
+
+def test_static_coefficient_is_named_as_the_reason():
+    law = ss.FrictionLaw("0.2 + 0.3*exp(-3*v)", static="0.9")
+    value = ss.slope_average(law)(V=0.5, N=9.81)
+    reasons = differences(law, ss.criteria.least_squares, POINT, value, 2 * value)
+    assert any(reason.startswith("the static coefficient") for reason in reasons)
+    plain = ss.FrictionLaw(law.expr)
+    assert differences(plain, ss.criteria.least_squares, POINT, value, 1.01 * value) == []
+
+
+def test_another_weight_is_named_as_the_reason():
+    law = ss.laws.exponential.typical()
+    point = POINT | {"V": 2.0}
+    value = ss.slope_average(law, "equilibrium")(V=2.0, N=9.81)
+    reasons = differences(law, ss.criteria.equilibrium, point, value, 0.9)
+    weak = ss.slope_average(law, "harmonic")(V=2.0, N=9.81)
+    assert f"the harmonic average, {weak:.4g} kg/s" in reasons[0]
+
+
+def scattered(count=5):
+    rng = random.Random(6)
+    v = [1.2 * i / (count - 1) for i in range(count)]
+    mu = [round((0.2 + 0.3 * math.exp(-3 * speed)) * (1 + rng.uniform(-0.06, 0.06)), 6) for speed in v]
+    return v, mu
+
+
+def test_scattered_points_do_not_get_fifty_digits():
+    law = ss.FrictionLaw.from_samples(*scattered())
+    checks = crosscheck(law, ss.criteria.least_squares, {name: str(x) for name, x in POINT.items()}, None)
+    quadrature = next(check for check in checks if check.method.startswith("quadrature"))
+    assert len(quadrature.value) < 7
+    assert max(map(len, report(checks).splitlines())) <= 110
+
+
+@pytest.mark.parametrize("name", ["equilibrium", "least_squares", "harmonic"])
+def test_scatter_is_the_jackknife_of_the_criterion(name):
+    v, mu = scattered(9)
+    criterion = ss.criteria.catalogue[name]
+    values = []
+    for i in range(1, len(v) - 1):
+        other = ss.FrictionLaw.from_samples(v[:i] + v[i + 1 :], mu[:i] + mu[i + 1 :])
+        values.append(float(ss.quadrature.damping(other, criterion, V=0.5, N=9.81, digits=15)))
+    mean = sum(values) / len(values)
+    expected = math.sqrt((len(values) - 1) / len(values) * sum((value - mean) ** 2 for value in values))
+    found = scatter(ss.FrictionLaw.from_samples(v, mu), criterion, 0.5, 9.81)
+    assert found == pytest.approx(expected, rel=1e-6)
+    assert scatter(ss.FrictionLaw.from_samples(v[:4], mu[:4]), criterion, 0.1, 9.81) == 0.0

@@ -1,0 +1,106 @@
+"""A new function is one row of the table: everything else looks it up."""
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from flint import acb, arb_series
+
+import stickslip_sym as ss
+from stickslip_sym.core import balls, functions
+from stickslip_sym.core.functions import FUNCTIONS, Function
+from stickslip_sym.model.expression.gain import gain
+from stickslip_sym.output import printing
+
+x = sp.Symbol("x", positive=True)
+POINT = sp.Rational(37, 29)
+
+NEW = {
+    "sinc": (
+        Function(sp.sinc, acb.sinc, in_laws=True, c="_sinc({})", python="np.sinc({}/np.pi)", octave="sinc({}/pi)"),
+        mpmath.sinc,
+    ),
+    "acosh": (
+        Function(sp.acosh, acb.acosh, in_laws=True, latex=r"\operatorname{arcosh}", c="acosh"),
+        mpmath.acosh,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NEW)
+def test_a_new_function_is_one_row(name, monkeypatch):
+    row, value = NEW[name]
+    law = "1 + a*{}(2 + v)"
+    if not FUNCTIONS.get(row.kind, row).in_laws or row.kind not in FUNCTIONS:
+        with pytest.raises(ss.InputError, match=f"no function {name!r}"):
+            ss.FrictionLaw(law.format(name))
+    monkeypatch.setitem(FUNCTIONS, row.kind, row)
+    bound = ss.FrictionLaw(law.format(name)).bind(a=0.3)
+    speeds = np.array([0.1, 0.7])
+    assert bound.mu(speeds) == pytest.approx([1 + 0.3 * float(value(2 + v)) for v in speeds], rel=1e-14)
+    slopes = [0.3 * float(mpmath.diff(value, 2 + v)) for v in speeds]
+    assert bound.slope(speeds) == pytest.approx(slopes, rel=1e-9)
+    assert ss.FrictionLaw(bound.text).expr == bound.expr
+    assert (row.latex or f"\\operatorname{{{name}}}") in printing.latex(bound.expr)
+    enclosed, exact = ss.enclose(bound, V=1, N=1, digits=20), ss.quadrature.damping(bound, V=1, N=1, digits=20)
+    assert float(enclosed) == pytest.approx(float(exact), rel=1e-15)
+    with balls.working_precision(200, 6):
+        series = balls.series_function(row.kind(x), x, {})(arb_series([float(POINT), 1]))
+        taylor = mpmath.taylor(value, float(POINT), 5)
+        assert [float(series[n]) for n in range(6)] == pytest.approx(list(map(float, taylor)), rel=1e-9, abs=1e-12)
+    assert functions.row(row.kind(x)).call("c", "x")
+
+
+@pytest.mark.parametrize("kind", list(FUNCTIONS), ids=lambda kind: kind.__name__)
+def test_every_row_is_what_sympy_computes(kind):
+    """The ball, its cut and the series of a function against SymPy's value and derivative."""
+    row, count = (
+        FUNCTIONS[kind],
+        {"Lerch": 3, "elliptic_pi": 2}.get(kind.__name__, 2 if FUNCTIONS[kind].indexed else 1),
+    )
+    if row.ball is None or kind.__name__ in ("lowergamma", "uppergamma", "beta", "NumberPower"):
+        pytest.skip("of several arguments, or without a ball")
+    numbers = [sp.Rational(1, 3), sp.Integer(2), sp.Rational(5, 7)][:count]
+    if row.indexed:
+        numbers = [sp.Integer(2), sp.Rational(1, 3)]
+    if kind.__name__ == "Lerch":
+        numbers = [-sp.Rational(1, 3), sp.Integer(2), sp.Rational(5, 7)]
+    if kind.__name__ in ("acosh", "zeta"):
+        numbers = [sp.Rational(7, 3)]
+    expected = complex(kind(*numbers, evaluate=False).evalf(30))
+    with balls.working_precision(120, 4):
+        assert complex(row.ball(*map(balls.ball, numbers))) == pytest.approx(expected, rel=1e-14)
+        if row.in_laws:
+            series = balls.series_function(kind(x), x, {})(arb_series([0.25, 1]))
+            assert float(series[1]) == pytest.approx(float(kind(x).diff(x).subs(x, 0.25)), rel=1e-13)
+    if row.gain is not None:
+        close = sp.Float("0.3000000000000000000000001", 40)
+        got = gain(kind(x), x, sp.Rational(3, 10)).subs(x, close).evalf(20)
+        with mpmath.workdps(60):
+            direct = (kind(close.n(60)) - kind(sp.Float("0.3", 60))).evalf(50)
+        assert abs(got / direct - 1) < 1e-10
+
+
+CUTS = {sp.log: [-2, 0], sp.atan: [2j, -3j], sp.asinh: [2j, -3j], sp.acosh: [0, -2], sp.asin: [2, -3],
+        sp.acos: [2], sp.atanh: [2, -3], sp.exp: [], sp.tanh: [], sp.erf: []}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", list(CUTS), ids=lambda kind: kind.__name__)
+def test_cuts_lie_where_values_jump(kind):
+    row = FUNCTIONS[kind]
+    for place in CUTS[kind]:
+        assert row.cut(acb(complex(place).real, complex(place).imag))
+    rng = np.random.default_rng(3)
+    for _ in range(40):  # away from a cut the values on both sides of a small disc agree
+        z = complex(*rng.normal(size=2) * 2)
+        if not row.cut(acb(z.real, z.imag)):
+            near = complex(row.ball(acb(z.real + 1e-9, z.imag - 1e-9)))
+            assert abs(near - complex(row.ball(acb(z.real, z.imag)))) < 1e-5 * (1 + abs(near))
+
+
+def test_fold_visits_each_distinct_node_once():
+    seen = []
+    expr = sp.exp(x) + x * sp.exp(x) ** 2 + sp.hyper([1, x], [2], x)
+    functions.fold(expr, lambda node, parts: seen.append(node))
+    assert len(seen) == len(set(seen))
+    assert functions.fold(expr, lambda node, parts: 1 + max(parts, default=0)) >= 4

@@ -1,0 +1,114 @@
+"""Code in C, Python and Octave against calls: laws of the literature, speeds over twenty-one decades."""
+
+import ctypes
+import inspect
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+import stickslip_sym as ss
+
+LAWS = {
+    "1/(1 + exp((v - v_0)/w))": {"v_0": 0.1, "w": 0.02},
+    "mu_0 + a*v*log(1 + v/v_0)": {"mu_0": 0.3, "a": 0.1, "v_0": 0.2},
+    "mu_0 - d*log(1 + v/v_0)": {"mu_0": 0.5, "d": 0.02, "v_0": 0.1},
+    "d*v/sqrt(v^2 + h^2)": {"d": 0.3, "h": 0.05},
+    "mu_s/(1 - v/v_c)": {"mu_s": 0.3, "v_c": 40.0},
+    "a/cosh(v/w)": {"a": 0.3, "w": 0.7},
+    "a*exp(-(v/w)^1.4144337)": {"a": 0.3, "w": 0.0788816},
+    "b*tanh(v/w) - d*v + a": {"a": 0.3, "b": 0.2, "d": 0.01, "w": 0.3},
+    "a*atan(v/w) + b*exp(-v/q)": {"a": 0.1, "b": 0.3, "w": 0.2, "q": 3.0},
+    "Max(a - b*v, d)": {"a": 0.5, "b": 0.3, "d": 0.2},
+    "a + b*Abs(v - q)": {"a": 0.3, "b": 0.1, "q": 0.7},
+    "Piecewise((a, v < q), (d, True))": {"a": 0.5, "d": 0.3, "q": 0.4},
+    "a*v^(-0.25)": {"a": 0.3},
+    "(a + b*v)/(1 + d*v + v^2)": {"a": 0.3, "b": 0.1, "d": 0.5},
+}
+UNITS = 64  # of eps N times the size of the largest term: code adds terms up as they are
+
+
+def drawn(seed):
+    """Return a law with values, an average, speeds, and what a call gives there; NaN where it refuses."""
+    rng = np.random.default_rng(seed)
+    text = list(LAWS)[seed % len(LAWS)]
+    values = {name: value * 10 ** rng.uniform(-0.3, 0.3) for name, value in LAWS[text].items()}
+    criterion = ("least_squares", "harmonic", "equilibrium")[seed // len(LAWS) % 3]
+    law = ss.FrictionLaw(text).bind(**values)
+    average = ss.slope_average(law, criterion)
+    V = np.concatenate([10 ** rng.uniform(-12, 9, 20), 10 ** rng.uniform(-2, 2, 10), [0.0, -1.0, np.nan]])
+    expected = []
+    for speed in V:
+        try:
+            expected.append(average(V=float(speed), N=2.0))
+        except ss.StickSlipError:
+            expected.append(np.nan)
+    return law, average, V, np.array(expected)
+
+
+def sizes(average, V):
+    """The sum of the sizes of the terms, in the unit that errors are counted in."""
+    with np.errstate(all="ignore"):
+        values = [V, 2.0, *(float(average.law.values[name]) for name in list(average.arguments)[2:])]
+        return sum(np.abs(np.broadcast_to(term(values), V.shape)) for term in average.evaluator.terms)
+
+
+def in_python(text, names, point, V, _):
+    module = {}
+    exec(text, module)
+    assert list(inspect.signature(module["damping"]).parameters) == names
+    return module["damping"](*(V if name == "V" else point[name] for name in names))
+
+
+def in_c(text, names, point, V, folder):
+    (folder / "a.c").write_text(text)
+    strict = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O1"]
+    subprocess.run(["cc", *strict, "-shared", "-fPIC", "-o", "a.so", "a.c", "-lm"], cwd=folder, check=True)
+    function = ctypes.CDLL(str(folder / "a.so")).damping
+    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * len(names)
+    return np.array([function(*(float(v) if name == "V" else point[name] for name in names)) for v in V])
+
+
+def in_octave(text, names, point, V, folder):
+    (folder / "damping.m").write_text(text)
+    listed = "[" + ", ".join("NaN" if np.isnan(v) else repr(float(v)) for v in V) + "]"
+    given = ", ".join(listed if name == "V" else repr(point[name]) for name in names)
+    command = ["octave-cli", "--norc", "--quiet", "--eval", f"printf('%.17g ', damping({given}))"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60, check=True)
+    return np.array([float(word) for word in done.stdout.split()])
+
+
+WAYS = {"python": (in_python, None, 28), "c": (in_c, "cc", 14), "octave": (in_octave, "octave-cli", 14)}
+
+
+@pytest.mark.parametrize("language", WAYS)
+def test_code_equals_the_call(language, tmp_path):
+    run, program, count = WAYS[language]
+    if program and shutil.which(program) is None:
+        pytest.skip(f"there is no {program}")
+    for seed in range(count):
+        law, average, V, expected = drawn(seed)
+        text = average.code(language)
+        names = list(average.arguments)
+        module = {}
+        exec(average.code("python"), module)
+        names = list(inspect.signature(module["damping"]).parameters)
+        (folder := tmp_path / str(seed)).mkdir()
+        point = {"N": 2.0} | {name: float(value) for name, value in law.values.items()}
+        got = run(text, names, point, V, folder)
+        allowed = UNITS * np.finfo(float).eps * np.fmax(np.nan_to_num(sizes(average, V)), np.abs(expected))
+        where = f"{law.text} {dict(law.values)} {average.criterion.name}"
+        assert np.isnan(got[np.isnan(expected)]).all(), where
+        written = ~np.isnan(got)
+        assert (np.abs(got - expected)[written] <= allowed[written] + 1e-300).all(), where
+        assert np.isfinite(expected[written]).all(), where
+        # What a call takes from balls, near the end of a law, code leaves out.
+        assert written.sum() >= np.isfinite(expected).sum() - 2, where
+
+
+def test_a_divergent_average_is_refused():
+    average = ss.slope_average("a*v^(-n)", "harmonic")
+    assert np.isfinite(average(V=0.5, N=2.0, a=0.3, n=0.25))
+    with pytest.raises(ss.InputError, match="its integral diverges"):
+        average(V=0.5, N=2.0, a=0.3, n=0.75)

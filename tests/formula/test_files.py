@@ -1,0 +1,172 @@
+"""Closed forms and laws saved and loaded: what comes back is derived again, and nothing else is taken."""
+
+import hashlib
+import json
+import random
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy as sp
+from uncertainties import correlated_values
+
+import stickslip_sym as ss
+from stickslip_sym import criteria
+
+LAWS = ["exponential", "polynomial", "tanh", "rational"]
+
+
+def rewrite(path, part, **changes):
+    """Change an item of a file, or the file itself, and its digest with it."""
+    content = json.loads(path.read_text())
+    (content if part is None else content["items"][part]).update(changes)
+    del content["digest"]
+    content["digest"] = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+    path.write_text(json.dumps(content))
+
+
+def saved(law, criterion, tmp_path):
+    form = ss.derive(law, criterion)
+    path = tmp_path / "form.json"
+    ss.save(form, path)
+    return form, path
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_form_comes_back_as_it_was(name, tmp_path):
+    form, path = saved(ss.laws.catalogue[name].typical(), "least_squares", tmp_path)
+    again = ss.load(path)
+    assert (again.law, again.criterion, again.terms) == (form.law, form.criterion, form.terms)
+    assert (again.expr, again.verdict) == (form.expr, form.verdict)
+    assert again.derivation.text() == form.derivation.text()
+
+
+def test_standard_errors_and_correlations_come_back(tmp_path):
+    rng = np.random.default_rng(6)
+    point = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+    free = ss.laws.exponential.typical(mu_s="0.531(7)", alpha="2.90+/-0.25")  # exact, and not doubles
+    half = rng.normal(size=(3, 3)) * 0.02
+    fitted = ss.laws.exponential.bind(
+        **dict(zip(("mu_s", "mu_m", "alpha"), correlated_values([0.5, 0.2, 3.0], half @ half.T), strict=True))
+    )
+    path = tmp_path / "law.json"
+    for law in (free, fitted):
+        ss.save(law, path)
+        again = ss.load(path)
+        assert (again.values, again.uncertain.keys()) == (law.values, law.uncertain.keys())
+        before, after = (ss.pure_slip_damping(one, **point, method="orbit").budget for one in (law, again))
+        assert after.uncertainty == pytest.approx(before.uncertainty, rel=1e-12)
+        assert len(after.correlated) == len(before.correlated) == (3 if law is fitted else 0)
+        content = json.loads(path.read_text())["items"][0]["law"]
+        for wrong in ({"standard": {"mu_s": -1.0}}, {"standard": {"b": 1.0}}, {"correlation": [[1.0]]}):
+            rewrite(path, 0, law=content | {"errors": content["errors"] | wrong})
+            with pytest.raises(ss.InputError, match=r"standard error|lacks a part|one has another shape"):
+                ss.load(path)
+
+
+def test_several_items_of_every_kind_come_back(tmp_path):
+    sampled = ss.FrictionLaw.from_samples([0, 0.1, 0.3, 1.2], ["0.5", "0.4", "0.3", "0.25"], source="bench 4")
+    s = ss.symbols.s
+    early = ss.Criterion("early", sp.Rational(3, 4) * (1 - s**2) * (1 - s), "low slip speeds")
+    items = [ss.derive(sampled, "equilibrium"), sampled, ss.derive(ss.laws.linear, early)]
+    ss.save(items, tmp_path / "items.json")
+    form, law, other = ss.load(tmp_path / "items.json")
+    assert (form.law.v_max, law.expr, law.source) == (sampled.v_max, sampled.expr, "bench 4")
+    assert form(V=0.5, N=3.0) == items[0](V=0.5, N=3.0)
+    assert (other.criterion, other.expr) == (early, items[2].expr)
+
+
+@pytest.mark.parametrize("wrong", ["42*V", "N*a_1*1.0000000000000000000001", "__import__('os')"])
+def test_a_file_with_another_formula_is_refused(wrong, tmp_path):
+    """With its digest computed anew; a verdict is computed, and not believed."""
+    _, path = saved(ss.laws.linear, "least_squares", tmp_path)
+    rewrite(path, 0, formula=wrong)
+    with pytest.raises(ss.InputError, match=r"its formula is .* and that of its law and criterion is 'N\*a_1'"):
+        ss.load(path)
+
+
+def test_a_file_with_another_verdict_is_refused(tmp_path):
+    form = ss.derive(ss.FrictionLaw("mu_0 + b*Abs(v - v_1)"), "harmonic")
+    assert form.verdict.status is ss.Status.CHECKED
+    ss.save(form, tmp_path / "form.json")
+    assert ss.load(tmp_path / "form.json").verdict == form.verdict
+    rewrite(tmp_path / "form.json", 0, status="PROVED")
+    with pytest.raises(ss.InputError, match="its status is 'PROVED'"):
+        ss.load(tmp_path / "form.json")
+
+
+def test_a_form_with_another_coefficient_is_not_saved_for_the_law(tmp_path):
+    form = ss.derive(ss.laws.exponential)
+    constant, term = form.terms
+    ss.save(replace(form, terms=(constant, replace(term, amplitude=2 * term.amplitude))), tmp_path / "form.json")
+    with pytest.raises(ss.InputError, match="its formula is"):
+        ss.load(tmp_path / "form.json")
+
+
+@pytest.mark.parametrize(
+    ("part", "changed"), [('"N*a_1"', '"2*N*a_1"'), ('"a_1"', '"a_1 "'), ('"0.15"', '"0.16"')]
+)
+def test_a_file_changed_by_hand_is_noticed(part, changed, tmp_path):
+    _, path = saved(ss.laws.linear, "least_squares", tmp_path)
+    assert part in path.read_text()
+    path.write_text(path.read_text().replace(part, changed))
+    with pytest.raises(ss.InputError, match="was changed since it was saved; derive the form again"):
+        ss.load(path)
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "message"),
+    [
+        (None, {"version": 1}, "is of version 1, and this package reads version 2"),
+        (None, {"version": True}, "is of version True"),
+        (None, {"format": "other"}, "holds no closed form and no law"),
+        (None, {"items": None}, "lacks a part, or one has another shape"),
+        (0, {"criterion": "harmonics"}, "there is no criterion 'harmonics'"),
+        (0, {"criterion": {"name": "a", "weight": ["1"], "source": ""}}, "an average needs 1"),
+        (0, {"law": None}, "lacks a part"),
+        (0, {"formula": None}, "its formula is 'None'"),
+    ],
+)
+def test_what_is_no_closed_form_is_refused(part, change, message, tmp_path):
+    _, path = saved(ss.laws.linear, "equilibrium", tmp_path)
+    rewrite(path, part, **change)
+    with pytest.raises(ss.InputError, match=message):
+        ss.load(path)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "[" * 100_000, "\x00", '{"format": 1e999}'])
+def test_what_is_no_json_is_refused(text, tmp_path):
+    path = tmp_path / "form.json"
+    path.write_text(text)
+    with pytest.raises(ss.InputError):
+        ss.load(path)
+
+
+def test_what_cannot_be_saved_is_refused(tmp_path):
+    with pytest.raises(ss.InputError, match="closed forms and laws are saved, got float"):
+        ss.save([1.0], tmp_path / "form.json")
+
+
+def test_a_damaged_file_never_does_anything_else_than_load_or_refuse(tmp_path):
+    """300 seeded cuts and changes of single characters."""
+    rng = random.Random(4)
+    _, path = saved(ss.laws.exponential.typical(), "least_squares", tmp_path)
+    whole = path.read_text()
+    refused = 0
+    for _ in range(300):
+        place = rng.randrange(len(whole))
+        damaged = whole[:place] + rng.choice(["", "9", '"', "]", "V", "\u0663"]) + whole[place + 1 :]
+        path.write_text(damaged)
+        try:
+            ss.load(path)
+        except ss.InputError:
+            refused += 1
+    assert refused > 250  # the others changed a blank, or a character to itself
+
+
+def test_a_notebook_names_the_law_of_a_form_or_shows_it():
+    law = ss.laws.catalogue["linear"]
+    assert ss.derive(law, "equilibrium")._repr_html_().count(law.text) == 0
+    assert law.name in ss.derive(law, "equilibrium")._repr_html_()
+    assert "p - q*v, equilibrium" in ss.derive(ss.FrictionLaw("p - q*v"), "equilibrium")._repr_html_()
+    assert criteria.find("equilibrium") is criteria.equilibrium

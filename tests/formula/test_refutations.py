@@ -1,0 +1,154 @@
+"""A refutation shows two values that differ; what is right is not refuted; lost digits are noticed."""
+
+import random
+import re
+
+import mpmath
+import pytest
+import sympy as sp
+
+import stickslip_sym as ss
+from stickslip_sym import symbols
+from stickslip_sym.core.balls import working_precision
+from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.numbers import to_mpf
+from stickslip_sym.core.symbols import N, V, u
+from stickslip_sym.criteria.enclosure import average_ball
+from stickslip_sym.formula.exact import formula_ball, from_mpmath, to_digits
+from stickslip_sym.formula.proof import gate
+from stickslip_sym.formula.proof.proving import prove_equal
+
+W = sp.Symbol("w", positive=True)
+
+
+@pytest.mark.parametrize(
+    ("text", "criterion", "expected"),
+    [
+        ("mu_0 + (a - b)*log(v/v_0)", "least_squares", "5*N*(b - a)/(3*V)"),
+        ("mu_0 + (a - b)*log(v/v_0)", "harmonic", "2*N*(b - a)/V"),
+        ("-v*log(v)", "least_squares", "N*(log(2*V) + 2/15)"),
+        ("Piecewise((f_0, v < v_w), f_w + (f_0 - f_w)*v_w/v)", "least_squares", None),
+        ("mu_0 + d*log(1 + v^2/w^2)", "least_squares", None),
+    ],
+)
+def test_laws_of_the_literature_that_were_refuted(text, criterion, expected):
+    form = ss.derive(ss.FrictionLaw(text), criterion)
+    assert form.verdict.status is (ss.Status.CHECKED if criterion == "harmonic" else ss.Status.PROVED)
+    if expected is not None:
+        wanted = sp.sympify(expected, locals={str(x): x for x in form.arguments.values()} | {"N": N})
+        assert sp.simplify(sp.expand_log(form.expr - wanted)) == 0
+    values = {name: 0.3 + 0.1 * i for i, name in enumerate(form.arguments)}
+    assert form(**values) == pytest.approx(float(form.evaluate(20, **values)), rel=1e-13)
+
+
+def test_right_and_tampered_integrals_of_random_integrands():
+    """Kinks, logarithms and roots at the ends: never a wrong refutation, and every tampered value is refuted."""
+    rng = random.Random(13)
+    for _ in range(2):
+        c, place = sp.Rational(rng.randint(1, 9), 7), sp.Rational(rng.randint(1, 9), 5)
+        power = rng.choice([sp.Rational(-1, 2), sp.Rational(1, 3), 2])
+        kinked = sp.Piecewise((c * u**power, u < place * W), (c * sp.log(u / W), True))
+        end = sp.Min(place * W, 2 * V)
+        low = c * end ** (power + 1) / (power + 1)
+        high = c * (2 * V * (sp.log(2 * V / W) - 1) - end * (sp.log(end / W) - 1))
+        integral = sp.Integral(kinked, (u, 0, 2 * V))
+        assert prove_equal(integral, low + high).status is ss.Status.CHECKED
+        verdict = prove_equal(integral, (low + high) * (1 + sp.Rational(1, 10**18)))
+        assert verdict.status is ss.Status.REFUTED
+        left, right = re.match(r"left (\S+), right (\S+) at ", verdict.evidence).groups()
+        assert left != right
+
+
+def test_what_cannot_be_told_is_undecided_and_not_refuted():
+    x = sp.Symbol("x", real=True)
+    assert prove_equal(sp.Integral(sp.exp(-(x**2)) * sp.cos(x), (x, 0, sp.oo)), V).status is ss.Status.ESTIMATED
+
+
+def test_digits_lost_by_cancellation_are_noticed():
+    """The shifted tanh at the point where 20 and 30 digits agreed on a wrong value."""
+    form = ss.derive(ss.FrictionLaw("mu_k + (mu_s - mu_k)*tanh((v_1 - v)/w)"))
+    values = {
+        "V": "8.12003",
+        "N": "53.9933",
+        "mu_k": "0.00365727",
+        "mu_s": "0.0014794",
+        "v_1": "103.417",
+        "w": "0.395005",
+    }
+    assert float(form.evaluate(20, **values)) == pytest.approx(-3.299041e-195, rel=1e-6)
+
+
+@pytest.mark.parametrize("digits", [5, 20])
+def test_every_digit_is_right_at_extremes(digits):
+    """Against the same formulas at 9000 digits, by a plain evaluation that bounds nothing."""
+    x, y = sp.symbols("x y", positive=True)
+    pieces = [
+        sp.exp(-x),
+        sp.tanh(x / y),
+        sp.log(1 + sp.exp(-x * y)),
+        sp.sqrt(1 + x**2),
+        sp.atan(y),
+        sp.exp(-x - y),
+    ]
+    rng = random.Random(digits)
+    for _ in range(25):
+        first, second, third = rng.sample(pieces, 3)
+        expr = (first * second - third * y + x) - (x + first * second) + rng.choice([0, 1]) * (sp.tanh(x) - 1)
+        expr = expr + third * y if rng.random() < 0.3 else expr
+        point = {s: sp.Rational(f"{10 ** rng.uniform(-2.5, 2.5):.4g}") for s in (x, y)}
+        if expr.free_symbols - point.keys() or expr == 0:
+            continue
+        with mpmath.workdps(9000):
+            expected = mpmath.mpmathify(function_of([x, y], expr, "mpmath")(*map(to_mpf, point.values())))
+        got = to_digits(expr, point, digits)
+        with mpmath.workdps(digits + 5):
+            assert abs(got - expected) <= abs(expected) * mpmath.mpf(10) ** (1 - digits)
+
+
+@pytest.mark.parametrize("kind", ["hypergeometric", "digamma"])
+def test_what_mpmath_evaluates_is_within_its_ball(kind):
+    """Functions that Arb does not enclose there, of arguments that carry an error; a wrong value is outside."""
+    x, y = sp.symbols("x y", positive=True)
+    node = {
+        "hypergeometric": lambda z: sp.hyper((sp.Rational(3, 4), sp.Rational(5, 4)), (sp.Rational(3, 2), 2), z),
+        "digamma": sp.digamma,
+    }[kind]
+    rng = random.Random(41)
+    for _ in range(4):
+        point = {x: sp.Rational(f"{10 ** rng.uniform(2, 3):.4g}"), y: sp.Rational(f"{rng.uniform(0.1, 1):.4g}")}
+        sign = -1 if kind == "hypergeometric" else 1
+        expr = node(sign * sp.sqrt(x) * (x if kind == "hypergeometric" else 1)) * sp.exp(-y) - y
+        with mpmath.workdps(60):
+            right = function_of([x, y], expr, "mpmath")(*map(to_mpf, point.values()))
+        with working_precision(120):
+            value, alone = formula_ball(expr, point)
+            assert not alone
+            assert from_mpmath(right, 0).real in value.real
+            assert from_mpmath(right * (1 + mpmath.mpf("1e-25")), 0).real not in value.real
+        with mpmath.workdps(30):
+            assert abs(to_digits(expr, point, 20) - right) <= abs(right) * mpmath.mpf("1e-20")
+
+
+@pytest.mark.parametrize("error", [InputError, NotConverged])
+@pytest.mark.parametrize(("fails", "status"), [(2, ss.Status.CHECKED), (1, ss.Status.ESTIMATED)])
+def test_points_where_a_side_has_no_value_say_nothing_to_the_gate(monkeypatch, error, fails, status):
+    """Others are drawn in their place; with too few the formula is neither checked nor refuted."""
+    calls = []
+
+    def sometimes(*given):
+        calls.append(given)
+        if len(calls) % fails == 0:
+            raise error("not here")
+        return average_ball(*given)
+
+    def fail(*_):
+        raise error("not here")
+
+    monkeypatch.setattr(gate, "average_ball", sometimes)
+    monkeypatch.setattr(ss.quadrature, "average", fail)
+    profile, closed = sp.exp(-symbols.v), -sp.exp(-V) + 1
+    right = ss.derive(ss.FrictionLaw("exp(-v)")).averages[0][1].closed
+    assert gate.verify(profile, ss.criteria.least_squares, right).status is status
+    if status is ss.Status.CHECKED:
+        assert gate.verify(profile, ss.criteria.least_squares, closed).status is ss.Status.REFUTED

@@ -1,0 +1,171 @@
+"""A closed form is the sum of its terms: every view of it is made of them, and none says something else."""
+
+import time
+from dataclasses import replace
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import stickslip_sym as ss
+from stickslip_sym.core import deadline
+from stickslip_sym.formula.average import Average, average_of
+
+POINT = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
+
+
+def views(form):
+    """What each view of a closed form says at a point, or as text."""
+    code = {}
+    exec(form.code("python"), code)
+    try:
+        sensitivity = form.sensitivity("alpha").expr
+    except ss.NoClosedForm:
+        sensitivity = "refused"
+    return {
+        "expression": form.expr,
+        "value of the expression": float(form.expr.subs({form.arguments[name]: x for name, x in POINT.items()})),
+        "call": form(**POINT),
+        "evaluate": float(form.evaluate(20, **POINT)),
+        "latex": form.latex(),
+        "python": float(code["damping"](**POINT)),
+        "limit": form.limits.at_rest,
+        "sensitivity": sensitivity,
+        "verdict": form.verdict.status,
+        "repr": repr(form),
+    }
+
+
+def test_every_view_changes_with_one_coefficient():
+    form = ss.derive(ss.laws.exponential)
+    constant, term = form.terms
+    tampered = replace(form, terms=(constant, replace(term, amplitude=2 * term.amplitude)))
+    right, wrong = views(form), views(tampered)
+    assert all(right[name] != wrong[name] for name in right)
+    for name in ("value of the expression", "call", "evaluate", "python"):
+        assert right[name] == pytest.approx(2.545949602905104, rel=1e-12)
+        assert wrong[name] == pytest.approx(2 * right[name], rel=1e-12)
+    assert right["verdict"] is ss.Status.PROVED
+    assert wrong["verdict"] is ss.Status.REFUTED
+    assert "REFUTED" in "".join(tampered.code("c").splitlines()[:3])
+
+
+def test_a_form_has_no_formula_of_its_own():
+    with pytest.raises(TypeError, match="expr"):
+        replace(ss.derive(ss.laws.exponential), expr=42 * ss.symbols.V)
+
+
+@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
+def test_a_wrong_average_is_refuted(criterion, monkeypatch, fresh_averages):
+    """The average of one profile is one object; tampered with, no form is returned that holds it."""
+    average = average_of(sp.exp(-ss.symbols.v), ss.criteria.find(criterion))
+    right = average.find()
+    monkeypatch.setattr(average, "_formula", lambda parts: right * (1 + sp.Rational(1, 10**20)))
+    with pytest.raises(ss.NoClosedForm, match="refuted"):
+        ss.derive(ss.laws.exponential, criterion)
+
+
+# -- sensitivities -----------------------------------------------------------------------------------
+
+SENSITIVE = [
+    ("exponential", "least_squares", "alpha"), ("exponential", "harmonic", "alpha"),
+    ("sech", "least_squares", "v_s"), ("arctangent", "harmonic", "v_s"), ("stribeck", "least_squares", "v_s"),
+    ("polynomial", "harmonic", "mu_s"), ("hyperbolic", "equilibrium", "v_s"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "criterion", "parameter"), SENSITIVE)
+def test_a_sensitivity_is_the_quotient_of_differences(name, criterion, parameter):
+    law = ss.laws.catalogue[name].typical()
+    form = ss.derive(law, criterion)
+    found = form.sensitivity(parameter)
+    assert found.verdict.status is ss.Status.PROVED
+    middle, step = sp.Rational(law.values[parameter]), sp.Rational(1, 10**12)
+    with mpmath.workdps(40):
+        sides = [form.evaluate(40, V="0.4", N=2, **{parameter: middle + side * step}) for side in (1, -1)]
+        quotient = (sides[0] - sides[1]) / (2 * mpmath.mpf(int(step.p)) / int(step.q))
+    assert found(V=0.4, N=2.0) == pytest.approx(float(quotient), rel=1e-12)
+    assert abs(found(V=0.4, N=2.0)) > 1e-6
+
+
+def test_a_sensitivity_needs_a_parameter_of_the_law():
+    with pytest.raises(ss.InputError, match=r"'alfa' is no parameter of the law.*did you mean 'alpha'"):
+        ss.derive(ss.laws.exponential).sensitivity("alfa")
+
+
+def test_a_place_where_mu_jumps_has_no_sensitivity():
+    """The derivative of mu does not see the jump move; the derivative of the formula does."""
+    form = ss.derive(ss.FrictionLaw("Piecewise((a, v < v_1), (b, True))"))
+    assert form.sensitivity("a").verdict.status is not ss.Status.REFUTED
+    with pytest.raises(ss.NoClosedForm, match=r"refuted|no closed form"):
+        form.sensitivity("v_1")
+
+
+# -- conditions --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("criterion", "bound"), [("harmonic", 0.5), ("least_squares", 1.0)])
+def test_a_divergent_integral_has_no_value(criterion, bound):
+    """The average of v^-n exists for n below the order at which the weight vanishes at rest."""
+    form = ss.derive(ss.FrictionLaw("mu_0 + mu_1*(v/v_1)^(-n)"), criterion)
+    assert form.verdict.status is ss.Status.PROVED
+    assert r"\quad n <" in form.latex()
+    given = {"V": 0.5, "N": 1.0, "mu_0": 0.2, "mu_1": 0.3, "v_1": 1.0}
+    below = form.law.bind(mu_0=0.2, mu_1=0.3, v_1=1, n=bound - 0.1)
+    expected = float(ss.quadrature.damping(below, criterion, V=0.5, N=1, digits=15))
+    assert form(**given, n=bound - 0.1) == pytest.approx(expected, rel=1e-12)
+    for n in (bound, bound + 0.25, [bound - 0.1, bound + 0.1]):
+        with pytest.raises(ss.InputError, match=r"exists for n < .* only"):
+            form(**given, n=n)
+    with pytest.raises(ss.InputError, match=r"exists for n < .* only"):
+        form.evaluate(20, **given, n=bound + 0.25)
+
+
+def test_what_grows_too_fast_is_refused():
+    for text in ("b*log(1 + v_b/v)/v", "0.3/v", "mu_1*v^(-3/2)"):
+        with pytest.raises(ss.NoClosedForm, match=r"not integrable|not finite|no closed form"):
+            ss.derive(ss.FrictionLaw(text))
+
+
+# -- values and time ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("criterion", ["least_squares", "harmonic", "equilibrium"])
+def test_series_and_balls_of_an_average_agree(criterion):
+    """The closed form, the definition in balls, and the series at small V, each by itself."""
+    from flint import arb
+
+    from stickslip_sym.core.balls import working_precision
+
+    average = average_of(sp.exp(-ss.symbols.v) * ss.symbols.v, ss.criteria.find(criterion))
+    with working_precision(200, 40):
+        V = arb("0.125")
+        coefficients = average.taylor({}, 40)
+        series = sum((c * V**k for k, c in enumerate(coefficients)), start=arb(0))
+        closed, defined = average.ball(V, {}), average.enclosed(V, {})
+    assert closed.overlaps(defined)
+    assert abs(float(series) - float(defined)) < 1e-15
+    assert abs(float(closed) - float(defined) * (1 + 1e-9)) > 1e-12
+
+
+def test_what_failed_is_not_tried_again(monkeypatch, fresh_averages):
+    average = average_of(sp.tanh(sp.exp(ss.symbols.v)), ss.criteria.least_squares)
+    asked = []
+    integrated = Average._integrated
+    monkeypatch.setattr(Average, "_integrated", lambda *args: asked.append(1) or integrated(*args))
+    for _ in range(3):
+        with pytest.raises(ss.NoClosedForm, match="SymPy's integrator was not asked"):
+            average.find()
+    assert len(asked) == 1
+
+
+def test_a_time_limit_ends_a_derivation(monkeypatch, fresh_averages):
+    """The clock is moved on by each check of it."""
+    now = time.monotonic()
+    ticks = iter(np.arange(0.0, 1e6, 5.0))
+    monkeypatch.setattr(deadline.time, "monotonic", lambda: now + next(ticks))
+    with pytest.raises(
+        ss.NoClosedForm, match=r"the time limit of 60 s was reached while (averaging|comparing|prov)"
+    ):
+        ss.derive(ss.laws.kragelskii, time_limit=60)

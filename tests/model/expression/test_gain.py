@@ -1,0 +1,93 @@
+"""What mu has risen since mu(0+), against many digits: on a slow belt it is all that drives the mass."""
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import stickslip_sym as ss
+from stickslip_sym.core.symbols import v
+from stickslip_sym.model.expression.gain import gain
+
+CLOSE = 2e-14  # relative: a few roundings of formulas of ten operations
+SPEEDS = (1e-14, 3e-9, 5e-5, 0.3)
+a, b, start = sp.symbols("a b start", positive=True)
+NODES = [
+    sp.exp(-a * v), a**v, sp.log(1 + v / a), sp.tanh(a * v), sp.tanh(a * (v - b)), sp.atan(v / a),
+    sp.atan(a * v - b), sp.asinh(a * v), sp.asinh(v - b), sp.sinh(v + a), sp.cosh(a * v), sp.cosh(v - b),
+    sp.sech(a * v), sp.sin(v + a), sp.cos(v + a), sp.sqrt(v), sp.sqrt(v + a), (v / a) ** b, (a + v) ** b,
+    ((a + v) / 4) ** 20, (a + v) ** -3, 1 / (1 + v**2), v**3 - a * v, (a + v) ** sp.Rational(-2, 3),
+]  # fmt: skip
+
+
+def exact(expr, point, low, high):
+    with mpmath.workdps(60):
+        function = sp.lambdify([v, *point], expr, "mpmath")
+        values = [mpmath.mpf(value) for value in point.values()]
+        return function(mpmath.mpf(high), *values) - function(mpmath.mpf(low), *values)
+
+
+def test_a_difference_keeps_its_digits():
+    """Sums, products, quotients and functions of the nodes, from 0 and from a speed above."""
+    rng = np.random.default_rng(3)
+    worst, lost = 0.0, 0
+    for number in range(60):
+        i, j = rng.integers(len(NODES), size=2)
+        expr, other = NODES[number % len(NODES)], NODES[j]
+        expr = (expr + 2 * other, expr * other, expr / (2 + other**2), sp.exp(-expr))[int(i) % 4]
+        low = float(rng.choice([0.0, rng.uniform(0.1, 1)]))
+        point = {a: float(rng.uniform(0.3, 2)), b: float(rng.uniform(0.3, 2))}
+        gained = sp.lambdify([v, start, a, b], gain(expr, v, start if low else sp.Integer(0)), "math")
+        plain = sp.lambdify([v, a, b], expr, "math")
+        for high in (low + step for step in SPEEDS):
+            true = exact(expr, point, low, high)
+            worst = max(worst, float(abs(gained(high, low, *point.values()) - true) / abs(true)))
+            lost += abs(plain(high, *point.values()) - plain(low, *point.values()) - true) > 1e-9 * abs(true)
+    assert worst < 1e-12  # terms of opposite signs may leave a hundredth of each of them
+    assert lost > 60  # as differences of values
+
+
+def test_functions_without_a_rule_are_subtracted():
+    assert gain(sp.erf(a * v), v, sp.Integer(0)) == sp.erf(a * v)
+    assert gain(sp.erf(a * v), v, start) == sp.erf(a * v) - sp.erf(a * start)
+
+
+def test_what_has_no_value_at_the_start_has_no_rise():
+    assert gain(v * sp.log(v), v, sp.Integer(0)) is None
+    assert gain(a / v, v, sp.Integer(0)) is None
+    assert sp.simplify(gain(a / v, v, start) - (a / v - a / start)) == 0
+
+
+@pytest.mark.parametrize("name", ss.laws.catalogue)
+def test_laws(name):
+    law = ss.laws.catalogue[name].typical()
+    ((_, gained),), function = law.rises(), law.function("mpmath")
+    with mpmath.workdps(60):
+        for speed in SPEEDS:
+            true = function(mpmath.mpf(speed)) - function(mpmath.mpf(0))
+            assert gained(speed) == pytest.approx(float(true), rel=CLOSE, abs=0)
+
+
+def test_pieces_and_measured_points():
+    """The pieces above the first count from mu(0+) as well, also where the law jumps."""
+    measured = ss.FrictionLaw.from_samples(
+        [0, "1e-9", "2e-9", "5e-9", 1], ["0.5", "0.4999", "0.4997", "0.45", "0.3"]
+    )
+    jumps = ss.FrictionLaw("Piecewise((mu_s*exp(-v), v < 1e-9), (0.3 + 0.1*1e-9/v, v < 1e-3), (0.2, True))").bind(
+        mu_s=0.5
+    )
+    for law in (measured, jumps):
+        ends = [place for place, _ in law.rises()] + [1.0]
+        function = law.function("mpmath")
+        for low, high, (_, gained) in zip(ends, ends[1:], law.rises(), strict=False):
+            for speed in np.linspace(low, high, 7)[1:-1]:
+                with mpmath.workdps(60):
+                    true = function(mpmath.mpf(speed)) - function(mpmath.mpf(0))
+                assert gained(speed) == pytest.approx(float(true), rel=CLOSE, abs=1e-22)
+
+
+def test_a_law_without_such_a_form_is_subtracted():
+    law = ss.FrictionLaw("mu_s + v*log(v)").bind(mu_s=0.5)
+    assert law.rises()[0][1](0.3) == pytest.approx(0.3 * np.log(0.3), rel=1e-14)
+    law = ss.FrictionLaw("mu_s - (v + b)^(1/2)").bind(mu_s=0.5, b=0)  # b is no 0 in the formula
+    assert law.rises()[0][1](0.25) == pytest.approx(-0.5, rel=1e-14)

@@ -1,0 +1,131 @@
+"""Laws with fitted numbers, given in any form, compared: what holds of every law once it has values."""
+
+import math
+
+import numpy as np
+import pytest
+import uncertainties
+from commands import stickslip
+from forms import LAWS
+
+import stickslip_sym as ss
+from stickslip_sym.model.laws import as_law
+
+POINT = {"V": 0.3, "N": 20.0, "m": 2.0, "k": 500.0}
+
+
+def fitted(law, rng):
+    """The law with numbers as a fit gives them, of 6 to 17 digits."""
+    numbers = {name: float(p.typical) * rng.uniform(0.5, 2) for name, p in law.parameters.items()}
+    return law.bind(**{name: f"{value:.{rng.integers(6, 18)}g}" for name, value in numbers.items()})
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_fitted_numbers_stay_out_of_the_algebra(name):
+    rng = np.random.default_rng(LAWS.index(name))
+    for _ in range(3):
+        law = fitted(ss.laws[name], rng)
+        floats = {key: float(value) for key, value in law.values.items()}
+        rough = ss.laws[name].bind(**{key: round(value, 6) for key, value in floats.items()})
+        assert law.onset == pytest.approx(rough.onset, rel=1e-4, abs=1e-4)
+        assert law.static_value == law.onset
+        assert law.mu(1e-12) == pytest.approx(law.onset, abs=1e-3)
+        enclosure = ss.enclose(law, V=POINT["V"], N=POINT["N"], digits=12)
+        assert float(enclosure) == pytest.approx(
+            ss.slope_average(law)(V=POINT["V"], N=POINT["N"]), rel=1e-9, abs=1e-12
+        )
+
+
+@pytest.mark.parametrize("method", ["least_squares", "simulation"])
+def test_a_fitted_stribeck_law_is_answered(method):
+    values = ("mu_s=0.42", "mu_m=0.12", "v_s=0.0788816", "delta=1.4144337")
+    options = [word for value in values for word in ("-p", value)]
+    point = [word for name, value in POINT.items() for word in (f"-{name}", str(value))]
+    answer = stickslip(
+        "damping", "stribeck", *options, *point, "--method", method
+    )  # a process that hangs is killed
+    assert answer.returncode == 0, answer.stderr
+    assert "7.2" in answer.stdout or "7.3" in answer.stdout
+
+
+def test_a_law_is_given_by_name_or_formula():
+    for given in (ss.laws.stribeck, "stribeck", " stribeck", ss.laws.stribeck.text, ss.laws.stribeck.expr):
+        assert as_law(given).text == ss.laws["stribeck"].text
+    assert as_law("mu_k").text == "mu_k"
+    assert as_law(0.3).mu(1.0) == 0.3
+    with pytest.raises(ss.InputError, match="did you mean 'exponential'"):
+        as_law("exponental")
+    for wrong in (None, [0.1], ss.Oscillator(m=1, k=1, V=1, N=1)):
+        with pytest.raises(ss.InputError, match="a friction law is needed"):
+            as_law(wrong)
+
+
+TEXT = "0.2 + 0.3*exp(-3*v)"
+OSC = ss.Oscillator(m=1, k=100, V=0.5, N=9.81, c=2.0)
+CALLS = {
+    "derive": lambda law: ss.derive(law)(V=0.5, N=9.81),
+    "slope_average": lambda law: ss.slope_average(law)(V=0.5, N=9.81),
+    "enclose": lambda law: float(ss.enclose(law, V=0.5, N=9.81, digits=15)),
+    "quadrature": lambda law: float(ss.quadrature.damping(law, V=0.5, N=9.81, digits=15)),
+    "pure_slip_damping": lambda law: ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100).value,
+    "simulate": lambda law: float(ss.simulate(law, OSC, t_end=1.0).x[-1]),
+    "regime": lambda law: str(ss.regime(law, OSC)),
+    "limit_cycles": lambda law: len(ss.limit_cycles(law, OSC)),
+    "stick_slip_cycle": lambda law: ss.stick_slip_cycle(law, OSC).period,
+    "critical": lambda law: [found.value for found in ss.critical(law, "V", c=2.0, N=9.81, m=1, k=100)],
+    "compare": lambda law: ss.compare(law, OSC, methods=["harmonic"])["harmonic"].threshold.value,
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_functions_take_a_law_by_its_text(name):
+    assert CALLS[name](TEXT) == CALLS[name](ss.FrictionLaw(TEXT))
+    with pytest.raises(ss.InputError, match="a friction law is needed"):
+        CALLS[name](OSC)
+
+
+@pytest.mark.parametrize(
+    "formula", ["0.5 + 0.1*Abs(v^2 - a)", "0.5 + 0.1*Abs(v - sqrt(a))", "Max(0.1, a*v^0.7 - 1)"]
+)
+def test_kinks_at_irrational_places(formula):
+    law = ss.FrictionLaw(formula).bind(a="2.0000001")
+    (kink,) = law.kinks()
+    low, high = float(kink) * (1 - 1e-6), float(kink) * (1 + 1e-6)
+    assert abs(law.slope(low) - law.slope(high)) > 0.05
+    exact = ss.enclose(law, V=1, N=1, digits=25)
+    assert float(exact) == pytest.approx(float(ss.quadrature.damping(law, V=1, N=1, digits=20)), rel=1e-15)
+    if "Abs" in formula:  # the other does not brake at once
+        found = [ss.pure_slip_damping(law, V=1, N=1, m=1, k=10, method=m).value for m in ("simulation", "proof")]
+        assert found[0] == pytest.approx(found[1], rel=2e-3)
+
+
+def test_laws_that_differ_in_correlations_differ():
+    a, b = uncertainties.correlated_values([0.5, 0.2], [[1e-4, 5e-5], [5e-5, 1e-4]])
+    free = {"mu_s": uncertainties.ufloat(0.5, 0.01), "mu_m": uncertainties.ufloat(0.2, 0.01), "alpha": 3}
+    law = ss.laws.exponential.bind(mu_s=a, mu_m=b, alpha=3)
+    assert law != ss.laws.exponential.bind(**free)
+    assert law == ss.laws.exponential.bind(alpha=3).bind(mu_m=b, mu_s=a)
+    assert len({law, ss.laws.exponential.bind(**free)}) == 2
+
+
+@pytest.mark.parametrize(
+    ("formula", "limit"),
+    [("0.3 + v^p/v", 0.3), ("0.3 + sin(p*v)/v", 0.3 + 1.2345678), ("(1 - exp(-p*v))/v", 1.2345678)],
+)
+def test_limits_at_rest_of_fitted_exponents(formula, limit):
+    law = ss.FrictionLaw(formula).bind(p="1.2345678")
+    assert law.onset == pytest.approx(limit, rel=1e-15)
+    assert math.isclose(law.mu(1e-9), limit, rel_tol=1e-1)
+
+
+def test_the_catalogue_is_a_mapping_of_laws():
+    law = ss.FrictionLaw("mu_a - b*v", units={"b": "s/m"})
+    ss.laws["mine"] = law
+    assert ss.laws["mine"] is ss.laws.mine is ss.laws.catalogue["mine"] is ss.laws.find("mine") is law
+    assert len(ss.laws) == len(list(ss.laws)) == len(LAWS) + 1
+    del ss.laws["mine"]
+    assert "mine" not in ss.laws
+    with pytest.raises(ss.InputError, match="no law 'mine'"):
+        ss.laws.find("mine")
+    with pytest.raises(AttributeError, match="did you mean 'exponential'"):
+        _ = ss.laws.exponental

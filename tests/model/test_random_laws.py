@@ -1,0 +1,74 @@
+"""What holds of every law with values: random laws of the catalogue, random formulas, kinks."""
+
+import json
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, seed, settings
+from hypothesis import strategies as st
+from strategies import formulas, laws, operating_points
+
+import stickslip_sym as ss
+from stickslip_sym.model.content import law_in, law_out, text_of_law
+
+HARD = settings(max_examples=60, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+SPEEDS = np.array([1e-9, 1e-3, 0.05, 0.3, 1.0, 2.7])
+
+
+@seed(21)
+@HARD
+@given(laws(static=True))
+def test_a_law_is_kept_whole_as_text(law):
+    again = law_in(json.loads(text_of_law(law)))
+    assert again == law
+    assert again.mu(SPEEDS) == pytest.approx(law.mu(SPEEDS), rel=1e-14)
+    assert again.static_value == law.static_value
+    content = law_out(law)
+    if "formula" in content:  # another formula is another law
+        assert law_in(content | {"formula": content["formula"] + " + 0.001*v"}) != law
+
+
+@seed(22)
+@HARD
+@given(laws())
+def test_rises_and_slopes_are_those_of_the_coefficient(law):
+    begins = [begin for begin, _ in law.rises()]
+    assert begins == sorted(begins)
+    assert begins[0] == 0
+    for v in SPEEDS:
+        rise = [function for begin, function in law.rises() if begin < v][-1](v)
+        with mpmath.workdps(40):
+            mu = law.function("mpmath")
+            exact = mu(mpmath.mpf(v)) - mu(mpmath.mpf(10) ** -38)
+            step = mpmath.mpf(v) * mpmath.mpf("1e-12")
+            slope = (mu(mpmath.mpf(v) + step) - mu(mpmath.mpf(v) - step)) / (2 * step)
+        assert rise == pytest.approx(float(exact), rel=1e-12, abs=1e-17)
+        if not any(abs(float(kink) / v - 1) < 1e-9 for kink in law.kinks()):
+            assert law.slope(v) == pytest.approx(float(slope), rel=1e-9, abs=1e-12)
+
+
+@seed(23)
+@HARD
+@given(laws(), operating_points())
+def test_an_enclosure_holds_the_quadrature(law, osc):
+    point = {"V": osc.V, "N": osc.N}
+    enclosure = ss.enclose(law, digits=15, **point)
+    by_quadrature = float(ss.quadrature.damping(law, digits=15, **point))
+    scale = osc.N * abs(float(law.mu(2 * osc.V)) - law.onset) / osc.V
+    assert float(enclosure) == pytest.approx(by_quadrature, rel=1e-12, abs=1e-13 * scale)
+
+
+@seed(24)
+@HARD
+@given(formulas(), st.sampled_from([" ", "  ", "\n"]))
+def test_spaces_and_signs_of_products_mean_nothing(formula, blank):
+    law = ss.FrictionLaw(formula)
+    for spelled in (
+        formula.replace("*", f"{blank}*{blank}"),
+        formula.replace("*", "·"),
+        formula.replace("^", "**"),
+    ):
+        assert ss.FrictionLaw(spelled).expr == law.expr
+    assert ss.FrictionLaw(law.text).mu(SPEEDS) == pytest.approx(law.mu(SPEEDS), rel=1e-13)
+    assert ss.FrictionLaw(formula.replace("0.5", "0.6", 1)) != law

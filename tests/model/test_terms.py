@@ -1,0 +1,68 @@
+"""A law is the sum of its terms, each an amplitude times a profile over a scale."""
+
+import random
+from dataclasses import replace
+
+import pytest
+import sympy as sp
+
+import stickslip_sym as ss
+from stickslip_sym import symbols
+from stickslip_sym.model.terms import shapes_of
+
+LAWS = {name: ss.laws.catalogue[name] for name in ss.laws.catalogue} | {
+    text: ss.FrictionLaw(text)
+    for text in (
+        "mu_1*(v/v_1)^(-n)", "a - b*Min(v, v_1) + d*Max(v - v_2, 0)", "a - b*Abs(v - v_1)",
+        "Piecewise((a*((v - v_s)/(v_d - v_s))^2, v < v_d), (b, True))", "mu_0 + a*tanh((v + v_1)/w)",
+        "exp(-h^2*log(v/v_m)^2)", "(1 + a*v)/(1 + b*v + d*v^2)", "mu_0 + a*v*log(1 + v/v_0)",
+        "a*exp(-p*v)*cos(q*v + f)", "mu_s - d*atan((v - v_0)/w)",
+        "mu_0 - b*v*sqrt(v + w)", "a*exp(-p*v^d)",
+        "a/(1 + (v/v_s)^d)", "a*v^p*exp(-v/q)", "0.2 + 0.3*exp(-(v/0.5)^1.5)*cos(v/9)",
+        "(a + b*v)^3*exp(-p*(v + q))",
+        "Piecewise((f_0, v < v_w), (f_w + (f_0 - f_w)*v_w/v, True))",
+    )
+}  # fmt: skip
+
+
+def difference(law, terms):
+    """The law less the sum of terms, at seeded points; the largest of them."""
+    rng = random.Random(str(law.expr))
+    gap = law.expr - sp.Add(*[term.expr for term in terms])
+    points = [
+        {symbol: sp.Rational(rng.randint(3, 60), 13) for symbol in sorted(law.expr.free_symbols, key=str)}
+        for _ in range(6)
+    ]
+    return max(abs(complex(sp.N(gap.subs(point), 30))) for point in points)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_law_is_the_sum_of_its_terms(name):
+    law = LAWS[name]
+    assert difference(law, law.terms) < 1e-25
+    for term in law.terms:
+        assert term.scale.is_positive
+        assert set(shapes_of(term.profile)) == set(term.shapes)
+        parameters = {parameter.symbol for parameter in law.parameters.values()}
+        assert term.profile.free_symbols - set(term.shapes) <= {symbols.v}
+        assert all(meaning.free_symbols <= parameters for meaning in term.shapes.values())
+        for tampered in (replace(term, amplitude=2 * term.amplitude), replace(term, scale=3 * term.scale)):
+            if tampered.expr != term.expr:
+                others = [other for other in law.terms if other is not term]
+                assert difference(law, [*others, tampered]) > 1e-6
+
+
+def test_laws_share_their_profiles():
+    profiles = {term.profile for law in ss.laws.catalogue.values() for term in law.terms}
+    assert len(profiles) <= 21
+    first, second = (ss.FrictionLaw(f"mu_0 + a*exp(-(v/{w})^2)*tanh(v/q)").terms[1] for w in ("w_1", "w_2"))
+    assert first.profile == second.profile
+
+
+def test_dimensional_parameters_leave_the_profile():
+    """Speeds of a law with units become ratios; so a profile is the same in m/s and in mm/s."""
+    law = ss.FrictionLaw("(mu_k + (mu_p - mu_k)*exp(-(v/v_s)^delta))*tanh(v/v_0) + mu_v*v")
+    term = next(term for term in law.terms if len(term.shapes) == 2)
+    in_mm = {p.symbol: 1000 * p.symbol for p in law.parameters.values() if p.name.startswith("v_")}
+    for meaning in term.shapes.values():
+        assert sp.simplify(meaning.xreplace(in_mm) - meaning) == 0

@@ -1,0 +1,88 @@
+"""Many initial conditions: each motion is the one that `simulate` and `classify` give for it alone."""
+
+import csv
+
+import numpy as np
+import pytest
+from motions import scenes
+from scenes import paper_oscillator
+
+import stickslip_sym as ss
+
+AGREES = 1e-7  # of the size of the motion, at rtol = 1e-10, where grazes carry errors on
+
+
+def initial_conditions(osc, count, seed):
+    rng = np.random.default_rng(seed)
+    return rng.normal(size=count) * 2 * osc.length, osc.V * (1 + rng.normal(size=count) * 1.5)
+
+
+def test_each_motion_is_that_of_simulate():
+    stuck = 0
+    for number, (kind, law, osc, _, _) in enumerate(scenes(16, seed=31)):
+        x0, v0 = initial_conditions(osc, 4, number)
+        t_end = 25 / osc.omega
+        many = ss.simulate(law, osc, x0=x0, v0=v0, t_end=t_end)
+        for i in range(4):
+            one = ss.simulate(law, osc, x0=x0[i], v0=v0[i], t_end=t_end)
+            size = osc.length + np.ptp(one.x)
+            assert many.outcome[i] is one.outcome, kind
+            assert many.phase[i] is one.phase[-1], kind
+            assert many.x[i] == pytest.approx(one.x[-1], abs=AGREES * size), kind
+            assert many.v[i] == pytest.approx(one.v[-1], abs=AGREES * size * osc.omega), kind
+            assert many.changes[i] == len(one.events) - 1, kind
+            sticks = one.starts_of(ss.Phase.STICK)
+            assert many.sticks[i] == sticks.size, kind
+            if sticks.size:
+                assert many.first_stick[i] == pytest.approx(sticks[0], abs=AGREES * t_end), kind
+                stuck += 1
+            t = np.linspace(0, one.t[-1], 4001)
+            x, v, _ = one.at(t)
+            assert many.x_min[i] <= x.min() + AGREES * size, kind
+            assert many.x_max[i] == pytest.approx(x.max(), abs=1e-3 * size), kind
+            assert many.v_min[i] == pytest.approx(v.min(), abs=1e-2 * size * osc.omega), kind
+            assert many.v_max[i] >= v.max() - AGREES * size * osc.omega, kind
+    assert stuck > 12
+
+
+def test_classes_are_those_of_one_by_one(law):
+    osc = paper_oscillator(2.3)
+    x0, v0 = initial_conditions(osc, 40, 3)
+    many = ss.classify(law, osc, x0=x0, v0=v0)
+    assert many.tolist() == [ss.classify(law, osc, x0=x, v0=v) for x, v in zip(x0, v0, strict=True)]
+    grid = ss.classify(law, osc, x0=x0[:3, None], v0=v0[:4])
+    assert grid.shape == (3, 4)
+
+
+def test_motions_are_written_to_a_file(law, tmp_path):
+    osc = paper_oscillator(1.0)
+    many = ss.simulate(law, osc, x0=[0.0, 0.1, 0.2], v0=0.0, t_end=3.0)
+    many.to_csv(tmp_path / "motions.csv")
+    with open(tmp_path / "motions.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["x (m)"]) for row in rows] == pytest.approx(many.x.tolist())
+    assert "3 initial conditions" in repr(many)
+    assert many.count() == {"stick": 3}
+
+
+def test_limits_end_motions_as_they_are(law):
+    osc = paper_oscillator(1.0)
+    bound = ss.simulate(law, osc, x0=[0.0, 0.2], v0=0.0, t_end=50.0, max_steps=10)
+    assert set(bound.outcome) == {ss.Outcome.STEP_LIMIT}
+    late = ss.simulate(law, osc, x0=[0.0, 0.2], v0=0.0, t_end=50.0, time_limit=0)
+    assert set(late.outcome) == {ss.Outcome.TIME_LIMIT}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"x0": [0.0, 1.0], "v0": [1.0, 2.0, 3.0]}, "do not go together"),
+        ({"x0": []}, "no initial conditions"),
+        ({"x0": [0.0, np.nan]}, "x0"),
+        ({"x0": [0.0, 1.0], "method": "solve_ivp"}, "one initial condition"),
+        ({"method": "euler"}, "no method 'euler'"),
+    ],
+)
+def test_what_is_not_taken(law, arguments, message):
+    with pytest.raises(ss.InputError, match=message):
+        ss.simulate(law, paper_oscillator(1.0), t_end=1.0, **arguments)

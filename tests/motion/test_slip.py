@@ -1,0 +1,227 @@
+"""One slip: against another integrator, plain against compiled, and the wedge against differences."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import stickslip_sym as ss
+from stickslip_sym.motion.slip import Dimensionless, End, Wedge
+from stickslip_sym.motion.table import FrictionTable
+
+RTOL = 1e-11
+LAWS = {
+    "exponential": ("0.2 + 0.3*exp(-3*v)", None),
+    "cubic": ("0.5 - 0.45*(v - v^3/3)", None),
+    "static": ("0.25 + 0.2*exp(-2*v)", "0.6"),
+    "kinked": ("0.5 - 0.3*Min(v, 0.4) + 0.2*Max(v - 0.9, 0)", None),
+    "falls": ("Piecewise((0.5, v < 0.2), (0.3 + 0.1*exp(-v), True))", None),
+    "rises": ("Piecewise((0.5 - 0.2*v, v < 0.45), (0.55 - 0.1*v, True))", None),
+    "root": ("0.5 - 0.2*sqrt(v)/(1 + v)", None),
+    "steep": ("0.2 + 0.3*exp(-v) + 0.1*(tanh(80*v) - 1)", None),
+}
+
+
+def systems(count, seed):
+    """Yield kinds of laws, dimensionless oscillators with them, and initial conditions q, w, side."""
+    rng = np.random.default_rng(seed)
+    for number in range(count):
+        kind = list(LAWS)[number % len(LAWS)]
+        formula, static = LAWS[kind]
+        eta, zeta, V = 10 ** rng.uniform((-2, -3, -0.7), (1.3, 0.2, 0.5))
+        table = FrictionTable.of(ss.FrictionLaw(formula, static=static))
+        # A fifth of them is driven by a weak negative damping.
+        system = Dimensionless(eta, zeta * rng.choice((1, 1, 1, 1, -0.02)), table, V)
+        yield kind, system, rng.uniform(-2, 2) * (1 + 0.3 * eta), rng.uniform(0, 2.5), int(rng.choice((1, 1, -1)))
+
+
+def reference(system, q, w, side, horizon, rtol=1e-12):
+    """Follow a smooth slip by SciPy alone, up to w = 0, with the law's own mu."""
+
+    def rates(_, y):
+        return 1 - side * y[1], system.acceleration(y[0], max(y[1], 0.0), side)
+
+    def at_belt_speed(tau, y):
+        return y[1] if tau > 0 else 1.0
+
+    at_belt_speed.terminal, at_belt_speed.direction = True, -1
+    found = solve_ivp(rates, (0, horizon), (q, w), method="LSODA", rtol=rtol, atol=1e-13, events=at_belt_speed)
+    return found.t[-1], *found.y[:, -1]
+
+
+def test_smooth_slips_against_lsoda():
+    for kind, system, q, w, side in systems(80, seed=1):
+        if kind in ("exponential", "cubic", "static", "steep"):
+            slip = system.slip(q, w, side, horizon=20.0, rtol=RTOL)
+            expected = reference(system, q, w, side, 20.0)
+            if slip.end is not End.REST:
+                assert (slip.tau, slip.q) == pytest.approx(expected[:2], rel=1e-7, abs=1e-7)
+
+
+def test_tolerance_is_met():
+    for _, system, q, w, side in systems(80, seed=2):
+        coarse, fine = (system.slip(q, w, side, horizon=20.0, rtol=rtol) for rtol in (1e-9, 1e-13))
+        assert coarse.end is fine.end
+        if coarse.end is not End.REST:
+            assert (coarse.tau, coarse.q, coarse.w) == pytest.approx(
+                (fine.tau, fine.q, fine.w), rel=1e-6, abs=1e-6
+            )
+
+
+def test_plain_and_compiled_give_the_same_digits():
+    pytest.importorskip("numba")
+    for until in (End.RETURN, End.MINIMUM, End.LEVEL):
+        for _, system, q, w, side in systems(40, seed=3):
+            single = system.slip(q, w, side, until=until, level=1.0, horizon=20.0, rtol=RTOL, most=2000)
+            many = system.slips(
+                np.array([q]), np.array([w]), np.array([float(side)]),
+                until=until, level=1.0, horizon=20.0, rtol=RTOL, most=2000,
+            )  # fmt: skip
+            assert many.end[0] == single.end
+            found = many.tau[0], many.q[0], many.w[0], many.rate[0]
+            assert found == pytest.approx((single.tau, single.q, single.w, single.rate), rel=1e-13, abs=1e-13)
+
+
+def test_without_numba_many_slips_are_plain(monkeypatch):
+    system = Dimensionless(2.0, 0.1, FrictionTable.of(ss.laws.exponential.typical()), 0.5)
+    q, w, side = np.linspace(-1, 1, 5), np.zeros(5), np.array([1.0, 1, 1, -1, 1])
+    compiled = system.slips(q, w, side, horizon=10.0)
+    monkeypatch.setattr("stickslip_sym.motion.slip.is_compiling", lambda: False)
+    monkeypatch.setattr("stickslip_sym.motion.slip.compiled", lambda function: function)
+    plain = system.slips(q, w, side, horizon=10.0)
+    for found, expected in zip(plain, compiled, strict=True):
+        assert found == pytest.approx(expected, rel=1e-13)
+
+
+def test_workers_give_the_same():
+    system = Dimensionless(2.0, 0.1, FrictionTable.of(ss.laws.exponential.typical()), 0.5)
+    q, w, side = np.linspace(-2, 0, 9000), np.linspace(0, 2, 9000), np.ones(9000)
+    one, two = (system.slips(q, w, side, horizon=5.0, rtol=1e-6, workers=n) for n in (1, 2))
+    assert np.array_equal(np.array(one), np.array(two))
+
+
+def test_extremum_is_located_before_a_crossing():
+    # The slip from P grazes the belt's speed at the threshold: just above it turns, just below it returns.
+    law, osc = ss.laws.exponential.typical(), ss.Oscillator(m=1, k=100, V=0.5, N=9.81)
+    c = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="proof", rtol=1e-12).value
+    system = Dimensionless.of(law, osc)
+    for off, end in ((1e-11, End.MINIMUM), (-1e-11, End.RETURN)):
+        slip = replace(system, zeta=c * (1 + off) / 20).slip(0.0, 0.0, until=End.MINIMUM, rtol=1e-13)
+        assert slip.end is end
+        assert slip.w == pytest.approx(0.0, abs=1e-10)
+
+
+def test_backward_returns_to_the_begin():
+    for kind, system, q, w, side in systems(120, seed=4):
+        if kind in ("rises", "falls") or w < 0.1:  # through a sliding mode there is no way back
+            continue
+        there = system.slip(q, w, side, horizon=1.0, rtol=1e-13)
+        if there.end is not End.HORIZON or max(system.eta, abs(system.zeta)) > 3:
+            continue
+        back = system.slip(there.q, there.w, side, horizon=1.0, rtol=1e-13, backward=True)
+        assert (back.q, back.w) == pytest.approx((q, w), abs=1e-8)
+
+
+def test_levels_and_extrema_are_ends():
+    system = Dimensionless(2.0, 0.05, FrictionTable.of(ss.laws.exponential.typical()), 0.5)
+    peak = system.slip(0.0, 0.0, until=End.MAXIMUM)
+    assert peak.end is End.MAXIMUM
+    assert peak.w > 1
+    assert system.acceleration(peak.q, peak.w, 1) == pytest.approx(0.0, abs=1e-12)
+    half = system.slip(0.0, 0.0, until=End.LEVEL, level=1.0)
+    assert (half.end, half.w) == (End.LEVEL, 1.0)
+    back = system.slip(peak.q, peak.w, until=End.LEVEL, level=1.0, backward=True)
+    assert (back.tau + half.tau, back.q) == pytest.approx((peak.tau, half.q), rel=1e-10)
+
+
+def test_steps_record_the_slip():
+    for _, system, q, w, side in systems(80, seed=5):
+        slip = system.slip(q, w, side, horizon=20.0, rtol=RTOL, recorded=True)
+        assert len(slip.steps) == slip.taken
+        for number, (step, after) in enumerate(zip(slip.steps, [*slip.steps[1:], slip], strict=True)):
+            assert step.tau + step.length == pytest.approx(after.tau, rel=1e-14)
+            times = step.tau + step.length * np.array([0.2, 0.5, 0.8, 1.0])
+            q, w = system.states(slip.steps, np.full(4, number), times, side, RTOL)
+            assert (q[-1], w[-1]) == pytest.approx((after.q, after.w), rel=1e-7, abs=1e-7)
+            ordered = np.diff([step.w, *w])
+            assert (ordered > -1e-9).all() or (ordered < 1e-9).all()
+
+
+def test_many_states_are_the_same_compiled():
+    system = Dimensionless(2.0, 0.05, FrictionTable.of(ss.laws.exponential.typical()), 0.5)
+    slip = system.slip(0.0, 0.0, recorded=True)
+    times = np.linspace(0, slip.tau, 5000)
+    which = np.searchsorted([step.tau for step in slip.steps], times, side="right") - 1
+    many = system.states(slip.steps, which, times, 1, 1e-12)
+    few = system.states(slip.steps, which[::50], times[::50], 1, 1e-12)
+    assert np.array(many)[:, ::50] == pytest.approx(np.array(few), rel=1e-13, abs=1e-13)
+
+
+def test_long_slip_is_continued_in_parts():
+    system = Dimensionless(0.0, 1e-4, FrictionTable.of(ss.laws.exponential.typical()), 0.5)
+    long = system.slip(0.0, 0.5, horizon=2000.0, rtol=1e-12)
+    assert long.taken > 3000
+    decayed = 0.5 * math.exp(-1e-4 * 2000)
+    assert math.hypot(long.q - 2e-4, long.w - 1) == pytest.approx(decayed, rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["exponential", "kinked", "falls", "rises", "steep"])
+def test_wedge_is_the_derivative(kind):
+    formula, static = LAWS[kind]
+    table = FrictionTable.of(ss.FrictionLaw(formula, static=static))
+    system = Dimensionless(2.0, 0.05, table, 0.7)
+    still = [0.0] * len(system.rise.jumps)
+    pieces = system.rise.pieces
+    quantities = {
+        "zeta": Wedge(0.0, -2.0, 0.0, pieces, still),
+        "eta": Wedge(system.push(1) / system.eta, 0.0, -1.0, pieces, still),
+    }
+    for name, wedge in quantities.items():
+        for start in ((0.0, 0.0), (-0.5, 0.8)):
+            for until in (End.MAXIMUM, End.RETURN):
+                slip = system.slip(*start, until=until, wedge=wedge, rtol=1e-13, horizon=30.0)
+                step = 1e-5
+                ends = [
+                    replace(system, **{name: getattr(system, name) + sign * step}).slip(
+                        *start, until=until, rtol=1e-13, horizon=30.0
+                    )
+                    for sign in (1, -1)
+                ]
+                assert slip.end is ends[0].end is ends[1].end
+                if until is End.MAXIMUM:
+                    derivative, found = (ends[0].w - ends[1].w) / (2 * step), slip.wedge / (1 - slip.w)
+                elif slip.end is End.RETURN:
+                    derivative, found = (ends[0].q - ends[1].q) / (2 * step), -slip.wedge / slip.rate
+                else:
+                    continue
+                assert found == pytest.approx(derivative, rel=1e-6, abs=1e-7)
+
+
+def test_level_of_a_jump_moves_the_wedge():
+    def system(b):
+        law = ss.FrictionLaw("Piecewise((0.5, v < b), (0.3, True))").bind(b=b)
+        return Dimensionless(2.0, 0.05, FrictionTable.of(law), 1.0)
+
+    middle = system(0.3)
+    wedge = Wedge(0.0, 0.0, 0.0, middle.rise.pieces, [0.0, 1.0])
+    slip = middle.slip(1.5, 1.0, wedge=wedge, rtol=1e-13)
+    ends = [system(0.3 + sign * 1e-6).slip(1.5, 1.0, rtol=1e-13) for sign in (1, -1)]
+    assert slip.end is ends[0].end is ends[1].end is End.RETURN
+    derivative = (ends[0].q - ends[1].q) / 2e-6
+    assert abs(derivative) > 1e-2
+    assert -slip.wedge / slip.rate == pytest.approx(derivative, rel=1e-5)
+
+
+def test_what_has_no_end_is_refused():
+    measured = ss.FrictionLaw.from_samples([0, 0.1, 0.5, 0.8], [0.5, 0.4, 0.3, 0.3])
+    system = Dimensionless(2.0, 0.05, FrictionTable.of(measured), 0.5)
+    with pytest.raises(ss.InputError, match="measured up to"):
+        system.slip(0.0, 0.0)
+    ended = Dimensionless(5.0, 0.0, FrictionTable.of(ss.FrictionLaw("0.3 + 0.2*sqrt(1 - v)")), 0.5)
+    with pytest.raises(ss.NotConverged, match="no finite value"):
+        ended.slip(0.0, 0.0)
+    driven = Dimensionless(1.0, -0.5, FrictionTable.of(ss.laws.coulomb.typical()), 0.5)
+    grown = driven.slip(0.0, 5.0, -1, horizon=1e4)
+    assert grown.end is End.RETURN or driven.unbounded(grown)

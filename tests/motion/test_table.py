@@ -1,0 +1,111 @@
+"""`FrictionTable` against enclosures of the laws it holds."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+import stickslip_sym as ss
+from stickslip_sym.motion.table import FARTHEST, FrictionTable
+
+SLOWEST, FASTEST = 1e-9, 1e6  # belt speeds in m/s
+OFF = 1e-13  # of the rise
+
+PIECES = [
+    "mu_0 - a*Min(v, b)",
+    "mu_0 - a*Min(v, b) + a*Max(v - 2*b, 0)",
+    "Piecewise((mu_0, v < b), (mu_0 - a, True))",
+    "Piecewise((mu_0 - a*v, v < b), (mu_0 + a*exp(-v), True))",
+    "mu_0 - a*sqrt(v)/(b + v)",
+    "mu_0 - a*v^b",
+    "(mu_0 + a*exp(-v/b))*tanh(40*v/b)",
+    "mu_0 - a*Abs(v - b)",
+]
+
+
+def random_laws(count, seed):
+    """Yield laws of the catalogue with parameters of their size, laws in pieces, and measured ones."""
+    rng = np.random.default_rng(seed)
+    for number in range(count):
+        if number % 8 == 0:
+            v = np.concatenate(([0.0], np.sort(10 ** rng.uniform(-3, 1, 9))))
+            yield ss.FrictionLaw.from_samples(v, rng.uniform(0.2, 0.6, 10), extrapolate=True)
+        elif number % 8 < 3:
+            formula = PIECES[rng.integers(len(PIECES))]
+            yield ss.FrictionLaw(formula).bind(
+                mu_0=rng.uniform(0.3, 0.6), a=rng.uniform(0.05, 0.3), b=rng.uniform(0.1, 0.9)
+            )
+        else:
+            law = getattr(ss.laws, rng.choice(list(ss.laws.catalogue)))
+            sizes = {name: float(parameter.typical) for name, parameter in law.parameters.items()}
+            yield law.bind(**{name: size * rng.uniform(0.7, 1.4) for name, size in sizes.items()})
+
+
+def deviation(law):
+    return FrictionTable.of(law).deviation(law, SLOWEST * 1e-3, FASTEST * 1e3)
+
+
+@pytest.mark.parametrize("name", list(ss.laws.catalogue))
+def test_catalogue_within_enclosures(name):
+    assert deviation(getattr(ss.laws, name).typical()) < OFF
+
+
+def test_random_laws_within_enclosures():
+    assert max(deviation(law) for law in random_laws(200, seed=1)) < OFF
+
+
+def test_deviation_notices_a_wrong_coefficient():
+    law = ss.laws.exponential.typical()
+    table = FrictionTable.of(law)
+    rows = table.rows.copy()
+    rows[3, 1] *= 1 + 1e-11
+    wrong = dataclasses.replace(table, rows=rows, _kept={})
+    assert table.deviation(law, 1e-3, 1e3) < OFF < wrong.deviation(law, 1e-3, 1e3)
+
+
+def test_slope_is_that_of_the_law():
+    for law in random_laws(24, seed=2):
+        table = FrictionTable.of(law)
+        for v in np.geomspace(1e-6, 3.0, 20):
+            if all(abs(v - kink) > 1e-9 for kink in table.kinks):
+                scale = max(abs(law.slope(v)), abs(table.rise(v)) / v)
+                assert table.slope(v) == pytest.approx(law.slope(v), abs=1e-9 * scale)
+
+
+def test_scaling_by_the_belt_speed():
+    law = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.3), (0.6, True))")
+    table = FrictionTable.of(law)
+    for V in (1e-9, 0.5, 1e6):
+        rise = table.at(V)
+        assert rise.levels[1] * V == pytest.approx(0.3, rel=1e-15)
+        assert rise.jumps == pytest.approx([0.0, 0.16], rel=1e-14)
+        assert rise.steepest == pytest.approx(0.2 * V, rel=1e-9)
+
+
+def test_kinks_without_jump_have_none():
+    law = ss.FrictionLaw("0.5 - 0.1*Min(v, 0.3)")
+    assert FrictionTable.of(law).at(1.0).jumps == [0.0, 0.0]
+
+
+def test_table_ends_where_mu_does():
+    assert FrictionTable.of(ss.laws.exponential.typical()).end == FARTHEST
+    measured = ss.FrictionLaw.from_samples([0, 0.1, 0.5, 2], [0.5, 0.4, 0.3, 0.3])
+    assert FrictionTable.of(measured).end == FrictionTable.of(measured).reach == 2.0
+    root = FrictionTable.of(ss.FrictionLaw("0.3 + 0.2*sqrt(1 - v)"))
+    assert root.end == pytest.approx(1.0, rel=1e-9)
+    assert math.isinf(root.reach)
+    assert FrictionTable.of(ss.FrictionLaw("0.3 + 0.1/(2 - v)")).end == pytest.approx(2.0, rel=1e-6)
+
+
+def test_equal_laws_share_a_table():
+    one, same = (ss.laws.exponential.typical() for _ in range(2))
+    assert FrictionTable.of(one) is FrictionTable.of(same)
+    assert FrictionTable.of(one) is not FrictionTable.of(ss.laws.exponential.typical(alpha=2.0))
+
+
+def test_what_cannot_be_tabulated_is_refused():
+    with pytest.raises(ss.NotConverged, match="too rough"):
+        FrictionTable.of(ss.FrictionLaw("0.5 + 0.1*sin(1000000*v)"))
+    with pytest.raises(ss.InputError, match="bind"):
+        FrictionTable.of(ss.laws.exponential)

@@ -1,0 +1,157 @@
+"""The code and the commands of every document are run, and print what they say."""
+
+import contextlib
+import io
+import os
+import re
+import runpy
+import shlex
+import subprocess
+import sys
+import tomllib
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from commands import inside
+
+import stickslip_sym as ss
+from paper_checks.claims import CLAIMS
+
+ROOT = Path(__file__).parents[2]
+DERIVATION = "derivations/paper.md"
+DOCS = "stickslip_sym/docs"
+DOCUMENTS = {
+    name: (ROOT / name).read_text(encoding="utf-8")
+    for name in (
+        "README.md", "CONTRIBUTING.md", f"{DOCS}/tutorial.md", f"{DOCS}/methods.md", f"{DOCS}/gallery.md",
+        "derivations/README.md", DERIVATION, "paper_checks/README.md",
+    )
+}  # fmt: skip
+TIME = re.compile(r"\b[\d.]+ (ns|us|ms|s)\b")
+PATH = re.compile(r"`([\w./]+(?:/|\.py|\.md|\.cff))`|\]\(([\w./]+)\)")
+
+
+def blocks(language, names=DOCUMENTS):
+    """Return the documents and their blocks of a language."""
+    return [
+        (name, text)
+        for name in names
+        for text in re.findall(rf"^```{language}\n(.*?)^```", DOCUMENTS[name], re.M | re.S)
+    ]
+
+
+def without_times(text):
+    """Replace measured times, the only thing that differs between runs."""
+    return [TIME.sub("TIME", line).rstrip() for line in text.strip().splitlines()]
+
+
+def printed(code, names):
+    """Run a block and return the lines that it prints; what it defines goes into `names`."""
+    stream = io.StringIO()
+    with contextlib.redirect_stdout(stream):
+        exec(compile(code, "a block of a document", "exec"), names)
+    return stream.getvalue().splitlines()
+
+
+def stated(code):
+    """Return what a block says that it prints: comments that are lines of their own."""
+    return re.findall(r"^# (.*)$", code, re.M)
+
+
+@pytest.mark.parametrize(("name", "code"), blocks("python", [name for name in DOCUMENTS if name != DERIVATION]))
+def test_python_blocks_print_what_they_say(name, code):
+    assert printed(code, {}) == stated(code)
+
+
+def test_derivation_prints_what_it_says():
+    """In plain SymPy: this package enters in the last cell only."""
+    cells = [cell for _, cell in blocks("python", [DERIVATION])]
+    names = {}
+    for cell in cells:
+        assert printed(cell, names) == stated(cell)
+    assert ["stickslip_sym" in cell for cell in cells] == [False] * (len(cells) - 1) + [True]
+
+
+SESSIONS = [
+    (command, output)
+    for _, text in blocks("console")
+    for command, output in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", text, re.M)
+]
+
+
+@pytest.mark.parametrize(("command", "output"), SESSIONS, ids=[command for command, _ in SESSIONS])
+def test_console_blocks_print_what_they_say(command, output, tmp_path):
+    """Away from the repository, for a command may write files."""
+    program, *arguments = shlex.split(command)
+    assert program in ("stickslip", "python")
+    if program == "stickslip":
+        done = inside(*arguments, cwd=tmp_path)
+    else:
+        done = subprocess.run(
+            [sys.executable, *arguments],
+            capture_output=True,
+            text=True,
+            cwd=tmp_path,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+            timeout=120,
+            check=False,
+        )
+    assert done.returncode == 0, done.stderr
+    assert without_times(done.stdout) == without_times(output)
+
+
+def test_documents_have_what_the_tests_run():
+    assert {name for name, _ in blocks("python")} >= {
+        "README.md",
+        "CONTRIBUTING.md",
+        f"{DOCS}/tutorial.md",
+        DERIVATION,
+    }
+    assert {name for name, _ in blocks("console")} == {"README.md", f"{DOCS}/methods.md", "derivations/README.md"}
+    setups = [line for _, text in blocks("sh", ["README.md"]) for line in text.splitlines()]
+    assert len(setups) == 2
+    assert setups[0].endswith("stickslip derive exponential")
+    assert setups[1].endswith("pytest")
+    assert len(DOCUMENTS["README.md"].splitlines()) <= 150
+
+
+@pytest.mark.parametrize("name", [name for name in DOCUMENTS if name != f"{DOCS}/gallery.md"])
+def test_files_that_a_document_names_exist(name):
+    """From its own folder, from the top, or from the package."""
+    named = {code or link for code, link in PATH.findall(DOCUMENTS[name])}
+    bases = ((ROOT / name).parent, ROOT, ROOT / "stickslip_sym")
+    assert named
+    assert {path for path in named if not any((base / path).exists() for base in bases)} == set()
+
+
+def test_gallery_draws_its_pictures(tmp_path):
+    pytest.importorskip("matplotlib")
+    runpy.run_path(str(ROOT / DOCS / "gallery.py"))["draw"](tmp_path)
+    drawn = {path.name for path in tmp_path.iterdir() if path.stat().st_size > 5000}
+    assert drawn == set(re.findall(r"\((\w+\.svg)\)", DOCUMENTS[f"{DOCS}/gallery.md"]))
+
+
+def test_the_claim_table_says_what_is_on_record():
+    rows = re.findall(r"^\| ([A-Z]\d[^|]*) \| ([^|]*) \|", DOCUMENTS["paper_checks/README.md"], re.M)
+    told = {claim: verdict for ids, verdict in rows for claim in ids.split(", ")}
+    on_record = {claim.id: claim.outcome.value.split(" with a ")[-1] for claim in CLAIMS.values()}
+    assert told == {claim: verdict.replace("qualification", "qualified") for claim, verdict in on_record.items()}
+    counts = Counter(told.values())
+    for name in ("README.md", "paper_checks/README.md"):
+        assert f"{len(told)} of them, of which {counts['reproduced']} are reproduced" in DOCUMENTS[name]
+
+
+def test_the_citation_has_what_the_format_requires():
+    """Its plain subset of YAML: mappings of names to scalars, and lists of those."""
+    lines = (ROOT / "CITATION.cff").read_text(encoding="utf-8").splitlines()
+    shape = re.compile(r"(?:  )*(?:- )?(?:[a-z-]+:(?: [^\s:#&*!|>'\"%@`{}\[\]][^:#]*)?|[\w -]+)")
+    assert [line for line in lines if not shape.fullmatch(line)] == []
+    told = dict(re.findall(r"^([a-z-]+):(?: (.+))?$", "\n".join(lines), re.M))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert {"cff-version", "message", "title", "authors", "references"} <= set(told)
+    assert (told["cff-version"], told["type"]) == ("1.2.0", "software")
+    assert (told["title"], told["license"]) == (project["name"], project["license"])
+    assert (told["version"], told["abstract"]) == (ss.__version__, project["description"])
+    assert [f"  - name: {author['name']}" in lines for author in project["authors"]] == [True]
+    assert [f"  - {keyword}" in lines for keyword in project["keywords"]] == [True] * len(project["keywords"])

@@ -1,0 +1,136 @@
+"""The package as a whole: the direction of imports, what an import loads, and the public names."""
+
+import ast
+import importlib
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import stickslip_sym as ss
+
+PACKAGE = Path(ss.__file__).parent
+ROOT = Path(__file__).parents[2]
+MODULES = {
+    ".".join(("stickslip_sym", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path
+    for path in sorted(PACKAGE.rglob("*.py"))
+}
+
+
+def lint_imports(configuration):
+    """Hold the contracts of a file against the package; return the exit code and what is printed."""
+    command = [
+        sys.executable, "-c", "from importlinter.cli import lint_imports_command; lint_imports_command()",
+        "--no-cache", "--config", configuration,
+    ]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=60, check=False)
+    return done.returncode, done.stdout
+
+
+def test_imports_run_one_way():
+    assert lint_imports(ROOT / "pyproject.toml")[0] == 0
+
+
+def test_imports_against_their_direction_are_noticed(tmp_path):
+    """The same contracts with two folders exchanged."""
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    wrong = text.replace('"motion", "formula"', '"formula", "motion"')
+    assert wrong != text
+    (tmp_path / "pyproject.toml").write_text(wrong, encoding="utf-8")
+    code, said = lint_imports(tmp_path / "pyproject.toml")
+    assert (code, "stickslip_sym.motion is not allowed to import stickslip_sym.formula" in said) == (1, True)
+
+
+def test_each_folder_says_what_it_is_for():
+    for module, path in MODULES.items():
+        assert path.name != "__init__.py" or ast.get_docstring(ast.parse(path.read_text())), module
+
+
+def test_declared_pythons_are_those_of_the_workflow():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    classified = [line.split()[-1] for line in project["classifiers"] if line.startswith("Programming Language")]
+    declared = [version for version in classified if "." in version]
+    workflow = (ROOT / ".github/workflows/tests.yml").read_text(encoding="utf-8")
+    assert f"python: {declared}".replace("'", '"') in workflow
+    assert project["requires-python"] == f">={declared[0]}"
+
+
+def run(code):
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    ).stdout
+
+
+def test_importing_the_package_imports_no_large_library():
+    loaded = run("import stickslip_sym, sys; print(*sys.modules)").split()
+    assert not {
+        "sympy",
+        "scipy",
+        "numpy",
+        "mpmath",
+        "matplotlib",
+        "click",
+        "rich",
+        "heyoka",
+        "dask",
+        "uncertainties",
+    } & set(loaded)
+
+
+def test_using_the_package_imports_no_extra():
+    code = (
+        "import stickslip_sym as ss, sys\n"
+        "for name in ss.__all__: getattr(ss, name)\n"
+        "ss.derive(ss.laws.polynomial)\n"
+        "ss.stick_slip_cycle(ss.laws.polynomial.typical(), ss.Oscillator(m=1, k=100, V=0.5, N=9.81))\n"
+        "print(*sys.modules)"
+    )
+    assert not {"matplotlib", "click", "rich", "heyoka", "dask"} & set(run(code).split())
+
+
+def test_every_public_name_is_there_whatever_was_imported_before():
+    for module in MODULES:
+        importlib.import_module(module)
+    modules = {"criteria", "laws", "quadrature", "symbols"}
+    for name in ss.__all__:
+        value = getattr(ss, name)
+        assert value.__doc__
+        assert callable(value) != (name in modules), name
+    assert set(ss.__all__) <= set(dir(ss))
+    assert ss.__version__
+    with pytest.raises(AttributeError, match="nonsense"):
+        _ = ss.nonsense
+
+
+def test_every_law_of_the_catalogue_is_an_attribute():
+    assert set(ss.laws.catalogue) <= set(dir(ss.laws))
+    for name, law in ss.laws.catalogue.items():
+        assert getattr(ss.laws, name) is law
+    with pytest.raises(AttributeError, match=r"exponental.*did you mean 'exponential'"):
+        _ = ss.laws.exponental
+
+
+def test_derivations_and_checks_compute_nothing_at_import():
+    code = (
+        "import stickslip_sym.formula.proof.proving as p, stickslip_sym.formula.closed_form as f\n"
+        "def no(*args, **kwargs): raise SystemExit('computed at import')\n"
+        "p.prove_equal = p.prove_positive = f.derive = no\n"
+        "import derivations, derivations.paper\n"
+        "for module in derivations.CHAPTERS.values(): __import__(f'derivations.{module}')\n"
+        "print('fine')"
+    )
+    assert run(code) == "fine\n"
+
+
+def test_derivations_print_as_latex():
+    """As text the README's tests run them, all of them."""
+    root = PACKAGE.parent
+
+    def derivations(*arguments):
+        command = [sys.executable, "-m", "derivations", *arguments]
+        return subprocess.run(command, capture_output=True, text=True, cwd=root, timeout=120, check=False)
+
+    assert "\\begin{equation*}" in derivations("one_threshold", "--latex").stdout
+    assert derivations("nonsense").returncode == 2
