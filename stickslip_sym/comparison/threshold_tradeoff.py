@@ -26,7 +26,7 @@ BISECTED = (1e-3, 1e-6, 1e-9)
 """Tolerances of ``scipy.integrate.solve_ivp``, whose own is the first."""
 _UNITS = {"V": "m/s", "N": "N", "m": "kg", "k": "N/m"}
 _SCAN_STEP = 0.001  # kg/s, the paper's
-_FINE = 1e-12  # relative error that methods are asked for, where they come as close as that
+_FINE = 1e-11  # relative error that methods are asked for; a simulation states 1e-12 at best, and is refused there
 _SHORTEST = 0.02  # seconds that the measurement of a method takes at least, all repetitions together
 
 
