@@ -8,6 +8,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import commands
 import pytest
+from hypothesis import HealthCheck, settings
 
 import stickslip_sym as ss
 
@@ -19,6 +20,21 @@ TOGETHER = {
     "measured points": ("tests/model/test_samples.py",),
 }  # fmt: skip
 """Tests that share orbits and proofs, closed forms, or draws: one process makes them, once."""
+
+
+# Seeded, so that a failure comes again; many examples with ``pytest --thorough``. The machines are shared: no deadline.
+settings.register_profile("default", max_examples=12, derandomize=True, deadline=None, database=None,
+                          suppress_health_check=[HealthCheck.too_slow])  # fmt: skip
+settings.register_profile("thorough", settings.get_profile("default"), max_examples=300)
+
+
+def pytest_addoption(parser):
+    parser.addoption("--thorough", action="store_true", help="hundreds of examples a property, and what takes minutes")
+
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "thorough: takes long, and is left to ``pytest --thorough``")
+    settings.load_profile("thorough" if config.getoption("--thorough") else "default")
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -36,8 +52,12 @@ def pytest_xdist_make_scheduler(config, log):
     return Scheduling(config, log)
 
 
-def pytest_collection_modifyitems(items):
-    """Begin with the tests that take longest, so that no process is left alone with one at the end."""
+def pytest_collection_modifyitems(config, items):
+    """Leave what takes long to ``--thorough``; begin with the rest's longest, so that they do not come last."""
+    if not config.getoption("--thorough"):
+        long = [item for item in items if item.get_closest_marker("thorough")]
+        config.hook.pytest_deselected(items=long)
+        items[:] = [item for item in items if item not in set(long)]
     items.sort(key=lambda item: item.path.parent.name != "whole")
 
 
