@@ -9,8 +9,7 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
-from stickslip_sym.comparison.newmark import Scan, pure_slip_by_scan
-from stickslip_sym.comparison.threshold_tradeoff import threshold_tradeoff
+from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
 from stickslip_sym.core import deadline
 from stickslip_sym.motion.maps.cells import Reason
 
@@ -154,4 +153,4 @@ def test_a_trade_heeds_its_time_limit():
     with deadline.time_limit(0), pytest.raises(ss.OutOfTime):
         pure_slip_by_scan(ss.laws.exponential.typical(), paper_oscillator(0), Scan(np.arange(3.0)))
     with pytest.raises(ss.OutOfTime):
-        threshold_tradeoff(ss.laws.exponential.typical(), SCENE, time_limit=0)
+        ss.tradeoff(ss.laws.exponential.typical(), of="threshold", **SCENE, time_limit=0)
