@@ -15,7 +15,7 @@ POINT = {"V": 0.3, "N": 20.0, "m": 2.0, "k": 500.0}
 @pytest.mark.parametrize("method", ["least_squares", "simulation"])
 def test_a_fitted_stribeck_law_is_answered(method):
     law = ss.laws.stribeck.bind(mu_s="0.42", mu_m="0.12", v_s="0.0788816", delta="1.4144337")
-    assert ss.pure_slip_damping(law, **POINT, method=method).value == pytest.approx(7.28, abs=0.06)
+    assert ss.pure_slip_damping(law, **POINT, method=method).value == pytest.approx(7.27, abs=0.07)
 
 
 def test_a_law_is_given_by_name_or_formula():
