@@ -12,7 +12,8 @@ from paper_checks.figures import FIGURES
 from paper_checks.findings import SHORT, Finding, summary
 from paper_checks.formulas import EQUATIONS
 from paper_checks.scene import LAWS, law, oscillator
-from stickslip_sym.comparison.threshold_tradeoff import SPEEDS, ThresholdWay, threshold_tradeoff
+from stickslip_sym.comparison.candidates import SPEEDS
+from stickslip_sym.comparison.tradeoff import Row, tradeoff
 from stickslip_sym.output.page import document
 from stickslip_sym.output.page.figures import svg_uri
 
@@ -40,7 +41,7 @@ class Report:
 
     findings: dict[str, Finding]
     pictures: dict[int, str]
-    methods: dict[str, tuple[ThresholdWay, ...]]
+    methods: dict[str, tuple[Row, ...]]
     versions: dict[str, str]
     time: str
 
@@ -56,7 +57,7 @@ def write(folder: Path, findings: Sequence[Finding]) -> Path:
     report = Report(
         {finding.id: finding for finding in findings},
         {figure.number: svg_uri(figure.draw()) for figure in FIGURES},
-        {name: threshold_tradeoff(law(name), SCENE).ways for name in LAWS},
+        {name: tradeoff(law(name), of="threshold", **SCENE).trades["threshold"].rows for name in LAWS},
         document.versions(),
         document.now(),
     )
@@ -98,18 +99,22 @@ def as_json(report: Report) -> dict[str, Any]:
             "laws": {
                 name: [
                     {
-                        "method": way.name,
-                        "seconds": way.seconds,
-                        "relative_error": way.error if math.isfinite(way.error) else None,
-                        "largest_relative_error": way.largest if math.isfinite(way.largest) else None,
-                        "status": way.status or None,
+                        "method": row.name,
+                        "seconds": row.seconds if row.found else None,
+                        "relative_error": row.error if row.found else None,
+                        "largest_relative_error": _finite(row.further.get("largest")),
+                        "status": row.further.get("status"),
                     }
-                    for way in ways
+                    for row in rows
                 ]
-                for name, ways in report.methods.items()
+                for name, rows in report.methods.items()
             },
         },
     }
+
+
+def _finite(value: float | str | None) -> float | None:
+    return value if isinstance(value, float) and math.isfinite(value) else None
 
 
 def _claim(claim: Claim, finding: Finding | None) -> dict[str, Any]:

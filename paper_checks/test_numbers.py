@@ -13,7 +13,7 @@ from derivations import chapter
 from paper_checks.conftest import Find
 from paper_checks.scene import law, oscillator, threshold
 from stickslip_sym import Status, Threshold, peak_velocity, pure_slip_damping
-from stickslip_sym.comparison.newmark import Scan, pure_slip_by_scan
+from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
 
 SCAN_STEP = 0.001  # kg/s
 AGREE = 1e-8  # kg/s between thresholds by simulation and by collocation, which share no code

@@ -22,14 +22,15 @@ TOGETHER = {
 """Tests that share orbits and proofs, closed forms, or draws: one process makes them, once."""
 
 
-# Seeded, so that a failure comes again; many examples with ``pytest --thorough``. The machines are shared: no deadline.
+# Seeded, so that a failure comes again; ``pytest --thorough`` takes many examples. No deadline on shared machines.
 settings.register_profile("default", max_examples=12, derandomize=True, deadline=None, database=None,
                           suppress_health_check=[HealthCheck.too_slow])  # fmt: skip
 settings.register_profile("thorough", settings.get_profile("default"), max_examples=300)
 
 
 def pytest_addoption(parser):
-    parser.addoption("--thorough", action="store_true", help="hundreds of examples a property, and what takes minutes")
+    words = "hundreds of examples a property, and what takes minutes"
+    parser.addoption("--thorough", action="store_true", help=words)
 
 
 def pytest_configure(config):

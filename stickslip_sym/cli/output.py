@@ -53,7 +53,7 @@ _ATTRIBUTES = {
     "Trajectory": ("motion", "change", "outcome", "note", "events"),
     "MotionMap": ("motion", "reason", "attractors"),
     "Axis": ("name", "unit", "values"),
-    "Trade": ("scene", "box", "ways", "dominators"),
+    "Trade": ("point", "box", "rows", "dominators"),
     "Study": (
         "warnings",
         "headline",

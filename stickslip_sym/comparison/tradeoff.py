@@ -1,46 +1,195 @@
-"""`tradeoff`: speed against accuracy, measured, of every way to a criterion, a threshold and a share of starts."""
+"""`tradeoff`: speed against accuracy, measured, of every method for a criterion, a threshold and a basin."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from time import process_time
+from typing import TYPE_CHECKING
 
-from stickslip_sym.comparison.ways import Trade
+import numpy as np
+
+from stickslip_sym.comparison.candidates import Candidate, Problem, of_criterion, of_share, of_threshold
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.core.numbers import Number, exact, suggestion
 from stickslip_sym.criteria.criterion import Criterion, find
+from stickslip_sym.formula.closed_form import derive
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.operating_point import LOW_SPEED, PAPER
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output import drawing, markup
+from stickslip_sym.output.tables import duration, table, wrapped
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["KINDS", "Tradeoff", "tradeoff"]
+__all__ = ["KINDS", "Row", "Trade", "Tradeoff", "dominators", "draw", "measure", "tradeoff"]
 
 KINDS = ("criterion", "threshold", "basin")
-_REACH = 4 / 3  # of the box of starts that is taken where none is given: in V/omega to both sides of 0, and in V
+_REACH = 4 / 3  # of the box of initial conditions where none is given: in V/omega to both sides of 0, and in V
 _DERIVING = 120.0  # seconds of the search for a closed form
+_LEAST, _ENOUGH = 3, 0.02  # repetitions of a measurement, and seconds that they take together, at least
+_WIDTH, _HEIGHT = 7.2, 3.5  # inches, of a panel of the picture
+_SMALLEST = 1e-51  # error of a method whose own is less
+_ROUNDING = 2.0**-52
+_TITLE = 95  # characters of a line above a panel
+_MARGIN = 12  # times the longest time, for the labels to its right
+_COLORS = ("tab:blue", "tab:red", "tab:green", "tab:purple", "tab:orange", "tab:brown", "tab:olive", "tab:cyan")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method at one tolerance, measured.
+
+    Attributes
+    ----------
+    method : str
+    setting : str
+        Its tolerance, number of nodes, digits or initial conditions; empty where there is nothing to set.
+    seconds : float
+        Time of the processor, to one number; NaN where the method gives none.
+    error : float
+        Relative; NaN where the method gives no number.
+    further : mapping
+        What else is known: of a threshold its status and largest error over belt speeds, of a share its value
+        and standard error.
+    """
+
+    method: str
+    setting: str = ""
+    seconds: float = math.nan
+    error: float = math.nan
+    further: Mapping[str, float | str] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The method, and after a comma its setting."""
+        return ", ".join(filter(None, (self.method, self.setting)))
+
+    @property
+    def found(self) -> bool:
+        """Whether the method gives a number."""
+        return not math.isnan(self.seconds)
+
+    def dominates(self, other: "Row") -> bool:
+        """Whether it is at least as fast and at least as accurate as another, and better in one of the two."""
+        at_least = self.seconds <= other.seconds and self.error <= other.error
+        return at_least and (self.seconds < other.seconds or self.error < other.error)
+
+
+@dataclass(frozen=True)
+class Trade:
+    """The methods for one number, measured at one operating point.
+
+    Attributes
+    ----------
+    number : str
+        What kind of number: "value" of a criterion, "threshold" or "share" of a basin.
+    title : str
+        Which number it is, and at which operating point.
+    rows : tuple of Row
+    point : mapping
+        Name to number, in SI units.
+    box : mapping
+        From and to, of the initial displacements x0 and velocities v0.
+    columns : mapping of str to str
+        Titles of what else is known of every row, by its key.
+    """
+
+    number: str
+    title: str
+    rows: tuple[Row, ...]
+    point: Mapping[str, float] = field(default_factory=dict)
+    box: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    columns: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def dominators(self) -> dict[str, tuple[str, ...]]:
+        """For each method which ones dominate it: at least as fast and as accurate, and better in one of the two.
+
+        Named are those that are not dominated themselves.
+        """
+        return dominators(self.rows)
+
+    @property
+    def header(self) -> list[str]:
+        """Titles of the table's columns."""
+        return ["method", f"time a {self.number}", "relative error", *self.columns.values(), "dominated by"]
+
+    @property
+    def cells(self) -> list[list[str]]:
+        """The table's cells as text, a line for each row."""
+        by = self.dominators
+        return [
+            [
+                row.name,
+                duration(row.seconds) if row.found else "no number",
+                f"{row.error:.1e}" if row.found else "",
+                *(_further(key, row.further.get(key, "")) for key in self.columns),
+                "; ".join(by[row.name]),
+            ]
+            for row in self.rows
+        ]
+
+    def __str__(self) -> str:
+        return f"{self.title}\n\n{table(self.header, self.cells)}"
+
+
+def _further(key: str, value: float | str) -> str:
+    if isinstance(value, str):
+        return value
+    return "not measured" if math.isnan(value) else f"{value:.11g}" if key == "share" else f"{value:.2g}"
+
+
+def dominators(rows: Iterable[Row]) -> dict[str, tuple[str, ...]]:
+    """Return for each row which ones dominate it, of those that none dominates.
+
+    They suffice: what is dominated at all is dominated by one of them.
+    """
+    rows = list(rows)
+    front = [row for row in rows if not any(other.dominates(row) for other in rows)]
+    return {row.name: tuple(other.name for other in front if other.dominates(row)) for row in rows}
+
+
+def measure(problem: Problem) -> Trade:
+    """Measure the time and the error of every candidate; one that fails, or is left when time is up, has none."""
+    rows = tuple(_measured(problem, candidate) for candidate in problem.candidates)
+    return Trade(problem.number, problem.title, rows, problem.point, problem.box, problem.columns)
+
+
+def _measured(problem: Problem, candidate: Candidate) -> Row:
+    times: list[float] = []
+    least, enough = (_LEAST, _ENOUGH) if candidate.repeated else (1, 0.0)
+    try:
+        with np.errstate(all="ignore"):
+            while len(times) < least or sum(times) < enough:
+                deadline.check_time()
+                begin = process_time()
+                result = candidate.compute()
+                times.append(process_time() - begin)
+    except (ArithmeticError, NameError, StickSlipError):  # NumPy has no polylog, and lambdify prints it
+        return Row(candidate.method, candidate.setting)
+    further = problem.further(candidate, result)
+    return Row(candidate.method, candidate.setting, min(times) / candidate.count, problem.error(result), further)
 
 
 @dataclass(frozen=True, repr=False)
 class Tradeoff(drawing.Drawn):
-    """What each way to a number costs, and how far it is off, from one run.
+    """What each method for a number costs, and how far it is off, from one run.
 
     Attributes
     ----------
     trades : dict of str to Trade
-        By kind: "criterion", "threshold" and "basin", as far as they were asked for and measured. Each has `ways`,
+        By kind: "criterion", "threshold" and "basin", as far as they were asked for and measured. Each has `rows`,
         with `seconds` and relative `error`, and `dominators`.
     refused : dict of str to str
         Of the others that were asked for, why there is none.
     """
 
-    trades: dict[str, Trade[Any]]
+    trades: dict[str, Trade]
     refused: dict[str, str] = field(default_factory=dict)
 
     def __str__(self) -> str:
@@ -48,19 +197,46 @@ class Tradeoff(drawing.Drawn):
         return "\n\n".join([*map(str, self.trades.values()), *none])
 
     def __repr__(self) -> str:
-        counts = ", ".join(f"{len(trade.ways)} ways to a {kind}" for kind, trade in self.trades.items())
+        counts = ", ".join(f"{len(trade.rows)} methods for a {kind}" for kind, trade in self.trades.items())
         return f"Tradeoff: {counts or 'nothing'}"
 
     def _repr_html_(self) -> str:
-        tables = [
-            markup.table(trade.header(), trade.rows(), caption=trade.title) for trade in self.trades.values()
-        ]
+        tables = [markup.table(trade.header, trade.cells, caption=trade.title) for trade in self.trades.values()]
         return markup.block(drawing.picture(self.plot, repr(self)), *tables)
 
     def _figure(self) -> "Figure":
-        from stickslip_sym.comparison.tradeoff_picture import draw
+        drawing.require_matplotlib()
+        from matplotlib.figure import Figure
 
-        return draw(tuple(self.trades.values()))
+        figure = Figure(figsize=(_WIDTH, _HEIGHT * max(1, len(self.trades))), layout="constrained")
+        for panel, trade in enumerate(self.trades.values(), 1):
+            draw(trade, figure.add_subplot(len(self.trades), 1, panel))
+        return figure
+
+
+def draw(trade: Trade, ax: "Axes") -> None:
+    """Draw error against time: filled what no other method dominates, and hollow what one does."""
+    by, rows = trade.dominators, [row for row in trade.rows if row.found]
+    families = list(dict.fromkeys(row.method for row in trade.rows))
+    labels, named = [], set()
+    for row in rows:
+        color = _COLORS[families.index(row.method) % len(_COLORS)]
+        place = row.seconds, max(row.error, _SMALLEST)
+        ax.plot(*place, "o", color=color, markerfacecolor="white" if by[row.name] else color)
+        labels.append((row.setting or row.method if row.method in named else row.name, place, color))
+        named.add(row.method)
+    front = sorted((row.seconds, max(row.error, _SMALLEST)) for row in rows if not by[row.name])
+    ends = zip(*front, strict=True) if front else ((), ())
+    ax.plot(*ends, drawstyle="steps-post", color="0.75", lw=1, zorder=0)
+    ax.set(xscale="log", yscale="log", xlabel=f"time for one {trade.number} (s)", ylabel="relative error")
+    ax.set_title("\n".join(wrapped(trade.title, _TITLE)), fontsize=8)
+    ax.margins(0.08, 0.12)
+    left, right = ax.get_xlim()
+    ax.set_xlim(left, right * _MARGIN)
+    ax.axhline(_ROUNDING, color="0.8", lw=0.8, ls=":", zorder=0)
+    ax.minorticks_off()
+    ax.grid(alpha=0.25)
+    drawing.label(ax, labels)
 
 
 def tradeoff(
@@ -77,7 +253,7 @@ def tradeoff(
     k: Number | None = None,
     c: Number | None = None,
 ) -> Tradeoff:
-    """Measure what each way to a number costs, and how far it is off: this package's, and what one writes without.
+    """Measure what each method for a number costs, and how far it is off; methods without this package too.
 
     Parameters
     ----------
@@ -88,13 +264,13 @@ def tradeoff(
         out, with the reason.
     criterion : str or Criterion
     x0, v0 : tuple of float, optional
-        The box of starts, displacements in m and velocities in m/s. If not given 4/3 V/omega to both sides of 0,
-        and from 0 to 4/3 V.
+        The box of initial conditions, displacements in m and velocities in m/s. If not given 4/3 V/omega to both
+        sides of 0, and from 0 to 4/3 V.
     time_limit : float, optional
-        Seconds after which no other way is tried; those that are left give no number.
+        Seconds after which no other method is tried; those that are left give no number.
     V, N, m, k : float or str, optional
         In SI units, text exactly. What is not given is the paper's; but the criterion is measured at V = 0.05 m/s,
-        where the ways to it differ.
+        where the methods for it differ.
     c : float or str, optional
         Damping in kg/s, of the basins. If not given it is halfway from the linear threshold to the exact one.
 
@@ -108,6 +284,14 @@ def tradeoff(
         For an unknown kind or criterion, or unusable numbers.
     StickSlipError
         If nothing can be measured, the reason of the first kind.
+
+    Examples
+    --------
+    >>> from stickslip_sym import laws
+    >>> found = tradeoff(laws.hyperbolic.typical(), of="criterion", V="0.001")
+    >>> error = {row.name: row.error for row in found.trades["criterion"].rows}
+    >>> error["plain lambdify, array"] > 1e-9 > 1e-15 > error["stable function, array"]
+    True
     """
     law = as_law(law)
     kinds = [of] if isinstance(of, str) else list(of) if isinstance(of, Sequence) else []
@@ -124,16 +308,16 @@ def tradeoff(
     low, paper = {**PAPER, "V": LOW_SPEED, **given}, {**PAPER, **given}
     numbers = {name: float(exact(value, name)) for name, value in paper.items()}
     damping = None if c is None else float(exact(c, "c"))
+    problems: dict[str, Callable[[], Problem]] = {
+        "criterion": lambda: of_criterion(derive(law, chosen, time_limit=_left()), low),
+        "threshold": lambda: of_threshold(law, numbers),
+        "basin": lambda: of_share(*_with_box(law, numbers, damping, x0, v0)),
+    }
     found, first = Tradeoff({}), None
     with deadline.time_limit(time_limit):
         for kind in kinds:
             try:
-                if kind == "criterion":
-                    trade = _of_criterion(law, chosen, low)
-                elif kind == "threshold":
-                    trade = _of_threshold(law, numbers)
-                else:
-                    trade = _of_basin(law, numbers, damping, x0, v0)
+                trade = measure(problems[kind]())
             except StickSlipError as error:
                 first = first or error
                 found.refused[kind] = str(error)
@@ -144,38 +328,26 @@ def tradeoff(
     return found
 
 
-def _of_criterion(law: FrictionLaw, criterion: Criterion, scene: dict[str, Number]) -> Trade[Any]:
-    from stickslip_sym.comparison.criterion_tradeoff import criterion_tradeoff
-    from stickslip_sym.formula.closed_form import derive
-
-    form = derive(law, criterion, time_limit=max(0.0, min(_DERIVING, deadline.time_left())))
-    return criterion_tradeoff(form, {name: scene[name] for name in "VN"})
+def _left() -> float:
+    return max(0.0, min(_DERIVING, deadline.time_left()))
 
 
-def _of_threshold(law: FrictionLaw, scene: dict[str, float]) -> Trade[Any]:
-    from stickslip_sym.comparison.threshold_tradeoff import threshold_tradeoff
-
-    return threshold_tradeoff(law, scene)
-
-
-def _of_basin(
+def _with_box(
     law: FrictionLaw,
-    scene: dict[str, float],
-    damping: float | None,
+    point: Mapping[str, float],
+    c: float | None,
     x0: tuple[float, float] | None,
     v0: tuple[float, float] | None,
-) -> Trade[Any]:
-    from stickslip_sym.comparison.basin_tradeoff import basin_tradeoff
-
-    if damping is None:
-        ends = [float(pure_slip_damping(law, **scene, method=method).value) for method in ("equilibrium", "auto")]
-        damping = sum(ends) / 2
+) -> tuple[FrictionLaw, Oscillator, tuple[float, float], tuple[float, float]]:
+    """Return law, oscillator and box, with the damping and the box that were not given."""
+    if c is None:
+        ends = [float(pure_slip_damping(law, **point, method=method).value) for method in ("equilibrium", "auto")]
         if not ends[0] < ends[1]:
             raise NotConverged(
                 f"rest is stable from {ends[0]:.4g} kg/s on, and the threshold is {ends[1]:.4g} kg/s: rest and "
-                "stick-slip coexist at no damping; give a c and a box of starts of which some come to rest"
+                "stick-slip coexist at no damping; give c, and a box where some motions come to rest"
             )
-    reach = _REACH * scene["V"]
-    across = reach / math.sqrt(scene["k"] / scene["m"])
-    osc = Oscillator(c=damping, **scene)
-    return basin_tradeoff(law, osc, x0=x0 or (-across, across), v0=v0 or (0.0, reach))
+        c = sum(ends) / 2
+    osc = Oscillator(c=c, **point)
+    reach = _REACH * osc.V
+    return law, osc, x0 or (-reach / osc.omega, reach / osc.omega), v0 or (0.0, reach)

@@ -1,26 +1,34 @@
-"""Speed against accuracy: every way is there, and its error is what is known of it."""
+"""Speed against accuracy: every method is there, its error is what is known of it, and what dominates it."""
 
+import json
 import math
-import subprocess
-import sys
+import re
+from functools import partial
 from itertools import combinations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import stickslip_sym as ss
-from stickslip_sym.comparison import basin_tradeoff, plain, threshold_tradeoff
-from stickslip_sym.comparison.criterion_tradeoff import DIGITS
+from stickslip_sym.cli.output import as_json
+from stickslip_sym.comparison import candidates, procedures, tradeoff
+from stickslip_sym.comparison.tradeoff import Row, Trade, dominators
 from stickslip_sym.core import deadline
 from stickslip_sym.output import drawing
 
 DOUBLE = 4 * 2.0**-52
-
-
+SIZES = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 LAW = ss.laws.exponential.typical()
 BISTABLE = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2)
+BOX = {"V": 1.5, "N": 1, "m": 1, "k": 1, "c": 0.1, "x0": (-2.0, 2.0), "v0": (0.0, 2.0)}
 BISTABLE_OSC = ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)
 SHARE = 0.30712613778  # by areas, at two tolerances
+
+
+def by_name(trade):
+    return {row.name: row for row in trade.rows}
 
 
 @pytest.fixture(scope="module")
@@ -28,42 +36,38 @@ def measured():
     return ss.tradeoff(LAW, of="criterion", V="0.001")
 
 
-@pytest.fixture(scope="module")
-def ways(measured):
-    return {way.name: way for way in measured.trades["criterion"].ways}
+def test_errors_and_times_of_a_criterion(measured):
+    rows = by_name(measured.trades["criterion"])
+    assert rows["plain lambdify, array"].error > 1e-8  # (17) cancels four orders here
+    assert rows["stable function, array"].error < DOUBLE
+    assert rows["stable function, one value"].error < DOUBLE
+    assert rows["Gauss rule, 2 nodes"].error > 1e-3
+    assert rows["Gauss rule, 32 nodes"].error < DOUBLE
+    assert rows["scipy.integrate.quad"].error < 4 * DOUBLE
+    for digits in candidates.DIGITS:
+        assert rows[f"mpmath, {digits} digits"].error < 10.0 ** (1 - digits)
+    assert all(row.seconds > 0 for row in rows.values())
+    assert rows["stable function, array"].seconds < rows["stable function, one value"].seconds
 
 
-def test_errors_are_what_they_should_be(ways):
-    assert ways["plain lambdify, array"].error > 1e-8  # (17) cancels four orders here
-    assert ways["stable function, array"].error < DOUBLE
-    assert ways["stable function, one value"].error < DOUBLE
-    assert ways["Gauss rule, 2 nodes"].error > 1e-3
-    assert ways["Gauss rule, 32 nodes"].error < DOUBLE
-    assert ways["scipy.integrate.quad"].error < 4 * DOUBLE
-    for digits in DIGITS:
-        assert ways[f"mpmath, {digits} digits"].error < 10.0 ** (1 - digits)
-
-
-def test_times_are_measured(ways):
-    assert all(way.seconds > 0 for way in ways.values())
-    assert ways["stable function, array"].seconds < ways["stable function, one value"].seconds
-
-
-def test_refusals():
-    with pytest.raises(ss.InputError, match="no value for mu_s, mu_m, alpha"):
-        ss.tradeoff(ss.laws.exponential)
-    with pytest.raises(ss.InputError, match="the criterion is 0"):
-        ss.tradeoff(ss.laws.exponential.typical(mu_s="0.2"), of="criterion")
-    with pytest.raises(
-        ss.InputError, match=r"no trade of 'basins' \(did you mean 'basin'\?\); there are: criterion"
-    ):
-        ss.tradeoff(LAW, of=["criterion", "basins"])
-    with pytest.raises(ss.InputError, match="no criterion 'harmonics'"):
-        ss.tradeoff(LAW, criterion="harmonics")
-    with pytest.raises(ss.InputError, match="no start comes to rest in this box"):
-        ss.tradeoff(LAW, of="basin", c=1.0)
-    with pytest.raises(ss.NotConverged, match="rest and stick-slip coexist at no damping; give a c"):
-        ss.tradeoff(ss.laws.polynomial.typical(), of="basin")
+@pytest.mark.parametrize(
+    ("law", "options", "message"),
+    [
+        (ss.laws.exponential, {}, "no value for mu_s, mu_m, alpha"),
+        (ss.laws.exponential.typical(mu_s="0.2"), {"of": "criterion"}, "the criterion is 0"),
+        (LAW, {"of": ["criterion", "basins"]}, r"no trade of 'basins' \(did you mean 'basin'\?\); there"),
+        (LAW, {"criterion": "harmonics"}, "no criterion 'harmonics'"),
+        (LAW, {"of": "basin", "c": 1.0}, "no initial condition comes to rest in this box"),
+        (ss.laws.polynomial.typical(), {"of": "basin"}, "rest and stick-slip coexist at no damping; give c"),
+        (ss.laws.polynomial.typical(), {"of": "threshold", "V": 0.95}, "nothing has a relative error"),
+        *((LAW, {"of": of}, "names nothing to measure; there are: criterion, threshold, basin")
+          for of in ((), None, 3)),
+        (LAW, {"of": "threshold", "time_limit": 0}, "time"),
+    ],
+)  # fmt: skip
+def test_refusals(law, options, message):
+    with pytest.raises(ss.StickSlipError, match=message):
+        ss.tradeoff(law, **options)
 
 
 def test_what_cannot_be_measured_is_left_out_with_the_reason_unless_nothing_can():
@@ -74,25 +78,23 @@ def test_what_cannot_be_measured_is_left_out_with_the_reason_unless_nothing_can(
     assert "threshold: none: method=" in str(found)
     with pytest.raises(ss.InputError, match="needs a law that is smooth"):
         ss.tradeoff(kinked, of=["threshold"])
-    with pytest.raises(ss.StickSlipError):
-        ss.tradeoff(LAW, time_limit=0)
 
 
-def test_ways_that_are_left_when_time_is_up_have_no_number(monkeypatch):
-    """Time is up with the first start that SciPy takes."""
+def test_methods_that_are_left_when_time_is_up_have_no_number(monkeypatch):
+    """Time is up with the first initial condition that SciPy takes."""
     over = []
     monkeypatch.setattr(deadline, "time_left", lambda: -1.0 if over else 100.0)
-    monkeypatch.setattr(basin_tradeoff, "SIMULATED", (5,))
-    monkeypatch.setattr(basin_tradeoff, "comes_to_rest", lambda *_, **__: over.append(True) or True)
-    trade = ss.tradeoff(BISTABLE, of="basin", V=1.5, N=1, m=1, k=1, c=0.1).trades["basin"]
-    assert [way.found for way in trade.ways] == [True, True, False, False, False, False]
-    assert all(trade.dominators[way.name] == () for way in trade.ways if not way.found)
+    monkeypatch.setattr(candidates, "SIMULATED", (5,))
+    monkeypatch.setattr(candidates, "comes_to_rest", lambda *_, **__: over.append(True) or True)
+    trade = ss.tradeoff(BISTABLE, of="basin", **BOX | {"x0": None, "v0": None}).trades["basin"]
+    assert [row.found for row in trade.rows] == [True, True, False, False, False, False]
+    assert all(trade.dominators[row.name] == () for row in trade.rows if not row.found)
     assert str(trade).count("no number") == 4
     assert trade.box == {"x0": pytest.approx((-2, 2)), "v0": pytest.approx((0, 2))}
-    assert trade.ways[0].share == pytest.approx(SHARE, abs=1e-10)
+    assert trade.rows[0].further["share"] == pytest.approx(SHARE, abs=1e-10)
 
 
-def test_picture(measured, tmp_path):
+def test_picture_and_notebook(measured, tmp_path):
     pytest.importorskip("matplotlib")
     measured.plot(tmp_path / "trade.svg")
     assert "mpmath, 15 digits" in (text := (tmp_path / "trade.svg").read_text())
@@ -104,88 +106,66 @@ def test_picture(measured, tmp_path):
     assert "dominated by" in shown
 
 
-def test_command():
-    command = [
-        sys.executable,
-        "-c",
-        "from stickslip_sym.cli.program import main; main()",
-        "tradeoff",
-        "hyperbolic",
-        "-V",
-        "0.1",
-    ]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == 0, done.stderr
-    assert "stable function, one value" in done.stdout
-
-
-def test_thresholds_of_every_rung_and_of_the_paper_s_procedure(monkeypatch):
-    monkeypatch.setattr(threshold_tradeoff, "SPEEDS", np.array([0.2, 0.5, 0.95]))  # the last has no threshold
-    scene = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
-    monkeypatch.setattr(threshold_tradeoff, "BISECTED", (1e-3, 1e-6))
-    trade = threshold_tradeoff.threshold_tradeoff(ss.laws.polynomial.typical(), scene)
-    found = {way.name: way for way in trade.ways}
+def test_thresholds_by_every_method_and_by_the_procedure_of_the_paper(monkeypatch):
+    monkeypatch.setattr(candidates, "SPEEDS", np.array([0.2, 0.5, 0.95]))  # the last has no threshold
+    monkeypatch.setattr(candidates, "BISECTED", (1e-3, 1e-6))
+    monkeypatch.setattr(candidates, "Scan", partial(procedures.Scan, step=5e-4, band=5e-4))
+    trade = ss.tradeoff(ss.laws.polynomial.typical(), of="threshold").trades["threshold"]
+    found = by_name(trade)
     errors = [found[name].error for name in ("equilibrium", "least_squares", "harmonic", "second_order", "orbit")]
     assert errors == sorted(errors, reverse=True)
     assert errors[0] > 0.05
     assert errors[-1] < 1e-12
     assert found["simulation"].error < 1e-9
-    assert 1e-4 < found["Newmark scan"].error < 1e-3  # the paper's 3.038 for 3.036477
-    assert all(way.seconds > 0 for way in found.values())
+    assert 1e-4 < found["Newmark scan"].error < 3e-3  # the paper's 3.038 for 3.036477
+    assert all(row.seconds > 0 for row in found.values())
     bisected = [found[f"solve_ivp and bisection, rtol {rtol}"].error for rtol in ("1e-03", "1e-06")]
     assert 1e-7 < bisected[1] < bisected[0] < 0.2
     assert "not measured" in str(trade)
     by = trade.dominators
     assert by["orbit"] == by["second_order"] == ()
-    assert "orbit" in by["simulation"]
     assert "orbit" in by["Newmark scan"]
-    with pytest.raises(ss.NoThreshold, match="nothing has a relative error"):
-        threshold_tradeoff.threshold_tradeoff(ss.laws.polynomial.typical(), scene | {"V": 0.95})
+    assert found["proof"].further["status"] == "PROVED"
+    assert 0 < found["orbit"].further["largest"] < 1e-9
 
 
-def test_shares_by_every_way(monkeypatch):
-    monkeypatch.setattr(basin_tradeoff, "SIMULATED", (10, 40))
-    monkeypatch.setattr(basin_tradeoff, "WRITTEN", 4)
-    trade = basin_tradeoff.basin_tradeoff(BISTABLE, BISTABLE_OSC, x0=(-2.0, 2.0), v0=(0.0, 2.0))
-    found = {way.name: way for way in trade.ways}
+@pytest.mark.parametrize("wrong", [False, True])
+def test_the_error_of_a_share_has_two_parts(monkeypatch, wrong):
+    """The simulation decides every sample as the areas say, so only their number is left; wrong ones count too."""
+    monkeypatch.setattr(candidates, "SIMULATED", (10, 20))
+    monkeypatch.setattr(candidates, "WRITTEN", 10 if wrong else 4)
+    if wrong:
+        monkeypatch.setattr(candidates, "comes_to_rest", lambda *_, **__: False)
+        monkeypatch.setattr(candidates, "comes_to_rest_smoothed", lambda *_, **__: True)
+    trade = ss.tradeoff(BISTABLE, of="basin", **BOX).trades["basin"]
+    found = by_name(trade)
     geometry = found.pop("geometry")
-    assert geometry.share == pytest.approx(SHARE, abs=1e-10)
+    assert geometry.further["share"] == pytest.approx(SHARE, abs=1e-10)
     assert geometry.error < 1e-10
     assert trade.dominators["geometry"] == ()  # whatever takes less time is far less accurate
-    for name, way in found.items():
-        count = int(name.split()[-2])
-        assert way.standard_error == pytest.approx(math.sqrt(SHARE * (1 - SHARE) / count))
-        assert way.error >= way.standard_error / SHARE * (1 - 1e-9)
-        assert way.share * count == pytest.approx(round(way.share * count))
-    # Ours decides every start as the areas say; so nothing but the number of starts is left of its error.
-    for name in ("simulation, 10 starts", "simulation, 40 starts"):
-        assert found[name].error == pytest.approx(found[name].standard_error / SHARE)
-    assert found["simulation, 10 starts"].seconds < found["simulation, 40 starts"].seconds
+    for name, row in found.items():
+        count, spread, share = int(name.split()[-2]), row.further["standard error"], row.further["share"]
+        assert spread == pytest.approx(math.sqrt(SHARE * (1 - SHARE) / count))
+        assert row.error >= spread / SHARE * (1 - 1e-9)
+        assert share * count == pytest.approx(round(share * count))
+    for name in ("simulation, 10 samples", "simulation, 20 samples"):
+        assert found[name].error == pytest.approx(found[name].further["standard error"] / SHARE)
+    for name, share in (("with events", 0.0), ("smoothed", 1.0)) if wrong else ():
+        row, right = found[f"solve_ivp {name}, rtol 1e-03, 10 samples"], found["simulation, 10 samples"].further
+        assert row.further["share"] == share
+        parts = (share - right["share"]) ** 2 + right["standard error"] ** 2
+        assert (row.error * SHARE) ** 2 == pytest.approx(parts)
 
 
-def test_a_way_that_decides_starts_wrong_is_off_by_more_than_their_number_brings(monkeypatch):
-    monkeypatch.setattr(basin_tradeoff, "SIMULATED", (10,))
-    monkeypatch.setattr(basin_tradeoff, "WRITTEN", 10)
-    monkeypatch.setattr(basin_tradeoff, "comes_to_rest", lambda *_, **__: False)
-    monkeypatch.setattr(basin_tradeoff, "comes_to_rest_smoothed", lambda *_, **__: True)
-    trade = basin_tradeoff.basin_tradeoff(BISTABLE, BISTABLE_OSC, x0=(-2.0, 2.0), v0=(0.0, 2.0))
-    found = {way.name: way for way in trade.ways}
-    right = found["simulation, 10 starts"]
-    for rest, name in ((0.0, "with events"), (1.0, "smoothed")):
-        way = found[f"solve_ivp {name}, rtol 1e-03, 10 starts"]
-        assert way.share == rest
-        assert (way.error * SHARE) ** 2 == pytest.approx((rest - right.share) ** 2 + right.standard_error**2)
-
-
-def test_what_one_writes_with_scipy_decides_seeded_starts_as_we_do():
-    """Away from the separatrix; both ways of writing it, and starts on both sides of the belt's speed."""
+def test_runs_of_scipy_decide_seeded_motions_as_classify_does():
+    """Away from the separatrix; with events and smoothed, and from both sides of the belt's speed."""
     rng = np.random.default_rng(3)
     rests = 0
     for x0, v0 in np.column_stack([rng.uniform(-2, 2, 10), rng.uniform(0, 2, 10)]).tolist():
         rest = ss.classify(BISTABLE, BISTABLE_OSC, x0=x0, v0=v0) is ss.Motion.REST
         rests += rest
-        assert plain.comes_to_rest(BISTABLE, BISTABLE_OSC, x0, v0, 1e-6) == rest
-        assert plain.comes_to_rest_smoothed(BISTABLE, BISTABLE_OSC, x0, v0, 1e-3) == rest
+        assert procedures.comes_to_rest(BISTABLE, BISTABLE_OSC, x0, v0, 1e-6) == rest
+        assert procedures.comes_to_rest_smoothed(BISTABLE, BISTABLE_OSC, x0, v0, 1e-3) == rest
     assert 1 <= rests <= 9
 
 
@@ -193,8 +173,84 @@ def test_bisection_refuses_what_has_no_threshold():
     rising, falling = ss.FrictionLaw("0.3 + 0.2*v"), ss.FrictionLaw("0.3 - 0.2*v")
     osc = ss.Oscillator(m=1, k=1, V=0.5, N=1)
     with pytest.raises(ss.NoThreshold, match="does not come back even without damping"):
-        plain.pure_slip_by_bisection(rising, osc, 1e-3)
-    assert plain.pure_slip_by_bisection(falling, osc, 1e-6) == pytest.approx(0.2, rel=1e-2)
+        procedures.pure_slip_by_bisection(rising, osc, 1e-3)
+    assert procedures.pure_slip_by_bisection(falling, osc, 1e-6) == pytest.approx(0.2, rel=1e-2)
+
+
+def test_a_formula_that_numpy_has_no_function_for_gives_no_number_as_it_stands():
+    """Polylogarithms; the stable function has them, by its branches."""
+    found = by_name(ss.tradeoff(ss.laws.sech.typical(), of="criterion", time_limit=20).trades["criterion"])
+    assert not found["plain lambdify, array"].found
+    assert found["stable function, array"].found
+
+
+# Few different times and errors, so that some are equal, and some without a number.
+NUMBERS = st.tuples(st.integers(-8, 1).map(lambda n: 10.0**n), st.sampled_from([0.0, 1e-16, 2.5e-9, 1e-3, 0.2]))
+
+
+@st.composite
+def rows(draw):
+    measured = draw(st.lists(st.none() | NUMBERS, min_size=1, max_size=13))
+    families = st.sampled_from(["stable", "plain", "mpmath"])
+    return [Row(draw(families), str(number), *(one or ())) for number, one in enumerate(measured)]
+
+
+def is_dominated(row, other):
+    """By the definition in words."""
+    if not (row.found and other.found) or other.seconds > row.seconds or other.error > row.error:
+        return False
+    return (other.seconds, other.error) != (row.seconds, row.error)
+
+
+@given(rows())
+def test_what_is_dominated_is_dominated_by_a_method_that_is_not(rows):
+    by = dominators(rows)
+    assert list(by) == [row.name for row in rows]
+    at_all = {row.name: {other.name for other in rows if is_dominated(row, other)} for row in rows}
+    front = {name for name, others in at_all.items() if not others}
+    for row in rows:
+        assert set(by[row.name]) == at_all[row.name] & front
+        assert bool(by[row.name]) == bool(at_all[row.name])
+    # The fastest and the most accurate are dominated by none; one more, worse in both, changes nothing.
+    if found := [row for row in rows if row.found]:
+        worst = Row("worst", "", 2 * max(row.seconds for row in found), 1 + max(row.error for row in found))
+        more = dominators([*rows, worst])
+        assert more.pop("worst")
+        assert more == by
+        for best in (Row("best", "", 1e-10, 5.0), Row("best", "", 1e3, -1.0)):
+            assert dominators([*rows, best])["best"] == ()
+
+
+@given(rows())
+def test_text_json_and_picture_say_what_was_measured(rows):
+    """Read back from each; exchanged times and errors would be noticed, since they are of other sizes."""
+    trade = Trade("value", "of some kind", tuple(rows), {"V": 0.5})
+    by_text = {cells[0]: cells for cells in (re.split(r" {2,}", line) for line in str(trade).splitlines()[3:])}
+    content = json.loads(json.dumps(as_json(trade), allow_nan=False))
+    for row, said in zip(rows, content["rows"], strict=True):
+        cells = by_text[row.name]
+        assert (said["method"], said["setting"]) == (row.method, row.setting)
+        if not row.found:
+            assert cells[1] == "no number"
+            assert (said["seconds"], said["error"], content["dominators"][row.name]) == (None, None, [])
+            continue
+        number, unit = cells[1].split()
+        assert float(number) * SIZES[unit] == pytest.approx(row.seconds, rel=5e-3)
+        assert float(cells[2]) == pytest.approx(row.error, rel=0.05)
+        assert (said["seconds"], said["error"]) == (row.seconds, row.error)
+        assert tuple(content["dominators"][row.name]) == trade.dominators[row.name]
+        last = cells[-1].split("; ") if trade.dominators[row.name] else []
+        assert set("".join(last).replace(" ", "")) == set("".join(trade.dominators[row.name]).replace(" ", ""))
+    figure = pytest.importorskip("matplotlib.figure").Figure()
+    tradeoff.draw(trade, axes := figure.add_subplot())
+    drawn = sorted(
+        (float(line.get_xdata()[0]), float(line.get_ydata()[0]), line.get_markerfacecolor() == "white")
+        for line in axes.lines if line.get_marker() == "o"
+    )  # fmt: skip
+    expected = [
+        (row.seconds, max(row.error, 1e-51), bool(trade.dominators[row.name])) for row in rows if row.found
+    ]
+    assert drawn == sorted(expected)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -217,17 +273,3 @@ def test_no_label_covers_another_or_a_point_or_leaves_the_panel(seed):
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
     assert not any(box.contains(*axes.transData.transform(place)) for box in boxes for place in points)
     assert all(axes.bbox.contains(*corner) for box in boxes for corner in (box.min, box.max))
-
-
-@pytest.mark.parametrize("of", [(), None, 3])
-def test_nothing_to_measure_is_refused(of):
-    with pytest.raises(ss.InputError, match="names nothing to measure; there are: criterion, threshold, basin"):
-        ss.tradeoff(ss.laws.linear.typical(), of=of)
-
-
-def test_a_formula_that_numpy_has_no_function_for_gives_no_number_as_it_stands():
-    """Polylogarithms; the stable function has them, by its branches."""
-    trade = ss.tradeoff(ss.laws.catalogue["sech"].typical(), of="criterion", time_limit=20).trades["criterion"]
-    found = {way.name: way.found for way in trade.ways}
-    assert not found["plain lambdify, array"]
-    assert found["stable function, array"]

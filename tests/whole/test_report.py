@@ -34,13 +34,13 @@ import sys
 from functools import partial
 import pytest
 from paper_checks import figure_thresholds, report
-from stickslip_sym.comparison import threshold_tradeoff
+from stickslip_sym.comparison import candidates
 # The report's measurements at fewer places, which changes none of its parts.
 figure_thresholds._SCANNED = ()
-threshold_tradeoff.SPEEDS = threshold_tradeoff.SPEEDS[[10]]
+report.SPEEDS = candidates.SPEEDS = candidates.SPEEDS[[10]]
 report.LAWS = report.LAWS[:1]
-threshold_tradeoff._SCAN_STEP = 0.01
-threshold_tradeoff.Scan = partial(threshold_tradeoff.Scan, step=1e-3, band=1e-3)
+candidates.SCAN_STEP = 0.01
+candidates.Scan = partial(candidates.Scan, step=1e-3, band=1e-3)
 sys.exit(pytest.main(sys.argv[1:]))
 """
 

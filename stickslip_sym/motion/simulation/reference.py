@@ -34,11 +34,13 @@ _STEP = 0.1  # of 1/omega, the longest: events are seen where a step has differe
 
 
 def slip_by_solve_ivp(
-    law: FrictionLaw, osc: Oscillator, t: float, x: float, v: float, side: int, t_end: float, rtol: float
-) -> Any:
+    law: FrictionLaw, osc: Oscillator, t: float, x: float, v: float, side: int, t_end: float, rtol: float,
+    **options: Any,
+) -> Any:  # fmt: skip
     """Follow slip on one side of the belt's speed, 1 below and -1 above, until it comes back to it.
 
-    Returns SciPy's result, with `sol` for times between; `t_events[0]` holds the return, if there is one.
+    `options` are those of ``solve_ivp``, in place of a tight choice. Returns SciPy's result, with `sol` for times
+    between; `t_events[0]` holds the return, if there is one.
     """
     mu, mu_0 = law.function("math"), law.onset
 
@@ -54,9 +56,10 @@ def slip_by_solve_ivp(
 
     at_belt_speed.terminal, at_belt_speed.direction = True, side  # type: ignore[attr-defined]  # SciPy's way
     v = side * min(side * v, side * osc.V - _BESIDE * osc.V)
+    tight: dict[str, Any] = {"method": "DOP853", "max_step": _STEP / osc.omega}
     found = solve_ivp(
-        rates, (t, t_end), (x, v), method="DOP853", rtol=max(rtol, 1e-13), dense_output=True, events=at_belt_speed,
-        atol=_LEAST * rtol * np.array([osc.V / osc.omega, osc.V]), max_step=_STEP / osc.omega,
+        rates, (t, t_end), (x, v), rtol=max(rtol, 1e-13), dense_output=True, events=at_belt_speed,
+        atol=_LEAST * rtol * np.array([osc.V / osc.omega, osc.V]), **tight | options,
     )  # fmt: skip
     if found.status < 0:
         raise NotConverged(f"solve_ivp cannot go on beyond t = {found.t[-1]:.6g} s: {found.message}")
@@ -64,9 +67,9 @@ def slip_by_solve_ivp(
 
 
 def simulate_by_solve_ivp(
-    law: FrictionLaw, osc: Oscillator, x0: float, v0: float, t_end: float, rtol: float
+    law: FrictionLaw, osc: Oscillator, x0: float, v0: float, t_end: float, rtol: float, **options: Any
 ) -> Trajectory:
-    """Return the motion as `simulate` does: slip by `solve_ivp`, stick in closed form."""
+    """Return the motion as `simulate` does: slip by `solve_ivp` with its `options`, stick in closed form."""
     hold = law.static_value * osc.N
     x_P = (hold - osc.c * osc.V) / osc.k
     t, x, v = 0.0, x0, v0
@@ -81,7 +84,7 @@ def simulate_by_solve_ivp(
         else:
             side = math.copysign(1, pull) if v == osc.V else math.copysign(1, osc.V - v)
             phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
-            found = slip_by_solve_ivp(law, osc, t, x, v, int(side), t_end, rtol)
+            found = slip_by_solve_ivp(law, osc, t, x, v, int(side), t_end, rtol, **options)
             sample = np.array([found.t, *found.y])
             if found.t_events[0].size:
                 sample[2, -1] = osc.V
