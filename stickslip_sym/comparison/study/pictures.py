@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_sym.comparison.study.findings import Findings
 from stickslip_sym.comparison.study.plane import Plane
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.model.law import FrictionLaw
@@ -16,6 +15,8 @@ from stickslip_sym.output.page.figures import BLUE, GREEN, ORANGE, finish, new_f
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from stickslip_sym.comparison.study.study import Study
 
 
 __all__ = ["ALT", "CAPTIONS", "pictures"]
@@ -42,7 +43,7 @@ CAPTIONS = {
 _HEIGHT = 1.35  # of the plane, over the highest of thresholds at the operating point and its damping
 
 
-def pictures(study: Findings) -> dict[str, str]:
+def pictures(study: "Study") -> dict[str, str]:
     """Return the figures as data URIs, by name; one whose part could not be computed is not among them.
 
     Raises `InputError` if matplotlib is not installed.
@@ -64,7 +65,7 @@ def _figure(draw: Callable[[Any], None]) -> "Figure":
     return figure
 
 
-def _law(axes: Any, study: Findings) -> None:
+def _law(axes: Any, study: "Study") -> None:
     law, V = study.law, study.oscillator.V
     top = 2.2 * V if study.measured is None else max(2.2 * V, float(study.measured.v[-1]))
     top = top if law.v_max is None else min(top, float(law.v_max))
@@ -89,7 +90,7 @@ def _law(axes: Any, study: Findings) -> None:
     finish(axes, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$", xlim=(0, top))
 
 
-def _points(axes: Any, study: Findings) -> None:
+def _points(axes: Any, study: "Study") -> None:
     measured = study.measured
     assert measured is not None
     shown = measured.v <= max(measured.v[-1], 2.2 * study.oscillator.V)
@@ -112,7 +113,7 @@ def _band(law: FrictionLaw, v: NDArray[np.float64]) -> tuple[FloatArray, FloatAr
     return mu - half, mu + half
 
 
-def _plane(axes: Any, study: Findings) -> None:
+def _plane(axes: Any, study: "Study") -> None:
     plane, osc = study.plane, study.oscillator
     assert plane is not None
     top = _HEIGHT * _highest(plane, osc.V, osc.c)
@@ -157,7 +158,7 @@ def _regions(axes: Any, plane: Plane) -> None:
             axes.fill_between(plane.V, lower, upper, where=where, label=label, **style)
 
 
-def _time(axes: Any, study: Findings) -> None:
+def _time(axes: Any, study: "Study") -> None:
     motion, osc = study.motion, study.oscillator
     assert motion is not None
     _stretches(axes, motion, 2 * np.pi / osc.omega)
@@ -181,7 +182,7 @@ def _stretches(axes: Any, motion: Trajectory, period: float) -> None:
         named.add(name)
 
 
-def _phase(axes: Any, study: Findings) -> None:
+def _phase(axes: Any, study: "Study") -> None:
     handles = phase_plane(axes, study.regime)
     if study.motion is not None:
         state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
