@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 from stickslip_sym.core.errors import InputError, OutOfTime
+from stickslip_sym.core.numbers import real
 
 __all__ = ["LONGEST", "check_time", "time_left", "time_limit"]
 
@@ -19,7 +20,7 @@ _end: ContextVar[float] = ContextVar("end of the time limit, of time.monotonic",
 
 
 @contextmanager
-def time_limit(seconds: float | None) -> Iterator[None]:
+def time_limit(seconds: float | str | None) -> Iterator[None]:
     """Let `check_time` raise `OutOfTime` within this block once so many seconds have passed; None sets no limit.
 
     Raises
@@ -27,6 +28,8 @@ def time_limit(seconds: float | None) -> Iterator[None]:
     InputError
         If it is no number of seconds from 0 to a day.
     """
+    if isinstance(seconds, str):
+        seconds = real("time_limit", seconds)
     if seconds is not None and not 0 <= seconds <= LONGEST:
         raise InputError(f"time_limit = {seconds} is not a number of seconds from 0 to {LONGEST:.0f}")
     end = math.inf if seconds is None else time.monotonic() + seconds

@@ -150,6 +150,8 @@ _GUESSES = 4  # Newton steps on the cubic
 _BISECTIONS = 100  # at most, for the root that ends a step
 _REST_WITHIN = 10  # times the tolerance: nearer to rest the errors of steps do not let the mass come
 _BESIDE = 1e-6  # of w = 1, over which the slope of mu at rest is taken
+_CREEP = 2.0  # decay of w from which a deviation from rest has real exponents
+_AMPLIFIED = 4e3  # rounding errors of the rows by the extrapolation, the sum of its weights
 
 _A: list[list[float]] = DOP853.A.tolist()
 _WEIGHTS: list[list[float]] = [row.tolist() for row in (DOP853.B, DOP853.E5, DOP853.E3)]
@@ -325,6 +327,11 @@ def _implicit(law: Any, system: Any, q: float, w: float, rate: float, h: float, 
     decay = eta * _slope(pieces, first, last, near, w) + damping
     of_q, of_w, of_D = [0.0] * _ROWS, [0.0] * _ROWS, [0.0] * _ROWS
     error = 0.0
+    # No step is more accurate than the rounding of w', which the decay divides and the extrapolation multiplies.
+    rounding = _AMPLIFIED * _ULP
+    least_q = rounding * abs(q)
+    least_w = max(abs(push), abs(eta * _rise(pieces, first, last, near, w)))
+    least_w = rounding * (max(least_w, max(abs(q), abs(damping * w))) / max(abs(decay), 1.0) + abs(w))
     for row in range(_ROWS):
         s = h / (row + 1)
         # (1 - s J) (dq, dw) = s (q', w') with J = ((0, -side), (side, -decay))
@@ -350,8 +357,8 @@ def _implicit(law: Any, system: Any, q: float, w: float, rate: float, h: float, 
             )
             of_q[k], of_w[k], of_D[k] = x, y, z
             if k == row - 1:
-                off_q = (next_q - x) / (rtol * (_SMALL + max(abs(q), abs(next_q))))
-                off_w = (next_w - y) / (rtol * (_SMALL + max(abs(w), abs(next_w))))
+                off_q = (next_q - x) / (least_q + rtol * (_SMALL + max(abs(q), abs(next_q))))
+                off_w = (next_w - y) / (least_w + rtol * (_SMALL + max(abs(w), abs(next_w))))
                 error = math.sqrt(0.5 * (off_q * off_q + off_w * off_w))
             x, y, z = next_q, next_w, next_D
         of_q[row], of_w[row], of_D[row] = x, y, z
@@ -451,13 +458,17 @@ def follow(
     if not (w <= farthest and abs(q) < math.inf):
         return _OUTSIDE, tau, q, w, 0.0, D, count, steps
 
-    # The rest that attracts the mass, if one does: between the two segments that may meet there.
-    w_rest, q_rest = -1.0, 0.0
-    if side > 0.0 and direction > 0.0 and farthest > 1.0 + _BESIDE:
+    # Where two segments of the law meet at rest a motion may come to it in swings over both, where deviations
+    # decay on the mean, or creep to it on one side, where that side has real exponents below 0.
+    q_rest, faster, slower, close = math.nan, 0.0, 0.0, 0.0  # no rest; and the decay for w above 1, and below
+    if side > 0.0 and farthest > 1.0 + _BESIDE:
         whole = firsts[segments] - 1
-        above, below = (_rise(pieces, 0, whole, 0, 1.0 + _BESIDE), _rise(pieces, 0, whole, 0, 1.0 - _BESIDE))
-        if eta * (above - below) / (2.0 * _BESIDE) + damping > 0.0:
-            w_rest, q_rest = 1.0, damping - push + eta * _rise(pieces, 0, whole, 0, 1.0)
+        lifted = eta * _rise(pieces, 0, whole, 0, 1.0)
+        faster = (eta * _rise(pieces, 0, whole, 0, 1.0 + _BESIDE) - lifted) / _BESIDE + damping
+        slower = (lifted - eta * _rise(pieces, 0, whole, 0, 1.0 - _BESIDE)) / _BESIDE + damping
+        q_rest = damping - push + lifted
+        noise = _AMPLIFIED * _ULP * max(max(abs(push), abs(lifted)), max(abs(q_rest), abs(damping)))
+        close = _REST_WITHIN * (rtol + noise / max(1.0, max(abs(faster), abs(slower))))
 
     segment = 0
     while segment + 1 < segments and w >= levels[segment + 1]:
@@ -568,6 +579,14 @@ def follow(
         near = _interval(pieces[0], first, last, near, w)
         law = (pieces, first, last, near)
 
+        if (
+            event in (_HORIZON, _LEVEL)
+            and abs(w - 1.0) <= close
+            and abs(q - q_rest) <= close * max(1.0, abs(q_rest))
+        ):
+            decay = slower if w < 1.0 or (w == 1.0 and rising) else faster
+            if direction * (faster + slower) > 0.0 or direction * decay >= _CREEP:
+                return _REST, tau, q, w, r, D, count, steps
         if event == _LEVEL:
             if target == 0.0:
                 return _RETURN, tau, q, w, r, D, count, steps
@@ -576,12 +595,7 @@ def follow(
             if inner or (leveled and level == target):
                 return _LEVEL, tau, q, w, r, D, count, steps
             arrived = True
-        elif event == _HORIZON:
-            if w_rest > 0.0:
-                close = _REST_WITHIN * rtol
-                if abs(w - w_rest) <= close and abs(q - q_rest) <= close * max(1.0, abs(q_rest)):
-                    return _REST, tau, q, w, r, D, count, steps
-        else:
+        elif event != _HORIZON:
             r = 0.0
             rising = not rising
             if until in (event, EVERY_TURN):

@@ -9,8 +9,6 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym import symbols
-from stickslip_sym.model.expression.units import with_units
 
 TEXT = "mu_m + (mu_s - mu_m)*exp(-alpha*v)"
 
@@ -137,12 +135,6 @@ def test_limits_at_rest(formula, mu, slope):
     assert law.mu(np.array([0.0, 0.5]))[0] == mu
 
 
-@pytest.mark.parametrize("name", ss.laws.catalogue)
-def test_the_catalogue_has_slopes_at_rest(name):
-    law = ss.laws.catalogue[name].typical()
-    assert law.slope(0.0) == pytest.approx(law.slope(1e-12), abs=1e-4, rel=1e-4)
-
-
 def test_overflow_is_infinite_without_a_warning():
     assert ss.FrictionLaw("exp(800*v)").mu([1.0, 0.0]).tolist() == [np.inf, 1.0]
 
@@ -260,19 +252,6 @@ def test_static_coefficient():
     law = ss.FrictionLaw("mu_k", static="mu_0").bind(mu_k=0.3, mu_0=0.4)
     assert law.static_value == 0.4
     assert ss.laws.exponential.typical().static_value == 0.5
-
-
-@pytest.mark.parametrize("name", ss.laws.catalogue)
-def test_catalogue_laws_are_pure_numbers_with_described_parameters(name):
-    law = ss.laws.catalogue[name]
-    units = {p.symbol: p.unit for p in law.parameters.values()} | {symbols.v: "m/s"}
-    assert sp.simplify(with_units(law.expr, units) - law.expr) == 0
-    for parameter in law.parameters.values():
-        assert parameter.meaning
-        assert parameter.typical
-    assert law.name == name
-    assert law.source
-    assert law.typical().mu(0.5) > 0
 
 
 def test_laws_are_equal_if_formula_values_and_description_are():

@@ -12,7 +12,6 @@ from stickslip_sym import Motion
 from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
 from stickslip_sym.core import deadline
 from stickslip_sym.motion.maps.cells import Reason
-from stickslip_sym.motion.regimes import slip_orbits
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 STRONG = ss.Oscillator(m=1, k=1, V=0.5, N=50, c=1.5)
@@ -155,15 +154,3 @@ def test_a_trade_heeds_its_time_limit():
         pure_slip_by_scan(ss.laws.exponential.typical(), paper_oscillator(0), Scan(np.arange(3.0)))
     with pytest.raises(ss.OutOfTime):
         ss.tradeoff(ss.laws.exponential.typical(), of="threshold", **SCENE, time_limit=0)
-
-
-def test_the_return_map_finds_the_cycles_that_collocation_finds():
-    """Of a law with several at once."""
-    law = ss.FrictionLaw("0.4 - 0.3*(v - 0.5) - 2*(v - 0.5)^3 + 8*(v - 0.5)^5")
-    for c in (2.9, 3.4):
-        osc = paper_oscillator(float(c))
-        by_collocation = ss.limit_cycles(law, osc)
-        by_return_map = slip_orbits.by_return_map(law, osc, 1e-11).cycles
-        assert [cycle.stable for cycle in by_return_map] == [cycle.stable for cycle in by_collocation]
-        for one, other in zip(by_return_map, by_collocation, strict=True):
-            assert one.amplitude == pytest.approx(other.amplitude, rel=1e-6)

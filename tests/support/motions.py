@@ -36,15 +36,25 @@ def scenes(count, seed):
     rng = np.random.default_rng(seed)
     for number in range(count):
         kind = KINDS[number % len(KINDS)]
-        m, k, V = 10 ** rng.uniform((-3, -3, -2), (3, 3, 1))
-        eta, zeta, v_s = 10 ** rng.uniform((-2, -3, -0.7), (1.2, 0.3, 1.3))
-        impedance = math.sqrt(k * m)
-        # A fourth of the masses is driven, by a weak negative damping.
-        c = 2 * zeta * impedance * rng.choice((1, 1, 1, -0.02))
-        osc = ss.Oscillator(m=m, k=k, V=V, N=eta * V * impedance, c=c)
-        mu_m = rng.uniform(0.05, 0.5)
-        mu_s = mu_m + rng.uniform(0.02, 0.5)
-        yield kind, bound(kind, mu_m, mu_s, v_s * V), osc, *start(rng, osc, mu_s)
+        yield kind, *_drawn(rng, kind)
+
+
+def one_scene(seed):
+    """Return a law of any kind, an oscillator and a start."""
+    rng = np.random.default_rng(seed)
+    return _drawn(rng, KINDS[seed % len(KINDS)])
+
+
+def _drawn(rng, kind):
+    m, k, V = 10 ** rng.uniform((-3, -3, -2), (3, 3, 1))
+    eta, zeta, v_s = 10 ** rng.uniform((-2, -3, -0.7), (1.2, 0.3, 1.3))
+    impedance = math.sqrt(k * m)
+    # A fourth of the masses is driven, by a weak negative damping.
+    c = 2 * zeta * impedance * rng.choice((1, 1, 1, -0.02))
+    osc = ss.Oscillator(m=m, k=k, V=V, N=eta * V * impedance, c=c)
+    mu_m = rng.uniform(0.05, 0.5)
+    mu_s = mu_m + rng.uniform(0.02, 0.5)
+    return bound(kind, mu_m, mu_s, v_s * V), osc, *start(rng, osc, mu_s)
 
 
 def bound(kind, mu_m, mu_s, v_s):

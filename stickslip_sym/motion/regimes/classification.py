@@ -149,7 +149,7 @@ class _Course:
         rest_q, rest_w = self.system.rest
         near = _NEAR * self.rtol
         at_rest = (side > 0) & (np.abs(w - rest_w) <= near) & (np.abs(q - rest_q) <= near * max(1.0, abs(rest_q)))
-        found[at_rest] = Motion.REST if self.system.decay(rest_w) > 0 else Motion.UNDECIDED
+        found[at_rest] = self._at_rest
         left = np.flatnonzero(~at_rest)
         while left.size:
             still = w[left] == 0
@@ -191,7 +191,7 @@ class _Course:
 
     def _decide(self, found: ObjectArray, rows: IntArray, slips: Slips) -> None:
         """Note what slips lead to that do not return."""
-        for end, motion in ((End.REST, Motion.REST), (End.HORIZON, Motion.UNDECIDED)):
+        for end, motion in ((End.REST, self._at_rest), (End.HORIZON, Motion.UNDECIDED)):
             found[rows[slips.end == end]] = motion
         turned = slips.end == End.MINIMUM
         found[rows[turned]] = _or_error(lambda: self._inside(1 - slips.w[turned]))
@@ -212,6 +212,11 @@ class _Course:
 
     def _grows(self, q: float) -> bool:
         return round_from(self.system, q, self.rtol).end > q
+
+    @cached_property
+    def _at_rest(self) -> Motion:
+        """Return what a motion that is at rest stays: one that crept to it on one side may leave on the other."""
+        return Motion.REST if self.system.decay(1.0) > 0 else Motion.UNDECIDED
 
     @cached_property
     def _from_onset(self) -> Motion:

@@ -8,7 +8,6 @@ peak, followed by integration.
 
 import math
 from bisect import bisect
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -21,14 +20,9 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles, needed_damping
 from stickslip_sym.motion.slip import Dimensionless, End, Slip
 
-__all__ = ["SlipOrbits", "by_return_map", "lowest", "next_peak", "overtaking_cycle", "round_from", "slip_orbits"]
+__all__ = ["SlipOrbits", "lowest", "next_peak", "overtaking_cycle", "round_from", "slip_orbits"]
 
-_NEAREST = 1e-3  # lowest amplitude that is looked at: a smaller cycle is not seen
-_NODES = sorted(
-    {float(A) for A in _NEAREST + (1 - _NEAREST) * (1 - np.cos(np.linspace(0.0, math.pi, 33))) / 2}
-    | {1 - 10.0**-decade for decade in range(3, 7)}
-)  # amplitudes over the belt's speed; graded towards the belt's speed, where laws are steep
-_NEUTRAL = 1e-11  # growth a round below which an integration cannot tell its sign
+_NEAREST = 1e-3  # lowest amplitude over the belt's speed that is looked at: a smaller cycle is not seen
 _FIRST = 1e-3  # displacement q at which a round outside P's is tried first
 _ESCAPED = 1e6  # the last q tried, and the peak over V of a motion without bound
 _STRONGEST = 1e-300  # contraction of a round that can still be told from 0
@@ -63,19 +57,17 @@ def slip_orbits(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> SlipOrbits
     Raises `InputError` for an unbound law.
     Raises `NotConverged` when the bound on the work is reached.
     """
-    peaks = _Peaks(Dimensionless.of(law, osc), rtol)
-    lone = peaks.lone_growth
-    if lone is not None:
-        return SlipOrbits((), (lone,))
-    need = needed_damping(law, osc)  # an orbit grows where it needs more damping than there is
-    return _ordered(limit_cycles(law, osc), osc.V, lambda A: need.gap(A, 2 * osc.zeta)[0], 0.0)
-
-
-def _ordered(cycles: tuple[LimitCycle, ...], V: float, gain: Callable[[float], float], flat: float) -> SlipOrbits:
-    """Take the growth between cycles from one orbit of each interval."""
-    bounds = [0.0, *(cycle.amplitude / V for cycle in cycles), 1.0]
-    gains = [gain((low + high) / 2) for low, high in pairwise(bounds)]
-    return SlipOrbits(cycles, tuple(0 if abs(g) <= flat else int(np.sign(g)) for g in gains))
+    system = Dimensionless.of(law, osc)
+    # The return map grows with A, since orbits do not cross: its value at one end may settle all.
+    if (1 - lowest(system, rtol) if system.turn(0.0) == 0 else next_peak(system, 1.0, rtol)[0]) <= _NEAREST:
+        return SlipOrbits((), (-1,))
+    if system.decay(1.0) <= 0 and next_peak(system, _NEAREST, rtol)[0] >= 1:
+        return SlipOrbits((), (1,))
+    need, cycles = needed_damping(law, osc), limit_cycles(law, osc)
+    bounds = [0.0, *(cycle.amplitude / osc.V for cycle in cycles), 1.0]
+    # An orbit grows where it needs more damping than there is.
+    gaps = [need.gap((low + high) / 2, 2 * osc.zeta)[0] for low, high in pairwise(bounds)]
+    return SlipOrbits(cycles, tuple(int(np.sign(gap)) for gap in gaps))
 
 
 def next_peak(
@@ -110,63 +102,6 @@ def lowest(system: Dimensionless, rtol: float) -> float:
     if slip.end is End.OUTSIDE:
         return -math.inf
     return slip.w if slip.end is End.MINIMUM else 1.0
-
-
-class _Peaks:
-    """The return map of slip orbits, A to the A of the next peak, which grows with A since orbits do not cross."""
-
-    def __init__(self, system: Dimensionless, rtol: float) -> None:
-        self.system, self.rtol = system, rtol
-        self.known: dict[float, float] = {}
-
-    def after(self, amplitude: float) -> float:
-        """Return the next peak."""
-        if amplitude not in self.known and amplitude == 1 and self.system.turn(0.0) == 0:
-            self.known[amplitude] = min(1 - lowest(self.system, self.rtol), _ESCAPED)  # the slip from P
-        if amplitude not in self.known:
-            self.known[amplitude] = next_peak(self.system, amplitude, self.rtol)[0]
-        return self.known[amplitude]
-
-    def gain(self, amplitude: float) -> float:
-        """Return the relative growth in one round."""
-        return self.after(amplitude) / amplitude - 1
-
-    @property
-    def lone_growth(self) -> int | None:
-        """Whether all orbits grow (1) or shrink (-1), where one round from an end shows it; None elsewhere."""
-        if self.system.decay(1.0) > 0:
-            return -1 if self.after(1.0) <= _NODES[0] else None
-        return 1 if self.after(_NODES[0]) >= 1 else None
-
-    def brackets(self) -> list[tuple[float, float]]:
-        """Return pairs of amplitudes between which the growth changes its sign."""
-        found, open_ranges = [], [(0, len(_NODES) - 1)]
-        while open_ranges:
-            first, last = open_ranges.pop()
-            low, high = _NODES[first], _NODES[last]
-            if self.after(low) >= high or self.after(high) <= low:
-                continue  # the map is monotone, and passes over all that lies between
-            if last - first > 1:
-                middle = (first + last) // 2
-                open_ranges += [(middle, last), (first, middle)]
-                continue
-            gains = self.gain(low), self.gain(high)
-            if gains[0] * gains[1] < 0 and max(map(abs, gains)) > _NEUTRAL:
-                found.append((low, high))
-        return found
-
-
-def by_return_map(law: FrictionLaw, osc: Oscillator, rtol: float) -> SlipOrbits:
-    """Return the same by the return map, for every law."""
-    peaks = _Peaks(Dimensionless.of(law, osc), rtol)
-    roots = [brentq(peaks.gain, *bracket, rtol=max(rtol, 1e-14)) for bracket in peaks.brackets()]
-    cycles = tuple(_cycle(peaks.system, osc, float(root), rtol) for root in roots)
-    return _ordered(cycles, osc.V, peaks.gain, _NEUTRAL)
-
-
-def _cycle(system: Dimensionless, osc: Oscillator, amplitude: float, rtol: float) -> LimitCycle:
-    _, factor, slip = next_peak(system, amplitude, rtol)
-    return _limit_cycle(osc, amplitude, slip.tau, factor)
 
 
 def _limit_cycle(osc: Oscillator, amplitude: float, tau: float, factor: float) -> LimitCycle:

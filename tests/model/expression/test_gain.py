@@ -4,6 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.symbols import v
@@ -58,7 +59,7 @@ def test_what_has_no_value_at_the_start_has_no_rise():
     assert sp.simplify(gain(a / v, v, start) - (a / v - a / start)) == 0
 
 
-@pytest.mark.parametrize("name", ss.laws.catalogue)
+@sweep("name", list(ss.laws), "exponential", "rational", "stribeck", "simscape")
 def test_laws(name):
     law = ss.laws.catalogue[name].typical()
     ((_, gained),), function = law.rises(), law.function("mpmath")

@@ -1,30 +1,30 @@
 """The automaton at its limits: kinks and jumps of mu, grazing returns, stiff scenes, bounds on the work."""
 
 import math
-import time
 from dataclasses import replace
 
 import motions
 import numpy as np
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 from numpy.polynomial.legendre import leggauss
 from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import EventKind, Outcome, Phase
 
-SAMPLE = list(motions.scenes(48, seed=6))
+SAMPLE = list(motions.scenes(8, seed=6))
 IMPLICIT = 1e-7  # of w between the steps of the implicit method, whose interpolant is of order 3
 EVENT_TIMES = 1e-11  # relative, at rtol = 1e-12
-NO_MORE_SECONDS = 10  # on a loaded machine; alone each case takes less than 2
 
 
-@pytest.mark.parametrize("part", range(4))
-def test_no_event_is_missed_and_none_is_spurious(part):
+@given(seed=st.integers(0, 10**6))
+def test_no_event_is_missed_and_none_is_spurious(seed):
     """5000 scenes of the kind are measured by tests/benchmarks/measure_events.py."""
-    for _, law, osc, x0, v0 in SAMPLE[12 * part : 12 * part + 12]:
-        motion, _ = motions.simulated(law, osc, x0, v0)
-        assert motions.violations(law, osc, motion) == []
+    law, osc, x0, v0 = motions.one_scene(seed)
+    motion, _ = motions.simulated(law, osc, x0, v0)
+    assert motions.violations(law, osc, motion) == []
 
 
 @pytest.mark.parametrize("number", range(8))
@@ -35,8 +35,8 @@ def test_event_times_are_those_of_an_independent_integration(number):
     assert motions.disagreement(motion.events, expected) < EVENT_TIMES
 
 
-def test_the_checks_of_events_can_fail(law):
-    osc = paper_oscillator(1.0)
+def test_the_checks_of_events_can_fail():
+    law, osc = ss.laws.exponential.typical(), paper_oscillator(1.0)
     motion = ss.simulate(law, osc, t_end=2.0, x0=0.2, v0=0.0, rtol=1e-12)
     assert motions.violations(law, osc, motion) == []
     first, *others = motion.stretches
@@ -57,12 +57,12 @@ def test_grazing_returns_are_classified_right(law, V):
         assert ss.stick_slip_cycle(law, paper_oscillator(threshold * (1 + distance), V=V)) is None
 
 
-@pytest.mark.parametrize("c", [0.0, 1.0, -0.5])
-def test_the_energy_balance_closes_over_100_cycles(law, c):
+@pytest.mark.parametrize("c", [1.0, -0.5])
+def test_the_energy_balance_closes_over_20_cycles(law, c):
     """Work of friction and damping, by quadrature of the dense output, against kinetic and elastic energy."""
     osc = paper_oscillator(c)
     period = ss.stick_slip_cycle(law, osc).period
-    motion = ss.simulate(law, osc, t_end=100 * period, rtol=1e-12)
+    motion = ss.simulate(law, osc, t_end=20 * period, rtol=1e-12)
     nodes, weights = leggauss(10)
     work, exchanged = 0.0, 0.0
     for stretch in motion.stretches:
@@ -79,36 +79,30 @@ def test_the_energy_balance_closes_over_100_cycles(law, c):
         work += float(np.sum(power @ weights * half))
         exchanged += float(np.sum(np.abs(power) @ weights * half))
     energy = osc.m * motion.v**2 / 2 + osc.k * motion.x**2 / 2
-    assert len(motion.starts_of(Phase.STICK)) >= 100
+    assert len(motion.starts_of(Phase.STICK)) >= 20
     assert abs(work - (energy[-1] - energy[0])) < 1e-9 * exchanged
     assert np.all(motion.v[motion.phase == Phase.STICK] == osc.V)
 
 
-# -- kinks and jumps -------------------------------------------------------------------------------
+@given(
+    name=st.sampled_from(["exponential", "polynomial"]),
+    exponent=st.floats(-9, 9),
+    c=st.sampled_from([0.0, 1.0, 1e3]),
+)
+@example("exponential", -9, 1.0)
+def test_masses_of_all_sizes(name, exponent, c):
+    law, osc = ss.laws.catalogue[name].typical(), paper_oscillator(c, m=10.0**exponent)
+    cycle = ss.stick_slip_cycle(law, osc)
+    t_end = 3 * (cycle.period if cycle else 2 * math.pi / osc.omega)
+    motion = ss.simulate(law, osc, t_end=t_end, v0=0.0, rtol=1e-12)
+    assert motion.t[-1] == pytest.approx(t_end, rel=1e-14)
+    assert motions.violations(law, osc, motion, IMPLICIT) == []
+    if cycle and exponent == -9:  # without inertia the mass turns back where friction gives way
+        assert cycle.x_max == pytest.approx(osc.onset(law), rel=1e-6)
 
 
-# -- smoothed, stiff and overdamped ----------------------------------------------------------------
-
-
-@pytest.mark.parametrize("c", [0.0, 1.0, 1e3])
-def test_masses_of_all_sizes(law, c):
-    begin = time.process_time()
-    for exponent in range(-9, 10, 3):
-        osc = paper_oscillator(c, m=10.0**exponent)
-        cycle = ss.stick_slip_cycle(law, osc)
-        t_end = 3 * (cycle.period if cycle else 2 * math.pi / osc.omega)
-        motion = ss.simulate(law, osc, t_end=t_end, v0=0.0, rtol=1e-12)
-        assert motion.t[-1] == pytest.approx(t_end, rel=1e-14)
-        assert motions.violations(law, osc, motion, IMPLICIT) == []
-        if cycle and exponent == -9:  # without inertia the mass turns back where friction gives way
-            assert cycle.x_max == pytest.approx(osc.onset(law), rel=1e-6)
-    assert time.process_time() - begin < NO_MORE_SECONDS
-
-
-# -- bounds on the work ----------------------------------------------------------------------------
-
-
-def test_a_step_limit_keeps_what_was_computed(law):
+def test_a_step_limit_keeps_what_was_computed():
+    law = ss.laws.exponential.typical()
     osc = paper_oscillator(1.0)
     whole = ss.simulate(law, osc, t_end=5.0)
     cut = ss.simulate(law, osc, t_end=5.0, max_steps=60)
@@ -118,16 +112,16 @@ def test_a_step_limit_keeps_what_was_computed(law):
     assert 0.5 < cut.t[-1] < 4
 
 
-def test_a_time_limit_keeps_what_was_computed(law):
-    begin = time.monotonic()
+def test_a_time_limit_keeps_what_was_computed():
+    law = ss.laws.exponential.typical()
     motion = ss.simulate(law, paper_oscillator(1.0), t_end=1e9, max_steps=10**9, time_limit=0.3)
-    assert 0.3 < time.monotonic() - begin < NO_MORE_SECONDS
     assert motion.outcome is Outcome.TIME_LIMIT
     assert motion.t[-1] > 1
     assert motion.at(motion.t[-1] / 2).x < 1
 
 
-def test_a_motion_that_comes_to_rest_says_so(law):
+def test_a_motion_that_comes_to_rest_says_so():
+    law = ss.laws.exponential.typical()
     osc = paper_oscillator(20.0)
     motion = ss.simulate(law, osc, t_end=100.0)
     assert motion.outcome is Outcome.AT_REST
@@ -162,7 +156,8 @@ def test_a_motion_that_comes_to_where_mu_has_no_value_is_kept():
     assert motion.at(motion.t[-1] / 2).v < 0.5
 
 
-def test_a_start_beyond_the_static_limit_slips_at_once(law):
+def test_a_start_beyond_the_static_limit_slips_at_once():
+    law = ss.laws.exponential.typical()
     osc = paper_oscillator(1.0)
     for x0, begins in ((0.2, Phase.SLIP_BACK), (-0.2, Phase.SLIP_FORWARD), (0.01, Phase.STICK)):
         first = ss.simulate(law, osc, t_end=0.1, x0=x0).events[0]
@@ -180,12 +175,14 @@ def test_a_start_beyond_the_static_limit_slips_at_once(law):
         ({"v0": math.inf}, "v0 = inf is not finite"),
     ],
 )
-def test_bounds_that_are_none(law, arguments, message):
+def test_bounds_that_are_none(arguments, message):
+    law = ss.laws.exponential.typical()
     with pytest.raises(ss.InputError, match=message):
         ss.simulate(law, paper_oscillator(), **({"t_end": 1.0} | arguments))
 
 
-def test_numbers_may_be_written_as_text(law):
+def test_numbers_may_be_written_as_text():
+    law = ss.laws.exponential.typical()
     osc = paper_oscillator()
     plain = ss.simulate(law, osc, t_end=1.0, rtol=1e-8, max_steps=30, time_limit=60.0)
     assert ss.simulate(law, osc, t_end="1", rtol="1e-8", max_steps="30", time_limit="60").events == plain.events

@@ -19,11 +19,11 @@ def initial_conditions(osc, count, seed):
 
 def test_each_motion_is_that_of_simulate():
     stuck = 0
-    for number, (kind, law, osc, _, _) in enumerate(scenes(16, seed=31)):
-        x0, v0 = initial_conditions(osc, 4, number)
+    for number, (kind, law, osc, _, _) in enumerate(scenes(8, seed=31)):
+        x0, v0 = initial_conditions(osc, 3, number)
         t_end = 25 / osc.omega
         many = ss.simulate(law, osc, x0=x0, v0=v0, t_end=t_end)
-        for i in range(4):
+        for i in range(3):
             one = ss.simulate(law, osc, x0=x0[i], v0=v0[i], t_end=t_end)
             size = osc.length + np.ptp(one.x)
             assert many.outcome[i] is one.outcome, kind
@@ -42,12 +42,13 @@ def test_each_motion_is_that_of_simulate():
             assert many.x_max[i] == pytest.approx(x.max(), abs=1e-3 * size), kind
             assert many.v_min[i] == pytest.approx(v.min(), abs=1e-2 * size * osc.omega), kind
             assert many.v_max[i] >= v.max() - AGREES * size * osc.omega, kind
-    assert stuck > 12
+    assert stuck > 4
 
 
-def test_classes_are_those_of_one_by_one(law):
+def test_classes_are_those_of_one_by_one():
+    law = ss.laws.exponential.typical()
     osc = paper_oscillator(2.3)
-    x0, v0 = initial_conditions(osc, 40, 3)
+    x0, v0 = initial_conditions(osc, 12, 3)
     many = ss.classify(law, osc, x0=x0, v0=v0)
     assert many.tolist() == [ss.classify(law, osc, x0=x, v0=v) for x, v in zip(x0, v0, strict=True)]
     grid = ss.classify(law, osc, x0=x0[:3, None], v0=v0[:4])
