@@ -10,10 +10,20 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 import numpy as np
+import sympy as sp
 
 from stickslip_sym.comparison.compare import Answer, answer
-from stickslip_sym.comparison.study.page import LEAST, REACH, page
+from stickslip_sym.comparison.study.pictures import (
+    ALT,
+    CAPTIONS,
+    draw_law,
+    draw_phase_plane,
+    draw_plane,
+    draw_time,
+    picture,
+)
 from stickslip_sym.comparison.study.plane import Plane, plane
+from stickslip_sym.core import symbols
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputError, InputWarning, NoClosedForm, StickSlipError
 from stickslip_sym.core.symbols import QUANTITIES
@@ -32,9 +42,13 @@ from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
+from stickslip_sym.output import printing
 from stickslip_sym.output.browser import print_to_pdf
 from stickslip_sym.output.files import write_text
 from stickslip_sym.output.page.document import now
+from stickslip_sym.output.page.elements import Html, element
+from stickslip_sym.output.page.render import equation, render, with_error
+from stickslip_sym.output.tables import duration
 
 __all__ = ["Study", "study"]
 
@@ -45,6 +59,16 @@ _LOOSE = 1e-6  # of critical values
 _ROUGH = 1e-4  # of thresholds that are averaged over laws
 _SHARE = 5  # of the time for a part, that one quantity, method or law may take
 _SAMPLES = 200  # for the probability, where a threshold takes less than a millisecond
+
+_REACH = 3.0
+"""Times a value, and its inverse: where margins are sought; no decision turns on those beyond."""
+_LEAST = 0.001
+"""A probability below it is not told from 0."""
+_TEMPLATE = Path(__file__).with_name("study.html")
+_WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
+_LONGEST = 1500  # characters that are shown at all
+_LONGEST_NAME = 80  # characters of a heading
+_DIGITS = 10  # of a value, at most
 
 Part = TypeVar("Part")
 
@@ -178,8 +202,8 @@ class Study:
             remarks.append(f"{abs(c - value) / spread:.2g} standard errors")
         if (chance := self.probability) is not None:
             shown = f"= {chance:.2g}"
-            if min(chance, 1 - chance) < LEAST:
-                shown = f"< {LEAST:g}" if chance < LEAST else f"> {1 - LEAST:g}"
+            if min(chance, 1 - chance) < _LEAST:
+                shown = f"< {_LEAST:g}" if chance < _LEAST else f"> {1 - _LEAST:g}"
             remarks.append(f"P {shown} that stick-slip is possible")
         return text + (f" ({', '.join(remarks)})" if remarks else "")
 
@@ -202,7 +226,7 @@ class Study:
         InputError
             If matplotlib, jinja2 or latex2mathml is not installed.
         """
-        return page(self)
+        return _page(self)
 
     def save(self, path: str | Path) -> Path:
         """Write the page to a file.
@@ -353,7 +377,7 @@ def study(
         curves = part("plane of c over V", lambda: plane(friction, rest, osc.V))
         found = part(
             "margins",
-            lambda: margins(friction, osc, errors=carried, rtol=_LOOSE, samples=samples, reach=REACH, each=each),
+            lambda: margins(friction, osc, errors=carried, rtol=_LOOSE, samples=samples, reach=_REACH, each=each),
         )
     choice = part("the choice of law", lambda: _average(law, point, each)) if isinstance(law, Fits) else None
     own = [] if fit is None else [text for text in (fit.extrapolation(osc.V), *fit.warnings) if text]
@@ -415,3 +439,93 @@ def _repeated(caught: Iterable[warnings.WarningMessage]) -> tuple[str, ...]:
     for text, one in texts.items():
         warnings.warn(text, one.category, stacklevel=3)
     return tuple(text for text, one in texts.items() if issubclass(one.category, InputWarning))
+
+
+# -- the page -----------------------------------------------------------------------------------------
+
+
+def _page(study: Study) -> str:
+    """Return the whole page."""
+    title = study.title if len(study.title) <= _LONGEST_NAME else f"{study.title[: _LONGEST_NAME - 1]}…"
+    return render(
+        _TEMPLATE,
+        title=f"Stick–slip study: {title}",
+        study=study,
+        state=_state(study),
+        value=lambda name: with_error(study.value(name), study.standard_error(name)),
+        number_of=study.value,
+        error_of=study.standard_error,
+        uncertain=[one.name for one in study.margins.rows if study.standard_error(one.name)]
+        if study.margins
+        else [],
+        units=QUANTITIES,
+        digits=_digits,
+        duration=duration,
+        reach=_REACH,
+        least=_LEAST,
+        figures=[(key, uri, ALT[key], CAPTIONS[key]) for key, uri in _pictures(study).items()],
+        slopes=_slopes(study),
+        formulas=_formulas(study),
+        time=f"{study.time} in {study.seconds:.1f} s",
+    )
+
+
+def _pictures(study: Study) -> dict[str, str]:
+    """Return the figures as data URIs, by name; one whose part could not be computed is not among them."""
+    law, V, regime, motion, curves = study.law, study.oscillator.V, study.regime, study.motion, study.plane
+    drawn = {"law": picture(lambda ax: draw_law(ax, law, V, measured=study.measured, fit=study.fit))}
+    if curves is not None:
+        drawn["plane"] = picture(lambda ax: draw_plane(ax, curves, study.oscillator, study.errors))
+    if motion is not None:
+        drawn["time"] = picture(lambda ax: draw_time(ax, motion))
+    if regime is not None:
+        drawn["phase"] = picture(lambda ax: draw_phase_plane(ax, regime, motion))
+    return drawn
+
+
+def _state(study: Study) -> str:
+    if study.regime is None or study.regime.coexist:
+        return "either"
+    return "rests" if study.regime.stick_slip is None else "sticks"
+
+
+def _digits(found: Threshold) -> int:
+    """Return the digits of a threshold that its own error leaves."""
+    error = found.relative_error
+    return _DIGITS if not error else min(max(1 - math.floor(math.log10(error)), 2), _DIGITS)
+
+
+def _slopes(study: Study) -> object:
+    """Return how the threshold changes with each quantity and parameter, or why that is not known."""
+    if study.threshold is None:
+        return "There is no threshold here."
+    try:
+        return study.threshold.sensitivity
+    except StickSlipError as error:
+        return f"Not found: {error}"
+
+
+def _formulas(study: Study) -> list[tuple[str, str, str]]:
+    law = study.law
+    parts: list[tuple[str, str, str]] = (
+        []
+        if law.curve is not None
+        else [("law", _formula(sp.Function("mu")(symbols.v), law.expr), "friction law")]
+    )
+    for criterion, form in study.forms.items():
+        name = criterion.replace("_", " ")
+        if isinstance(form, ClosedForm):
+            about = f"{name}, {form.verdict.status.value}: {form.verdict.evidence}"
+            parts.append((criterion, _formula(symbols.c, form.expr), about))
+        else:
+            parts.append((criterion, "", f"{name}: {form}"))
+    return parts
+
+
+def _formula(left: sp.Expr, expr: sp.Expr) -> Html:
+    text = printing.text(expr)
+    if len(text) <= _WIDEST:
+        return equation(left, expr)
+    if len(text) <= _LONGEST:
+        return element("code", f"{printing.text(left)} = {text}")
+    return element("p", f"A formula of {len(text)} characters; derive gives it.", class_="note")
