@@ -24,7 +24,7 @@ from stickslip_sym.formula.proof.gate import verify
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.proof.recurrence import AVERAGES_AGREE
-from stickslip_sym.model.coefficient import symbolic_limit_at_rest
+from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import shapes_of
 from stickslip_sym.output import printing
 
