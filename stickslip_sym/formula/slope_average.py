@@ -192,16 +192,16 @@ def _call(
     flat: list[Numbers] = [
         float(array.item()) if array.size == 1 else np.broadcast_to(array, shape).ravel() for array in arrays
     ]
-    result = np.full(math.prod(shape), np.nan)
+    flat_result = np.full(math.prod(shape), np.nan)
     good = _valid(arguments, arrays, shape, on_invalid)
-    for start in range(0, result.size, _BLOCK):
-        here = (
-            slice(start, start + _BLOCK) if good is None else start + np.flatnonzero(good[start : start + _BLOCK])
-        )
-        some = [value if isinstance(value, float) else value[here] for value in flat]
-        if good is None or len(here):
-            result[here] = evaluator(some)
-    result = result.reshape(shape)
+    for start in range(0, flat_result.size, _BLOCK):
+        block: Any = slice(start, start + _BLOCK)
+        if good is not None:
+            block = start + np.flatnonzero(good[block])
+            if not block.size:
+                continue
+        flat_result[block] = evaluator([value if isinstance(value, float) else value[block] for value in flat])
+    result = flat_result.reshape(shape)
     masks = [np.ma.getmaskarray(value) for value in values if isinstance(value, np.ma.MaskedArray)]
     if masks:
         return np.ma.MaskedArray(result, np.logical_or.reduce([np.broadcast_to(mask, shape) for mask in masks]))
