@@ -1,26 +1,33 @@
 """Criteria as text of another language: the branches of a call, and no need of this package."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.code.language import Language, WrittenFunction, WrittenTerm
 from stickslip_sym.formula.code.languages import find
 from stickslip_sym.formula.evaluation.branches import Table
-from stickslip_sym.formula.evaluation.evaluator import TermFunction
+from stickslip_sym.formula.evaluation.evaluator import Evaluator, TermFunction
 from stickslip_sym.model.law import FrictionLaw
-
-if TYPE_CHECKING:
-    from stickslip_sym.formula.slope_average import SlopeAverage
 
 __all__ = ["code"]
 
 
-def code(criteria: "Mapping[str, tuple[SlopeAverage, str]]", language: str) -> str:
+class Fast(Protocol):
+    """A `SlopeAverage`, whose terms and branches are written."""
+
+    law: FrictionLaw
+    criterion: Criterion
+    arguments: dict[str, Expr]
+    evaluator: Evaluator
+
+
+def code(criteria: Mapping[str, tuple[Fast, str]], language: str) -> str:
     """Return criteria by their names, each with words about it, as text of a language of the table.
 
     Raises
@@ -35,7 +42,7 @@ def code(criteria: "Mapping[str, tuple[SlopeAverage, str]]", language: str) -> s
     return written.head("\n   ".join(function.about for function in functions), body) + body
 
 
-def _function(name: str, average: "SlopeAverage", about: str, language: Language) -> WrittenFunction:
+def _function(name: str, average: Fast, about: str, language: Language) -> WrittenFunction:
     law = average.law
     fixed = {symbol for term in average.evaluator.terms for meaning in term.term.shapes.values()
              for symbol in meaning.free_symbols}  # fmt: skip
