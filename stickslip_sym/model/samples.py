@@ -173,7 +173,7 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
         if speed <= before:
             what = "repeats" if speed == before else "is below"
             raise InputError(
-                f"{shown} {what} that of the point before; sort the points by speed, and average those of one speed"
+                f"{shown} {what} that of the point before; sort points by speed, and average those of one speed"
             )
         before = speed
     return speeds, [exact(value, f"mu of point {number}") for number, value in enumerate(mu, 1)]
