@@ -44,7 +44,8 @@ _ATTRIBUTES = {
     "MotionMap": "motion reason attractors",
     "Axis": "name unit values",
     "Trade": "point box rows dominators",
-    "Study": "warnings headline verdict regime answers choice probability margins forms fit refused defaults seconds",
+    "Study": "warnings headline verdict regime answers choice probability margins forms fit refused defaults "
+    "seconds",
     "Regime": "attractors",
 }
 """What is printed of these classes, by their names; of other dataclasses every attribute."""
