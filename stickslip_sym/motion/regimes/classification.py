@@ -214,7 +214,7 @@ class _Course:
         return (q <= 0) & (q >= -2 * self.system.eta * self.system.table.static)
 
     def _away(self, slip: Slip) -> Motion:
-        """Return what a slip that came out of the law's table leads to, or raise what kept it from being followed."""
+        """Return what a slip that came out of the law's table leads to, or raise what kept it from an end."""
         refusal = self.system.refusal(slip, self.rtol)
         if refusal is not None:
             raise refusal
