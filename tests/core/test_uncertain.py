@@ -69,7 +69,6 @@ def test_the_library_is_imported_only_when_a_number_carries_an_error():
     code = (
         "import stickslip_sym as ss, sys\n"
         "law = ss.laws.exponential.typical(mu_s='0.5')\n"
-        "ss.pure_slip_damping(law, V='0.5', N=9.81)\n"
         "print('uncertainties' in sys.modules)\n"
         "law.bind(mu_s='0.50(2)')\n"
         "print('uncertainties' in sys.modules)"

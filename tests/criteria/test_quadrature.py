@@ -6,6 +6,7 @@ from pathlib import Path
 import mpmath
 import pytest
 import sympy as sp
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria import quadrature
@@ -52,7 +53,7 @@ def test_constant_law_and_no_load():
     assert ss.quadrature.damping(ss.laws.exponential.typical(), V=1, N=0) == 0
 
 
-@pytest.mark.parametrize("text", ["0.3 + log(v - 0.2)", "0.3/(v - 0.3)", "sqrt(v - 0.1)"])
+@sweep("text", ["0.3 + log(v - 0.2)", "0.3/(v - 0.3)", "sqrt(v - 0.1)"], "0.3 + log(v - 0.2)", "sqrt(v - 0.1)")
 def test_a_law_that_is_not_real_and_finite_is_an_error(text):
     with pytest.raises(ss.InputError, match="not a finite real number at v = "):
         ss.quadrature.damping(ss.FrictionLaw(text), V="0.5", N=1, digits=15)
@@ -174,7 +175,7 @@ class Counted(ss.FrictionLaw):
         return counted
 
 
-@pytest.mark.parametrize(("height", "width", "place"), [(3.1e-7, 5.5e-3, 1.39), (9e-8, 4e-3, 1.18)])
+@sweep(("height", "width", "place"), [(3.1e-7, 5.5e-3, 1.39), (9e-8, 4e-3, 1.18)], (9e-8, 4e-3, 1.18))
 def test_low_and_narrow_bumps_have_all_digits_asked_for(height, width, place):
     """Nearly all of mu cancels, and the rule must still see the bump: tolerance and work follow what is lost."""
     law = Counted("mu_0 + h/(1 + ((v - p)/w)^2)").bind(mu_0=0.5, h=height, p=place, w=width)

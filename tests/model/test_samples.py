@@ -1,12 +1,12 @@
 """Laws through measured points: the curve, its criteria, and every refusal."""
 
 import re
-import time
 
 import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from sweeps import sweep
 from systems import FOLDER_OPENED
 
 import stickslip_sym as ss
@@ -57,7 +57,7 @@ def test_every_library_computes_the_formula(law, backend, derivative):
         assert float(function(np.float64(v) if backend == "numpy" else v)) == pytest.approx(expected, rel=1e-13)
 
 
-@pytest.mark.parametrize("criterion", ["equilibrium", "least_squares", "harmonic"])
+@sweep("criterion", ["equilibrium", "least_squares", "harmonic"], "equilibrium", "least_squares")
 def test_its_criteria_are_exact_closed_forms(law, form, criterion):
     form = form if criterion == form.criterion.name else ss.derive(law, criterion)
     assert form.verdict.status is (ss.Status.CHECKED if criterion == "harmonic" else ss.Status.PROVED)
@@ -114,8 +114,8 @@ def test_extrapolation_holds_the_first_and_the_last_coefficient():
         law = ss.FrictionLaw.from_samples([0.1, 0.2, 0.4, 0.8], [0.5, 0.4, 0.35, 0.3], extrapolate=True)
     assert law.mu([0.0, 0.05, 0.1, 0.8, 50.0]) == pytest.approx([0.5, 0.5, 0.5, 0.3, 0.3])
     assert law.v_max is None
-    exact = ss.derive(law).evaluate(30, V=2, N=1)
-    assert float(exact) == pytest.approx(float(ss.quadrature.damping(law, V=2, N=1, digits=30)), rel=1e-14)
+    exact = float(ss.enclose(law, V=2, N=1))
+    assert exact == pytest.approx(float(ss.quadrature.damping(law, V=2, N=1, digits=30)), rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -127,7 +127,7 @@ def test_extrapolation_holds_the_first_and_the_last_coefficient():
         ([0, 1, 1, 3], [1, 1, 1, 1], "v of point 3, 1 m/s, repeats that of the point before"),
         ([1, 1, 1, 1], [1, 1, 1, 1], "the slip speed|point 2, 1 m/s, repeats"),
         ([0, 2, 1, 3], [1, 1, 1, 1], "v of point 3, 1 m/s, is below that of the point before; sort"),
-        ([-1, 0, 1, 2], [1, 1, 1, 1], "v of point 1 is -1; the slip speed"),
+        ([-1, 0, 1, 2], [1, 1, 1, 1], "v of point 1, -1 m/s, is below 0; the slip speed"),
         ([0, 1, float("nan"), 3], [1, 1, 1, 1], "v of point 3 = nan is not a finite real number"),
         ([0, 1, 2, 3], [1, float("inf"), 1, 1], "mu of point 2 = inf is not a finite real number"),
         ([0, 1, 2, 3], [1, None, 1, 1], "mu of point 2 = None is not a finite real number"),
@@ -173,15 +173,14 @@ def test_files_that_cannot_be_read_are_refused(tmp_path):
         ss.FrictionLaw.from_csv(binary)
 
 
-def test_a_million_rows_are_refused_in_seconds(tmp_path):
-    path = write(tmp_path, "v,mu\n" + "".join(f"{i},0.5\n" for i in range(1_000_001)))
-    start = time.perf_counter()
-    with pytest.raises(ss.InputError, match="has over 1000000 rows; average them to fewer"):
+def test_too_many_rows_are_refused_before_they_are_read(tmp_path, monkeypatch):
+    monkeypatch.setattr("stickslip_sym.model.measured.table.MOST_ROWS", 1000)
+    path = write(tmp_path, "v,mu\n" + "".join(f"{i},no number\n" for i in range(1001)))
+    with pytest.raises(ss.InputError, match="has over 1000 rows; average them to fewer"):
         ss.FrictionLaw.from_csv(path)
-    assert time.perf_counter() - start < 20  # it takes 1 s; this only tells it from a hang
 
 
-@pytest.mark.parametrize("criterion", ["equilibrium", "least_squares", "harmonic"])
+@sweep("criterion", ["equilibrium", "least_squares", "harmonic"], "equilibrium", "least_squares")
 def test_a_constant_stretch_is_exactly_zero(criterion):
     """Where the criterion is 0, no number of digits tells it from a small value: the pieces do."""
     law = ss.FrictionLaw.from_samples(["0", "0.5", "0.6", "2"], ["0.5", "0.5", "0.3", "0.3"])

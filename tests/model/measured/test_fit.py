@@ -4,21 +4,16 @@ import json
 
 import numpy as np
 import pytest
+from sweeps import sweep
 
 import stickslip_sym as ss
 
 TRUE = {"mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
 NOISE = 0.01
 RIVALS = [
-    "coulomb_viscous",
-    "exponential",
-    "gaussian",
-    "hyperbolic",
-    "logarithmic",
-    "polynomial",
-    "tanh",
+    "exponential", "gaussian", "logarithmic", "coulomb_viscous", "hyperbolic", "polynomial", "tanh",
     "bengisu_akay",
-]
+]  # fmt: skip
 
 
 def data(law=ss.laws.exponential, *, seed=0, count=60, low=2e-3, noise=NOISE):
@@ -33,7 +28,7 @@ def fits():
     return ss.fit(*data(), laws=["exponential", "gaussian", "coulomb", "stribeck"])
 
 
-@pytest.mark.parametrize(("known", "sets", "within"), [(False, 200, 0.0), (True, 60, 0.02)])
+@sweep(("known", "sets", "within"), [(False, 200, 0.0), (True, 60, 0.02), (False, 40, 0.03)], (False, 40, 0.03))
 def test_intervals_hold_the_truth_as_often_as_they_say(known, sets, within):
     """At 80 % they must be too narrow for 92 %, or nothing would be measured; fewer sets scatter more."""
     held = {0.95: [], 0.8: []}
@@ -44,33 +39,31 @@ def test_intervals_hold_the_truth_as_often_as_they_say(known, sets, within):
             intervals = best.confidence(level)
             found += [low <= TRUE[name] <= high for name, (low, high) in intervals.items()]
     assert 0.92 - within <= np.mean(held[0.95]) <= 0.97 + within
-    assert 0.74 <= np.mean(held[0.8]) <= 0.86
+    assert 0.74 - within <= np.mean(held[0.8]) <= 0.86 + within
 
 
-def test_every_law_is_found_again_from_data_without_noise():
-    """From starts that know nothing of the values; where a law is not determined, that is said."""
-    lost = {}
-    for name, law in ss.laws.catalogue.items():
-        v, mu = data(law, low=1e-4, noise=1e-9, count=120)
-        found = ss.fit(v, mu, laws=law).best.values
-        wrong = [key for key, value in law.typical().values.items() if abs(found[key] / float(value) - 1) > 1e-4]
-        if wrong:
-            lost[name] = found
-    assert lost == {}
+@sweep("name", list(ss.laws), "stribeck_viscous", "two_exponentials", "cubic")
+def test_a_law_is_found_again_from_data_without_noise(name):
+    """From starts that know nothing of the values."""
+    law = ss.laws[name]
+    v, mu = data(law, low=1e-4, noise=1e-9, count=120)
+    found = ss.fit(v, mu, laws=law).best.values
+    assert found == pytest.approx({key: float(value) for key, value in law.typical().values.items()}, rel=1e-4)
 
 
-def test_the_generating_law_is_among_the_best_two():
+@sweep("rivals", [RIVALS[:4], RIVALS], RIVALS[:4])
+def test_the_generating_law_is_among_the_best_two(rivals):
     first = []
-    for name in RIVALS:
+    for name in rivals:
         v, mu = data(ss.laws.catalogue[name], count=100, low=1e-4, noise=0.002)
-        fits = ss.fit(v, mu, laws=RIVALS)
+        fits = ss.fit(v, mu, laws=rivals)
         assert sum(fit.weight for fit in fits) == pytest.approx(1)
         assert [fit.aicc for fit in fits] == sorted(fit.aicc for fit in fits)
         first.append([fit.name for fit in fits].index(name))
     assert np.mean(np.array(first) < 2) >= 0.9
 
 
-@pytest.mark.parametrize("sigma", [None, 0.02])
+@sweep("sigma", [None, 0.02], None)
 def test_lmfit_with_numerical_derivatives_finds_the_same(fits, sigma):
     import lmfit
 
@@ -209,13 +202,13 @@ def correlated(rng, count, rho):
     return noise
 
 
-@pytest.mark.parametrize("rho", [0.0, 0.5, 0.8])
-def test_intervals_hold_the_truth_under_correlated_noise(rho):
+@sweep(("rho", "sets"), [(0.0, 60), (0.5, 60), (0.8, 60), (0.8, 20)], (0.8, 20))
+def test_intervals_hold_the_truth_under_correlated_noise(rho, sets):
     """Of a sweep of speeds; unwidened, they hold it in 38 to 61 of 100 at 0.8."""
     rng = np.random.default_rng(17)
     v = np.linspace(0.01, 1.5, 80)
     held, plain, warned = [], [], 0
-    for _ in range(60):
+    for _ in range(sets):
         mu = 0.2 + 0.3 * np.exp(-3 * v) + NOISE * correlated(rng, 80, rho)
         best = ss.fit(v, mu, laws="exponential").best
         warned += any("are correlated" in text for text in best.warnings)
@@ -224,7 +217,7 @@ def test_intervals_hold_the_truth_under_correlated_noise(rho):
             half = (high - low) / 2 / best.inflation**0.5
             plain.append(abs(best.values[name] - TRUE[name]) <= half)
     assert np.mean(held) >= 0.92
-    assert (warned > 50) if rho else (warned < 5)
+    assert (warned > 0.83 * sets) if rho else (warned < 0.08 * sets)
     assert rho < 0.8 or np.mean(plain) < 0.8
 
 
