@@ -5,6 +5,7 @@ The one place that calls `lambdify`. It generates source text, so only symbols t
 """
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import Any, Literal
 
 import sympy as sp
@@ -16,23 +17,30 @@ __all__ = ["Backend", "function_of"]
 Backend = Literal["numpy", "math", "mpmath"]
 
 
-def function_of(arguments: Sequence[Expr], expr: Expr, backend: Backend) -> Callable[..., Any]:
-    """Return `expr` as a function of `arguments`, computed by the given library.
+def function_of(arguments: Sequence[Expr], expr: Expr | Sequence[Expr], backend: Backend) -> Callable[..., Any]:
+    """Return `expr` as a function of `arguments`, computed by the given library; the same one if asked again.
 
     `expr` may be a list of expressions; common subexpressions are then computed once.
     """
+    return _compiled(tuple(arguments), tuple(expr) if isinstance(expr, list | tuple) else expr, backend)
+
+
+@lru_cache(maxsize=1024)
+def _compiled(arguments: tuple[Expr, ...], expr: Expr | tuple[Expr, ...], backend: Backend) -> Callable[..., Any]:
     from stickslip_sym.core.functions import lerch
 
     modules: list[Any] = ["math"]
+    several = isinstance(expr, tuple)
+    parts = [sp.sympify(part) for part in (expr if several else (expr,))]
     if backend == "mpmath":
         modules = [{"Lerch": lerch}, "mpmath"]
     if backend == "numpy":
         import numpy as np  # here: a formula is derived without it
 
-        expr = _in_floats(expr)
+        parts = [_in_floats(part) for part in parts]
         modules = [{"expm1": np.expm1}, "scipy", "numpy"]  # SciPy's expm1 takes no extended precision
     compiled: Callable[..., Any] = sp.lambdify(
-        list(arguments), expr, modules=modules, dummify=True, cse=isinstance(expr, list)
+        list(arguments), parts if several else parts[0], modules=modules, dummify=True, cse=several
     )
     return compiled
 
@@ -42,9 +50,6 @@ _DIGITS = 20  # of a number as text: enough that reading it back gives the neare
 
 
 def _in_floats(expr: Expr) -> Expr:
-    """Replace the numbers in an expression, or in lists of some, that NumPy's integers do not hold."""
-    if isinstance(expr, list):
-        return [_in_floats(part) for part in expr]
-    expr = sp.sympify(expr)
+    """Replace the numbers in an expression that NumPy's integers do not hold."""
     long = [number for number in expr.atoms(sp.Rational) if max(abs(number.p), number.q) > _LONGEST]
     return expr.xreplace({number: sp.Float(number, _DIGITS) for number in long}) if long else expr

@@ -4,7 +4,6 @@ import copy
 import math
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
-from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self, SupportsFloat
@@ -20,8 +19,16 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, fractions_of, real, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated, spread
-from stickslip_sym.model.coefficient import Coefficient, limit_at_rest, symbolic_limit_at_rest
+from stickslip_sym.model.at_rest import (
+    Rising,
+    function_at,
+    limit_at_rest,
+    reals,
+    rises_of,
+    symbolic_limit_at_rest,
+)
 from stickslip_sym.model.expression.parameters import Parameter, described_by, parameter_table
+from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.expression.reading import read_formula, read_static
 from stickslip_sym.model.expression.units import check_units
 from stickslip_sym.model.samples import SampledCurve
@@ -69,6 +76,15 @@ class FrictionLaw:
     InputWarning
         If the formula has no v, or vr beside v.
 
+    Attributes
+    ----------
+    expr : sympy.Expr
+        The coefficient as an expression in the slip speed and the parameters.
+    static : sympy.Expr or None
+    curve : SampledCurve or None
+        The curve through measured points; None for a law that is a formula.
+    name, source, validity : str or None
+
     Examples
     --------
     >>> FrictionLaw("mu_m + (mu_s - mu_m)*exp(-alpha*v)").bind(mu_s=0.5, mu_m=0.2, alpha=3.0).mu(0.0)
@@ -88,13 +104,12 @@ class FrictionLaw:
     ) -> None:
         described = described_by(parameters, units)
         table = dict(described)
-        expr = read_formula(formula, table)
+        self.expr = read_formula(formula, table)
+        self.curve: SampledCurve | None = None
         self.name, self.source, self.validity = name, source, validity
         self.static = None if static is None else read_static(static, table)
         self._values: dict[str, Fraction] = {}
         self._uncertain: dict[str, UFloat] = {}
-        own = [parameter.symbol for parameter in table.values() if parameter.symbol in expr.free_symbols]
-        self._coefficient = Coefficient(expr, own)
         self._parameters = self._used(table)
         for unused in described.keys() - self._parameters.keys():
             raise InputError(f"the parameter {unused!r} does not occur in the formula {self.text}")
@@ -228,7 +243,7 @@ class FrictionLaw:
     ) -> Self:
         """Return the law that a piecewise cubic is."""
         law = cls(curve.expr, name=name, source=source, validity=validity)
-        law._coefficient = Coefficient(law.expr, (), curve)
+        law.curve = curve
         return law
 
     @property
@@ -295,7 +310,7 @@ class FrictionLaw:
         bound = copy.copy(self)
         bound._values = {**self._values, **read}
         bound._uncertain = {key: self.uncertain[key] for key in self.uncertain.keys() - read.keys()} | errors
-        if not bound.missing:
+        if not bound._without_value(bound.expr):
             bound.kinks()  # refuses values for which a kink has no place
         return bound
 
@@ -303,16 +318,6 @@ class FrictionLaw:
         """Return the law with its typical values wherever neither `bind` nor `values` gives one."""
         given = {key: self.parameters[key].typical for key in self.missing}
         return self.bind(**{key: value for key, value in given.items() if value is not None} | values)
-
-    @property
-    def expr(self) -> Expr:
-        """The coefficient as an expression in the slip speed and the parameters."""
-        return self._coefficient.expr
-
-    @property
-    def curve(self) -> SampledCurve | None:
-        """The curve through measured points; None for a law that is a formula."""
-        return self._coefficient.curve
 
     @property
     def slope_expr(self) -> Expr:
@@ -408,7 +413,7 @@ class FrictionLaw:
         InputError
             If a parameter has no value.
         """
-        return float(number_at(expr, self.point))
+        return float(number_at(expr, self._point(self.expr, expr)))
 
     def limit_at_rest(self, expr: Expr) -> float:
         """Return the limit of an expression in v and the parameters as v falls to 0; NaN where none is found.
@@ -429,19 +434,23 @@ class FrictionLaw:
         Raises
         ------
         InputError
-            If a parameter has no value.
+            If a parameter of the coefficient has no value; those of the static one alone may have none.
         """
-        self._require_values()
-        return {
-            self._parameters[key].symbol: sp.Rational(*value.as_integer_ratio())
-            for key, value in self._values.items()
-        }
+        return self._point(self.expr)
 
-    def _require_values(self) -> None:
-        if self.missing:
-            names = ", ".join(self.missing)
-            example = ", ".join(f"{key}=..." for key in self.missing)
-            raise InputError(f"{self._label()} has no value for {names}; bind them first: law.bind({example})")
+    def _point(self, *exprs: Expr) -> dict[Expr, Expr]:
+        if missing := self._without_value(*exprs):
+            example = ", ".join(f"{key}=..." for key in missing)
+            raise InputError(
+                f"{self._label()} has no value for {', '.join(missing)}; bind them first: law.bind({example})"
+            )
+        values = self.values
+        return {p.symbol: values[key] for key, p in self._parameters.items() if key in values}
+
+    def _without_value(self, *exprs: Expr) -> list[str]:
+        """Return the names of the parameters in some expressions that have no value yet."""
+        used = {symbol.name for expr in exprs for symbol in expr.free_symbols}
+        return [key for key in self.missing if key in used]
 
     def partial(self, name: str) -> Self:
         """Return the law dmu/dp of a parameter p, or v mu' - mu for "V"; each piece by itself.
@@ -457,8 +466,9 @@ class FrictionLaw:
             raise InputError(f"{self._label()} has no parameter {name!r}; it has: {', '.join(self._parameters)}")
         law = copy.copy(self)
         symbol = symbols.V if name == "V" else self._parameters[name].symbol
-        coefficient = _partial(self.expr, symbol)
-        law._coefficient, law.static = coefficient, None
+        slope = sp.diff(self.expr, symbols.v if symbol == symbols.V else symbol)
+        law.expr = symbols.v * slope - self.expr if symbol == symbols.V else slope
+        law.curve = law.static = None
         law._parameters = {k: p for k, p in self._parameters.items() if p.symbol in law.expr.free_symbols}
         law._values = {key: value for key, value in self._values.items() if key in law._parameters}
         return law
@@ -496,10 +506,10 @@ class FrictionLaw:
     def _at_speeds(self, speeds: FloatArray, *, derivative: bool) -> FloatArray:
         try:
             with np.errstate(all="ignore"):  # every piece of a law is computed, and one is taken
-                value = np.asarray(self.function("numpy", derivative=derivative)(speeds))
+                value = reals(self.function("numpy", derivative=derivative)(speeds))
         except ArithmeticError:
             value = np.asarray(np.nan)
-        result = np.broadcast_to(np.where(np.isreal(value), value.real, np.nan), speeds.shape).astype(np.float64)
+        result = np.broadcast_to(value, speeds.shape).astype(np.float64)
         at_zero = np.isnan(result) & (speeds == 0)
         if at_zero.any():  # where a formula such as v^p/v is 0/0
             result[at_zero] = self.limit_at_rest(self.slope_expr if derivative else self.expr)
@@ -514,28 +524,26 @@ class FrictionLaw:
         derivative : bool
             Return the slope.
         """
-        return self._coefficient.function(self.point, backend, derivative=derivative)
+        if self.curve is not None:
+            return self.curve.function(backend, derivative=derivative)
+        return function_at(self.slope_expr if derivative else self.expr, self.point, backend)
 
     def kinks(self) -> list[Expr]:
         """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
-        found = self._coefficient.kinks(self.point)
+        point = self.point
+        found = {number_at(place, point) for place in places(self.expr)}
         for place in found:
             if not place.is_real:
                 raise InputError(f"{self._label()} has a kink at v = {str(place)[:40]}, which is not real")
         return sorted(place for place in found if place > 0)
 
-    def rises(self, backend: Backend = "math") -> list[tuple[float, Callable[[Any], Any]]]:
+    def rises(self) -> list[tuple[float, Rising]]:
         """Return where each smooth piece of mu begins, ascending from 0, and mu(v) - mu(0+) on it.
 
-        Each function continues smoothly beyond the ends of its piece, where another piece holds. Where v is small
-        it has the digits that are lost when two coefficients are subtracted.
-
-        Parameters
-        ----------
-        backend : {"math", "numpy"}
-            Whether they are functions of a float, or of an array, with NaN where mu has no value.
+        Each function is of an array, and continues smoothly beyond the ends of its piece, where another piece
+        holds. Where v is small it has the digits that are lost when two coefficients are subtracted.
         """
-        return self._coefficient.rises(self.point, self.kinks() if self.curve is None else (), backend)
+        return rises_of(self.expr, self.point, self.kinks()) if self.curve is None else self.curve.rises
 
     def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
         speed = np.asarray(v, dtype=np.float64)
@@ -584,9 +592,3 @@ class FrictionLaw:
         notes = [f"{kind}: {text}" for kind, text in known.items() if text]
         table = [parameter_table(self.parameters, self.values)] if self.parameters else []
         return markup.block(self.name or "friction law", head, *table, *notes)
-
-
-@lru_cache(maxsize=512)
-def _partial(expr: Expr, symbol: Expr) -> Coefficient:
-    partial = symbols.v * sp.diff(expr, symbols.v) - expr if symbol == symbols.V else sp.diff(expr, symbol)
-    return Coefficient(partial, sorted(partial.free_symbols - {symbols.v}, key=str))

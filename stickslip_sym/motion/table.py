@@ -12,7 +12,6 @@ until the last coefficients vanish.
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple, TypeAlias
@@ -25,6 +24,7 @@ from numpy.polynomial import chebyshev
 from stickslip_sym.core import balls, symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.model.at_rest import Rising
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.law import FrictionLaw
 
@@ -40,7 +40,6 @@ _OFF = 5e-15  # of the first polynomial, relative to the rise at any lower speed
 _NOISE = 4e-15  # of mu, by which a rise may be off where it had to be computed as a difference
 _VANISHES = 4e-16  # of the largest coefficient at rest: where mu has no slope at 0, rounding is none either
 _MOST = 10_000  # intervals
-_LARGE = 0.02  # a difference of coefficients that has lost few digits
 _RESOLVED = 4  # halvings, after which what is left may be noise of a rise computed as a difference
 _NARROWEST = 1e-13  # relative width of an interval that is not halved again
 _POLE = 1e6  # a coefficient on the narrowest interval as high as that is a pole's
@@ -53,7 +52,6 @@ _NODES = -np.cos(np.pi * (_POWERS + 0.5) / (_DEGREE + 1))  # Chebyshev's, ascend
 _COEFFICIENTS = np.linalg.inv(chebyshev.chebvander(_NODES, _DEGREE)).T
 _MONOMIALS = np.array([np.pad(chebyshev.cheb2poly(row), (0, _DEGREE - k)) for k, row in enumerate(np.eye(15))])
 
-Rising: TypeAlias = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) at an array of slip speeds, NaN where mu has no value."""
 
 
@@ -229,13 +227,13 @@ def _table(law: FrictionLaw, upto: float | None) -> FrictionTable:
     onset, static = law.onset, law.static_value
     reach = math.inf if law.v_max is None else float(law.v_max)
     farthest = FARTHEST if upto is None else upto
-    segments = [(start, rising) for start, rising in law.rises("numpy") if start < farthest]
+    segments = [(start, rising) for start, rising in law.rises() if start < farthest]
     starts = [start for start, _ in segments]
     ends = [*starts[1:], min(reach, farthest)]
     parts, kinks, firsts, end = [], [], [0], 0.0
     with np.errstate(all="ignore"):
         for (start, rising), high in zip(segments, ends, strict=True):
-            part, end = _segment(_risen(law, rising, onset), onset, start, high, upto is not None)
+            part, end = _segment(rising, onset, start, high, upto is not None)
             if part:
                 parts += part
                 firsts.append(len(parts))
@@ -248,16 +246,6 @@ def _table(law: FrictionLaw, upto: float | None) -> FrictionTable:
 
 
 _Interval: TypeAlias = tuple[float, float, float, FloatArray]  # its begin, origin, scale and coefficients
-
-
-def _risen(law: FrictionLaw, rising: Rising, onset: float) -> Rising:
-    """Return the rise on a segment: where it is large as a difference, else by a formula without cancellation."""
-
-    def risen(v: FloatArray) -> FloatArray:
-        difference = law.at_speeds(v.astype(np.float64, copy=False)) - onset
-        return np.where(np.abs(difference) > _LARGE, difference, rising(v) + 0 * v)
-
-    return risen
 
 
 def _segment(

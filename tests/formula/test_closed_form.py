@@ -6,6 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from forms import some
 
 import stickslip_sym as ss
 from derivations import paper
@@ -47,10 +48,10 @@ def test_equilibrium_is_the_slope(name):
 @pytest.mark.parametrize("criterion", ss.criteria.catalogue)
 @pytest.mark.parametrize("name", PAPER)
 def test_agrees_with_the_definition_to_45_digits(name, criterion, scene):
-    """Enclosed in twenty scenes; by quadrature, which takes longer, in every fourth."""
+    """Enclosed in eight scenes; by quadrature, which takes longer, in two."""
     law = ss.laws.catalogue[name]
     form = ss.derive(law, criterion)
-    for number in range(20):
+    for number in range(8):
         values = scene([*law.parameters, "V", "N"])
         place = {"V": values.pop("V"), "N": values.pop("N"), "digits": 50}
         bound = law.bind(**values)
@@ -68,7 +69,7 @@ def test_agrees_with_the_definition_to_45_digits(name, criterion, scene):
 @pytest.mark.parametrize("name", PAPER)
 def test_a_call_is_accurate_over_twelve_decades(name, criterion):
     form = ss.derive(ss.laws.catalogue[name].typical(), criterion)
-    V = np.concatenate([np.logspace(-9, 2, 111), np.linspace(0.89, 0.91, 21)])
+    V = np.concatenate([np.logspace(-9, 2, 34), np.linspace(0.89, 0.91, 5)])
     values = form(V=V, N=9.81)
     exact = np.array([float(form.evaluate(25, V=speed, N=9.81)) for speed in V])
     assert np.all(np.abs(values - exact) <= FLOAT_ERROR * np.abs(exact))
@@ -84,7 +85,7 @@ def test_the_printed_formula_would_fail_that_test():
     assert abs(form(V=1e-4, N=9.81) / exact - 1) < FLOAT_ERROR
 
 
-@pytest.mark.parametrize("p", [1.0, 0.1, 0.01, 3e-3, 1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("p", some([1.0, 0.1, 0.01, 3e-3, 1e-3, 1e-4, 1e-6], 2, 5))
 def test_a_thin_layer_is_not_overlooked(p):
     """At V = 0.5 nothing of exp(-v/p) is left, yet it carries up to the whole of the criterion."""
     form = ss.derive(ss.FrictionLaw("mu_m + a*exp(-v/p) + b*exp(-v/q)"))
@@ -94,13 +95,17 @@ def test_a_thin_layer_is_not_overlooked(p):
 
 @pytest.mark.parametrize(
     "text",
-    ["a*exp(-p*v) + b*exp(-q*v)", "a*v^6*exp(-p*v)", "a/(1 + v/p) + b*v^2", "a*exp(-(v/p)^2) + b*tanh(v/q)"],
+    some(
+        ["a*exp(-p*v) + b*exp(-q*v)", "a*v^6*exp(-p*v)", "a/(1 + v/p) + b*v^2", "a*exp(-(v/p)^2) + b*tanh(v/q)"],
+        0,
+        1,
+    ),
 )
 def test_a_call_keeps_its_promise_for_random_parameters(text):
     form = ss.derive(ss.FrictionLaw(text))
     rng = np.random.default_rng(5)
-    columns = {name: 10 ** rng.uniform(-3, 3, 60) for name in form.arguments}
-    exact = [float(form.evaluate(20, **{name: column[i] for name, column in columns.items()})) for i in range(60)]
+    columns = {name: 10 ** rng.uniform(-3, 3, 20) for name in form.arguments}
+    exact = [float(form.evaluate(20, **{name: column[i] for name, column in columns.items()})) for i in range(20)]
     assert form(**columns) == pytest.approx(exact, rel=FLOAT_ERROR)
 
 
@@ -127,10 +132,10 @@ def test_a_parameter_of_zero():
 
 @pytest.mark.parametrize(
     "text",
-    [
+    some([
         "a*exp(-p*(v + q))", "a*exp(-(p + q)*v)", "exp(-v)*exp(-p*v)", "(a + b*v)^3*exp(-p*(v + q))",
         "0.2 + 0.1*exp(-v/0.003) + 0.1*exp(-v/100)", "a*sqrt(v)", "a*v^p", "1/(v + p)^2",
-    ],
+    ], 2, 3, 6),
 )  # fmt: skip
 def test_laws_written_in_other_ways(text):
     assert ss.derive(ss.FrictionLaw(text)).verdict.status is ss.Status.PROVED
@@ -227,9 +232,11 @@ def test_a_wrong_average_gives_no_value_either(fresh_averages, monkeypatch):
     assert got == pytest.approx(float(ss.quadrature.damping(law, "harmonic", V=0.5, N=9.81, digits=20)), rel=1e-13)
 
 
-@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
+ENDING = ["mu_s + d*log(1 - v/v_c)", "mu_s + d*v*log(1 - v/v_c)", "mu_s + d*sqrt(1 - v/v_c)"]
+
+
 @pytest.mark.parametrize(
-    "text", ["mu_s + d*log(1 - v/v_c)", "mu_s + d*v*log(1 - v/v_c)", "mu_s + d*sqrt(1 - v/v_c)"]
+    ("text", "criterion"), some([(text, way) for text in ENDING for way in ("least_squares", "harmonic")], 0, 5)
 )
 def test_a_law_that_ends_at_a_speed(text, criterion):
     rng = np.random.default_rng(6)

@@ -269,3 +269,18 @@ def test_laws_are_equal_if_formula_values_and_description_are():
     measured, held = (ss.FrictionLaw.from_samples(v, mu, extrapolate=held) for held in (False, True))
     assert measured != held
     assert measured == ss.FrictionLaw.from_samples(v, mu)
+
+
+def test_a_static_coefficient_needs_its_parameters_only_where_it_enters():
+    law = ss.FrictionLaw(TEXT, static="mu_0*r").bind(mu_s=0.5, mu_m=0.2, alpha=3)
+    plain = ss.FrictionLaw(TEXT).bind(mu_s=0.5, mu_m=0.2, alpha=3)
+    for value in (
+        lambda law: law.mu(0.3), lambda law: law.onset, lambda law: float(ss.enclose(law, V=0.5, N=1, digits=12)),
+        lambda law: float(ss.quadrature.damping(law, V=0.5, N=1, digits=12)),
+        lambda law: ss.slope_average(law)(V=0.5, N=1), lambda law: ss.derive(law)(V=0.5, N=1),
+        lambda law: ss.pure_slip_damping(law, V=0.5, N=1, method="harmonic").value,
+    ):  # fmt: skip
+        assert value(law) == value(plain)
+    for entering in (lambda: law.static_value, lambda: ss.Oscillator(m=1, k=1, V=1, N=1).onset(law)):
+        with pytest.raises(ss.InputError, match=r"no value for mu_0, r; bind them first"):
+            entering()

@@ -32,7 +32,7 @@ def test_rises_and_slopes_are_those_of_the_coefficient(law):
     assert begins == sorted(begins)
     assert begins[0] == 0
     for v in SPEEDS:
-        rise = [function for begin, function in law.rises() if begin < v][-1](v)
+        rise = [function for begin, function in law.rises() if begin < v][-1](np.array(v))
         with mpmath.workdps(40):
             mu = law.function("mpmath")
             exact = mu(mpmath.mpf(v)) - mu(mpmath.mpf(10) ** -38)

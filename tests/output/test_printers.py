@@ -25,7 +25,7 @@ from stickslip_sym.formula.code import language, languages
 from stickslip_sym.output import abbreviation, latex_printer, layout, markup, printing, text_printer
 from stickslip_sym.output.notation import notation_of
 
-COUNT = int(os.environ.get("STICKSLIP_PRINTED", "300"))
+COUNT = int(os.environ.get("STICKSLIP_PRINTED", "100"))
 BATCH = 100  # formulas; one run of the compiler and of Octave for each
 NARROW = 100.0  # points, so that small formulas are broken into lines and abbreviated
 DIGITS = 30

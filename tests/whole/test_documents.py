@@ -32,6 +32,15 @@ TIME = re.compile(r"\b[\d.]+ (ns|us|ms|s)\b")
 PATH = re.compile(r"`([\w./]+(?:/|\.py|\.md|\.cff))`|\]\(([\w./]+)\)")
 
 
+BY_DEFAULT = ("README.md", "CONTRIBUTING.md")
+"""The others are run with ``pytest --thorough``, and where the documentation is built."""
+
+
+def thorough_but_for_the_first(cases):
+    """Mark what is no part of the documents that are read first."""
+    return [pytest.param(*case, marks=() if case[0] in BY_DEFAULT else pytest.mark.thorough) for case in cases]
+
+
 def blocks(language, names=DOCUMENTS):
     """Return the documents and their blocks of a language."""
     return [
@@ -59,11 +68,15 @@ def stated(code):
     return re.findall(r"^# (.*)$", code, re.M)
 
 
-@pytest.mark.parametrize(("name", "code"), blocks("python", [name for name in DOCUMENTS if name != DERIVATION]))
+@pytest.mark.parametrize(
+    ("name", "code"),
+    thorough_but_for_the_first(blocks("python", [name for name in DOCUMENTS if name != DERIVATION])),
+)
 def test_python_blocks_print_what_they_say(name, code):
     assert printed(code, {}) == stated(code)
 
 
+@pytest.mark.thorough
 def test_derivation_prints_what_it_says():
     """In plain SymPy: this package enters in the last cell only."""
     cells = [cell for _, cell in blocks("python", [DERIVATION])]
@@ -74,14 +87,14 @@ def test_derivation_prints_what_it_says():
 
 
 SESSIONS = [
-    (command, output)
-    for _, text in blocks("console")
+    (name, command, output)
+    for name, text in blocks("console")
     for command, output in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", text, re.M)
 ]
 
 
-@pytest.mark.parametrize(("command", "output"), SESSIONS, ids=[command for command, _ in SESSIONS])
-def test_console_blocks_print_what_they_say(command, output, tmp_path):
+@pytest.mark.parametrize(("name", "command", "output"), thorough_but_for_the_first(SESSIONS))
+def test_console_blocks_print_what_they_say(name, command, output, tmp_path):
     """Away from the repository, for a command may write files."""
     program, *arguments = shlex.split(command)
     assert program in ("stickslip", "python")
@@ -125,6 +138,7 @@ def test_files_that_a_document_names_exist(name):
     assert {path for path in named if not any((base / path).exists() for base in bases)} == set()
 
 
+@pytest.mark.thorough
 def test_gallery_draws_its_pictures(tmp_path):
     pytest.importorskip("matplotlib")
     runpy.run_path(str(ROOT / DOCS / "gallery.py"))["draw"](tmp_path)

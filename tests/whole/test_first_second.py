@@ -1,28 +1,16 @@
 """Numbers as users give them, and what is computed only when it is asked for."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
+from commands import inside
 
 import stickslip_sym as ss
 from stickslip_sym.core.numbers import exact, fraction
 
-COMMAND = (
-    "import sys, stickslip_sym.cli.program as p\nsys.argv[1:] = {}\ntry: p.main()\nfinally: print(*sys.modules)"
-)
-
-
-def run(code):
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
-    return done.stdout.splitlines(), done.stderr
-
 
 @pytest.mark.parametrize("command", ["damping", "derive", "simulate"])
 def test_a_typo_is_answered_by_a_suggestion(command):
-    _, said = run(COMMAND.format([command, "exponentail", "-V", "0.5"]))
-    assert "did you mean 'exponential'?" in said
+    assert "did you mean 'exponential'?" in inside(command, "exponentail", "-V", "0.5").stderr
 
 
 @pytest.mark.parametrize(
@@ -35,7 +23,7 @@ def test_a_typo_is_answered_by_a_suggestion(command):
     ],
 )
 def test_what_is_no_text_is_still_read(line, said):
-    _, error = run(COMMAND.format(line))
+    error = inside(*line).stderr
     assert said in error
     assert len(error.splitlines()) == 1
 

@@ -124,6 +124,7 @@ def test_derivations_and_checks_compute_nothing_at_import():
     assert run(code) == "fine\n"
 
 
+@pytest.mark.thorough
 def test_derivations_print_as_latex():
     """As text the README's tests run them, all of them."""
     root = PACKAGE.parent

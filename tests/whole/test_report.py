@@ -18,10 +18,12 @@ from paper_checks import wording
 from paper_checks.claims import CLAIMS, Outcome
 from paper_checks.figures import FIGURES
 from paper_checks.findings import Finding, collect, summary
-from paper_checks.report import Report
+from paper_checks.report import Report, as_json
 from paper_checks.report_page import page as page_of
 from paper_checks.terminal import verdicts
 from stickslip_sym import InputError
+from stickslip_sym.comparison.tradeoff import Row
+from stickslip_sym.output.page.document import versions
 from stickslip_sym.output.page.elements import element, prose
 from stickslip_sym.output.page.figures import svg
 
@@ -58,7 +60,8 @@ def run_checks(*arguments, **environment):
     )
 
 
-def test_the_report(tmp_path):
+@pytest.mark.thorough
+def test_a_report_of_a_run(tmp_path):
     """One report, drawn once, is looked at from all sides."""
     pytest.importorskip("matplotlib")
     chosen = " or ".join(f"test_{id}_" for id in CHECKED)
@@ -73,6 +76,24 @@ def test_the_report(tmp_path):
     check_complete(page)
     require_browser(tmp_path)
     check_in_browser(page, tmp_path)
+
+
+def test_the_page_and_the_numbers_of_a_report():
+    """Of findings as a run would make them, without its figures."""
+    findings = {id: Finding(id, "0 0.05 0.1 0.1287", Outcome.REPRODUCED, "it holds", "so") for id in CHECKED}
+    names = ("equilibrium", "least_squares", "harmonic", "second_order", "proof")
+    rows = [
+        Row(name, "", 1e-3, 10.0**-place, {"largest": 0.1, "status": "PROVED" if name == "proof" else "ESTIMATED"})
+        for place, name in enumerate(names)
+    ]
+    rows.append(Row("Newmark scan", "", 2.0, 1e-3, {"largest": float("nan"), "status": "ESTIMATED"}))
+    pictures = {figure.number: "data:," for figure in FIGURES}
+    report = Report(findings, pictures, {"exponential": tuple(rows)}, versions(), "now")
+    check_json(json.loads(json.dumps(as_json(report), allow_nan=False)))
+    page = page_of(report)
+    check_well_formed(page)
+    check_complete(page)
+    assert "not measured" in page
 
 
 def check_complete(page):
@@ -240,6 +261,7 @@ def test_numbers_of_laws_have_their_names():
         wording.by_law(["1 m/s"])
 
 
+@pytest.mark.thorough
 def test_a_report_that_cannot_be_written_is_refused_at_once(tmp_path):
     (tmp_path / "file").write_text("")
     done = run_checks("--report", str(tmp_path / "file"), "-k", "test_N1_")

@@ -1,24 +1,24 @@
 """The figures of a study. No text of a user's stands in them: what the law is called, the page says."""
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_sym.comparison.study.findings import Findings
 from stickslip_sym.comparison.study.plane import Plane
 from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.uncertain import UFloat
+from stickslip_sym.model.fitting.result import Fit
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.measured.measurements import Measurements
+from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.regimes.attractors import Regime
 from stickslip_sym.motion.regimes.drawing import phase_plane
 from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
 from stickslip_sym.output.page.figures import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-
-__all__ = ["ALT", "CAPTIONS", "pictures"]
+__all__ = ["ALT", "CAPTIONS", "draw_law", "draw_phase_plane", "draw_plane", "draw_time", "picture"]
 
 _SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
 _BAND = 1.96  # standard errors, 95 % of a normal distribution
@@ -42,40 +42,33 @@ CAPTIONS = {
 _HEIGHT = 1.35  # of the plane, over the highest of thresholds at the operating point and its damping
 
 
-def pictures(study: Findings) -> dict[str, str]:
-    """Return the figures as data URIs, by name; one whose part could not be computed is not among them.
+def picture(draw: Callable[[Any], None]) -> str:
+    """Return a figure of one panel as a data URI; `draw` is given the axes.
 
     Raises `InputError` if matplotlib is not installed.
     """
-    drawn: dict[str, Callable[[Any], None] | None] = {
-        "law": lambda axes: _law(axes, study),
-        "plane": None if study.plane is None else lambda axes: _plane(axes, study),
-        "time": None if study.motion is None else lambda axes: _time(axes, study),
-        "phase": None if study.regime is None else lambda axes: _phase(axes, study),
-    }
     with styled():
-        return {name: svg_uri(_figure(draw)) for name, draw in drawn.items() if draw is not None}
+        figure, axes = new_figure(*_SIZE)
+        draw(axes[0, 0])
+        return svg_uri(figure)
 
 
-def _figure(draw: Callable[[Any], None]) -> "Figure":
-    figure: Figure
-    figure, axes = new_figure(*_SIZE)
-    draw(axes[0, 0])
-    return figure
-
-
-def _law(axes: Any, study: Findings) -> None:
-    law, V = study.law, study.oscillator.V
-    top = 2.2 * V if study.measured is None else max(2.2 * V, float(study.measured.v[-1]))
+def draw_law(ax: Any, law: FrictionLaw, V: float, *, measured: Measurements | None, fit: Fit | None) -> None:
+    """Draw mu over the slip speed, with the band of its errors, what was measured, and the range of 0 to 2V."""
+    top = 2.2 * V if measured is None else max(2.2 * V, float(measured.v[-1]))
     top = top if law.v_max is None else min(top, float(law.v_max))
     v = np.unique([*np.linspace(0, top, 241), *np.geomspace(1e-4, 1, 81) * top])[1:]
-    if study.measured is not None:
-        _points(axes, study)
-    band = _band(law, v) if study.fit is None else study.fit.band(v)
+    if measured is not None:
+        if measured.sigma is not None:
+            ax.errorbar(
+                measured.v, measured.mu, measured.sigma, fmt="none", ecolor="0.35", elinewidth=0.6, alpha=0.6
+            )
+        ax.plot(measured.v, measured.mu, ".", color="0.35", markersize=3.5, label="measured")
+    band = _band(law, v) if fit is None else fit.band(v)
     if band is not None:
-        axes.fill_between(v, *band, color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
-    axes.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=r"$\mu(v)$")
-    axes.axvspan(
+        ax.fill_between(v, *band, color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
+    ax.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=r"$\mu(v)$")
+    ax.axvspan(
         0,
         min(2 * V, top),
         facecolor="0.93",
@@ -84,19 +77,9 @@ def _law(axes: Any, study: Findings) -> None:
         zorder=0,
         label="0 to $2V$",
     )
-    axes.axvline(V, color="black", linestyle=":", linewidth=1, label="belt speed $V$")
-    axes.legend(loc="best")
-    finish(axes, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$", xlim=(0, top))
-
-
-def _points(axes: Any, study: Findings) -> None:
-    measured = study.measured
-    assert measured is not None
-    shown = measured.v <= max(measured.v[-1], 2.2 * study.oscillator.V)
-    v, mu = measured.v[shown], measured.mu[shown]
-    if measured.sigma is not None:
-        axes.errorbar(v, mu, measured.sigma[shown], fmt="none", ecolor="0.35", elinewidth=0.6, alpha=0.6)
-    axes.plot(v, mu, ".", color="0.35", markersize=3.5, label="measured")
+    ax.axvline(V, color="black", linestyle=":", linewidth=1, label="belt speed $V$")
+    ax.legend(loc="best")
+    finish(ax, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$", xlim=(0, top))
 
 
 def _band(law: FrictionLaw, v: NDArray[np.float64]) -> tuple[FloatArray, FloatArray] | None:
@@ -112,26 +95,25 @@ def _band(law: FrictionLaw, v: NDArray[np.float64]) -> tuple[FloatArray, FloatAr
     return mu - half, mu + half
 
 
-def _plane(axes: Any, study: Findings) -> None:
-    plane, osc = study.plane, study.oscillator
-    assert plane is not None
+def draw_plane(ax: Any, plane: Plane, osc: Oscillator, errors: Mapping[str, UFloat]) -> None:
+    """Draw thresholds over belt speed, where motions coexist, and the operating point."""
     top = _HEIGHT * _highest(plane, osc.V, osc.c)
-    _regions(axes, plane)
+    _regions(ax, plane)
     if plane.uncertainty is not None:
         half = _BAND * plane.uncertainty
         ends = plane.exact - half, plane.exact + half
-        axes.fill_between(plane.V, *ends, color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
-    axes.plot(plane.V, plane.exact, color=BLUE, linewidth=2, label=f"threshold ({plane.method})")
+        ax.fill_between(plane.V, *ends, color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
+    ax.plot(plane.V, plane.exact, color=BLUE, linewidth=2, label=f"threshold ({plane.method})")
     for name, (color, style) in _AVERAGES.items():
-        axes.plot(plane.V, plane.averages[name], color=color, linestyle=style, label=name.replace("_", " "))
-    spread = {name: study.errors[name].std_dev if name in study.errors else 0.0 for name in ("V", "c")}
-    axes.errorbar(
+        ax.plot(plane.V, plane.averages[name], color=color, linestyle=style, label=name.replace("_", " "))
+    spread = {name: errors[name].std_dev if name in errors else 0.0 for name in ("V", "c")}
+    ax.errorbar(
         [osc.V], [osc.c], [_BAND * spread["c"]], [_BAND * spread["V"]], fmt="o", color="black", markersize=6,
         markerfacecolor="white", markeredgewidth=1.5, zorder=5, label="operating point",
     )  # fmt: skip
-    axes.legend(loc="upper right", fontsize=7.5)
-    finish(axes, xlabel="belt speed $V$ (m/s)", ylabel="damping $c$ (kg/s)", xlim=(0, plane.V[-1]))
-    axes.set_ylim(min(0.0, 1.2 * osc.c), top)
+    ax.legend(loc="upper right", fontsize=7.5)
+    finish(ax, xlabel="belt speed $V$ (m/s)", ylabel="damping $c$ (kg/s)", xlim=(0, plane.V[-1]))
+    ax.set_ylim(min(0.0, 1.2 * osc.c), top)
 
 
 def _highest(plane: Plane, V: float, c: float) -> float:
@@ -142,7 +124,7 @@ def _highest(plane: Plane, V: float, c: float) -> float:
     return float(max(finite.max(initial=0.0), c, 1e-9))
 
 
-def _regions(axes: Any, plane: Plane) -> None:
+def _regions(ax: Any, plane: Plane) -> None:
     """Hatch where rest and stick-slip coexist, and where a limit cycle in pure slip is stable."""
     rest, exact = plane.averages["equilibrium"], plane.exact
     # Opaque: an SVG gives a hatch the opacity of its face.
@@ -154,21 +136,21 @@ def _regions(axes: Any, plane: Plane) -> None:
     ):
         where = np.isfinite(lower) & np.isfinite(upper) & (upper > lower)
         if where.any():
-            axes.fill_between(plane.V, lower, upper, where=where, label=label, **style)
+            ax.fill_between(plane.V, lower, upper, where=where, label=label, **style)
 
 
-def _time(axes: Any, study: Findings) -> None:
-    motion, osc = study.motion, study.oscillator
-    assert motion is not None
-    _stretches(axes, motion, 2 * np.pi / osc.omega)
-    axes.axhline(osc.V, color="black", linestyle=":", linewidth=0.8, zorder=0, label="belt speed")
-    axes.legend(loc="lower right", ncols=3)
-    finish(axes, xlabel="time $t$ (s)", ylabel=r"velocity $\dot x$ (m/s)", xlim=(0, motion.stretches[-1].end))
-    low, high = axes.get_ylim()
-    axes.set_ylim(low - 0.22 * (high - low), high)  # room for the legend
+def draw_time(ax: Any, motion: Trajectory) -> None:
+    """Draw the velocity over time; thick lines are stick."""
+    osc = motion.oscillator
+    _stretches(ax, motion, 2 * np.pi / osc.omega)
+    ax.axhline(osc.V, color="black", linestyle=":", linewidth=0.8, zorder=0, label="belt speed")
+    ax.legend(loc="lower right", ncols=3)
+    finish(ax, xlabel="time $t$ (s)", ylabel=r"velocity $\dot x$ (m/s)", xlim=(0, motion.stretches[-1].end))
+    low, high = ax.get_ylim()
+    ax.set_ylim(low - 0.22 * (high - low), high)  # room for the legend
 
 
-def _stretches(axes: Any, motion: Trajectory, period: float) -> None:
+def _stretches(ax: Any, motion: Trajectory, period: float) -> None:
     named = set[str]()
     for stretch in motion.stretches:
         sticks = stretch.phase is Phase.STICK
@@ -177,16 +159,17 @@ def _stretches(axes: Any, motion: Trajectory, period: float) -> None:
         _, v = stretch.course(t)
         look = {"color": ORANGE, "linewidth": 3.0} if sticks else {"color": BLUE, "linewidth": 1.2}
         name = "stick" if sticks else "slip"
-        axes.plot(t, v, solid_capstyle="butt", label="_" if name in named else name, **look)
+        ax.plot(t, v, solid_capstyle="butt", label="_" if name in named else name, **look)
         named.add(name)
 
 
-def _phase(axes: Any, study: Findings) -> None:
-    handles = phase_plane(axes, study.regime)
-    if study.motion is not None:
-        state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
-        (handles["motion over time"],) = axes.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0)
-    finish(axes)
-    axes.legend(
+def draw_phase_plane(ax: Any, regime: Regime, motion: Trajectory | None) -> None:
+    """Draw attractors and separatrices, and a motion among them."""
+    handles = phase_plane(ax, regime)
+    if motion is not None:
+        state = motion.at(np.linspace(0, motion.stretches[-1].end, _MANY))
+        (handles["motion over time"],) = ax.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0)
+    finish(ax)
+    ax.legend(
         handles.values(), handles.keys(), loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7.5
     )

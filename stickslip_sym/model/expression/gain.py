@@ -9,7 +9,7 @@ import sympy as sp
 from sympy.codegen.cfunctions import expm1, log1p
 
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import row
+from stickslip_sym.core.functions import fold, row
 
 __all__ = ["gain"]
 
@@ -33,8 +33,34 @@ def gain(expr: Expr, variable: Expr, start: Expr) -> Expr | None:
         None where a part of the expression has no finite value at `start`. A function that has no rule in the
         table is subtracted as it stands, unless it is 0 at `start`.
     """
+
+    def gained(node: Expr, parts: list[tuple[Expr, Expr]]) -> tuple[Expr, Expr]:
+        """Return the value of a node at the start, and its gain, from those of its arguments."""
+        if not node.has(variable):
+            return node, sp.S.Zero
+        if node == variable:
+            return start, node - start
+        low = node.subs(variable, start)
+        if low.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+            raise _NoValue
+        if node.is_Add:
+            return low, sp.Add(*(rise for _, rise in parts))
+        if node.is_Mul:
+            rises = [
+                sp.Mul(*(before for before, _ in parts[:i]), rise, *node.args[i + 1 :])
+                for i, (_, rise) in enumerate(parts)
+            ]
+            return low, sp.Add(*rises)
+        if node.is_Pow and len(parts) == 2:
+            return low, _of_power(node, low, *parts)
+        known = row(node)
+        if known is None or known.gain is None:
+            return low, node - low
+        ((before, rise),) = parts
+        return low, known.gain(node.exp if node.is_Pow else node.args[0], before, rise)
+
     try:
-        return _Gain(variable, start).of(expr)
+        return fold(expr, gained)[1]
     except _NoValue:
         return None
 
@@ -43,43 +69,18 @@ class _NoValue(Exception):
     """A part has no finite value at the start."""
 
 
-class _Gain:
-    def __init__(self, variable: Expr, start: Expr) -> None:
-        self.variable, self.start = variable, start
-
-    def low(self, expr: Expr) -> Expr:
-        value = expr.subs(self.variable, self.start)
-        if value.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
-            raise _NoValue
-        return value
-
-    def of(self, expr: Expr) -> Expr:
-        if not expr.has(self.variable):
-            return sp.Integer(0)
-        if expr == self.variable:
-            return expr - self.start
-        if expr.is_Add:
-            return sp.Add(*map(self.of, expr.args))
-        if expr.is_Mul:
-            first, rest = expr.as_two_terms()
-            return self.of(first) * rest + self.low(first) * self.of(rest)
-        if expr.is_Pow:
-            return self.of_power(expr.base, expr.exp)
-        low, known = self.low(expr), row(expr)
-        if known is None or known.gain is None:
-            return expr - low
-        (part,) = expr.args
-        return known.gain(part, self.low(part), self.of(part))
-
-    def of_power(self, base: Expr, exponent: Expr) -> Expr:
-        if exponent.has(self.variable):
-            power = exponent * sp.log(base)
-            return sp.exp(self.low(power)) * expm1(self.of(power))
-        low, rise = self.low(base), self.of(base)
-        if low == 0:
-            return base**exponent - self.low(base**exponent)
-        if exponent.is_Integer and abs(exponent) <= _LONGEST:
-            number = abs(int(exponent))
-            terms = sp.Add(*(base**i * low ** (number - 1 - i) for i in range(number)))
-            return rise * terms if exponent > 0 else -rise * terms / (base**number * low**number)
-        return low**exponent * expm1(exponent * log1p(rise / low))
+def _of_power(node: Expr, low: Expr, base: tuple[Expr, Expr], exponent: tuple[Expr, Expr]) -> Expr:
+    """Return the gain of a power from its value at the start, and the values and gains of its two parts."""
+    (base_low, base_rise), (power, power_rise) = base, exponent
+    if power_rise != 0 and base_low == 0:
+        raise _NoValue
+    if power_rise != 0:  # that of p log(b) is (p_0 + rise of p) (rise of log b) + (rise of p) log(b_0)
+        logarithm = log1p(base_rise / base_low)
+        return low * expm1(node.exp * logarithm + power_rise * sp.log(base_low))
+    if base_low == 0:
+        return node - low
+    if power.is_Integer and abs(power) <= _LONGEST:
+        count = abs(int(power))
+        terms = sp.Add(*(node.base**i * base_low ** (count - 1 - i) for i in range(count)))
+        return base_rise * terms if power > 0 else -base_rise * terms / (node.base**count * base_low**count)
+    return low * expm1(power * log1p(base_rise / base_low))

@@ -1,9 +1,7 @@
 """The least squares of a friction law and measurements, by SciPy's `least_squares` with exact derivatives."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -54,23 +52,26 @@ class Parametric:
 
     def __init__(self, law: FrictionLaw, v: FloatArray) -> None:
         names = tuple(name for name, p in law.parameters.items() if p.symbol in law.expr.free_symbols)
-        self._compiled = _compiled(law.expr, tuple(law.parameters[name].symbol for name in names))
+        parameters = tuple(law.parameters[name].symbol for name in names)
+        derivatives, linear = _derivatives(law.expr, parameters)
+        self._value = function_of([symbols.v, *parameters], law.expr, "numpy")
+        self._derivatives = function_of([symbols.v, *parameters], derivatives, "numpy")
         self._fixed = np.array([float(law.values.get(name, 0)) for name in names])
         self._free = np.array([name not in law.values for name in names], dtype=bool)
         self._v = np.maximum(v, _AT_REST)
         self.names = tuple(name for name in names if name not in law.values)
         self.positive = np.array([law.parameters[name].positive for name in self.names], dtype=bool)
-        self.linear = self._compiled.linear[self._free]
+        self.linear = linear[self._free]
 
     def mu(self, p: FloatArray) -> FloatArray:
         """Return the coefficients at the speeds, of shape (n,); not finite where there is none."""
         with np.errstate(all="ignore"):
-            return self._real(self._compiled.value(self._v, *self._all(p)))
+            return self._real(self._value(self._v, *self._all(p)))
 
     def jacobian(self, p: FloatArray) -> FloatArray:
         """Return the derivatives of mu to the free parameters, of shape (n, len(names))."""
         with np.errstate(all="ignore"):
-            columns = self._compiled.derivatives(self._v, *self._all(p))
+            columns = self._derivatives(self._v, *self._all(p))
         chosen = [column for column, free in zip(columns, self._free, strict=True) if free]
         return np.stack([self._real(column) for column in chosen], axis=1)
 
@@ -86,24 +87,15 @@ class Parametric:
         return np.broadcast_to(array, self._v.shape).astype(np.float64)
 
 
-class _Compiled:
-    """A formula and its derivatives to its parameters as functions of arrays."""
-
-    def __init__(self, expr: Expr, parameters: tuple[Expr, ...]) -> None:
-        arguments = [symbols.v, *parameters]
-        derivatives = [sp.diff(expr, parameter) for parameter in parameters]
-        self.value: Callable[..., Any] = function_of(arguments, expr, "numpy")
-        self.derivatives: Callable[..., Any] = function_of(arguments, derivatives, "numpy")
-        linear: list[Expr] = []
-        for parameter, derivative in zip(parameters, derivatives, strict=True):
-            if not derivative.has(parameter, *linear):
-                linear.append(parameter)
-        self.linear = np.array([parameter in linear for parameter in parameters], dtype=bool)
-
-
 @lru_cache(maxsize=128)
-def _compiled(expr: Expr, parameters: tuple[Expr, ...]) -> _Compiled:
-    return _Compiled(expr, parameters)
+def _derivatives(expr: Expr, parameters: tuple[Expr, ...]) -> tuple[list[Expr], BoolArray]:
+    """Return the derivatives of a formula to its parameters, and in which of these it is jointly linear."""
+    derivatives = [sp.diff(expr, parameter) for parameter in parameters]
+    linear: list[Expr] = []
+    for parameter, derivative in zip(parameters, derivatives, strict=True):
+        if not derivative.has(parameter, *linear):
+            linear.append(parameter)
+    return derivatives, np.array([parameter in linear for parameter in parameters], dtype=bool)
 
 
 @dataclass(frozen=True)

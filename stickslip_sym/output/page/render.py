@@ -64,6 +64,8 @@ def _environment(folder: Path) -> "Environment":
         undefined=StrictUndefined, finalize=clean, keep_trailing_newline=True,
     )  # fmt: skip
     environment.filters |= {"number": number, "percent": percent, "prose": prose, "symbol": symbol}
+    environment.filters |= {"with_error": with_error}
+    environment.tests["finite"] = math.isfinite
     return environment
 
 

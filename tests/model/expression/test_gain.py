@@ -66,7 +66,7 @@ def test_laws(name):
     with mpmath.workdps(60):
         for speed in SPEEDS:
             true = function(mpmath.mpf(speed)) - function(mpmath.mpf(0))
-            assert gained(speed) == pytest.approx(float(true), rel=CLOSE, abs=0)
+            assert gained(np.array(speed)) == pytest.approx(float(true), rel=CLOSE, abs=0)
 
 
 def test_pieces_and_measured_points():
@@ -84,11 +84,11 @@ def test_pieces_and_measured_points():
             for speed in np.linspace(low, high, 7)[1:-1]:
                 with mpmath.workdps(60):
                     true = function(mpmath.mpf(speed)) - function(mpmath.mpf(0))
-                assert gained(speed) == pytest.approx(float(true), rel=CLOSE, abs=1e-22)
+                assert gained(np.array(speed)) == pytest.approx(float(true), rel=CLOSE, abs=1e-22)
 
 
 def test_a_law_without_such_a_form_is_subtracted():
     law = ss.FrictionLaw("mu_s + v*log(v)").bind(mu_s=0.5)
-    assert law.rises()[0][1](0.3) == pytest.approx(0.3 * np.log(0.3), rel=1e-14)
+    assert law.rises()[0][1](np.array(0.3)) == pytest.approx(0.3 * np.log(0.3), rel=1e-14)
     law = ss.FrictionLaw("mu_s - (v + b)^(1/2)").bind(mu_s=0.5, b=0)  # b is no 0 in the formula
-    assert law.rises()[0][1](0.25) == pytest.approx(-0.5, rel=1e-14)
+    assert law.rises()[0][1](np.array(0.25)) == pytest.approx(-0.5, rel=1e-14)
