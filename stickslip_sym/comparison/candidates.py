@@ -30,9 +30,8 @@ from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.basins import basin_map
-from stickslip_sym.motion.maps.cells import MOTIONS
 from stickslip_sym.motion.maps.shares import motions_by_side
-from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.thresholds.methods import Method, methods
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping

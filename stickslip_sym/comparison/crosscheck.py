@@ -20,6 +20,7 @@ from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.slope_average import slope_average
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.output.tables import duration, table
 
 __all__ = ["Check", "crosscheck", "differences", "report", "scatter"]
@@ -182,33 +183,30 @@ def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float
     Each point but the first and the last is left out in turn; 0 for fewer than five points.
     """
     assert law.curve is not None
-    v = [float(place) for place in law.curve.places]
-    mu = [float(cubic[0]) for cubic in law.curve.cubics]
-    if law.curve.end is not None:
-        v, mu = [*v, float(law.curve.end)], [*mu, float(law.mu(float(law.curve.end)))]
+    curve, end = law.curve, law.curve.end
+    v, mu = list(curve.places), [cubic[0] for cubic in curve.cubics]
+    if end is not None:
+        v, mu = [*v, end], [*mu, exact(float(law.mu(float(end))), "mu")]
     if len(v) < _FEWEST:
         return 0.0
     values = []
-    for left_out in range(1, len(v) - 1):
-        kept = [i for i in range(len(v)) if i != left_out]
-        other = FrictionLaw.from_samples(
-            [v[i] for i in kept], [mu[i] for i in kept], extrapolate=law.curve.end is None
-        )
+    for i in range(1, len(v) - 1):
+        other = SampledCurve.through([*v[:i], *v[i + 1 :]], [*mu[:i], *mu[i + 1 :]], extrapolate=end is None)
         values.append(_gauss(other, criterion, V, N))
     return math.sqrt((len(values) - 1) * float(np.var(values)))
 
 
-def _gauss(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float:
+def _gauss(curve: SampledCurve, criterion: Criterion, V: float, N: float) -> float:
     """Return a criterion by Gauss-Legendre rules between the points, in phi with v = V(1 - cos(phi)).
 
     In phi the integrand is smooth for every weight; a standard error wants no more digits.
     """
+    slope = curve.function("numpy", derivative=True)
     if criterion.weight is None:
-        return -N * float(law.slope(V))
-    assert law.curve is not None
-    inside = [float(place) for place in law.curve.places if 0 < place < 2 * V]
+        return -N * float(slope(V))
+    inside = [float(place) for place in curve.places if 0 < place < 2 * V]
     ends = np.arccos(1 - np.array([0.0, *inside, 2 * V]) / V)
     phi = (ends[:-1, None] * (1 - _NODES) + ends[1:, None] * (1 + _NODES)) / 2
     weight = sp.lambdify(symbols.s, criterion.weight, "numpy")(-np.cos(phi))
-    integrand = weight * np.sin(phi) * law.slope(V * (1 - np.cos(phi)))
+    integrand = weight * np.sin(phi) * slope(V * (1 - np.cos(phi)))
     return -N * float(((ends[1:] - ends[:-1]) / 2) @ (integrand @ _WEIGHTS))

@@ -8,23 +8,19 @@ Here v and V are speeds in units of the scale, and the profile's shapes are its 
 proved and checked of a profile is found, proved and checked once.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import sympy as sp
-from flint import acb, arb, arb_series
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.balls import ball_value, rational, series_function
-from stickslip_sym.core.errors import InputError, NoClosedForm
+from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.criteria.enclosure import average_ball
 from stickslip_sym.formula.derivation import Step
 from stickslip_sym.formula.finding.rules import Part, Progress, definition, integrate_terms
-from stickslip_sym.formula.proof.gate import kinks_of, verify
+from stickslip_sym.formula.proof.gate import verify
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.proof.recurrence import AVERAGES_AGREE
@@ -33,8 +29,6 @@ from stickslip_sym.model.terms import shapes_of
 from stickslip_sym.output import printing
 
 __all__ = ["Average", "average_of"]
-
-_TELLING_BITS = 40  # to which a value is known that tells a right formula from a wrong one
 
 
 class Average:
@@ -61,7 +55,6 @@ class Average:
         self._parts: tuple[Part, ...] | None = None
         self._obstacle: NoClosedForm | None = None
         self._searched = -1.0  # seconds that SymPy's integrator had
-        self._agrees: bool | None = None  # the closed form with the definition, once both were enclosed
 
     # -- the closed form -----------------------------------------------------------------------------
 
@@ -219,53 +212,6 @@ class Average:
     @property
     def _operation(self) -> str:
         return f"average the profile {printing.text(self.profile)}, speeds in units of its scale"
-
-    # -- values --------------------------------------------------------------------------------------
-
-    def ball(self, V: arb, shapes: Mapping[Expr, Expr | acb]) -> arb:
-        """Return a ball around F, by the closed form where there is one that balls can evaluate.
-
-        The first value is compared with the definition: values are also asked for where no gate was passed.
-
-        Parameters
-        ----------
-        V : arb
-            Positive.
-        shapes : mapping
-            Exact values of the shapes; balls too for a profile without kinks.
-        """
-        if self.closed is not None and self._agrees is not False:
-            try:
-                value = ball_value(self.closed, {**shapes, symbols.V: acb(V)})
-            except InputError:  # a function that is not among those enclosed
-                return self.enclosed(V, shapes)
-            if value.is_finite() and value.imag.contains(0):
-                if self._agrees is None:
-                    expected = self.enclosed(V, shapes)
-                    if not expected.overlaps(value.real):
-                        self._agrees = False
-                        return expected
-                    if min(expected.rel_accuracy_bits(), value.real.rel_accuracy_bits()) >= _TELLING_BITS:
-                        self._agrees = True
-                return value.real
-        return self.enclosed(V, shapes)
-
-    def enclosed(self, V: arb, shapes: Mapping[Expr, Expr | acb]) -> arb:
-        """Return a ball around F by its definition, an integral in ball arithmetic; it knows no closed form."""
-        return average_ball(self.profile, shapes, kinks_of(self.profile, shapes), self.criterion, V)
-
-    def taylor(self, shapes: Mapping[Expr, Expr | acb], count: int) -> list[arb] | None:
-        """Return the coefficients of V^0, ..., V^(count - 1) of F at the working precision and number of terms.
-
-        With g_n the Taylor coefficients of g and m_k = <(1 + s)^k> they are -(n + 1) m_n g_(n+1). None where g is
-        not known to be analytic at v = 0. To be called within `working_precision(bits, count)`.
-        """
-        try:
-            series = series_function(self.slope, symbols.v, shapes)(arb_series([0, 1], prec=count))
-        except (ValueError, ZeroDivisionError, InputError):  # a pole, or a function without a series here
-            return None
-        coefficients = [-series[k] * arb(rational(self.criterion.mean_power(k))) for k in range(count)]
-        return coefficients if all(c.is_finite() for c in coefficients) else None
 
     def __repr__(self) -> str:
         return f"Average: {printing.text(self.profile)}, {self.criterion.name}"

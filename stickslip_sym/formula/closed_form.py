@@ -185,10 +185,11 @@ class ClosedForm:
     @property
     def arguments(self) -> dict[str, Expr]:
         """The symbols that a call takes by name: V, N, then the law's parameters."""
-        return self._average.arguments
+        return self.average.arguments
 
     @cached_property
-    def _average(self) -> SlopeAverage:
+    def average(self) -> SlopeAverage:
+        """The criterion over arrays, with its branches; what is written as code."""
         exactly = partial(exact_value, self._uncancelled, self._slope, digits=17)
         return SlopeAverage(self.law, self.criterion, exactly, terms=self.terms)
 
@@ -221,7 +222,7 @@ class ClosedForm:
         InputError
         """
         self._require_conditions(dict(self.law.values) | values)
-        return self._average(on_invalid=on_invalid, **values)
+        return self.average(on_invalid=on_invalid, **values)
 
     def _require_conditions(self, values: Mapping[str, Any]) -> None:
         """Refuse parameters for which the criterion has no value."""
@@ -264,11 +265,6 @@ class ClosedForm:
         check_reach(self.law, self.criterion, point[V])
         return exact_value(self._uncancelled, self._slope, point, digits)
 
-    @property
-    def average(self) -> SlopeAverage:
-        """The criterion over arrays, with its branches; what is written as code."""
-        return self._average
-
     def latex(self, symbols: Mapping[str, str] | None = None) -> str:
         r"""Return the criterion as a LaTeX equation, ``c = ...``.
 
@@ -294,7 +290,7 @@ class ClosedForm:
         InputError
             If there is no such language, or a profile has a shape without a value: bind it first.
         """
-        return writer.code({"damping": self}, language)
+        return writer.code({"damping": (self.average, repr(self))}, language)
 
     def __getstate__(self) -> dict[str, object]:
         # What is compiled cannot be pickled, and is made again when it is needed.

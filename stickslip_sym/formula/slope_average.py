@@ -1,5 +1,6 @@
 """`slope_average`: a criterion of any law as a fast function, closed form or not."""
 
+import math
 from collections.abc import Mapping
 from typing import Any, Literal
 
@@ -101,12 +102,7 @@ class SlopeAverage:
 
     def code(self, language: str) -> str:
         """Return text of a language that defines a function ``damping`` of V, N, ...; see `ClosedForm.code`."""
-        return writer.code({"damping": self}, language)
-
-    @property
-    def average(self) -> "SlopeAverage":
-        """The function itself, as that of a closed form."""
-        return self
+        return writer.code({"damping": (self, repr(self))}, language)
 
     def __reduce__(self) -> tuple[object, ...]:
         return SlopeAverage, (self.law, self.criterion, self._exact, self._terms)
@@ -193,13 +189,22 @@ def _call(
     except ValueError:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(arguments, arrays, strict=True))
         raise InputError(f"the shapes do not broadcast: {shapes}") from None
-    result = _in_blocks(evaluator, arguments, arrays, shape, on_invalid)
+    flat: list[Numbers] = [
+        float(array.item()) if array.size == 1 else np.broadcast_to(array, shape).ravel() for array in arrays
+    ]
+    flat_result = np.full(math.prod(shape), np.nan)
+    good = _valid(arguments, arrays, shape, on_invalid)
+    for start in range(0, flat_result.size, _BLOCK):
+        block: Any = slice(start, start + _BLOCK)
+        if good is not None:
+            block = start + np.flatnonzero(good[block])
+            if not block.size:
+                continue
+        flat_result[block] = evaluator([value if isinstance(value, float) else value[block] for value in flat])
+    result = flat_result.reshape(shape)
     masks = [np.ma.getmaskarray(value) for value in values if isinstance(value, np.ma.MaskedArray)]
     if masks:
-        mask = np.zeros(shape, dtype=bool)
-        for part in masks:
-            mask |= part
-        return np.ma.MaskedArray(result, mask)
+        return np.ma.MaskedArray(result, np.logical_or.reduce([np.broadcast_to(mask, shape) for mask in masks]))
     return float(result) if result.ndim == 0 else result
 
 
@@ -207,77 +212,23 @@ def _array(name: str, value: ArrayLike) -> FloatArray:
     if isinstance(value, np.ma.MaskedArray):
         # What is masked takes no part: 1 is a valid value of everything.
         value = value.filled(1) if value.dtype.kind in "iub" else value.filled(1.0)
-    return read_array(name, value, finite=False)
+    return read_array(name, value, finite=False).astype(np.float64, copy=False)
 
 
-def _in_blocks(
-    evaluator: Evaluator,
-    arguments: Mapping[str, Expr],
-    arrays: list[FloatArray],
-    shape: tuple[int, ...],
-    on_invalid: OnInvalid,
-) -> FloatArray:
-    """Evaluate block by block; what has one element stays one number."""
-    lowest = [0.0 if symbol.is_nonnegative else -np.finfo(np.float64).max for symbol in arguments.values()]
-    names = list(arguments)
-    result = np.empty(shape)
-    values: list[Numbers] = [float(array.item()) if array.size == 1 else array for array in arrays]
-    varying = [i for i, value in enumerate(values) if not isinstance(value, float)]
-    for i, value in enumerate(values):
-        if isinstance(value, float) and _bad(np.array([value]), names[i], lowest[i], on_invalid).any():
-            result[...] = np.nan
-            return result
-    if not varying:
-        result[...] = evaluator(values)
-        return result
-    blocks: Any = np.nditer(  # type: ignore[call-overload]  # its stubs know no mixed lists
-        [*(arrays[i] for i in varying), result],
-        flags=["external_loop", "buffered", "zerosize_ok"],
-        op_flags=[["readonly", "contig"]] * len(varying) + [["writeonly", "contig"]],
-        op_dtypes=[np.float64] * (len(varying) + 1),
-        casting="unsafe",
-        order="K",
-        buffersize=_BLOCK,
-    )
-    with blocks:
-        for *columns, out in blocks:
-            for start in range(0, out.size, _BLOCK):  # what needs no buffer comes in one piece
-                part = slice(start, start + _BLOCK)
-                for i, column in zip(varying, columns, strict=True):
-                    values[i] = column[part]
-                out[part] = _block(evaluator, values, varying, names, lowest, on_invalid)
-    return result
-
-
-def _block(
-    evaluator: Evaluator,
-    values: list[Numbers],
-    varying: list[int],
-    names: list[str],
-    lowest: list[float],
-    on_invalid: OnInvalid,
-) -> Numbers:
-    bad: BoolArray | None = None
-    for i in varying:
-        column = np.asarray(values[i])
-        if not (column.min() >= lowest[i] and column.max() < np.inf):
-            here = _bad(column, names[i], lowest[i], on_invalid)
-            bad = here if bad is None else bad | here
-    if bad is None:
-        return evaluator(values)
-    good = np.flatnonzero(~bad)
-    result = np.full(bad.size, np.nan)
-    if good.size:
-        result[good] = evaluator([value if isinstance(value, float) else value[good] for value in values])
-    return result
-
-
-def _bad(column: FloatArray, name: str, lowest: float, on_invalid: OnInvalid) -> BoolArray:
-    """Return where an argument is no number, or not a valid one."""
-    invalid: BoolArray = (column < lowest) | np.isinf(column)
-    if invalid.any() and on_invalid == "raise":
-        first = column[invalid].flat[0]
-        if np.isinf(first):
-            raise InputError(f"{name} holds a value that is not finite: {first}")
-        raise InputError(f"{name} = {first:g} must not be negative")
-    return invalid | np.isnan(column)
+def _valid(
+    arguments: Mapping[str, Expr], arrays: list[FloatArray], shape: tuple[int, ...], on_invalid: OnInvalid
+) -> BoolArray | None:
+    """Return where all arguments are valid numbers; None if they are everywhere."""
+    good: BoolArray | None = None
+    for (name, symbol), array in zip(arguments.items(), arrays, strict=True):
+        lowest = 0.0 if symbol.is_nonnegative else -np.finfo(np.float64).max
+        if not array.size or (array.min() >= lowest and array.max() < np.inf):
+            continue
+        invalid = (array < lowest) | np.isinf(array)
+        if invalid.any() and on_invalid == "raise":
+            first = array[invalid].flat[0]
+            if np.isinf(first):
+                raise InputError(f"{name} holds a value that is not finite: {first}")
+            raise InputError(f"{name} = {first:g} must not be negative")
+        good = (np.ones(shape, dtype=bool) if good is None else good) & ~(invalid | np.isnan(array))
+    return None if good is None else good.ravel()

@@ -53,13 +53,28 @@ def _outermost(expr: Expr) -> dict[Expr, Expr]:
 
 def _factored(expr: Expr, functions: list[Expr], model: Expr, small: Expr) -> Expr:
     sign, factors = 1, []
-    for factor in sp.Mul.make_args(_factor(expr)):
+    for factor in sp.Mul.make_args(sp.Mul(*map(_rooted, sp.Mul.make_args(_factor(expr))))):
         if factor.is_Add and _should_flip(factor, model, small):
             sign, factor = -sign, -factor
         if factor.is_Add and factor.has(*functions):
             factor = sp.collect(factor, functions, _factor)
         factors.append(factor)
     return sp.Mul(sign, *factors)
+
+
+def _rooted(factor: Expr) -> Expr:
+    """Bring out the roots that all terms of a sum share, which to factoring are no common factor."""
+    total, exponent = factor.as_base_exp()
+    if not total.is_Add or not exponent.is_Integer:
+        return factor
+    powers = [term.as_powers_dict() for term in total.args]
+    shared = {
+        base: min(power[base] for power in powers)
+        for base in set(powers[0]).intersection(*powers[1:])
+        if all(power[base].is_Rational and power[base] > 0 for power in powers)
+    }
+    common = sp.Mul(*[base**exponent for base, exponent in shared.items() if not base.is_number])
+    return common**exponent * sp.Add(*[term / common for term in total.args]) ** exponent
 
 
 @lru_cache(maxsize=128, typed=True)

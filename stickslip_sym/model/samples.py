@@ -10,7 +10,7 @@ import warnings
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -95,9 +95,9 @@ class SampledCurve:
                 InputWarning,
                 stacklevel=3,
             )
-            places, cubics = [sp.Integer(0), *places], [_constant(coefficients[0]), *cubics]
+            places, cubics = [sp.Integer(0), *places], [(coefficients[0], *_LEVEL), *cubics]
         if extrapolate:
-            places, cubics = [*places, speeds[-1]], [*cubics, _constant(coefficients[-1])]
+            places, cubics = [*places, speeds[-1]], [*cubics, (coefficients[-1], *_LEVEL)]
         return cls(tuple(places), tuple(cubics), None if extrapolate else speeds[-1])
 
     @property
@@ -118,18 +118,18 @@ class SampledCurve:
         if backend != "mpmath":
             polynomials: Callable[[Any], Any] = self._polynomials.derivative() if derivative else self._polynomials
             return polynomials
+        rows = [[j * cubic[j] for j in (3, 2, 1)] if derivative else cubic[::-1] for cubic in self.cubics]
 
-        def exact(v: Mpf) -> Mpf:
-            piece = max(bisect_right(self.places, mpmath.mpmathify(v)) - 1, 0)
-            distance = v - to_mpf(self.places[piece])
-            a, b, c, d = map(to_mpf, self.cubics[piece])
-            return (
-                b + distance * (2 * c + 3 * d * distance)
-                if derivative
-                else a + distance * (b + distance * (c + d * distance))
-            )
+        @lru_cache
+        def rounded(precision: int) -> tuple[list[Mpf], list[list[Mpf]]]:
+            return [to_mpf(place) for place in self.places], [[to_mpf(number) for number in row] for row in rows]
 
-        return exact
+        def at_precision(v: Mpf) -> Mpf:
+            places, coefficients = rounded(mpmath.mp.prec)
+            piece = max(bisect_right(places, v) - 1, 0)
+            return mpmath.polyval(coefficients[piece], v - places[piece])
+
+        return at_precision
 
     @cached_property
     def rises(self) -> list[tuple[float, Callable[[Any], Any]]]:
@@ -148,42 +148,35 @@ class SampledCurve:
 
 def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational], list[Rational]]:
     """Read the points exactly, and refuse what is no measured curve."""
-    lists = []
-    for name, given in (("v", v), ("mu", mu)):
-        values = given.tolist() if isinstance(given, np.ndarray) else given
+    for name, values in (("v", v), ("mu", mu)):
         if isinstance(values, str) or not isinstance(values, Iterable):
-            raise InputError(f"{name} is a sequence of numbers, got {type(given).__name__}")
-        lists.append(list(values))
-    if len(lists[0]) != len(lists[1]):
-        raise InputError(f"v has {len(lists[0])} numbers and mu {len(lists[1])}; give one mu for each v")
-    count = len(lists[0])
-    if count < FEWEST:
-        raise InputError(f"{count} points were given; a curve needs {FEWEST} or more, so measure at more speeds")
-    if count > MOST:
+            raise InputError(f"{name} is a sequence of numbers, got {type(values).__name__}")
+    v, mu = list(v), list(mu)
+    if len(v) != len(mu):
+        raise InputError(f"v has {len(v)} numbers and mu {len(mu)}; give one mu for each v")
+    if len(v) < FEWEST:
+        raise InputError(f"{len(v)} points were given; a curve needs {FEWEST} or more, so measure at more speeds")
+    if len(v) > MOST:
         raise InputError(
-            f"{count} points were given, and each becomes a piece of the formula; fit a law to so many "
+            f"{len(v)} points were given, and each becomes a piece of the formula; fit a law to so many "
             f"(stickslip fit FILE, ss.fit), or average them over bins of speed to {MOST} or fewer: "
             f"ss.read_measurements(path).binned({MOST})"
         )
-    speeds, coefficients = (
-        [exact(value, f"{name} of point {number}") for number, value in enumerate(values, 1)]
-        for name, values in zip(("v", "mu"), lists, strict=True)
-    )
+    speeds = [exact(value, f"v of point {number}") for number, value in enumerate(v, 1)]
+    before = -LARGEST
     for number, speed in enumerate(speeds, 1):
+        shown = f"v of point {number}, {float(speed):g} m/s,"
+        if speed < 0:
+            raise InputError(f"{shown} is below 0; the slip speed |x' - V| is never negative")
         if speed > LARGEST or 0 < speed < 1 / LARGEST:
+            raise InputError(f"{shown} is out of all proportion: speeds are from 1e-20 to 1e20 m/s, or 0")
+        if speed <= before:
+            what = "repeats" if speed == before else "is below"
             raise InputError(
-                f"v of point {number} is out of all proportion: speeds are from 1e-20 to 1e20 m/s, or 0"
+                f"{shown} {what} that of the point before; sort points by speed, and average those of one speed"
             )
-    if speeds[0] < 0:
-        raise InputError(f"v of point 1 is {float(speeds[0]):g}; the slip speed |x' - V| is never negative")
-    for number, (before, after) in enumerate(pairwise(speeds), 2):
-        if after <= before:
-            what = "repeats" if after == before else "is below"
-            raise InputError(
-                f"v of point {number}, {float(after):g} m/s, {what} that of the point before; sort the points "
-                "by speed, and average those of one speed"
-            )
-    return speeds, coefficients
+        before = speed
+    return speeds, [exact(value, f"mu of point {number}") for number, value in enumerate(mu, 1)]
 
 
 def _hermite_cubics(x: Sequence[Rational], y: Sequence[Rational]) -> list[tuple[Rational, ...]]:
@@ -201,5 +194,5 @@ def _hermite_cubics(x: Sequence[Rational], y: Sequence[Rational]) -> list[tuple[
     return cubics
 
 
-def _constant(value: Rational) -> tuple[Rational, ...]:
-    return value, *[sp.Integer(0)] * 3
+_LEVEL = (sp.Integer(0),) * 3
+"""The higher coefficients of a piece that is constant."""

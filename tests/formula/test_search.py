@@ -32,13 +32,12 @@ def test_what_sympy_raises_is_said():
         def doit(self):
             raise NotImplementedError("not today")
 
-    assert search.carried_out(Broken(), 30.0) == search.Nothing("gave up with NotImplementedError: not today")
+    assert search.carried_out(Broken()) == search.Nothing("gave up with NotImplementedError: not today")
 
 
 def test_a_platform_without_limits_of_memory_integrates_all_the_same(monkeypatch):
     monkeypatch.setitem(sys.modules, "resource", None)
-    x = sp.Symbol("x")
-    assert search.carried_out(sp.Integral(x, x), 30.0) == x**2 / 2
+    search.confine(0.0)  # would end this process within a second where there are limits
 
 
 def test_the_time_that_is_said_is_the_time_that_was_spent(fresh_averages):

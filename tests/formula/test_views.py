@@ -7,10 +7,14 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from flint import arb, fmpq
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline
+from stickslip_sym.core.balls import working_precision
+from stickslip_sym.criteria.enclosure import average_ball
 from stickslip_sym.formula.average import Average, average_of
+from stickslip_sym.formula.evaluation.values import Values, mean_power
 
 POINT = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
 
@@ -134,18 +138,17 @@ def test_what_grows_too_fast_is_refused():
 @pytest.mark.parametrize("criterion", ["least_squares", "harmonic", "equilibrium"])
 def test_series_and_balls_of_an_average_agree(criterion):
     """The closed form, the definition in balls, and the series at small V, each by itself."""
-    from flint import arb
-
-    from stickslip_sym.core.balls import working_precision
-
     average = average_of(sp.exp(-ss.symbols.v) * ss.symbols.v, ss.criteria.find(criterion))
+    values = Values(average.profile, average.criterion, average.closed, {})
     with working_precision(200, 40):
         V = arb("0.125")
-        coefficients = average.taylor({}, 40)
-        series = sum((c * V**k for k, c in enumerate(coefficients)), start=arb(0))
-        closed, defined = average.ball(V, {}), average.enclosed(V, {})
-    assert closed.overlaps(defined)
-    assert abs(float(series) - float(defined)) < 1e-15
+        slopes = values.taylor(40)
+        series = -sum(
+            (c * mean_power(average.criterion, fmpq(k)) * V**k for k, c in enumerate(slopes)), start=arb(0)
+        )
+        closed, defined = values(V), average_ball(average.profile, {}, [], average.criterion, V)
+    assert abs(float(closed - defined)) < 1e-25 * abs(float(defined))
+    assert abs(float(series - defined)) < 1e-15
     assert abs(float(closed) - float(defined) * (1 + 1e-9)) > 1e-12
 
 

@@ -127,7 +127,7 @@ def test_extrapolation_holds_the_first_and_the_last_coefficient():
         ([0, 1, 1, 3], [1, 1, 1, 1], "v of point 3, 1 m/s, repeats that of the point before"),
         ([1, 1, 1, 1], [1, 1, 1, 1], "the slip speed|point 2, 1 m/s, repeats"),
         ([0, 2, 1, 3], [1, 1, 1, 1], "v of point 3, 1 m/s, is below that of the point before; sort"),
-        ([-1, 0, 1, 2], [1, 1, 1, 1], "v of point 1 is -1; the slip speed"),
+        ([-1, 0, 1, 2], [1, 1, 1, 1], "v of point 1, -1 m/s, is below 0; the slip speed"),
         ([0, 1, float("nan"), 3], [1, 1, 1, 1], "v of point 3 = nan is not a finite real number"),
         ([0, 1, 2, 3], [1, float("inf"), 1, 1], "mu of point 2 = inf is not a finite real number"),
         ([0, 1, 2, 3], [1, None, 1, 1], "mu of point 2 = None is not a finite real number"),

@@ -15,34 +15,20 @@ from stickslip_sym.formula.evaluation.branches import Table
 from stickslip_sym.formula.evaluation.evaluator import Evaluator, TermFunction
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["Writable", "code"]
+__all__ = ["code"]
 
 
 class Fast(Protocol):
-    """A `SlopeAverage`."""
+    """A `SlopeAverage`, whose terms and branches are written."""
 
+    law: FrictionLaw
+    criterion: Criterion
     arguments: dict[str, Expr]
     evaluator: Evaluator
 
 
-class Writable(Protocol):
-    """A `ClosedForm`, or a `SlopeAverage`."""
-
-    @property
-    def law(self) -> FrictionLaw:
-        """The law."""
-
-    @property
-    def criterion(self) -> Criterion:
-        """Its criterion."""
-
-    @property
-    def average(self) -> Fast:
-        """The fast function, whose terms and branches are written."""
-
-
-def code(forms: Mapping[str, Writable], language: str) -> str:
-    """Return criteria by their names as text of a language of the table.
+def code(criteria: Mapping[str, tuple[Fast, str]], language: str) -> str:
+    """Return criteria by their names, each with words about it, as text of a language of the table.
 
     Raises
     ------
@@ -50,14 +36,14 @@ def code(forms: Mapping[str, Writable], language: str) -> str:
         If there is no such language, or it lacks a function, or a profile's shape has no value.
     """
     written = find(language)
-    functions = [_function(name, form, written) for name, form in forms.items()]
+    functions = [_function(name, *one, written) for name, one in criteria.items()]
     texts = [_text(function, written) for function in functions]
     body = written.together(functions, texts)
     return written.head("\n   ".join(function.about for function in functions), body) + body
 
 
-def _function(name: str, form: Writable, language: Language) -> WrittenFunction:
-    average, law = form.average, form.law
+def _function(name: str, average: Fast, about: str, language: Language) -> WrittenFunction:
+    law = average.law
     fixed = {symbol for term in average.evaluator.terms for meaning in term.term.shapes.values()
              for symbol in meaning.free_symbols}  # fmt: skip
     missing = sorted(str(symbol) for symbol in fixed if str(symbol) not in law.values)
@@ -70,14 +56,16 @@ def _function(name: str, form: Writable, language: Language) -> WrittenFunction:
     names = {symbol: language.argument.format(index=i) for i, symbol in enumerate(free.values(), language.first)}
     names |= {symbol: language.number(float(law.values[str(symbol)])) for symbol in fixed}
     values = [float(law.values[key]) if symbol in fixed else 1.0 for key, symbol in average.arguments.items()]
-    reach = float("inf") if law.v_max is None else float(law.v_max) / (1 if form.criterion.weight is None else 2)
+    reach = (
+        float("inf") if law.v_max is None else float(law.v_max) / (1 if average.criterion.weight is None else 2)
+    )
     return WrittenFunction(
         name,
         tuple(language.argument_name(key) for key in free),
         tuple(bool(symbol.is_nonnegative) for symbol in free.values()),
         tuple(_term(term, values, names, language, law) for term in average.evaluator.terms),
         reach,
-        f"{name}: {form!r}",
+        f"{name}: {about}",
     )
 
 

@@ -301,7 +301,9 @@ class _Builder:
         self.profile, self.criterion, self.point = profile, criterion, point
         self.values = Values(profile, criterion, closed, point)
         local = criterion.weight is None
-        self.closed = -slope_of(self.values.last_piece).subs(symbols.v, symbols.V) if local else closed
+        self.closed = closed
+        if local:
+            self.closed = -slope_of(self.values.last_piece).subs(symbols.v, symbols.V).xreplace(point)
         mean_slope, shapes = MeanSlope(profile, criterion, list(point)), [float(value) for value in point.values()]
 
         def of_shapes(r: FloatArray) -> FloatArray:
@@ -522,7 +524,7 @@ class _Builder:
     def _direct(self, stop: float) -> tuple[float, Sum] | None:
         """Take the closed form, from where on it agrees with balls; None if it does nowhere below `stop`."""
         local = self.criterion.weight is None
-        if not self.closed or self.point or (self.corners and not local) or self.closed.has(sp.I):
+        if not self.closed or ((self.point or self.corners) and not local) or self.closed.has(sp.I):
             return None
         if not local and not all(isinstance(f, _ELEMENTARY) for f in self.closed.atoms(sp.Function)):
             return None

@@ -89,7 +89,7 @@ def export_code(forms: Written | Sequence[Written], language: str) -> str:
     if not listed:
         raise InputError(_NOTHING)
     if len(listed) == 1:
-        return writer.code({"damping": listed[0]}, language)
+        return listed[0].code(language)
     named: dict[str, Written] = {}
     for number, (law, group) in enumerate(chapters(listed), 1):
         for form in group:
@@ -98,7 +98,10 @@ def export_code(forms: Written | Sequence[Written], language: str) -> str:
             if name in named:
                 raise InputError(f"two of the forms would both be called {name}; give the laws different names")
             named[name] = form
-    return writer.code(named, language)
+    functions = {
+        name: (form.average if isinstance(form, ClosedForm) else form, repr(form)) for name, form in named.items()
+    }
+    return writer.code(functions, language)
 
 
 _NOTHING = "there is nothing to export; give at least one closed form"

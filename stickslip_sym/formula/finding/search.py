@@ -18,7 +18,7 @@ import sympy as sp
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time, time_left
 
-__all__ = ["Found", "Nothing", "antiderivative", "carried_out", "limit"]
+__all__ = ["Found", "Nothing", "antiderivative", "carried_out", "confine", "limit"]
 
 _RULE = "SymPy's integrator"
 _PATIENCE = 8.0  # times as long as its own time a process may take on a busy machine
@@ -88,14 +88,20 @@ def _done(expr: Expr, seconds: float) -> Expr:
     return pickle.loads(done.stdout)
 
 
-def carried_out(expr: Expr, seconds: float) -> Expr:
-    """Carry out an integral or a limit in this process, in so many seconds of it, or say how that ended."""
-    # Limits on memory and on the processor's time, so that a busy machine finds no less; only Unix has them.
+def confine(seconds: float) -> None:
+    """Bound what this process may take from now on, for good: seconds of the processor, and memory.
+
+    On a busy machine no less is found so. Only Unix has such bounds.
+    """
     with contextlib.suppress(ImportError, ValueError, OSError):
         import resource
 
         resource.setrlimit(resource.RLIMIT_AS, (_MEMORY << 30, _MEMORY << 30))
         resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time() + seconds) + 1, resource.RLIM_INFINITY))
+
+
+def carried_out(expr: Expr) -> Expr:
+    """Carry out an integral or a limit, or say how that ended."""
     try:
         return expr.doit()
     except MemoryError:
@@ -108,4 +114,6 @@ if __name__ == "__main__":
     # As the module's own, for the classes to be the parent's.
     from stickslip_sym.formula.finding import search
 
-    sys.stdout.buffer.write(pickle.dumps(search.carried_out(*pickle.load(sys.stdin.buffer))))
+    asked, limit_of_time = pickle.load(sys.stdin.buffer)
+    search.confine(limit_of_time)
+    sys.stdout.buffer.write(pickle.dumps(search.carried_out(asked)))

@@ -6,6 +6,7 @@ functions) knows one kind of kink only, one in a term, and knows exactly where i
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import sympy as sp
@@ -282,7 +283,12 @@ def branch_from(expr: Expr, values: Mapping[Expr, Expr], start: Expr) -> Expr:
     start : sympy number
         A slip speed. Conditions read v < place, so the piece that holds there holds above.
     """
-    known = {**values, symbols.v: start}
+    return _branch(expr, frozenset({**values, symbols.v: start}.items()))
+
+
+@lru_cache(maxsize=1024)  # enclosures take each piece of a law of many again and again
+def _branch(expr: Expr, point: frozenset[tuple[Expr, Expr]]) -> Expr:
+    known = dict(point)
     kinked = [node for node in expr.atoms(sp.Piecewise) if node.has(symbols.v)]
     chosen = {node: next(part for part, holds in node.args if holds_at(holds, known)) for node in kinked}
     return expr.xreplace(chosen)

@@ -27,7 +27,7 @@ from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.orbits.needed import needed
 from stickslip_sym.motion.regimes.attractors import Regime, friction_far_out, regime
 from stickslip_sym.motion.regimes.classification import classify
@@ -36,9 +36,8 @@ from stickslip_sym.motion.regimes.orbit_signs import orbit_signs
 from stickslip_sym.motion.slip import Dimensionless, End, Slips
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
-__all__ = ["CURVES", "MOTIONS", "REASONS", "Cells", "Column", "Reason", "decide"]
+__all__ = ["CURVES", "REASONS", "Cells", "Column", "Reason", "decide"]
 
-MOTIONS = tuple(Motion)
 CURVES = ("equilibrium", "least_squares", "exact")
 """The thresholds of an operating point."""
 KNOWN = 1e-8

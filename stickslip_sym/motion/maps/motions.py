@@ -15,7 +15,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import OSCILLATOR, Axis, AxisValues, fixed_values, read_axes
-from stickslip_sym.motion.maps.cells import CURVES, MOTIONS, REASONS, Cells, Column, Reason, decide
+from stickslip_sym.motion.maps.cells import CURVES, REASONS, Cells, Column, Reason, decide
 from stickslip_sym.motion.maps.drawing import (
     FAILED,
     UNBOUNDED,
@@ -28,7 +28,7 @@ from stickslip_sym.motion.maps.drawing import (
     with_legend,
 )  # fmt: skip
 from stickslip_sym.motion.maps.workers import Progress, Workers, collect
-from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.regimes.kinds import ATTRACTORS
 from stickslip_sym.output import drawing, files, markup
 

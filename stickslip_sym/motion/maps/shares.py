@@ -12,8 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
-from stickslip_sym.motion.maps.cells import MOTIONS
-from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.regimes.attractors import Regime, separatrices_of
 from stickslip_sym.motion.regimes.separatrix import SlipCurve
 

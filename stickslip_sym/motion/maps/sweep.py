@@ -22,10 +22,9 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import OSCILLATOR, Axis, AxisValues, read_axis, read_values
-from stickslip_sym.motion.maps.cells import MOTIONS
 from stickslip_sym.motion.maps.drawing import new_figure, regions_of_motions, with_legend
 from stickslip_sym.motion.maps.shares import FINEST, Share, shares_by_area
-from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.regimes.attractors import Regime, graze, regime
 from stickslip_sym.motion.slip import Dimensionless

@@ -3,28 +3,29 @@
 import math
 from collections.abc import Callable
 from functools import cached_property, partial
-from typing import Any, overload
+from typing import overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import FloatArray, IntArray, ObjectArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.attractors import graze, grows_far_out
-from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, overtaking_cycle, round_from, slip_orbits
+from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, overtaking_cycle, slip_orbits
 from stickslip_sym.motion.simulation.cycle import stick_slip_cycle
 from stickslip_sym.motion.simulation.many import read_initial_conditions
-from stickslip_sym.motion.slip import Dimensionless, End, Slips
+from stickslip_sym.motion.slip import Dimensionless, End, Slip, Slips
 
 __all__ = ["classify", "classify_all"]
 
+_OPEN, _FAILED = -1, len(MOTIONS)  # instead of a place in `MOTIONS`
 _ROUNDS = 12  # looked at on the way from far out
 _MOST_STEPS = 10_000  # of a slip
 _SAME = 1e-9  # relative change of a round that is periodic
@@ -126,56 +127,76 @@ def classify_all(
     return course.of(q, np.abs(1 - u), np.where(u < 1, 1.0, -1.0)).reshape(places.shape)
 
 
-def _or_error(decide: Callable[[], Any]) -> Any:
-    """Return a decision, or the error that it raises."""
-    try:
-        return decide()
-    except StickSlipError as error:
-        return error
-
-
 class _Course:
-    """The courses of motions, from one slip phase to the next."""
+    """The courses of motions, from one slip phase to the next, decided together.
+
+    A decision is a place in `MOTIONS`, or `_OPEN` as long as there is none; an error stands in its place.
+    """
 
     def __init__(
         self, law: FrictionLaw, osc: Oscillator, system: Dimensionless, rtol: float, workers: int
     ) -> None:
         self.law, self.osc, self.system, self.rtol, self.workers = law, osc, system, rtol, workers
+        self.errors: dict[int, StickSlipError] = {}
+        self.found = np.empty(0, dtype=np.intp)
 
     def of(self, q: FloatArray, w: FloatArray, side: FloatArray) -> ObjectArray:
         """Return what initial conditions lead to."""
-        found = np.full(q.shape, None, dtype=object)
+        self.found = np.full(q.shape, _OPEN)
         first = np.full(q.shape, np.nan)  # where slip slower than the belt began, outside P's orbit
         rest_q, rest_w = self.system.rest
         near = _NEAR * self.rtol
         at_rest = (side > 0) & (np.abs(w - rest_w) <= near) & (np.abs(q - rest_q) <= near * max(1.0, abs(rest_q)))
-        found[at_rest] = self._at_rest
+        self._decide(np.flatnonzero(at_rest), lambda: self._at_rest)
         left = np.flatnonzero(~at_rest)
         while left.size:
-            still = w[left] == 0
-            some = left[still]
-            stuck = (q[some] <= 0) & (q[some] >= -2 * self.system.eta * self.system.table.static)
-            if stuck.any():
-                found[some[stuck]] = _or_error(lambda: self._from_onset)
+            some = left[w[left] == 0]
+            stuck = self._stick(q[some])
+            self._decide(some[stuck], lambda: self._from_onset)
             some = some[~stuck]
             side[some] = np.where(q[some] >= 0, 1.0, -1.0)
             begins = some[side[some] > 0]
-            for i in begins[~np.isnan(first[begins])]:
-                found[i] = _or_error(partial(self._outside, float(first[i]), float(q[i])))
+            again = begins[~np.isnan(first[begins])]
+            if again.size:
+                self._decide(again, partial(self._outside, first[again], q[again]))
             first[begins] = q[begins]
-            left = left[found[left] == None]  # noqa: E711  # elementwise
+            left = left[self.found[left] == _OPEN]
             for one in (1.0, -1.0):
-                some = left[side[left] == one]
-                if not some.size:
-                    continue
-                slips = _or_error(partial(self._slips, q[some], w[some], int(one)))
-                if isinstance(slips, StickSlipError):
-                    found[some] = slips
-                    continue
-                q[some], w[some] = slips.q, slips.w
-                self._decide(found, some, slips)
-            left = left[found[left] == None]  # noqa: E711
-        return found
+                self._go_on(left[side[left] == one], q, w, int(one))
+            left = left[self.found[left] == _OPEN]
+        motions = np.array([*MOTIONS, None], dtype=object)[self.found]
+        for row, error in self.errors.items():
+            motions[row] = error
+        return motions
+
+    def _decide(self, rows: IntArray, decide: Callable[[], Motion | IntArray]) -> None:
+        """Note what some motions lead to, or the error that keeps it from being known."""
+        if not rows.size:
+            return
+        try:
+            motion = decide()
+            self.found[rows] = MOTIONS.index(motion) if isinstance(motion, Motion) else motion
+        except StickSlipError as error:
+            self.found[rows] = _FAILED
+            self.errors |= dict.fromkeys(rows.tolist(), error)
+
+    def _go_on(self, rows: IntArray, q: FloatArray, w: FloatArray, side: int) -> None:
+        """Follow slips to their ends, and decide those that do not return."""
+        if not rows.size:
+            return
+        try:
+            slips = self._slips(q[rows], w[rows], side)
+        except StickSlipError as error:
+            self.found[rows] = _FAILED
+            self.errors |= dict.fromkeys(rows.tolist(), error)
+            return
+        q[rows], w[rows] = slips.q, slips.w
+        self._decide(rows[slips.end == End.REST], lambda: self._at_rest)
+        self._decide(rows[slips.end == End.HORIZON], lambda: Motion.UNDECIDED)
+        turned = slips.end == End.MINIMUM
+        self._decide(rows[turned], lambda: self._inside(1 - slips.w[turned]))
+        for i in np.flatnonzero(np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED))).tolist():
+            self._decide(rows[i : i + 1], partial(self._away, self.system.slip_of(slips, i)))
 
     def _slips(self, q: FloatArray, w: FloatArray, side: int) -> Slips:
         """Follow slips up to a return, or a minimum of w below the belt's speed."""
@@ -189,29 +210,42 @@ class _Course:
         sides = np.full(q.shape, float(side))
         return self.system.slips(q, w, sides, until=until, rtol=self.rtol, workers=self.workers)
 
-    def _decide(self, found: ObjectArray, rows: IntArray, slips: Slips) -> None:
-        """Note what slips lead to that do not return."""
-        for end, motion in ((End.REST, self._at_rest), (End.HORIZON, Motion.UNDECIDED)):
-            found[rows[slips.end == end]] = motion
-        turned = slips.end == End.MINIMUM
-        found[rows[turned]] = _or_error(lambda: self._inside(1 - slips.w[turned]))
-        for i in np.flatnonzero(np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED))):
-            refusal = self.system.refusal(self.system.slip_of(slips, int(i)), self.rtol)
-            found[rows[i]] = _or_error(lambda: self._beyond_all) if refusal is None else refusal
+    def _stick(self, q: FloatArray) -> BoolArray:
+        return (q <= 0) & (q >= -2 * self.system.eta * self.system.table.static)
 
-    def _outside(self, before: float, now: float) -> Motion:
+    def _away(self, slip: Slip) -> Motion:
+        """Return what a slip that came out of the law's table leads to, or raise what kept it from an end."""
+        refusal = self.system.refusal(slip, self.rtol)
+        if refusal is not None:
+            raise refusal
+        return self._beyond_all
+
+    def _outside(self, before: FloatArray, now: FloatArray) -> IntArray:
         """Return what two rounds outside P's orbit lead to: all that follow go the same way."""
-        if abs(now - before) <= _SAME * now:
-            return Motion.PURE_SLIP
-        if now > before:
-            farther = (now * 4.0 ** np.arange(1, _ROUNDS)).tolist()
-            return self._beyond_all if all(self._grows(q) for q in farther) else Motion.PURE_SLIP
-        # It may be a long way in: if no round there grows, it ends where P's orbit does.
-        nearer = (now * np.linspace(0.0, 1.0, _ROUNDS + 1)[1:-1]).tolist()
-        return Motion.PURE_SLIP if any(self._grows(q) for q in nearer) else self._from_onset
+        found = np.full(now.shape, MOTIONS.index(Motion.PURE_SLIP))
+        moved = np.abs(now - before) > _SAME * now
+        outward, inward = moved & (now > before), moved & (now < before)
+        if outward.any():
+            far = now[outward].min() * 4.0 ** np.arange(1, _ROUNDS + math.log(np.ptp(now[outward]) + 1, 4))
+            bounded = far[~self._grow(far)]
+            found[outward & (now >= bounded.max(initial=0.0))] = MOTIONS.index(self._beyond_all)
+        if inward.any():
+            # It may be a long way in: if no round there grows, it ends where P's orbit does.
+            near = np.geomspace(now[inward].min() / _ROUNDS, now[inward].max(), 2 * _ROUNDS)
+            growing = near[self._grow(near)]
+            found[inward & (now <= growing.min(initial=math.inf))] = MOTIONS.index(self._from_onset)
+        return found
 
-    def _grows(self, q: float) -> bool:
-        return round_from(self.system, q, self.rtol).end > q
+    def _grow(self, q: FloatArray) -> BoolArray:
+        """Tell whether rounds that begin at displacements q >= 0 end farther out."""
+        grow = np.zeros(q.shape, dtype=bool)
+        slow = self._slips(q, np.zeros(q.shape), 1)
+        grow[slow.end == End.OUTSIDE] = True
+        over = np.flatnonzero((slow.end == End.RETURN) & ~self._stick(slow.q))
+        if over.size:
+            fast = self._slips(slow.q[over], np.zeros(over.shape), -1)
+            grow[over] = (fast.end == End.OUTSIDE) | ((fast.end == End.RETURN) & (fast.q > q[over]))
+        return grow
 
     @cached_property
     def _at_rest(self) -> Motion:
@@ -224,19 +258,19 @@ class _Course:
         height = graze(self.system, self.rtol)
         if height == 0:
             return Motion.UNDECIDED
-        return self._inside(np.array([1 - height]))[0] if height > 0 else self._returned
+        return MOTIONS[self._inside(np.array([1 - height]))[0]] if height > 0 else self._returned
 
-    def _inside(self, peaks: FloatArray) -> ObjectArray:
+    def _inside(self, peaks: FloatArray) -> IntArray:
         """Return what peaks below the belt's speed lead to."""
-        orbits, found = self._orbits, np.full(peaks.shape, None, dtype=object)
+        orbits, found = self._orbits, np.empty(peaks.shape, dtype=np.intp)
         places = np.searchsorted([cycle.amplitude / self.osc.V for cycle in orbits.cycles], peaks)
         for place in np.unique(places):
             some = places == place
-            fate = orbits.fate(float(peaks[some][0]) * self.osc.V)
-            found[some] = _or_error(partial(self._of_fate, fate))
+            found[some] = MOTIONS.index(self._of_fate(orbits.fate(float(peaks[some][0]) * self.osc.V)))
         for cycle in orbits.cycles:
             if not cycle.stable:
-                found[np.abs(cycle.amplitude / self.osc.V - peaks) <= _NEAR * self.rtol] = Motion.UNDECIDED
+                near = np.abs(cycle.amplitude / self.osc.V - peaks) <= _NEAR * self.rtol
+                found[near] = MOTIONS.index(Motion.UNDECIDED)
         return found
 
     def _of_fate(self, fate: LimitCycle | float) -> Motion:

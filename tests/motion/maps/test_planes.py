@@ -19,8 +19,12 @@ PLANES = {
     "brown_mcphee": {"x": ("V", [0.3, 0.6]), "y": ("N", [4, 9]), "c": 2, "m": 1, "k": 100},
 }
 
+FEW = ("exponential", "brown_mcphee")
 
-@pytest.mark.parametrize("name", PLANES)
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in FEW else pytest.mark.thorough) for name in PLANES]
+)
 def test_cells_are_what_simulation_gives(name):
     found = ss.motion_map(ss.laws.catalogue[name].typical(), **PLANES[name])
     assert np.isin(found.reason, ALONE).mean() < 0.1

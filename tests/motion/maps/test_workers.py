@@ -65,6 +65,7 @@ def test_every_executor_gives_the_same_map(serial):
 
 
 # dask's own sockets and event loops may be closed by the garbage collector only.
+@pytest.mark.thorough
 @pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_dask_cluster_is_an_executor(serial, tmp_path):
     distributed = pytest.importorskip("distributed")

@@ -16,7 +16,7 @@ OVERTAKING = AttractorKind(
     exists=lambda signs: signs.returns & ~signs.held,
 )  # fmt: skip
 LAW = ss.laws.exponential.typical()
-PLANE = {"x": ("V", np.linspace(0.5, 5, 4)), "y": ("N", [0.5, 20.0]), "c": 0.05, "m": 1, "k": 100}
+PLANE = {"x": ("V", [0.5, 5.0]), "y": ("N", [0.5, 20.0]), "c": 0.05, "m": 1, "k": 100}
 
 
 @pytest.fixture

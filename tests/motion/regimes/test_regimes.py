@@ -43,7 +43,7 @@ def test_the_attractors_of_the_papers_laws(name, c, expected, separatrices):
 
 
 @pytest.mark.parametrize("side", [-1, 1])
-@pytest.mark.parametrize("step", [1e-3, 1e-5, 1e-7, 1e-9])
+@pytest.mark.parametrize("step", [1e-3, 1e-9])
 def test_both_sides_of_the_threshold(law, step, side):
     threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-13).value
     found = ss.classify(law, paper_oscillator(threshold * (1 + side * step)), rtol=1e-12)
@@ -84,7 +84,9 @@ def starts_and_scenes():
     ]  # fmt: skip
     for law, values in dampings:
         for c in values:
-            yield pytest.param(law, c, rng.uniform(-0.1, 0.15), rng.uniform(-0.6, 1.0), id=f"{law.text[:12]}, {c}")
+            start = rng.uniform(-0.1, 0.15), rng.uniform(-0.6, 1.0)
+            marks = () if c == values[1] else pytest.mark.thorough
+            yield pytest.param(law, c, *start, id=f"{law.text[:12]}, {c}", marks=marks)
 
 
 @pytest.mark.parametrize(("law", "c", "x0", "v0"), list(starts_and_scenes()))
