@@ -1,9 +1,9 @@
 """Text to SymPy expressions, without ever evaluating text.
 
 A formula is cut into tokens and read by recursive descent; what is not listed here, or in the table of functions,
-does not exist. What people type is read where it has one meaning: Greek letters, ``2mu_s``, ``alpha v``, ``)exp(``,
-a left side ``mu(v) =``; for anything else the refusal says what to write. Limits on length, depth and the size of
-numbers keep the work that a short text can ask for small.
+does not exist. What people type is read where it has one meaning: Greek letters, ``2mu_s``, ``alpha v``, a left
+side ``mu(v) =``; for anything else the refusal says what to write. Limits on length, depth and the size of numbers
+keep the work that a short text can ask for small.
 """
 
 import keyword
