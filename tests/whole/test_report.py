@@ -196,7 +196,7 @@ def test_figures_say_what_becomes_of_the_motions():
     assert fates[3] == "tends to a slip cycle, 0.4986 m/s"
     assert fates[4].startswith("comes to rest")
     words = [" ".join(text.get_text() for text in ax.texts) for ax in drawn[5].axes]
-    assert ["by the start" in said for said in words] == [True, False, False]
+    assert ["by the initial condition" in said for said in words] == [True, False, False]
     assert ["$P$, $Q$" in said for said in words] == [True, True, False]
 
 
