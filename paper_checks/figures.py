@@ -50,8 +50,8 @@ _LATER = (
 )
 _STATES = (
     "The equilibrium (cross) with its stability, every limit cycle in pure slip (dash-dotted if unstable), and "
-    "the exact threshold. Where rest is stable below the threshold, the initial condition decides between rest and "
-    "stick–slip."
+    "the exact threshold. Where rest is stable below the threshold, the initial condition decides between rest "
+    "and stick–slip."
 )
 _DISTANCE = (
     "The exact threshold (wide line), from the orbit that grazes the belt’s speed, and the distance of everything "
