@@ -18,7 +18,7 @@ from stickslip_sym import (
     limit_cycles,
     simulate,
 )
-from stickslip_sym.output.page.figures import BLUE, ORANGE, finish, new_figure, panel_letters
+from stickslip_sym.output.drawing import BLUE, ORANGE, finish, new_figure, panel_letters
 
 __all__ = ["histories", "phase_plots"]
 

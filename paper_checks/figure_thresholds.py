@@ -11,7 +11,7 @@ from paper_checks.looks import PAPER
 from paper_checks.printed import PRINTED
 from stickslip_sym import slope_average, symbols
 from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
-from stickslip_sym.output.page.figures import BLUE, GREEN, ORANGE, finish, new_figure, panel_letters
+from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, panel_letters
 
 __all__ = ["friction_laws", "plane", "several_minima"]
 

@@ -14,8 +14,8 @@ from paper_checks.findings import SHORT, Finding, summary
 from paper_checks.formulas import EQUATIONS
 from stickslip_sym.comparison.candidates import SPEEDS
 from stickslip_sym.comparison.tradeoff import Row, tradeoff
-from stickslip_sym.output.page import document
-from stickslip_sym.output.page.figures import svg_uri
+from stickslip_sym.output.drawing import svg_uri
+from stickslip_sym.output.page.render import now, versions
 
 __all__ = ["POINT", "Report", "write"]
 
@@ -58,8 +58,8 @@ def write(folder: Path, findings: Sequence[Finding]) -> Path:
         {finding.id: finding for finding in findings},
         {figure.number: svg_uri(figure.draw()) for figure in FIGURES},
         {name: tradeoff(law(name), of="threshold", **POINT).trades["threshold"].rows for name in LAWS},
-        document.versions(),
-        document.now(),
+        versions(),
+        now(),
     )
     (folder / "claims.json").write_text(
         json.dumps(as_json(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"

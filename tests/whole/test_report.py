@@ -23,9 +23,9 @@ from paper_checks.report_page import page as page_of
 from paper_checks.terminal import verdicts
 from stickslip_sym import InputError
 from stickslip_sym.comparison.tradeoff import Row
-from stickslip_sym.output.page.document import versions
-from stickslip_sym.output.page.elements import element, prose
-from stickslip_sym.output.page.figures import svg
+from stickslip_sym.output.drawing import svg
+from stickslip_sym.output.markup import element, prose
+from stickslip_sym.output.page.render import versions
 
 ROOT = Path(__file__).parents[2]
 CHECKED = ("E3", "N1")  # cheap ones; the report tells of the others that they were not checked
