@@ -2,9 +2,9 @@
 
 import click
 
-from stickslip_sym.cli.options import DAMPING, JSON, LAW, METHOD, POINT, Given, command, option, time_limit
+from stickslip_sym.cli.options import DAMPING, JSON, LAW, METHOD, POINT, RANGE, Given, command, option, time_limit
 from stickslip_sym.cli.output import echo_json, point_of
-from stickslip_sym.cli.reading import point, read_number, read_numbers
+from stickslip_sym.cli.reading import point
 from stickslip_sym.core.errors import InputError
 
 _RTOL = 1e-3
@@ -13,7 +13,7 @@ _RTOL = 1e-3
 @command(
     "critical", LAW,
     option("--of", metavar="NAME", default="all", help="V, N, m, k, c or a parameter, or all (all)."),
-    DAMPING, POINT, METHOD, option("--within", metavar="LOW:HIGH", help="Where to look, in SI units."),
+    DAMPING, POINT, METHOD, option("--within", metavar="LOW:HIGH", type=RANGE, help="Where to look, in SI units."),
     time_limit(), JSON,
 )  # fmt: skip
 def run(given: Given) -> None:
@@ -29,7 +29,7 @@ def run(given: Given) -> None:
     from stickslip_sym.motion.margins.margins import margins
 
     of, method = given["of"], given["method"]
-    rtol, limit = read_number(given, "rtol", _RTOL) or _RTOL, read_number(given, "time_limit")
+    rtol, limit = given["rtol"] or _RTOL, given["time_limit"]
     at = point(given, without=[of])
     if "c" not in at.texts and of != "c":
         raise InputError("critical values are computed at a given damping: add -c VALUE")
@@ -44,19 +44,10 @@ def run(given: Given) -> None:
             click.echo(f"{at}\n\n{found}")
         return
     at.exact("critical --of " + of)
-    ends = _ends(given["within"])
+    ends = given["within"]
     given.all_used()
     values = critical(at.law, of, **at.numbers, method=method, rtol=rtol, within=ends, time_limit=limit)
     if given["json"]:
         echo_json("critical", **point_of(at), of=of, values=values)
     else:
         click.echo(f"{at}\n\n" + ("\n".join(map(str, values)) or f"there is no such value of {of}"))
-
-
-def _ends(text: str | None) -> tuple[float, float] | None:
-    if text is None:
-        return None
-    low, colon, high = text.partition(":")
-    if not colon:
-        raise InputError(f"--within {text} is not LOW:HIGH; write for example --within 0.1:10")
-    return read_numbers({"within": low})["within"], read_numbers({"within": high})["within"]

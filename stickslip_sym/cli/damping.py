@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 import click
 
 from stickslip_sym.cli.options import JSON, LAW, METHOD, POINT, Given, command, option, time_limit
-from stickslip_sym.cli.output import echo_json, point_of, table
-from stickslip_sym.cli.reading import points, read_number
+from stickslip_sym.cli.output import echo_json, point_of
+from stickslip_sym.cli.reading import points
 from stickslip_sym.cli.words import in_options
+from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.threshold import Threshold
@@ -32,7 +33,7 @@ def run(given: Given) -> None:
     from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 
     method = None if given["all"] else given["method"]
-    rtol, limit = read_number(given, "rtol"), read_number(given, "time_limit")
+    rtol, limit = given["rtol"], given["time_limit"]
     reports = []
     for one in points(given, without=("c",)):
         given.all_used()

@@ -9,7 +9,7 @@ import click
 
 from stickslip_sym.cli.options import CRITERIA, JSON, LAW, POINT, Given, command, file_option, option, time_limit
 from stickslip_sym.cli.output import echo_json, point_of, progress_bar
-from stickslip_sym.cli.reading import criteria_of, point, read_number
+from stickslip_sym.cli.reading import criteria_of, point
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, NoClosedForm
 
@@ -33,7 +33,7 @@ _CURVE = "  c = average of the {} (--json and --save have it exactly)"
     option("--steps", is_flag=True, help="Print every step of the derivation."),
     file_option("--latex", "Write the formula as LaTeX."),
     file_option("--save", "Keep the form, for stickslip_sym.load."),
-    time_limit("Seconds for each criterion (120)."), JSON,
+    time_limit("Seconds for each criterion (120).", SECONDS), JSON,
 )  # fmt: skip
 def run(given: Given) -> None:
     """Derive the closed form of a criterion, prove it, and cross-check its value.
@@ -49,7 +49,7 @@ def run(given: Given) -> None:
     if save is not None and len(chosen) > 1:
         raise InputError("--save keeps one closed form; name one criterion instead of all")
     at = point(given, without=("c",)).exact("derive")
-    law, limit = at.law, read_number(given, "time_limit", SECONDS)
+    law, limit = at.law, given["time_limit"]
     given.all_used()
     # What the table cannot be computed for is refused before anything is derived or written.
     Oscillator(**at.numbers)
@@ -59,7 +59,7 @@ def run(given: Given) -> None:
         from stickslip_sym.model.doubts import warn_where_negative
 
         warn_where_negative(law, at.numbers["V"])
-    results = [(criterion, derived(law, criterion, limit or 0.0)) for criterion in chosen]
+    results = [(criterion, derived(law, criterion, limit)) for criterion in chosen]
     forms = [form for _, form in results if not isinstance(form, NoClosedForm)]
     if latex is not None and forms:
         files.write_text(latex, "\n".join(_latex(form, steps) for form in forms))

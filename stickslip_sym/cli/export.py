@@ -18,7 +18,7 @@ from stickslip_sym.cli.options import (
     time_limit,
 )  # fmt: skip
 from stickslip_sym.cli.output import echo_json
-from stickslip_sym.cli.reading import assignments, criteria_of, law_described, read_number
+from stickslip_sym.cli.reading import assignments, criteria_of, law_described
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.formula.code.languages import DESCRIPTIONS
 
@@ -39,7 +39,7 @@ _KINDS = ("latex", *DESCRIPTIONS, "save")
     option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
     option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
     option("--symbol", metavar="NAME=LATEX", multiple=True, help="Print a symbol otherwise."),
-    time_limit("Seconds for each criterion (120)."), JSON,
+    time_limit("Seconds for each criterion (120).", SECONDS), JSON,
 )  # fmt: skip
 def run(given: Given) -> None:
     """Write criteria as LaTeX, Python, C or Octave. If anything fails, nothing is written.
@@ -55,7 +55,7 @@ def run(given: Given) -> None:
         raise InputError(f"nothing to write: give {', '.join(first)} or {last}")
     if len({path.resolve() for path in targets.values()}) < len(targets):
         raise InputError("two outputs have the same file; give each one of its own")
-    chosen, limit = criteria_of(given["criterion"]), read_number(given, "time_limit", SECONDS) or 0.0
+    chosen, limit = criteria_of(given["criterion"]), given["time_limit"]
     laws = _laws(given)
     style = {}
     if "latex" in targets:

@@ -4,9 +4,10 @@ import click
 
 from stickslip_sym.cli.derive import derived
 from stickslip_sym.cli.options import JSON, LAW_NAMES, Given, command
-from stickslip_sym.cli.output import echo_json, law_of, table
+from stickslip_sym.cli.output import echo_json, law_of
 from stickslip_sym.cli.reading import criteria_of
 from stickslip_sym.core.errors import NoClosedForm
+from stickslip_sym.output.tables import table
 
 
 @command("laws", click.Argument(["law"], required=False, **LAW_NAMES), JSON)

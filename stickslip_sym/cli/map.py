@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stickslip_sym.cli.numbers import check_size
 from stickslip_sym.cli.options import DAMPING, JSON, LAW, POINT, Given, command, file_option, option, time_limit
-from stickslip_sym.cli.output import counted, echo_json, point_of, table
-from stickslip_sym.cli.reading import assignments, check_size, point, read_number
+from stickslip_sym.cli.output import counted, echo_json, point_of
+from stickslip_sym.cli.reading import assignments, point
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
     from stickslip_sym.core.aliases import FloatArray
@@ -49,7 +51,7 @@ def run(given: Given) -> None:
         if name in names:
             raise InputError(f"{name} is an axis, and given by -p too; leave one of the two out")
     at = point(given, without=names).exact("map")
-    limit, workers = read_number(given, "time_limit"), given["workers"]
+    limit, workers = given["time_limit"], given["workers"]
     files = given["csv"], given["npz"], given["plot"]
     given.all_used()
     _warn_at_corners(at.law, axes, at.numbers)

@@ -11,12 +11,13 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
+from stickslip_sym.cli.numbers import read_number
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.operating_point import PAPER
 
 __all__ = [
     "CRITERIA", "CRITERION", "DAMPING", "DESCRIPTION", "FILE_OF_MEASUREMENTS", "JSON", "LAW", "LAW_NAMES",
-    "METHOD", "POINT", "Given", "command", "file_option", "option", "time_limit",
+    "METHOD", "NUMBER", "POINT", "RANGE", "Given", "command", "file_option", "option", "time_limit",
 ]  # fmt: skip
 
 _BELONGS = {
@@ -100,6 +101,46 @@ class _Command(click.Command):
         return super().parse_args(ctx, args)
 
 
+class _Number(click.ParamType[float]):
+    """A number of a possible size, as people write one: 0.5, 1e-3 or 1/3."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number."""
+        return (
+            value if isinstance(value, float) else read_number(value, str(param.name) if param else "the number")
+        )
+
+
+class _Range(click.ParamType[tuple[float | None, float | None]]):
+    """LOW:HIGH; where `half` is true either may be left out."""
+
+    name = "range"
+
+    def __init__(self, *, half: bool = False) -> None:
+        self.half = half
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float | None, float | None]:
+        """Return both ends."""
+        if isinstance(value, tuple):
+            return value
+        option = param.opts[0] if param else "the range"
+        low, colon, high = value.partition(":")
+        if not colon or (not self.half and not (low and high)):
+            raise InputError(f"{option} {value[:60]!r} is not LOW:HIGH; write for example {option} 0.1:10")
+        first, last = (read_number(end, option) if end else None for end in (low, high))
+        return first, last
+
+
+NUMBER = _Number()
+"""The type of an option that takes a number."""
+RANGE = _Range()
+"""The type of an option that takes LOW:HIGH."""
+
+
 class _File(click.ParamType[Path]):
     """The name of a file to write, refused before the work where it cannot be written."""
 
@@ -179,7 +220,7 @@ FILE_OF_MEASUREMENTS = [
         "--column", metavar="QUANTITY=NAME", multiple=True, help="Column of v, mu, F_t or F_n by name or number."
     ),
     option("--radius", metavar="M", help="Radius of the track, where the speed is in rpm."),
-    option("--speeds", metavar="LOW:HIGH", help="Read rows of these speeds in m/s only."),
+    option("--speeds", metavar="LOW:HIGH", type=_Range(half=True), help="Read rows of these speeds in m/s only."),
     option("--leave-out", is_flag=True, help="Leave out rows that are no measurements, and count them."),
     option("--keep-outliers", is_flag=True, help="Keep rows off a smooth curve, which are refused otherwise."),
 ]
@@ -216,10 +257,10 @@ METHOD = [
     option(
         "--method", metavar="NAME", default="auto", shell_complete=_complete(_methods), help="A method, or auto."
     ),
-    option("--rtol", metavar="X", help="Relative error that is good enough (0.001)."),
+    option("--rtol", metavar="X", type=NUMBER, help="Relative error that is good enough (0.001)."),
 ]
 
 
-def time_limit(text: str = "Seconds of computation.", default: str | None = None) -> click.Option:
+def time_limit(text: str = "Seconds of computation.", default: float | None = None) -> click.Option:
     """Return the option that limits the time."""
-    return option("--time-limit", metavar="S", default=default, help=text)
+    return option("--time-limit", metavar="S", type=NUMBER, default=default, help=text)

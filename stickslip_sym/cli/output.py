@@ -1,4 +1,4 @@
-"""What the commands print: tables, progress, and with ``--json`` one object, valid JSON, of a shape that stays.
+"""What the commands print: progress, and with ``--json`` one object, valid JSON, of a shape that stays.
 
     {"format": 2, "version": "0.3.0", "command": "damping", "law": ..., "operating_point": ..., ...}
 
@@ -30,64 +30,25 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 """What stands for an object of JSON."""
 
-__all__ = ["Json", "as_json", "counted", "echo_json", "law_of", "point_of", "progress_bar", "table"]
+__all__ = ["Json", "as_json", "counted", "echo_json", "law_of", "point_of", "progress_bar"]
 
 _FORMAT = 2
-_WIDTH = 115  # characters of a line where no terminal says how many it has
 _ATTRIBUTES = {
-    "Threshold": (
-        "value",
-        "method",
-        "relative_error",
-        "status",
-        "uncertainty",
-        "nonlinearity",
-        "budget",
-        "deserved",
-    ),
-    "Budget": ("deviations", "alone", "shares", "correlated"),
-    "Critical": ("value", "unit", "method", "relative_error", "sensitivity"),
-    "Margin": ("name", "value", "below", "above", "change"),
-    "Margins": ("stick_slip", "threshold", "rows", "probability", "sampled", "refused"),
-    "ClosedForm": ("expr", "verdict"),
-    "Trajectory": ("motion", "change", "outcome", "note", "events"),
-    "MotionMap": ("motion", "reason", "attractors"),
-    "Axis": ("name", "unit", "values"),
-    "Trade": ("point", "box", "rows", "dominators"),
-    "Study": (
-        "warnings",
-        "headline",
-        "verdict",
-        "regime",
-        "answers",
-        "choice",
-        "probability",
-        "margins",
-        "forms",
-        "fit",
-        "refused",
-        "defaults",
-        "seconds",
-    ),
-    "Regime": ("attractors",),
+    "Threshold": "value method relative_error status uncertainty nonlinearity budget deserved",
+    "Budget": "deviations alone shares correlated",
+    "Critical": "value unit method relative_error sensitivity",
+    "Margin": "name value below above change",
+    "Margins": "stick_slip threshold rows probability sampled refused",
+    "ClosedForm": "expr verdict",
+    "Trajectory": "motion change outcome note events",
+    "MotionMap": "motion reason attractors",
+    "Axis": "name unit values",
+    "Trade": "point box rows dominators",
+    "Study": "warnings headline verdict regime answers choice probability margins forms fit refused defaults "
+    "seconds",
+    "Regime": "attractors",
 }
 """What is printed of these classes, by their names; of other dataclasses every attribute."""
-
-
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return rows under a header, as wide as the terminal is; without one, 115 characters."""
-    from rich.console import Console
-    from rich.table import Table
-
-    shown = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
-    for name in header:
-        shown.add_column(name, overflow="fold")
-    for row in rows:
-        shown.add_row(*row)
-    console = Console(width=None if sys.stdout.isatty() else _WIDTH, markup=False, emoji=False, highlight=False)
-    with console.capture() as captured:
-        console.print(shown)
-    return "\n".join(line.rstrip() for line in captured.get().splitlines())
 
 
 @contextmanager
@@ -136,8 +97,8 @@ def as_json(value: Any) -> Any:
         return [as_json(one) for one in value]
     if isinstance(value, float):
         return value if math.isfinite(value) else None
-    names = _ATTRIBUTES.get(type(value).__name__)
-    if names is None and not is_dataclass(value):
+    names = _ATTRIBUTES.get(type(value).__name__, "").split()
+    if not names and not is_dataclass(value):
         from stickslip_sym.output import printing
 
         return printing.text(value) if hasattr(value, "free_symbols") else str(value)

@@ -1,31 +1,29 @@
 """The law and the operating point that options make, and the numbers in them."""
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from stickslip_sym.cli.numbers import read_number
 from stickslip_sym.cli.options import Given
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.operating_point import PAPER
 
 if TYPE_CHECKING:
-    from stickslip_sym.core.aliases import Rational
     from stickslip_sym.criteria.criterion import Criterion
     from stickslip_sym.model.law import FrictionLaw
     from stickslip_sym.model.measured.measurements import Measurements
 
 __all__ = [
-    "UNITS", "Point", "assignments", "check_size", "criteria_of", "law_described", "measurements", "point",
-    "points", "read_exact", "read_number", "read_numbers", "reading_of",
+    "UNITS", "Point", "assignments", "criteria_of", "law_described", "measurements", "point", "points",
+    "reading_of",
 ]  # fmt: skip
 
 UNITS = {"V": "m/s", "N": "N", "m": "kg", "k": "N/m", "c": "kg/s"}
-_LARGEST = 10**20
-"""Of a number in SI units, and its inverse the smallest: beyond, no table could be computed in doubles."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ class Point:
         """The quantities without their errors."""
         from stickslip_sym.core.uncertain import nominal_text
 
-        return read_numbers({name: nominal_text(text, name) for name, text in self.texts.items()})
+        return {name: read_number(nominal_text(text, name), name) for name, text in self.texts.items()}
 
     def exact(self, command: str) -> "Point":
         """Return the point, for a command that computes without standard errors.
@@ -167,7 +165,7 @@ def law_described(option: Callable[[str], Any], text: str | None) -> "FrictionLa
 
     Raises `InputError` if it is given twice or not at all.
     """
-    from stickslip_sym.model.expression.spelling import NAME
+    from stickslip_sym.model.expression.parsing import NAME
     from stickslip_sym.model.law import FrictionLaw
     from stickslip_sym.model.laws import laws
 
@@ -204,16 +202,10 @@ def measurements(option: Callable[[str], Any], file: Path) -> "Measurements":
 
 def reading_of(option: Callable[[str], Any]) -> dict[str, Any]:
     """Return how options say that a file of measurements is read, as arguments of `read_measurements`."""
-    speeds: tuple[str | None, str | None] | None = None
-    if (text := option("speeds")) is not None:
-        low, colon, high = text.partition(":")
-        if not colon:
-            raise InputError(f"--speeds {text!r} is not LOW:HIGH; write for example --speeds 0.01:1")
-        speeds = low or None, high or None
     return {
         "columns": assignments(option("column"), '--column mu="Friction Factor"'),
         "radius": option("radius"),
-        "speeds": speeds,
+        "speeds": option("speeds"),
         "leave_out": option("leave_out"),
         "keep_outliers": option("keep_outliers"),
     }
@@ -244,41 +236,3 @@ def _is_number(text: str, name: str) -> bool:
     from stickslip_sym.core.uncertain import nominal_text
 
     return str(nominal_text(text, name)) == text
-
-
-def read_number(given: Given, name: str, otherwise: float | None = None) -> float | None:
-    """Read one number of the command line, or return another where it was not given."""
-    text = given[name]
-    return otherwise if text is None else read_numbers({name: text})[name]
-
-
-def read_exact(texts: Mapping[str, str | None]) -> "dict[str, Rational]":
-    """Read numbers of a possible size, exactly; those that were not given are left out."""
-    from stickslip_sym.core.numbers import exact
-
-    numbers = {name: exact(text, name) for name, text in texts.items() if text is not None}
-    for name, value in numbers.items():
-        check_size(name, value)
-    return numbers
-
-
-def read_numbers(texts: Mapping[str, str | None]) -> dict[str, float]:
-    """Read numbers as floats, as `read_exact` does."""
-    from stickslip_sym.core.numbers import fraction
-
-    numbers = {name: fraction(text, name) for name, text in texts.items() if text is not None}
-    for name, value in numbers.items():
-        check_size(name, value)
-    return {name: float(value) for name, value in numbers.items()}
-
-
-def check_size(name: str, value: Any) -> None:
-    """Refuse a number of a size that no operating point has."""
-    size = abs(value)
-    if size == 0 or 1 <= size * _LARGEST <= _LARGEST**2:
-        return
-    if size > 1:
-        reason = "beyond what double precision can hold" if float(size) == float("inf") else "too large"
-    else:
-        reason = "below what double precision can hold" if float(size) == 0 else "too small"
-    raise InputError(f"{name} is {reason}; give a size from {1 / _LARGEST:g} to {_LARGEST:g} in SI units")

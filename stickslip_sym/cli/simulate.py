@@ -6,10 +6,22 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stickslip_sym.cli.options import DAMPING, JSON, LAW, POINT, Given, command, file_option, option, time_limit
-from stickslip_sym.cli.output import echo_json, point_of, table
-from stickslip_sym.cli.reading import point, read_numbers
+from stickslip_sym.cli.options import (
+    DAMPING,
+    JSON,
+    LAW,
+    NUMBER,
+    POINT,
+    Given,
+    command,
+    file_option,
+    option,
+    time_limit,
+)
+from stickslip_sym.cli.output import echo_json, point_of
+from stickslip_sym.cli.reading import point
 from stickslip_sym.cli.words import in_options
+from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
     from stickslip_sym.model.law import FrictionLaw
@@ -23,10 +35,10 @@ _LONGEST = 5.0  # seconds, to find where the motion leads
 
 @command(
     "simulate", LAW, POINT, DAMPING,
-    option("--x0", metavar="M", default="0", help="Initial displacement (0)."),
-    option("--v0", metavar="M/S", help="Initial velocity (belt speed)."),
-    option("--t-end", metavar="S", help="Duration (ten natural periods)."),
-    option("--rtol", metavar="X", default="1e-10", help="Relative tolerance of a step (1e-10)."),
+    option("--x0", metavar="M", type=NUMBER, default=0.0, help="Initial displacement (0)."),
+    option("--v0", metavar="M/S", type=NUMBER, help="Initial velocity (belt speed)."),
+    option("--t-end", metavar="S", type=NUMBER, help="Duration (ten natural periods)."),
+    option("--rtol", metavar="X", type=NUMBER, default=1e-10, help="Relative tolerance of a step (1e-10)."),
     option("--method", metavar="NAME", default="events", help="events, or solve_ivp of SciPy (events)."),
     time_limit(),
     file_option("--plot", "Draw the motion (SVG, PNG or PDF).", draws=True),
@@ -42,17 +54,14 @@ def run(given: Given) -> None:
     from stickslip_sym.motion.simulation.simulate import simulate
 
     at = point(given, c="0").exact("simulate")
-    values = read_numbers({name: given[name] for name in ("x0", "v0", "t_end", "rtol", "time_limit")})
+    x0, v0, t_end, rtol, limit = (given[name] for name in ("x0", "v0", "t_end", "rtol", "time_limit"))
     csv, plot, method = given["csv"], given["plot"], given["method"]
     given.all_used()
     osc = Oscillator(**at.numbers)
     warn_where_negative(at.law, osc.V)
-    values.setdefault("t_end", _PERIODS * 2 * math.pi / osc.omega)
-    motion = simulate(
-        at.law, osc, t_end=values["t_end"], x0=values.get("x0", 0.0), v0=values.get("v0"),
-        rtol=values.get("rtol", 1e-10), method=method, time_limit=values.get("time_limit"),
-    )  # fmt: skip
-    end = _end(at.law, osc, motion, values)
+    t_end = _PERIODS * 2 * math.pi / osc.omega if t_end is None else t_end
+    motion = simulate(at.law, osc, t_end=t_end, x0=x0, v0=v0, rtol=rtol, method=method, time_limit=limit)
+    end = _end(at.law, osc, motion, x0, v0, _LONGEST if limit is None else min(_LONGEST, limit))
     if given["json"]:
         echo_json("simulate", **point_of(at), motion=motion, in_the_end=end, periods=_periods(motion))
     else:
@@ -63,7 +72,9 @@ def run(given: Given) -> None:
         motion.plot(plot)
 
 
-def _end(law: "FrictionLaw", osc: "Oscillator", motion: "Trajectory", values: dict[str, float]) -> str | None:
+def _end(
+    law: "FrictionLaw", osc: "Oscillator", motion: "Trajectory", x0: float, v0: float | None, seconds: float
+) -> str | None:
     """Return to which motion this one leads, or that it was not found; None where the motion shows it."""
     from stickslip_sym.core.deadline import time_limit as limited
     from stickslip_sym.core.errors import StickSlipError
@@ -73,8 +84,8 @@ def _end(law: "FrictionLaw", osc: "Oscillator", motion: "Trajectory", values: di
     if motion.motion in (Motion.REST, Motion.STICK_SLIP, Motion.PURE_SLIP, Motion.UNBOUNDED):
         return None
     try:
-        with limited(min(_LONGEST, values.get("time_limit", _LONGEST))):
-            return classify(law, osc, x0=values.get("x0", 0.0), v0=values.get("v0")).value
+        with limited(seconds):
+            return classify(law, osc, x0=x0, v0=v0).value
     except StickSlipError as error:
         return f"not found: {error}"
 

@@ -26,7 +26,6 @@ from stickslip_sym.cli.reading import (
     law_described,
     measurements,
     points,
-    read_number,
     reading_of,
 )
 from stickslip_sym.cli.words import in_options
@@ -62,7 +61,7 @@ def run(given: Given) -> None:
 
     require_matplotlib()
     require_templates()
-    limit, output, pdf = read_number(given, "time_limit"), given["output"], given["pdf"]
+    limit, output, pdf = given["time_limit"], given["output"], given["pdf"]
     if pdf is not None:
         require_browser()
     fits, measured, at = _described(given)

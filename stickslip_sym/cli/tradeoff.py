@@ -10,6 +10,7 @@ from stickslip_sym.cli.options import (
     JSON,
     LAW,
     POINT,
+    RANGE,
     Given,
     command,
     file_option,
@@ -17,10 +18,8 @@ from stickslip_sym.cli.options import (
     time_limit,
 )  # fmt: skip
 from stickslip_sym.cli.output import echo_json, point_of
-from stickslip_sym.cli.reading import point, read_number, read_numbers
-from stickslip_sym.core.errors import InputError
+from stickslip_sym.cli.reading import point
 
-_ENDS = "FROM:TO"
 _SECONDS = 600.0
 
 
@@ -30,10 +29,10 @@ _SECONDS = 600.0
     option("--basins", is_flag=True, help="Of the share of initial conditions that come to rest."),
     option("--all", is_flag=True, help="Of a criterion, a threshold and a share, in one run."),
     DAMPING,
-    option("--x0", metavar=_ENDS, help="Initial displacements, in m."),
-    option("--v0", metavar=_ENDS, help="Initial velocities, in m/s."),
+    option("--x0", metavar="FROM:TO", type=RANGE, help="Initial displacements, in m."),
+    option("--v0", metavar="FROM:TO", type=RANGE, help="Initial velocities, in m/s."),
     file_option("--plot", "Draw error against time (SVG, PNG or PDF).", draws=True),
-    time_limit("Seconds; methods that are left then have no number (600)."), JSON,
+    time_limit("Seconds; methods that are left then have no number (600).", _SECONDS), JSON,
 )  # fmt: skip
 def run(given: Given) -> None:
     """Measure what each method for a number costs, how far it is off, and which other method dominates it.
@@ -53,8 +52,8 @@ def run(given: Given) -> None:
     elif not at.law.missing:
         warn_where_negative(at.law, at.numbers["V"])
     more: dict[str, Any] = {"criterion": given["criterion"]} if "criterion" in kinds else {}
-    box: dict[str, Any] = {name: _ends(name, given[name]) for name in ("x0", "v0")} if "basin" in kinds else {}
-    limit, plot = read_number(given, "time_limit", _SECONDS), given["plot"]
+    box: dict[str, Any] = {name: given[name] for name in ("x0", "v0")} if "basin" in kinds else {}
+    limit, plot = given["time_limit"], given["plot"]
     given.all_used()
     quantities: dict[str, Any] = dict(at.texts)
     found = tradeoff(at.law, of=kinds, time_limit=limit, **more, **box, **quantities)
@@ -64,12 +63,3 @@ def run(given: Given) -> None:
         click.echo(f"{at}\n\n{found}")
     if plot is not None:
         found.plot(plot)
-
-
-def _ends(name: str, text: str | None) -> tuple[float, float] | None:
-    if text is None:
-        return None
-    low, colon, high = text.partition(":")
-    if not colon:
-        raise InputError(f"--{name} is {_ENDS}, such as --{name} -0.1:0.1, got {text[:60]!r}")
-    return read_numbers({f"--{name}": low})[f"--{name}"], read_numbers({f"--{name}": high})[f"--{name}"]

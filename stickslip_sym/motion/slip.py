@@ -466,8 +466,11 @@ def follow(
         faster = (eta * _rise(pieces, 0, whole, 0, 1.0 + _BESIDE) - lifted) / _BESIDE + damping
         slower = (lifted - eta * _rise(pieces, 0, whole, 0, 1.0 - _BESIDE)) / _BESIDE + damping
         q_rest = damping - push + lifted
-        noise = _AMPLIFIED * _ULP * max(max(abs(push), abs(lifted)), max(abs(q_rest), abs(damping)))
-        close = _REST_WITHIN * (rtol + noise / max(1.0, max(abs(faster), abs(slower))))
+        fastest = max(abs(faster), abs(slower))
+        noise = _ULP * max(max(abs(push), abs(lifted)), max(abs(q_rest), abs(damping)))
+        if fastest > _STIFF:  # of implicit steps
+            noise *= _AMPLIFIED / fastest
+        close = _REST_WITHIN * (rtol + noise)
 
     segment = 0
     while segment + 1 < segments and w >= levels[segment + 1]:

@@ -1,12 +1,12 @@
 """Plain text tables, and lines of text, no wider than a page."""
 
 import re
+import sys
 from collections.abc import Sequence
 
 __all__ = ["WIDTH", "duration", "table", "wrapped"]
 
 WIDTH = 115  # characters of a line
-_GAP = "  "
 # Where a line may end, the best place first, what stands there between its parts, and whether it is one only
 # outside of brackets: never inside ** or a number.
 _FACTOR = r"(?=/|\*(?!\*))"
@@ -17,32 +17,25 @@ _BREAKS = (
     (r"(?<![+-]) ", " ", False),
     (rf"(?<=[^*/ ]){_FACTOR}", "", False),
 )
-_WORDS = "|".join(place for place, *_ in _BREAKS)
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return rows of text under a header, in aligned columns with no trailing blanks.
 
-    Where a row is wider than `WIDTH`, the widest columns go on in further lines. Only words that do not fit side
-    by side make a wider line: nothing is cut off.
+    It is no wider than the terminal, without one than `WIDTH`; longer cells go on below, and nothing is cut.
     """
-    lines = [header, *rows]
-    columns = list(zip(*lines, strict=True))
-    widths = [max(map(len, column)) for column in columns]
-    least = [max(len(word) for cell in column for word in re.split(_WORDS, cell)) for column in columns]
-    while sum(widths) + len(_GAP) * (len(widths) - 1) > WIDTH:
-        narrower = [place for place, width in enumerate(widths) if width > least[place]]
-        if not narrower:
-            break
-        widths[max(narrower, key=lambda place: widths[place])] -= 1
-    cells = [[wrapped(cell, width) for cell, width in zip(line, widths, strict=True)] for line in lines]
-    return "\n".join(
-        _GAP.join(
-            (cell[row] if row < len(cell) else "").ljust(width) for cell, width in zip(line, widths, strict=True)
-        ).rstrip()
-        for line in cells
-        for row in range(max(map(len, line)))
-    )
+    from rich.console import Console
+    from rich.table import Table
+
+    shown = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
+    for name in header:
+        shown.add_column(name, overflow="fold")
+    for row in rows:
+        shown.add_row(*row)
+    console = Console(width=None if sys.stdout.isatty() else WIDTH, markup=False, emoji=False, highlight=False)
+    with console.capture() as captured:
+        console.print(shown)
+    return "\n".join(line.rstrip() for line in captured.get().splitlines())
 
 
 def wrapped(text: str, width: int) -> list[str]:

@@ -33,7 +33,9 @@ def test_formula_is_described_wherever_it_is_a_law(name, run):
     assert law["static"] in ("3/5", "0.6")
 
 
-@pytest.mark.parametrize("name", ["derive", "damping", "simulate", "map"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("derive", marks=pytest.mark.thorough), "damping", "simulate", "map"]
+)
 def test_every_command_reads_measured_points(name, run, tmp_path):
     (tmp_path / "disc.csv").write_text(POINTS)
     line = [name, "--from-csv", "disc.csv", "--static", "0.6", *QUICK[name], "--json"]

@@ -52,22 +52,22 @@ def test_interrupt_ends_a_command(name, run, monkeypatch):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
-@pytest.mark.parametrize("arguments", ["laws", "--help"])
-def test_full_disk_is_one_line(arguments, tmp_path):
-    done = shell(f"$RUN {arguments} > /dev/full", tmp_path)
+def test_full_disk_is_one_line(tmp_path):
+    done = shell("$RUN laws > /dev/full", tmp_path)
     assert done.returncode == 1
     assert done.stderr == "error: cannot write the output: No space left on device\n"
 
 
 @needs_posix_shell
-@pytest.mark.parametrize("arguments", ["laws --json", "damping linear --json"])
-def test_closed_pipe_ends_quietly(arguments, tmp_path):
-    done = shell(f"$RUN {arguments} | head -0", tmp_path)
+def test_closed_pipe_ends_quietly(tmp_path):
+    done = shell("$RUN laws --json | head -0", tmp_path)
     assert (done.stdout, done.stderr) == ("", "")
 
 
 @needs_posix_shell
-@pytest.mark.parametrize("sink", ["| cat", "> out.txt; code=$?; cat out.txt; exit $code"])
+@pytest.mark.parametrize(
+    "sink", ["| cat", pytest.param("> out.txt; code=$?; cat out.txt; exit $code", marks=pytest.mark.thorough)]
+)
 def test_latex_to_standard_output_loses_nothing(sink, tmp_path):
     done = shell(f"$RUN derive coulomb --latex /dev/stdout {sink}", tmp_path)
     assert (done.returncode, done.stderr) == (0, "")

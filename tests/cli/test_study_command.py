@@ -28,7 +28,9 @@ def instruments():
     }
 
 
-@pytest.mark.parametrize("name", ["comma", "semicolon", "forces"])
+@pytest.mark.parametrize(
+    "name", ["comma", *(pytest.param(one, marks=pytest.mark.thorough) for one in ("semicolon", "forces"))]
+)
 def test_from_a_file_to_a_page(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "disc.csv").write_text(instruments()[name], encoding="utf-8")
@@ -49,7 +51,7 @@ def test_from_a_file_to_a_page(name, tmp_path, monkeypatch, capsys):
 def test_through_measured_points(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "pin.csv").write_text("v,mu\n0,0.5\n0.1,0.45\n0.3,0.4\n0.6,0.38\n1.2,0.37\n")
-    line = ["study", "--from-csv", "pin.csv", "-c", "1", "-o", "pin.html", "--time-limit", "4"]
+    line = ["study", "--from-csv", "pin.csv", "-c", "1", "-o", "pin.html", "--time-limit", "1"]
     code, out, _ = run(monkeypatch, capsys, *line)
     assert code == 0
     assert "pin.html: " in out

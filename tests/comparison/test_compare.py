@@ -84,7 +84,9 @@ def test_scattered_points_do_not_get_fifty_digits():
     assert max(map(len, report(checks).splitlines())) <= 110
 
 
-@pytest.mark.parametrize("name", ["equilibrium", "least_squares", "harmonic"])
+@pytest.mark.parametrize(
+    "name", ["equilibrium", "least_squares", pytest.param("harmonic", marks=pytest.mark.thorough)]
+)
 def test_scatter_is_the_jackknife_of_the_criterion(name):
     v, mu = scattered(9)
     criterion = ss.criteria.catalogue[name]

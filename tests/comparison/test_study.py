@@ -96,7 +96,7 @@ def check(root, seed):
         assert there[place] == pytest.approx(numbers, rel=1e-9, abs=1e-300), place
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.thorough)])
 def test_numbers_on_the_page_are_those_of_the_functions(seed, monkeypatch):
     page = drawn_without(studied(seed), monkeypatch)
     root = check_well_formed(page)

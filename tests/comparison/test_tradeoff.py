@@ -133,7 +133,7 @@ def test_thresholds_by_every_method_and_by_the_procedure_of_the_paper(monkeypatc
 def test_the_error_of_a_share_has_two_parts(monkeypatch, wrong):
     """The simulation decides every sample as the areas say, so only their number is left; wrong ones count too."""
     monkeypatch.setattr(candidates, "SIMULATED", (10, 20))
-    monkeypatch.setattr(candidates, "WRITTEN", 10 if wrong else 4)
+    monkeypatch.setattr(candidates, "WRITTEN", 10 if wrong else 2)
     if wrong:
         monkeypatch.setattr(candidates, "comes_to_rest", lambda *_, **__: False)
         monkeypatch.setattr(candidates, "comes_to_rest_smoothed", lambda *_, **__: True)
@@ -161,12 +161,12 @@ def test_runs_of_scipy_decide_seeded_motions_as_classify_does():
     """Away from the separatrix; with events and smoothed, and from both sides of the belt's speed."""
     rng = np.random.default_rng(3)
     rests = 0
-    for x0, v0 in np.column_stack([rng.uniform(-2, 2, 10), rng.uniform(0, 2, 10)]).tolist():
+    for x0, v0 in np.column_stack([rng.uniform(-2, 2, 5), rng.uniform(0, 2, 5)]).tolist():
         rest = ss.classify(BISTABLE, BISTABLE_OSC, x0=x0, v0=v0) is ss.Motion.REST
         rests += rest
         assert procedures.comes_to_rest(BISTABLE, BISTABLE_OSC, x0, v0, 1e-6) == rest
         assert procedures.comes_to_rest_smoothed(BISTABLE, BISTABLE_OSC, x0, v0, 1e-3) == rest
-    assert 1 <= rests <= 9
+    assert 1 <= rests <= 4
 
 
 def test_bisection_refuses_what_has_no_threshold():
@@ -177,6 +177,7 @@ def test_bisection_refuses_what_has_no_threshold():
     assert procedures.pure_slip_by_bisection(falling, osc, 1e-6) == pytest.approx(0.2, rel=1e-2)
 
 
+@pytest.mark.thorough
 def test_a_formula_that_numpy_has_no_function_for_gives_no_number_as_it_stands():
     """Polylogarithms; the stable function has them, by its branches."""
     found = by_name(ss.tradeoff(ss.laws.sech.typical(), of="criterion", time_limit=20).trades["criterion"])

@@ -266,6 +266,7 @@ ss.simulate(law, osc, t_end=2.0)
 
 
 # Windows' event loop and a socket that the kernel's client leaves to the garbage collector are not this package's.
+@pytest.mark.thorough
 @pytest.mark.filterwarnings("default")
 def test_a_notebook_shows_them():
     """In a real kernel: every cell but the first has HTML, formulas LaTeX too, and plain text for the rest."""

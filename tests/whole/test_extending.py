@@ -179,6 +179,7 @@ def test_a_language(monkeypatch, tmp_path):
         )
 
 
+@pytest.mark.thorough
 def test_a_language_is_an_option_of_the_command(tmp_path):
     code = (
         "from stickslip_sym.formula.code import languages\n"

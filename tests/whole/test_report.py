@@ -261,6 +261,7 @@ def test_numbers_of_laws_have_their_names():
         wording.by_law(["1 m/s"])
 
 
+@pytest.mark.thorough
 def test_a_report_that_cannot_be_written_is_refused_at_once(tmp_path):
     (tmp_path / "file").write_text("")
     done = run_checks("--report", str(tmp_path / "file"), "-k", "test_N1_")
