@@ -353,7 +353,8 @@ def add_function(function: Function) -> None:
 
 def row(expr: Expr) -> Function | None:
     """Return the row of the function that an expression applies to its arguments; None for any other node."""
-    return FUNCTIONS.get(sp.exp if expr.is_Pow and expr.base is sp.E else expr.func)
+    kind = sp.exp if expr.is_Pow and expr.base is sp.E else expr.func
+    return FUNCTIONS.get(kind) or FUNCTIONS.get(kind.__base__)  # a class of ours may stand for SymPy's
 
 
 def in_laws() -> dict[str, Function]:

@@ -39,7 +39,9 @@ def normal_form(expr: Expr) -> Expr:
     expr = expr.replace(lambda node: isinstance(node, sp.Min | sp.Max), in_units)
     expr = expr.replace(lambda node: isinstance(node, sp.Min | sp.Max | sp.Piecewise), _opaque)
     expr = expr.replace(_is_tangent_integral, lambda node: sp.atan(node.args[0].args[1] / sp.I))
-    expr = expr.replace(sp.polylog, lambda order, z: -sp.log(1 - z) if order == 1 else sp.polylog(order, z))
+    expr = expr.replace(
+        lambda node: isinstance(node, sp.polylog) and node.args[0] == 1, lambda node: -sp.log(1 - node.args[1])
+    )
     expr = expr.replace(sp.dirichlet_eta, eta_by_zeta)
     expr = expr.replace(_is_root, lambda node: sp.factor(node.base) ** node.exp)
     expr = expr.rewrite((sp.sinh, sp.cosh, sp.tanh, sp.sech), sp.exp)
