@@ -1,21 +1,22 @@
 """The least squares of a friction law and measurements, by SciPy's `least_squares` with exact derivatives."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import sympy as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import BoolArray, Expr
+from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.expression.units import parse_unit
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.measured.measurements import Measurements
 
 __all__ = ["Minimum", "Parametric", "Problem"]
-
-FloatArray = NDArray[np.float64]
 
 _AT_REST = 1e-200  # m/s, in place of 0, where a power of v has no derivative with respect to its exponent
 _TOLERANCE = 1e-11  # relative, of the sum of squares and of the values; rounding allows 1e-14
@@ -51,51 +52,43 @@ class Parametric:
     """
 
     def __init__(self, law: FrictionLaw, v: FloatArray) -> None:
-        names = tuple(name for name, p in law.parameters.items() if p.symbol in law.expr.free_symbols)
-        parameters = tuple(law.parameters[name].symbol for name in names)
-        derivatives, linear = _derivatives(law.expr, parameters)
-        self._value = function_of([symbols.v, *parameters], law.expr, "numpy")
-        self._derivatives = function_of([symbols.v, *parameters], derivatives, "numpy")
-        self._fixed = np.array([float(law.values.get(name, 0)) for name in names])
-        self._free = np.array([name not in law.values for name in names], dtype=bool)
+        parameters = {name: p for name, p in law.parameters.items() if p.symbol in law.expr.free_symbols}
+        self._value, self._derivatives, linear = _compiled(law.expr, tuple(p.symbol for p in parameters.values()))
+        self._values = np.array([float(law.values.get(name, np.nan)) for name in parameters])
+        self._free = np.isnan(self._values)
         self._v = np.maximum(v, _AT_REST)
-        self.names = tuple(name for name in names if name not in law.values)
-        self.positive = np.array([law.parameters[name].positive for name in self.names], dtype=bool)
-        self.linear = linear[self._free]
+        self.names = tuple(name for name in parameters if name not in law.values)
+        self.positive = np.array([parameters[name].positive for name in self.names], dtype=bool)
+        self.linear = np.array(linear, dtype=bool)[self._free]
 
     def mu(self, p: FloatArray) -> FloatArray:
         """Return the coefficients at the speeds, of shape (n,); not finite where there is none."""
-        with np.errstate(all="ignore"):
-            return self._real(self._value(self._v, *self._all(p)))
+        return self._reals(self._value, p).ravel()
 
     def jacobian(self, p: FloatArray) -> FloatArray:
         """Return the derivatives of mu to the free parameters, of shape (n, len(names))."""
-        with np.errstate(all="ignore"):
-            columns = self._derivatives(self._v, *self._all(p))
-        chosen = [column for column, free in zip(columns, self._free, strict=True) if free]
-        return np.stack([self._real(column) for column in chosen], axis=1)
+        return self._reals(self._derivatives, p)[self._free, :].T
 
-    def _all(self, p: FloatArray) -> FloatArray:
-        values = self._fixed.copy()
+    def _reals(self, function: Callable[..., Any], p: FloatArray) -> NDArray[np.float64]:
+        values = self._values.copy()
         values[self._free] = p
-        return values
-
-    def _real(self, value: ArrayLike) -> FloatArray:
-        array = np.asarray(value)
-        if np.iscomplexobj(array):
-            array = np.where(array.imag == 0, array.real, np.nan)
-        return np.broadcast_to(array, self._v.shape).astype(np.float64)
+        with np.errstate(all="ignore"):
+            results = [np.broadcast_to(result, self._v.shape) for result in function(self._v, *values)]
+        return np.array([np.where(np.imag(result) == 0, np.real(result), np.nan) for result in results])
 
 
 @lru_cache(maxsize=128)
-def _derivatives(expr: Expr, parameters: tuple[Expr, ...]) -> tuple[list[Expr], BoolArray]:
-    """Return the derivatives of a formula to its parameters, and in which of these it is jointly linear."""
+def _compiled(
+    expr: Expr, parameters: tuple[Expr, ...]
+) -> tuple[Callable[..., Any], Callable[..., Any], tuple[bool, ...]]:
+    """Return a formula and its derivatives as functions of arrays, and in which parameters it is linear."""
     derivatives = [sp.diff(expr, parameter) for parameter in parameters]
     linear: list[Expr] = []
     for parameter, derivative in zip(parameters, derivatives, strict=True):
         if not derivative.has(parameter, *linear):
             linear.append(parameter)
-    return derivatives, np.array([parameter in linear for parameter in parameters], dtype=bool)
+    value, slopes = (function_of([symbols.v, *parameters], rows, "numpy") for rows in ([expr], derivatives))
+    return value, slopes, tuple(parameter in linear for parameter in parameters)
 
 
 @dataclass(frozen=True)
@@ -108,23 +101,29 @@ class Minimum:
 
 
 class Problem:
-    """The least squares of a law and rows of v, mu and a weight, which multiplies the residual.
+    """The least squares of a law and measurements: residuals are divided by sigma where it is known.
 
     Positive parameters in which mu is not linear are varied as logarithms: their bound 0 is no law's value. Those
     in which it is linear may be held at 0; the others are free.
     """
 
-    def __init__(self, law: FrictionLaw, v: FloatArray, mu: FloatArray, weights: FloatArray) -> None:
-        self.model = Parametric(law, v)
-        self._law, self._v, self._mu, self._weights = law, v, mu, weights
+    def __init__(self, law: FrictionLaw, measured: Measurements) -> None:
+        self.model = Parametric(law, measured.v)
+        self._law, self._v, self._mu, self._weights = law, measured.v, measured.mu, measured.weights
         self._logarithmic = self.model.positive & ~self.model.linear
-        self._outside = _OUTSIDE * float(np.max(np.abs(weights * mu))) + 1.0
+        self._outside = _OUTSIDE * float(np.max(np.abs(self._weights * self._mu))) + 1.0
+
+    def residuals(self, p: FloatArray) -> FloatArray:
+        """Return the measured less the fitted coefficients, times the weights, of shape (n,)."""
+        return self._weights * (self._mu - self.model.mu(p))
 
     def minimum(self, start: FloatArray, fixed: int | None = None) -> Minimum | None:
         """Return the minimum that a start leads to, over all values but one; None if it does not converge."""
         from scipy.optimize import least_squares
 
         varied = np.arange(len(start)) != fixed
+        if not varied.any():
+            return self._at(start)
         everything = np.where(self._logarithmic, np.log(np.maximum(start, np.exp(-_LARGEST_LOGARITHM))), start)
         lowest = np.where(self._logarithmic, -_LARGEST_LOGARITHM, np.where(self.model.positive, 0.0, -np.inf))
         highest = np.where(self._logarithmic, _LARGEST_LOGARITHM, np.inf)
@@ -135,23 +134,19 @@ class Problem:
             return np.where(self._logarithmic, np.exp(np.where(self._logarithmic, values, 0.0)), values)
 
         result = least_squares(
-            lambda x: self._residuals(whole(x)), everything[varied], lambda x: self._slopes(whole(x))[:, varied],
+            lambda x: self._bounded(whole(x)), everything[varied], lambda x: self._slopes(whole(x))[:, varied],
             bounds=(lowest[varied], highest[varied]), method="dogbox", x_scale="jac", ftol=_TOLERANCE,
             xtol=_TOLERANCE, gtol=None, max_nfev=_EVALUATIONS,
         )  # fmt: skip
-        p = whole(result.x)
-        residuals = self._weights * (self.model.mu(p) - self._mu)
-        if result.status <= 0 or not np.isfinite(residuals).all():
-            return None
+        return self._at(whole(result.x)) if result.status > 0 else None
+
+    def _at(self, p: FloatArray) -> Minimum | None:
+        chi_squared = float(np.sum(self.residuals(p) ** 2))
         held = self.model.positive & self.model.linear & (p == 0)
-        return Minimum(p, held, float(np.sum(residuals**2)))
+        return Minimum(p, held, chi_squared) if np.isfinite(chi_squared) else None
 
-    def at(self, p: FloatArray) -> Minimum:
-        """Return the sum of squares at some values, where none is varied."""
-        return Minimum(p, np.zeros(len(p), dtype=bool), float(np.sum(self._residuals(p) ** 2)))
-
-    def _residuals(self, p: FloatArray) -> FloatArray:
-        residuals = self._weights * (self.model.mu(p) - self._mu)
+    def _bounded(self, p: FloatArray) -> FloatArray:
+        residuals = -self.residuals(p)
         return np.where(np.isfinite(residuals), np.clip(residuals, -self._outside, self._outside), self._outside)
 
     def _slopes(self, p: FloatArray) -> FloatArray:
@@ -171,12 +166,12 @@ class Problem:
         powers = {i: _power_of_speed(self._law.parameters[self.model.names[i]].unit) for i in sought}
         tried: list[tuple[float, FloatArray]] = []
         for _ in range(_TRIALS * len(sought) if len(sought) else 1):
-            p = np.zeros(len(self.model.names))
+            p: FloatArray = np.zeros(len(self.model.names))
             for i in sought:
                 sign = 1 if self.model.positive[i] else int(rng.choice([-1, 1]))
                 p[i] = sign * _draw(rng, powers[i], self._v)
             p = self._with_linear(p)
-            misfit = float(np.sum((self._weights * (self.model.mu(p) - self._mu)) ** 2))
+            misfit = float(np.sum(self.residuals(p) ** 2))
             if np.isfinite(misfit):
                 tried.append((misfit, p))
         chosen: list[FloatArray] = []
@@ -190,20 +185,15 @@ class Problem:
         from scipy.optimize import lsq_linear
 
         linear = self.model.linear
-        target, matrix = (
-            self._weights * (self._mu - self.model.mu(p)),
-            self._weights[:, None] * self.model.jacobian(p),
-        )
-        matrix = matrix[:, linear]
-        if not linear.any() or not (np.isfinite(target).all() and np.isfinite(matrix).all()):
-            return p if not linear.any() else np.full_like(p, np.nan)
+        if not linear.any():
+            return p
+        target, matrix = self.residuals(p), (self._weights[:, None] * self.model.jacobian(p))[:, linear]
+        if not (np.isfinite(target).all() and np.isfinite(matrix).all()):
+            return np.full_like(p, np.nan)
         sizes = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
-        solved = np.linalg.lstsq(matrix / sizes, target, rcond=None)[0]
-        if (solved[self.model.positive[linear]] < 0).any():
-            lowest = np.where(self.model.positive[linear], 0.0, -np.inf)
-            solved = lsq_linear(matrix / sizes, target, bounds=(lowest, np.inf), method="bvls").x
+        lowest = np.where(self.model.positive[linear], 0.0, -np.inf)
         p = p.copy()
-        p[linear] = solved / sizes
+        p[linear] = lsq_linear(matrix / sizes, target, bounds=(lowest, np.inf), method="bvls").x / sizes
         return p
 
 

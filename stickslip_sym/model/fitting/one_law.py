@@ -1,23 +1,20 @@
 """One law fitted to measurements: the best of several starts, and whether the measurements determine it."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.model.fitting.least_squares import Minimum, Parametric, Problem
-from stickslip_sym.model.fitting.result import Fit, aicc
+from stickslip_sym.model.fitting.result import Fit
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 
 __all__ = ["fit_law"]
 
-FloatArray = NDArray[np.float64]
-
 _STARTS = 4  # different ones; for most laws the best few of the trials lead to one minimum
-_MANY = (
-    1000  # rows, from which starts lead to a minimum of the means of bins, and only the best to one of all rows
-)
+_MANY = 1000  # rows, from which starts lead to a minimum of the means of bins, and the best to one of all rows
 _BINS = 300
 _SINGULAR = 1e-7  # least singular value of the scaled derivatives over the largest: a smaller one has no effect
 _SAME = 1e-8  # relative difference of two sums of squares that are one minimum; two starts in it are enough
@@ -45,18 +42,17 @@ def fit_law(law: FrictionLaw, measured: Measurements) -> Fit | str:
     if len(measured.speeds) < k or count < k + 2:
         rows = f"{count} rows at {len(measured.speeds)} speeds"
         return f"it has {k} free parameter{'s' * (k > 1)}, and {rows} are too few"
-    weights = np.ones(count) if measured.sigma is None else 1 / measured.sigma
-    problem = Problem(law, measured.v, measured.mu, weights)
-    best = _best(law, problem, measured, weights)
+    problem = Problem(law, measured)
+    best = _best(law, problem, measured)
     if best is None:
         return "no start converged: its values run away without an end; fix one of them, or take a simpler law"
     order = _order(law, problem.model, best.p)
     p, held = best.p[order], best.held[order]
     chi_squared, known = best.chi_squared, measured.sigma is not None
-    derivatives = weights[:, None] * problem.model.jacobian(p)
+    derivatives = measured.weights[:, None] * problem.model.jacobian(p)
     if reason := _undetermined(names, p, derivatives) or _unseen_rise(law, p, measured):
         return reason
-    correlation = _correlation(weights * (measured.mu - problem.model.mu(p)), measured, k)
+    correlation = _correlation(problem.residuals(p), measured, k)
     inflation = (1 + correlation) / (1 - correlation)
     dof = max(count / inflation - k, 1.0)
     sizes = np.linalg.norm(derivatives, axis=0)
@@ -67,16 +63,14 @@ def fit_law(law: FrictionLaw, measured: Measurements) -> Fit | str:
     for i in np.flatnonzero(~problem.model.linear & (errors > _NOTHING * np.abs(p))):
         alike = np.flatnonzero(np.abs(covariance[i]) > _ALIKE * errors[i] * errors)
         return _apart(names, alike, p / errors) if len(alike) > 1 else _nothing(names[i])
-    values = dict(zip(names, p.tolist(), strict=True))
     return Fit(
-        law=law.bind(**values),
-        values=values,
+        free_law=law,
+        values=dict(zip(names, p.tolist(), strict=True)),
         covariance=covariance,
         measured=measured,
         chi_squared=chi_squared,
         dof=dof,
         inflation=inflation,
-        aicc=aicc(chi_squared, k, count, known=known),
         warnings=(
             *_loose(problem.model, p, covariance, held), *_noise(correlation, count),
             *_scatter(chi_squared, measured, k, inflation),
@@ -84,14 +78,12 @@ def fit_law(law: FrictionLaw, measured: Measurements) -> Fit | str:
     )  # fmt: skip
 
 
-def _best(law: FrictionLaw, problem: Problem, measured: Measurements, weights: FloatArray) -> Minimum | None:
+def _best(law: FrictionLaw, problem: Problem, measured: Measurements) -> Minimum | None:
     """Return the least of the minima that several starts lead to."""
     coarse = problem
     if len(measured) > _MANY:
-        bins = np.repeat(np.arange(_BINS), [len(rows) for rows in np.array_split(measured.v, _BINS)])
-        total = np.bincount(bins, weights**2)
-        v, mu = (np.bincount(bins, weights**2 * column) / total for column in (measured.v, measured.mu))
-        coarse = Problem(law, v, mu, np.sqrt(total))
+        means = measured.binned(_BINS)  # whose own scatter is no sigma
+        coarse = Problem(law, means if measured.sigma is not None else replace(means, sigma=None))
     best: Minimum | None = None
     for start in coarse.starts(_STARTS):
         minimum = coarse.minimum(start)
@@ -150,7 +142,7 @@ def _undetermined(names: tuple[str, ...], p: FloatArray, derivatives: FloatArray
     return _apart(names, np.flatnonzero(part > _MIXED * part.max()), sizes * p)
 
 
-def _apart(names: tuple[str, ...], which: NDArray[np.intp], strength: FloatArray) -> str:
+def _apart(names: tuple[str, ...], which: IntArray, strength: FloatArray) -> str:
     """Return that some parameters cannot be told apart, and to fix the one with the least effect."""
     weakest = min(which, key=lambda i: abs(strength[i]))
     mixed = " and ".join(names[i] for i in which)
@@ -182,7 +174,7 @@ def _unseen_rise(law: FrictionLaw, p: FloatArray, measured: Measurements) -> str
     )
 
 
-def _loose(model: Parametric, p: FloatArray, covariance: FloatArray, held: NDArray[np.bool_]) -> list[str]:
+def _loose(model: Parametric, p: FloatArray, covariance: FloatArray, held: BoolArray) -> list[str]:
     """Return a sentence for each parameter that the measurements hardly determine, with what to fix."""
     errors = np.sqrt(np.diag(covariance))
     sentences = []
@@ -237,7 +229,7 @@ def _scatter(chi_squared: float, measured: Measurements, k: int, inflation: floa
                 f"{ratio}: sigma is too large; if each mu is the mean of n values,{means} and sigma is the "
                 "standard deviation of one value, sigma/sqrt(n) belongs in its place; standard errors rest on it"
             )
-    weights = np.ones(len(measured)) if measured.sigma is None else measured.sigma**-2.0
+    weights = measured.weights**2
     _, index = np.unique(measured.v, return_inverse=True)
     mean = np.bincount(index, weights * measured.mu) / np.bincount(index, weights)
     scatter = float(np.sum(weights * (measured.mu - mean[index]) ** 2))

@@ -2,18 +2,19 @@
 
 import json
 import math
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.numbers import lookup
-from stickslip_sym.core.uncertain import UFloat
+from stickslip_sym.core.uncertain import UFloat, with_error
 from stickslip_sym.model.fitting.least_squares import Parametric, Problem
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
@@ -24,25 +25,51 @@ from stickslip_sym.output.tables import table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Averaged", "ByLaw", "Estimate", "Fit", "Fits", "aicc"]
+__all__ = ["Averaged", "ByLaw", "Estimate", "Fit", "Fits"]
 
 _HEADS = ["parameter", "value", "95 % interval", "unit"]
-_SEARCHED = 100.0  # standard errors on either side, within which the end of an interval is sought
+_COLUMNS = ["law", "AICc above", "weight", "sigma", "values", ""]
+_SEARCHED = 64.0  # half widths by standard errors, within which the end of an interval is sought
 _NEAR_REST = 0.1  # of V: slip speeds below it are a part of 0 to 2 V that does not matter
 _RATHER = 0.01  # Akaike weight of laws over which a quantity is averaged, over that of the best
 _POINTS, _CURVE, _BAND = "0.35", "#0072B2", "#56B4E9"  # told apart by the colour-blind, and in print
 
-FloatArray = NDArray[np.float64]
+
+Rows = tuple[list[str], list[list[str]]]
+"""A table: its header and its rows."""
+
+
+class _Report(Drawn):
+    """A result that shows what it says as text, as HTML, as JSON and as a picture."""
+
+    @abstractmethod
+    def _parts(self) -> list[str | Rows]:
+        """Return sentences, and tables as a header and rows, in the order in which they are shown."""
+
+    @abstractmethod
+    def content(self) -> dict[str, object]:
+        """Return all that is said as nested dictionaries and lists that JSON holds."""
+
+    def to_json(self) -> str:
+        """Return all that is said as JSON."""
+        return json.dumps(self.content(), indent=2, ensure_ascii=False, allow_nan=False)
+
+    def __str__(self) -> str:
+        return "\n\n".join(part if isinstance(part, str) else table(*part) for part in self._parts())
+
+    def _repr_html_(self) -> str:
+        parts = [part if isinstance(part, str) else markup.table(*part) for part in self._parts()]
+        return markup.block(*parts, picture(self._figure, "measured friction and the fitted law"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit(Drawn):
+class Fit(_Report):
     """A friction law fitted to measurements.
 
     Attributes
     ----------
-    law : FrictionLaw
-        Bound with the fitted values.
+    free_law : FrictionLaw
+        The law without the values that were fitted.
     values : dict of str to float
         Of the parameters that were fitted.
     covariance : ndarray of shape (k, k)
@@ -55,33 +82,38 @@ class Fit(Drawn):
     inflation : float
         (1 + r)/(1 - r) of the correlation r of residuals from row to row of the file: so many rows count as
         one. 1 where there is none.
-    aicc : float
-        Akaike's criterion, corrected for few rows: less is better.
-    weight : float
-        Akaike weight among the laws that were fitted together: 1 if no other could be meant.
     warnings : tuple of str
         What the measurements do not determine, and what to fix.
+    aicc : float
+        Akaike's criterion, corrected for few rows: less is better; infinite where they are too few.
+    weight : float
+        Akaike weight among the laws that were fitted together: 1 if no other could be meant.
 
     References
     ----------
     K. P. Burnham and D. R. Anderson, Model Selection and Multimodel Inference, Springer 2002: AICc and weights.
     """
 
-    law: FrictionLaw
+    free_law: FrictionLaw
     values: Mapping[str, float]
     covariance: FloatArray
     measured: Measurements
     chi_squared: float
     dof: float
     inflation: float
-    aicc: float
-    weight: float = 1.0
     warnings: tuple[str, ...] = ()
+    aicc: float = math.inf
+    weight: float = 1.0
+
+    @cached_property
+    def law(self) -> FrictionLaw:
+        """The law with the fitted values."""
+        return self.free_law.bind(**self.values)
 
     @property
     def name(self) -> str:
         """The law's name, or its formula."""
-        return str(self.law.name or self.law.text)
+        return str(self.free_law.name or self.free_law.text)
 
     @property
     def standard_errors(self) -> dict[str, float]:
@@ -102,7 +134,7 @@ class Fit(Drawn):
     @cached_property
     def residuals(self) -> FloatArray:
         """Measured less fitted coefficients, of shape (n,)."""
-        return np.asarray(self.measured.mu - self._model(self.measured.v).mu(self._p))
+        return np.asarray(self.measured.mu - Parametric(self.free_law, self.measured.v).mu(self._p))
 
     @cached_property
     def uncertain(self) -> dict[str, UFloat]:
@@ -114,15 +146,6 @@ class Fit(Drawn):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # that a standard error of 0 says nothing
             return dict(zip(self.values, correlated_values(list(self._p), self.covariance), strict=True))
-
-    @property
-    def free_law(self) -> FrictionLaw:
-        """The law without the values that were fitted."""
-        from copy import copy
-
-        free = copy(self.law)
-        free._values = {name: value for name, value in self.law._values.items() if name not in self.values}
-        return free
 
     def extrapolation(self, V: float) -> str | None:
         """Return which part of 0 to 2 V, where thresholds take friction from, was not measured; None if none."""
@@ -153,59 +176,46 @@ class Fit(Drawn):
         InputError
             If the level is not between 0 and 1.
         """
-        quantile = self._quantile(level)
-        if profile:
-            return self._profile(quantile)
-        errors = self.standard_errors
+        quantile, problem = self._quantile(level), Problem(self.free_law, self.measured)
+        half = {name: quantile * error for name, error in self.standard_errors.items()}
+        if not profile:
+            return {name: (value - half[name], value + half[name]) for name, value in self.values.items()}
         return {
-            name: (value - quantile * errors[name], value + quantile * errors[name])
-            for name, value in self.values.items()
+            name: (self._end(problem, i, -half[name], quantile), self._end(problem, i, half[name], quantile))
+            for i, name in enumerate(self.values)
         }
 
-    def _profile(self, quantile: float) -> dict[str, tuple[float, float]]:
-        """Return for each parameter where the sum of squares, least over the others, has risen to the level.
+    def _end(self, problem: Problem, i: int, step: float, quantile: float) -> float:
+        """Return where in the direction of a step the sum of squares, least over the other values, has risen.
 
-        A side on which it does not is infinite, or the bound 0 of a positive parameter.
+        Where it does not, the end is infinite, or the bound 0 of a positive parameter.
         """
         from scipy.optimize import brentq
 
-        measured, p = self.measured, self._p
-        weights = np.ones(len(measured)) if measured.sigma is None else 1 / measured.sigma
-        problem = Problem(self.free_law, measured.v, measured.mu, weights)
-        variance = self.inflation if measured.sigma is not None else self.chi_squared / self.dof
-        intervals = {}
-        for i, (name, error) in enumerate(self.standard_errors.items()):
-            positive, ends = bool(problem.model.positive[i]), []
-            for side in (-1, 1):
+        p = self._p
+        variance = self.inflation if self.measured.sigma is not None else self.chi_squared / self.dof
 
-                def risen(distance: float, i: int = i, error: float = error, side: int = side) -> float:
-                    start = p.copy()
-                    start[i] += side * distance * error
-                    minimum = problem.minimum(start, fixed=i) if len(p) > 1 else problem.at(start)
-                    rise = math.inf if minimum is None else minimum.chi_squared - self.chi_squared
-                    return min(rise / variance, 1e300) - quantile**2
+        def risen(steps: float) -> float:
+            start = p.copy()
+            start[i] += steps * step
+            minimum = problem.minimum(start, fixed=i)
+            rise = math.inf if minimum is None else minimum.chi_squared - self.chi_squared
+            return min(rise / variance, 1e300) - quantile**2
 
-                farthest = min(_SEARCHED, (1 - 1e-9) * p[i] / error) if positive and side < 0 else _SEARCHED
-                limit = 0.0 if positive and side < 0 else side * math.inf
-                steps = [
-                    0.0,
-                    *(step for step in np.geomspace(quantile / 2, _SEARCHED, 12) if step < farthest),
-                    farthest,
-                ]
-                above = next((step for step in steps[1:] if risen(step) > 0), None) if error > 0 else 0.0
-                if above is None:
-                    ends.append(limit)
-                    continue
-                below = steps[steps.index(above) - 1] if above else 0.0
-                root = brentq(risen, below, above, xtol=1e-6) if above else 0.0
-                ends.append(float(p[i] + side * root * error))
-            intervals[name] = (ends[0], ends[1])
-        return intervals
+        if step == 0:
+            return float(p[i])
+        bounded = bool(problem.model.positive[i]) and step < 0
+        farthest = min(_SEARCHED, -(1 - 1e-9) * p[i] / step) if bounded else _SEARCHED
+        below, above = 0.0, min(0.5, farthest)
+        while risen(above) <= 0:
+            if above >= farthest:
+                return 0.0 if bounded else math.copysign(math.inf, step)
+            below, above = above, min(2 * above, farthest)
+        return float(p[i] + step * brentq(risen, below, above, xtol=1e-6))
 
     def band(self, v: ArrayLike, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
         """Return the lower and upper end of the interval that holds the true mu at each speed, to first order."""
-        speeds = np.asarray(v, dtype=np.float64)
-        model = self._model(speeds)
+        model = Parametric(self.free_law, np.asarray(v, dtype=np.float64))
         derivatives, mu = model.jacobian(self._p), model.mu(self._p)
         half = self._quantile(level) * np.sqrt(np.einsum("ni,ij,nj->n", derivatives, self.covariance, derivatives))
         return mu - half, mu + half
@@ -222,39 +232,26 @@ class Fit(Drawn):
     def _p(self) -> FloatArray:
         return np.array(list(self.values.values()))
 
-    def _model(self, v: FloatArray) -> Parametric:
-        return Parametric(self.free_law, v)
-
-    def _rows(self) -> list[list[str]]:
-        errors, intervals = self.standard_errors, self.confidence()
-        return [
-            [
-                name,
-                _rounded(value, errors[name]),
-                "{:.4g} to {:.4g}".format(*intervals[name]),
-                self.law.parameters[name].unit or "",
-            ]
-            for name, value in self.values.items()
+    def _parts(self) -> list[str | Rows]:
+        intervals, texts = self.confidence(), self._texts()
+        rows = [
+            [name, texts[name], "{:.4g} to {:.4g}".format(*intervals[name]), self.law.parameters[name].unit or ""]
+            for name in self.values
         ]
-
-    def __str__(self) -> str:
-        head = f"{self.name}: mu(v) = {self.law.text}" if self.law.name else f"mu(v) = {self.law.text}"
         about = f"residual standard deviation {self.sigma:.3g}, AICc {self.aicc:.6g}, weight {self.weight:.2g}"
-        parts = [head, table(_HEADS, self._rows()), about]
-        return "\n\n".join([*parts, *(f"warning: {text}" for text in self.warnings)])
+        law = f"{self.name}: mu(v) = {self.law.text}" if self.law.name else f"mu(v) = {self.law.text}"
+        return [law, (_HEADS, rows), about, *(f"warning: {text}" for text in self.warnings)]
 
     def __repr__(self) -> str:
         return f"Fit: {self.name}, {self.values_in_words()}"
 
+    def _texts(self) -> dict[str, str]:
+        errors = self.standard_errors
+        return {name: with_error(value, errors[name]) for name, value in self.values.items()}
+
     def values_in_words(self) -> str:
         """Return the fitted parameters with their standard errors, in a line."""
-        errors = self.standard_errors
-        return ", ".join(f"{name} = {_rounded(value, errors[name])}" for name, value in self.values.items())
-
-    def _repr_html_(self) -> str:
-        values = markup.table(_HEADS, self._rows())
-        drawn = picture(self._figure, f"measured friction and the fitted law {self.name}")
-        return markup.block(f"{self.name}: mu(v) = {self.law.text}", values, drawn, *self.warnings)
+        return ", ".join(f"{name} = {text}" for name, text in self._texts().items())
 
     def content(self) -> dict[str, object]:
         """Return all that the fit says as nested dictionaries and lists that JSON holds."""
@@ -282,10 +279,6 @@ class Fit(Drawn):
             "warnings": list(self.warnings),
         }
 
-    def to_json(self) -> str:
-        """Return all that the fit says as JSON."""
-        return json.dumps(self.content(), indent=2, ensure_ascii=False, allow_nan=False)
-
     def _figure(self) -> "Figure":
         require_matplotlib()
         from matplotlib.figure import Figure
@@ -307,19 +300,6 @@ class Fit(Drawn):
         below.set_xlabel("slip speed v in m/s")
         above.legend(frameon=False)
         return figure
-
-
-def aicc(chi_squared: float, k: int, count: int, *, known: bool, inflation: float = 1.0) -> float:
-    """Return Akaike's criterion, corrected for few rows; infinite where they are too few to compare laws.
-
-    - `known`: whether sigma is; an unknown one is one more parameter.
-    - `inflation`: so many correlated rows count as one.
-    """
-    total = k if known else k + 1
-    if count - total - 1 <= 0:
-        return math.inf
-    deviance = chi_squared if known else count * math.log(max(chi_squared, 1e-300) / count)
-    return deviance / inflation + 2 * total + 2 * total * (total + 1) / (count - total - 1)
 
 
 class Estimate(Protocol):
@@ -378,16 +358,7 @@ class Averaged:
         )
 
 
-def _rounded(value: float, error: float) -> str:
-    """Return a value with its standard error, two digits of it."""
-    if error == 0:
-        return f"{value:g}"
-    from uncertainties import ufloat
-
-    return f"{ufloat(value, error):.2u}"
-
-
-class Fits(Sequence[Fit]):
+class Fits(_Report, Sequence[Fit]):
     """Fits of several laws to the same measurements, the best first.
 
     Attributes
@@ -399,16 +370,14 @@ class Fits(Sequence[Fit]):
 
     def __init__(self, fits: Sequence[Fit], measured: Measurements, rejected: Mapping[str, str]) -> None:
         inflation = min(fits, key=lambda fit: fit.chi_squared).inflation
-        known, count = measured.sigma is not None, len(measured)
-        criteria = [
-            aicc(fit.chi_squared, len(fit.values), count, known=known, inflation=inflation) for fit in fits
-        ]
-        order = sorted(range(len(fits)), key=lambda i: (criteria[i], fits[i].chi_squared))
-        best = criteria[order[0]]
-        likelihoods = np.array([math.exp((best - criteria[i]) / 2) if best < math.inf else 1.0 for i in order])
-        weights = likelihoods / likelihoods.sum()
+        ranked = sorted(
+            (replace(fit, aicc=_aicc(fit, inflation)) for fit in fits), key=lambda fit: (fit.aicc, fit.chi_squared)
+        )
+        least = ranked[0].aicc
+        likelihoods = [math.exp((least - fit.aicc) / 2) if least < math.inf else 1.0 for fit in ranked]
         self._fits = tuple(
-            replace(fits[i], weight=float(w), aicc=criteria[i]) for i, w in zip(order, weights, strict=True)
+            replace(fit, weight=likelihood / sum(likelihoods))
+            for fit, likelihood in zip(ranked, likelihoods, strict=True)
         )
         self.measured = measured
         self.rejected = dict(rejected)
@@ -474,42 +443,25 @@ class Fits(Sequence[Fit]):
     def __len__(self) -> int:
         return len(self._fits)
 
-    def __str__(self) -> str:
-        header, rows = self._table()
-        parts = [str(self.measured), table(header, rows)]
-        parts += [f"warning: {fit.name}: {text}" for fit in self._fits[:1] for text in fit.warnings]
+    def _parts(self) -> list[str | Rows]:
+        rows = [
+            [
+                fit.name, f"{fit.aicc - self.best.aicc:.1f}", f"{fit.weight:.3f}", f"{fit.sigma:.3g}",
+                fit.values_in_words(), f"{n} warning{'s' * (n > 1)}" if (n := len(fit.warnings)) else "",
+            ]
+            for fit in self._fits
+        ]  # fmt: skip
+        parts: list[str | Rows] = [str(self.measured), (_COLUMNS, rows)]
+        parts += [f"warning: {self.best.name}: {text}" for text in self.best.warnings]
         if self.rejected:
-            parts.append(table(["not fitted", "because"], [[name, why] for name, why in self.rejected.items()]))
-        return "\n\n".join(parts)
+            parts.append((["not fitted", "because"], [[name, why] for name, why in self.rejected.items()]))
+        return parts
 
     def __repr__(self) -> str:
         return f"Fits: {', '.join(f'{fit.name} ({fit.weight:.2g})' for fit in self._fits)}; {self.measured}"
 
-    def _table(self) -> tuple[list[str], list[list[str]]]:
-        rows = []
-        for fit in self._fits:
-            warned = f"{len(fit.warnings)} warning{'s' * (len(fit.warnings) > 1)}" if fit.warnings else ""
-            rows.append(
-                [
-                    fit.name,
-                    f"{fit.aicc - self.best.aicc:.1f}",
-                    f"{fit.weight:.3f}",
-                    f"{fit.sigma:.3g}",
-                    fit.values_in_words(),
-                    warned,
-                ]
-            )
-        return ["law", "AICc above", "weight", "sigma", "values", ""], rows
-
-    def _repr_html_(self) -> str:
-        header, rows = self._table()
-        drawn = picture(self.best._figure, f"measured friction and the fitted law {self.best.name}")
-        rest = [f"not fitted: {name}: {why}" for name, why in self.rejected.items()]
-        return markup.block(str(self.measured), markup.table(header, rows), drawn, *rest)
-
-    def plot(self, path: str | Path | None = None) -> "Figure":
-        """Draw the best fit, as `Fit.plot` does."""
-        return self.best.plot(path)
+    def _figure(self) -> "Figure":
+        return self.best._figure()
 
     def content(self) -> dict[str, object]:
         """Return all that the fits say as nested dictionaries and lists that JSON holds."""
@@ -519,6 +471,12 @@ class Fits(Sequence[Fit]):
             "not_fitted": self.rejected,
         }
 
-    def to_json(self) -> str:
-        """Return all that the fits say as JSON."""
-        return json.dumps(self.content(), indent=2, ensure_ascii=False, allow_nan=False)
+
+def _aicc(fit: Fit, inflation: float) -> float:
+    """Return Akaike's criterion, corrected for few rows, where so many correlated rows count as one."""
+    count, known = len(fit.measured), fit.measured.sigma is not None
+    k = len(fit.values) if known else len(fit.values) + 1  # an unknown sigma is one more parameter
+    if count - k - 1 <= 0:
+        return math.inf
+    deviance = fit.chi_squared if known else count * math.log(max(fit.chi_squared, 1e-300) / count)
+    return deviance / inflation + 2 * k + 2 * k * (k + 1) / (count - k - 1)

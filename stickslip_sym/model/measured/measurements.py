@@ -114,6 +114,11 @@ class Measurements:
         """The different slip speeds in m/s, ascending."""
         return np.unique(self.v)
 
+    @property
+    def weights(self) -> FloatArray:
+        """What multiplies each residual in a sum of squares: 1/sigma where it is known, else 1."""
+        return np.ones(len(self)) if self.sigma is None else 1 / self.sigma
+
     def averaged(self) -> "Measurements":
         """Return the measurements with one row for each speed: the mean of its rows.
 

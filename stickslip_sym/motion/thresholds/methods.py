@@ -19,7 +19,7 @@ from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.expansion import averages, expand
+from stickslip_sym.motion.orbits.expansion import averages, expand, of_layer
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.thresholds import sensitivity
 from stickslip_sym.motion.thresholds.averages import average
@@ -306,7 +306,9 @@ def second_order(points: OperatingPoints) -> tuple[FloatArray, FloatArray, Float
         resolution += np.where(unseen == 0, 0.0, unseen / np.abs(weak.harmonic))
         distortion = strength * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
         scale = N * np.maximum(weak.largest, np.abs(everything))
-        next_order = np.where(distortion == 0, 0.0, distortion**4 * scale / np.abs(value))
+        layer = points.impedance * of_layer(points.law, points.V, strength, weak.sines.shape[1])
+        more = distortion**4 * scale + layer
+        next_order = np.where(more == 0, 0.0, more / np.abs(value))
     resolution = np.where(np.isfinite(value), resolution, np.inf)
     return value, resolution, np.where(np.isnan(next_order), np.inf, next_order)
 
@@ -367,7 +369,7 @@ def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
 _table: dict[str, Method] = {
     method.name: method
     for method in (
-        Method("second_order", _by_expansion, converges=False, sensitivity=sensitivity.of_expansion, smooth=True),
+        Method("second_order", _by_expansion, converges=False, sensitivity=sensitivity.of_orbit, smooth=True),
         Method("orbit", _by_orbit, sensitivity=sensitivity.of_orbit, smooth=True),
         Method("simulation", _by_simulation, sensitivity=sensitivity.of_slip, loosest=1e-3),
         Method("proof", _by_proof, sensitivity=sensitivity.of_slip, automatic=False, tightest=1e-40, loosest=1e-3),

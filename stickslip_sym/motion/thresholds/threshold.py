@@ -80,9 +80,9 @@ class Threshold:
 
         In kg/m for V, s/m for N, 1/s for m, s for k, and kg/s over its unit for a parameter of the law; floats, or
         arrays as `value` is one. It is the derivative of the value that the method gives: that of an average is
-        the average of the derivative, and m and k do nothing to it; for the grazing orbit it follows from one
-        linear solve, by simulation and for a proved threshold from the variational equation along the slip. The
-        coefficients of measured points are no parameters.
+        the average of the derivative, and m and k do nothing to it; for the grazing orbit, which
+        "second_order" approximates, it follows from one linear solve, by simulation and for a proved threshold
+        from the variational equation along the slip. The coefficients of measured points are no parameters.
 
         Raises
         ------
