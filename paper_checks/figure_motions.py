@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from paper_checks.computed import law as paper_law
+from paper_checks.computed import oscillator, threshold
 from paper_checks.looks import LEFT_OUT, PAPER
-from paper_checks.scene import law as paper_law
-from paper_checks.scene import oscillator, threshold
 from stickslip_sym import (
     FrictionLaw,
     LimitCycle,
@@ -18,7 +18,7 @@ from stickslip_sym import (
     limit_cycles,
     simulate,
 )
-from stickslip_sym.output.page.figures import BLUE, ORANGE, finish, new_figure, panel_letters
+from stickslip_sym.output.drawing import BLUE, ORANGE, finish, new_figure, panel_letters
 
 __all__ = ["histories", "phase_plots"]
 
@@ -102,12 +102,12 @@ def histories(name: str, dampings: tuple[float, ...]) -> Any:
     return figure
 
 
-def phase_plots(name: str, scenes: tuple[tuple[str, float, float], ...]) -> Any:
-    """Draw phase plots of a law for scenes of a title, c in kg/s and V in m/s."""
+def phase_plots(name: str, cases: tuple[tuple[str, float, float], ...]) -> Any:
+    """Draw phase plots of a law for cases of a title, c in kg/s and V in m/s."""
     law = paper_law(name)
-    figure, axes = new_figure(7.2, 2.9 if len(scenes) == 3 else 3.5, 1, len(scenes), sharex=True, sharey=True)
+    figure, axes = new_figure(7.2, 2.9 if len(cases) == 3 else 3.5, 1, len(cases), sharex=True, sharey=True)
     titles = []
-    for position, (ax, (title, c, V)) in enumerate(zip(axes[0], scenes, strict=True)):
+    for position, (ax, (title, c, V)) in enumerate(zip(axes[0], cases, strict=True)):
         osc = oscillator(c, V)
         parts = pieces(simulate(law, osc, t_end=_SHOWN, rtol=_RTOL))
         for part in parts:
@@ -123,7 +123,7 @@ def phase_plots(name: str, scenes: tuple[tuple[str, float, float], ...]) -> Any:
         titles.append(f"{title}\n$c$ = {c:g} kg/s, $V$ = {V:g} m/s")
         if position == 0:
             ax.set_ylabel(r"$\dot{x}$ (m/s)")
-    fastest = max(V for _, _, V in scenes)
+    fastest = max(V for _, _, V in cases)
     ax.set_ylim(-2.0 * fastest, 1.8 * fastest)  # room for words above and below
     panel_letters(axes[0], titles)
     return figure
@@ -156,7 +156,7 @@ def _left_out(ax: Any, law: FrictionLaw, osc: Oscillator, needed: float) -> None
         ax.text(
             0.03,
             0.96,
-            "rest or stick–slip by the start",
+            "rest or stick–slip, by the initial condition",
             transform=ax.transAxes,
             color=ORANGE,
             va="top",

@@ -6,12 +6,12 @@ import numpy as np
 import sympy as sp
 
 from derivations import paper
+from paper_checks.computed import LAWS, SPEEDS, law, oscillator, over_speeds, threshold, thresholds
 from paper_checks.looks import PAPER
 from paper_checks.printed import PRINTED
-from paper_checks.scene import LAWS, SPEEDS, law, oscillator, over_speeds, threshold, thresholds
 from stickslip_sym import slope_average, symbols
 from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
-from stickslip_sym.output.page.figures import BLUE, GREEN, ORANGE, finish, new_figure, panel_letters
+from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, panel_letters
 
 __all__ = ["friction_laws", "plane", "several_minima"]
 

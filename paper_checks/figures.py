@@ -8,7 +8,7 @@ from typing import Any
 from paper_checks.figure_motions import histories, phase_plots
 from paper_checks.figure_thresholds import friction_laws, plane, several_minima
 from paper_checks.printed import PRINTED
-from stickslip_sym.output.page.figures import styled
+from stickslip_sym.output.drawing import styled
 
 __all__ = ["FIGURES", "PaperFigure"]
 
@@ -50,7 +50,8 @@ _LATER = (
 )
 _STATES = (
     "The equilibrium (cross) with its stability, every limit cycle in pure slip (dash-dotted if unstable), and "
-    "the exact threshold. Where rest is stable below the threshold, the start decides between rest and stick–slip."
+    "the exact threshold. Where rest is stable below the threshold, the initial condition decides between rest "
+    "and stick–slip."
 )
 _DISTANCE = (
     "The exact threshold (wide line), from the orbit that grazes the belt’s speed, and the distance of everything "

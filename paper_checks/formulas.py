@@ -9,7 +9,7 @@ from sympy.printing.precedence import PRECEDENCE
 
 from derivations import paper
 from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, t, u
-from stickslip_sym.output.page.elements import Html, raw
+from stickslip_sym.output.markup import Markup
 from stickslip_sym.output.page.render import formula
 
 __all__ = ["EQUATIONS", "PrintedEquation"]
@@ -37,13 +37,13 @@ class PrintedEquation:
     about: str
     claims: tuple[str, ...]
 
-    def mathml(self) -> Html:
+    def mathml(self) -> Markup:
         """Return its relations as MathML, one element ``math`` each."""
         printer = _Printer({"symbol_names": _SPELLED})
         sides = [
             (printer.doprint(left), sign, printer.doprint(right)) for left, sign, right in _relations(self.number)
         ]
-        return raw(" ".join(formula(" ".join(relation)) for relation in sides))
+        return Markup(" ".join(formula(" ".join(relation)) for relation in sides))
 
 
 EQUATIONS = tuple(

@@ -1,6 +1,6 @@
 """Looks of lines: what the paper shows is black; what it leaves out is coloured, and thicker or dash-dotted."""
 
-from stickslip_sym.output.page.figures import BLUE
+from stickslip_sym.output.drawing import BLUE
 
 __all__ = ["LEFT_OUT", "PAPER"]
 

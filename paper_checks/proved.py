@@ -1,4 +1,4 @@
-"""Thresholds of the paper's scene as theorems: two dampings that enclose the threshold, or that there is none."""
+"""The paper's thresholds as theorems: two dampings that enclose the threshold, or that there is none."""
 
 from collections.abc import Iterable
 from fractions import Fraction
@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from paper_checks.scene import SPEEDS, law, oscillator, threshold, thresholds
+from paper_checks.computed import SPEEDS, law, oscillator, threshold, thresholds
 from stickslip_sym import symbols
 from stickslip_sym.core.balls import ball_value, working_precision
 from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
@@ -49,7 +49,7 @@ def box_scene(name: str, V: str, k: str = "100") -> BoxScene:
 
 @cache
 def theorem(name: str, *, V: str = "0.5", k: str = "100", rtol: float = 1e-6) -> Theorem:
-    """Prove the threshold of one scene that has one; collocation says where it lies."""
+    """Prove the threshold at one operating point that has one; collocation says where it lies."""
     return prove_threshold(box_scene(name, V, k), threshold(name, V=float(V), k=float(k)), _GUESS_ERROR, rtol)
 
 
@@ -93,9 +93,9 @@ def _proved(name: str, V: str, guess: float) -> Enclosure | None:
 @cache
 def returns_undamped(name: str, V: str, k: str = "100") -> bool:
     """Return whether the slip from P returns at c = 0; if not, it does for no c >= 0."""
-    scene = box_scene(name, V, k)
-    checked_hypotheses(scene)
-    return transit(scene, sp.Integer(0), _BITS).returns
+    box = box_scene(name, V, k)
+    checked_hypotheses(box)
+    return transit(box, sp.Integer(0), _BITS).returns
 
 
 def _holds(enclosure: Enclosure | None, guess: float) -> bool:

@@ -8,18 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from paper_checks.claims import CLAIMS, Claim, Outcome
+from paper_checks.computed import LAWS, law, oscillator
 from paper_checks.figures import FIGURES
 from paper_checks.findings import SHORT, Finding, summary
 from paper_checks.formulas import EQUATIONS
-from paper_checks.scene import LAWS, law, oscillator
 from stickslip_sym.comparison.candidates import SPEEDS
 from stickslip_sym.comparison.tradeoff import Row, tradeoff
-from stickslip_sym.output.page import document
-from stickslip_sym.output.page.figures import svg_uri
+from stickslip_sym.output.drawing import svg_uri
+from stickslip_sym.output.page.render import now, versions
 
-__all__ = ["SCENE", "Report", "write"]
+__all__ = ["POINT", "Report", "write"]
 
-SCENE = {name: getattr(oscillator(), name) for name in "VNmk"}
+POINT = {name: getattr(oscillator(), name) for name in "VNmk"}
 _FORMAT = 3
 
 
@@ -57,9 +57,9 @@ def write(folder: Path, findings: Sequence[Finding]) -> Path:
     report = Report(
         {finding.id: finding for finding in findings},
         {figure.number: svg_uri(figure.draw()) for figure in FIGURES},
-        {name: tradeoff(law(name), of="threshold", **SCENE).trades["threshold"].rows for name in LAWS},
-        document.versions(),
-        document.now(),
+        {name: tradeoff(law(name), of="threshold", **POINT).trades["threshold"].rows for name in LAWS},
+        versions(),
+        now(),
     )
     (folder / "claims.json").write_text(
         json.dumps(as_json(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
@@ -94,7 +94,7 @@ def as_json(report: Report) -> dict[str, Any]:
             for f in FIGURES
         ],
         "methods": {
-            "operating_point": SCENE,
+            "operating_point": POINT,
             "speeds": SPEEDS.tolist(),
             "laws": {
                 name: [

@@ -11,9 +11,9 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 from derivations import chapter, paper
+from paper_checks.computed import LAWS, law, oscillator
 from paper_checks.conftest import Find
 from paper_checks.printed import acceleration, displacement, kinetic, relative
-from paper_checks.scene import LAWS, law, oscillator
 from stickslip_sym import Derivation, Phase, Status, Trajectory, simulate
 from stickslip_sym.core.symbols import N, V, c, k, m, u, v
 from stickslip_sym.formula.proof.normal_form import normal_form
@@ -24,13 +24,13 @@ FORCE_TOLERANCE = 1e-9  # of the friction force, relative to mu_s N; the integra
 SIZE = 0.1  # m, of the motions
 SAME = 1e-8  # of a motion's size or the belt speed, between two integrations over a slip phase
 FASTEST = 100.0  # m/s, beyond all slip here: a wrong equation must not run away
-SCENE = {m: 1.0, k: 100.0, V: 0.5, N: 9.81, paper.polynomial["mu_s"]: 0.5, paper.polynomial["mu_m"]: 0.2}
+POINT = {m: 1.0, k: 100.0, V: 0.5, N: 9.81, paper.polynomial["mu_s"]: 0.5, paper.polynomial["mu_m"]: 0.2}
 SIGN = {"falls": -1, "rises": 1}
 
 
 @cache
 def motions() -> list[tuple[str, float, Trajectory]]:
-    """Simulate ten periods of both laws at three dampings, from the paper's start and from beyond the belt."""
+    """Simulate ten periods of both laws at three dampings, from two initial conditions."""
     return [
         (name, damping, simulate(law(name), oscillator(damping), t_end=6.3, rtol=1e-12, x0=x0, v0=v0))
         for name in LAWS
@@ -42,8 +42,8 @@ def motions() -> list[tuple[str, float, Trajectory]]:
 @pytest.mark.claim("E1")
 def test_E1_stick(find: Find, printed: dict[str, Any]) -> None:
     """In stick the velocity is the belt's, static friction holds, and stick ends where it cannot."""
-    velocity, limit = (float(printed[name].subs(SCENE)) for name in ("velocity", "limit"))
-    force = sp.lambdify((c, displacement, paper.velocity), printed["force"].subs(SCENE) / limit)
+    velocity, limit = (float(printed[name].subs(POINT)) for name in ("velocity", "limit"))
+    force = sp.lambdify((c, displacement, paper.velocity), printed["force"].subs(POINT) / limit)
     worst_speed, worst_force, worst_onset, sticks = 0.0, 0.0, 0.0, 0
     for _, damping, motion in motions():
         held = motion.phase == Phase.STICK
@@ -71,7 +71,7 @@ def test_E2_slip(find: Find, printed: dict[str, Any]) -> None:
     sign = sp.Symbol("sign")
     right = printed["right"].subs(sp.sign(relative), sign)
     (solved,) = sp.solve(printed["left"] - right, acceleration)
-    rate = sp.lambdify((displacement, paper.velocity, kinetic, sign, c), solved.subs(SCENE))
+    rate = sp.lambdify((displacement, paper.velocity, kinetic, sign, c), solved.subs(POINT))
     worst, pieces, sides = 0.0, 0, set()
     for name, damping, motion in motions():
         for start, stop in pairwise(motion.events[:8]):

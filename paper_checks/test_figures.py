@@ -6,6 +6,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paper_checks.computed import (
+    AT_05,
+    LAWS,
+    SPEEDS,
+    is_criterion,
+    law,
+    oscillator,
+    over_speeds,
+    response,
+    thresholds,
+)
 from paper_checks.conftest import Find
 from paper_checks.proved import (
     SPEED_TEXTS,
@@ -16,17 +27,6 @@ from paper_checks.proved import (
     formula_over_speeds,
     nearer,
     sizes,
-)
-from paper_checks.scene import (
-    AT_05,
-    LAWS,
-    SPEEDS,
-    is_criterion,
-    law,
-    oscillator,
-    over_speeds,
-    response,
-    thresholds,
 )
 from paper_checks.wording import by_law, listed, percent
 from stickslip_sym import Motion, classify, limit_cycles

@@ -10,8 +10,8 @@ import sympy as sp
 from scipy.optimize import brentq
 
 from derivations import chapter
+from paper_checks.computed import law, oscillator, threshold
 from paper_checks.conftest import Find
-from paper_checks.scene import law, oscillator, threshold
 from stickslip_sym import Status, Threshold, peak_velocity, pure_slip_damping
 from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
 
@@ -49,12 +49,12 @@ def test_N3_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
 @cache
 def pure_slip(name: str) -> tuple[float, Threshold, float]:
     """Return the damping of the scan, the proved one of the graze, and that of a peak at the band's edge."""
-    scene = oscillator()
-    scanned = pure_slip_by_scan(law(name), scene, SCAN)
-    quantities = {"V": scene.V, "N": scene.N, "m": scene.m, "k": scene.k}
+    osc = oscillator()
+    scanned = pure_slip_by_scan(law(name), osc, SCAN)
+    quantities = {"V": osc.V, "N": osc.N, "m": osc.m, "k": osc.k}
     given: dict[str, Any] = {quantity: repr(value) for quantity, value in quantities.items()}
     proved = pure_slip_damping(law(name), **given, method="proof", rtol=1e-15)
-    return scanned, proved, peaks_at(name, scene.V - SCAN.band)
+    return scanned, proved, peaks_at(name, osc.V - SCAN.band)
 
 
 def peaks_at(name: str, velocity: float) -> float:

@@ -10,9 +10,7 @@ import sympy as sp
 from scipy.optimize import brentq
 
 from derivations import chapter, paper
-from paper_checks.conftest import Find
-from paper_checks.proved import agrees, apart, enclosed, returns_undamped
-from paper_checks.scene import (
+from paper_checks.computed import (
     AT_05,
     LAWS,
     SPEEDS,
@@ -25,6 +23,8 @@ from paper_checks.scene import (
     threshold,
     thresholds,
 )
+from paper_checks.conftest import Find
+from paper_checks.proved import agrees, apart, enclosed, returns_undamped
 from paper_checks.wording import by_law, formula, percent
 from stickslip_sym import Phase, Regime, Status, Trajectory, laws, regime, simulate, slope_average
 from stickslip_sym.core.symbols import V, k, m, v
@@ -89,7 +89,7 @@ def test_S5_exponential_law_without_damping(find: Find, printed: dict[str, Any])
     at_speed["exact"] = np.array([threshold(name, V=V) for V in FAST])
     proved = [enclosed(name, V=f"{V:g}", rtol=1e-6) for V in FAST]
     above = enclosed(name, V="1").low > 0 and all(one.low > 0 for one in proved)
-    powers = {rung: float(np.log10(found[1] / found[0])) for rung, found in at_speed.items()}
+    powers = {method: float(np.log10(found[1] / found[0])) for method, found in at_speed.items()}
     limit = sp.limit(printed["(17)"].rewrite(sp.exp), V, sp.oo)
     unbounded = limit == 0 and bool((over_speeds(printed["(17)"], name) > 0).all())
     as_stated = unbounded and printed["transition speed"] == sp.oo
@@ -116,7 +116,7 @@ def test_S5_exponential_law_without_damping(find: Find, printed: dict[str, Any])
         proved=f"(17) tends to {limit} as V grows; the threshold is {proved[0]} kg/s at V = {FAST[0]:g} m/s and "
         f"{proved[1]} kg/s at {FAST[1]:g} m/s",
         estimated=f"from {FAST[0]:g} to {FAST[1]:g} m/s "
-        + ", ".join(f"{rung.replace('_', ' ')} goes as V^{power:.3f}" for rung, power in powers.items())
+        + ", ".join(f"{method.replace('_', ' ')} goes as V^{power:.3f}" for method, power in powers.items())
         + f", so (17) puts the transition speed ever further too low; undamped and beyond V = {last:.2f} "
         "m/s the mass returns with more force than static friction holds, and slips on both sides of the "
         f"belt's speed; simulated, it {'sticks' if sticks_at_last(slower) else 'does not stick'} at V = "
@@ -132,7 +132,7 @@ def test_S5_exponential_law_without_damping(find: Find, printed: dict[str, Any])
 
 @cache
 def undamped(V: float) -> Trajectory:
-    """Return thirty seconds of the exponential law's motion at c = 0, from the paper's start."""
+    """Return thirty seconds of the exponential law's motion at c = 0, from the paper's initial condition."""
     return simulate(law("exponential"), oscillator(0.0, V), t_end=30.0)
 
 

@@ -10,9 +10,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 from derivations import chapter
+from paper_checks.computed import LAWS, law, needed, orbit, oscillator, response, sticks_and_slips, threshold
 from paper_checks.conftest import Find
 from paper_checks.proved import agrees, enclosed, lowest_velocity
-from paper_checks.scene import LAWS, law, needed, orbit, oscillator, response, sticks_and_slips, threshold
 from paper_checks.wording import by_law, listed, percent
 from stickslip_sym import Oscillator, Status, enclose, simulate
 from stickslip_sym.core.symbols import V
@@ -164,8 +164,8 @@ def test_S7_one_value_separates(find: Find, printed: dict[str, Any]) -> None:
         estimated="stick-slip cycles end there, for c = 0 to 6 kg/s in steps of 0.1; polynomial law: a stable "
         f"pure-slip cycle for every c from {graze['polynomial']:.4f} to "
         f"{hopf['polynomial']:.4f} kg/s, so two values separate three motions; exponential law: an unstable "
-        f"one for every c from {hopf['exponential']:.4f} to {graze['exponential']:.4f} kg/s, and the start "
-        f"decides: at {between:.3f} kg/s a mass near rest and one from the paper's start "
+        f"one for every c from {hopf['exponential']:.4f} to {graze['exponential']:.4f} kg/s, and the initial "
+        f"condition decides: at {between:.3f} kg/s motions from near rest and from the paper's own "
         + ("do not part" if not both else "part, the first comes to rest and the other sticks and slips"),
         difference=by_law(f"{width:.3f} kg/s" for width in widths),
         reproduced=separates and all(agree),

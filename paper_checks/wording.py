@@ -5,7 +5,7 @@ from typing import Any
 
 from sympy.printing.str import StrPrinter
 
-from paper_checks.scene import LAWS
+from paper_checks.computed import LAWS
 
 __all__ = ["by_law", "formula", "listed", "percent"]
 

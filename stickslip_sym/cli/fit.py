@@ -69,7 +69,7 @@ def run(given: Given) -> None:
 
 def laws_to_fit(texts: tuple[str, ...], fixed: dict[str, str], given: Given) -> list[Any]:
     """Return the laws to fit, with the parameters that are fixed; all of the catalogue if none is named."""
-    from stickslip_sym.model.expression.spelling import NAME
+    from stickslip_sym.model.expression.parsing import NAME
     from stickslip_sym.model.law import FrictionLaw
     from stickslip_sym.model.laws import laws as catalogue
 

@@ -165,7 +165,7 @@ def law_described(option: Callable[[str], Any], text: str | None) -> "FrictionLa
 
     Raises `InputError` if it is given twice or not at all.
     """
-    from stickslip_sym.model.expression.spelling import NAME
+    from stickslip_sym.model.expression.parsing import NAME
     from stickslip_sym.model.law import FrictionLaw
     from stickslip_sym.model.laws import laws
 

@@ -13,7 +13,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import lookup, suggestion
 from stickslip_sym.model.expression.parameters import Parameter
-from stickslip_sym.model.expression.spelling import NAME
+from stickslip_sym.model.expression.parsing import NAME
 from stickslip_sym.model.law import FrictionLaw
 
 __all__ = ["Catalogue", "as_law", "laws"]

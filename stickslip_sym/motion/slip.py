@@ -32,8 +32,6 @@ Hairer, Norsett, Wanner: Solving Ordinary Differential Equations I, II.5 (DOP853
 
 import math
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextvars import copy_context
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
@@ -49,6 +47,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.table import FARTHEST, FrictionTable, Pieces, Rise
+from stickslip_sym.motion.workers import spread
 
 __all__ = ["EVERY_TURN", "Dimensionless", "End", "Slip", "Slips", "Step", "Wedge", "follow"]
 
@@ -467,8 +466,11 @@ def follow(
         faster = (eta * _rise(pieces, 0, whole, 0, 1.0 + _BESIDE) - lifted) / _BESIDE + damping
         slower = (lifted - eta * _rise(pieces, 0, whole, 0, 1.0 - _BESIDE)) / _BESIDE + damping
         q_rest = damping - push + lifted
-        noise = _AMPLIFIED * _ULP * max(max(abs(push), abs(lifted)), max(abs(q_rest), abs(damping)))
-        close = _REST_WITHIN * (rtol + noise / max(1.0, max(abs(faster), abs(slower))))
+        fastest = max(abs(faster), abs(slower))
+        noise = _ULP * max(max(abs(push), abs(lifted)), max(abs(q_rest), abs(damping)))
+        if fastest > _STIFF:  # of implicit steps
+            noise *= _AMPLIFIED / fastest
+        close = _REST_WITHIN * (rtol + noise)
 
     segment = 0
     while segment + 1 < segments and w >= levels[segment + 1]:
@@ -894,7 +896,7 @@ class Dimensionless:
 
         - `q`, `w`, `side`: an entry for each slip.
         - `eta`, `zeta`: likewise, where they are not this system's.
-        - `workers`: threads, for as many processors.
+        - `workers`: a number of threads, -1 for all processors.
 
         Raises `OutOfTime` when the time of a `time_limit` is up, which is looked at between batches.
         """
@@ -911,8 +913,7 @@ class Dimensionless:
         end_tau = self.horizon if horizon is None else horizon
         columns = [np.ascontiguousarray(column, dtype=np.float64) for column in (eta, zeta, push, side, q, w)]
 
-        def batch(low: int) -> None:
-            some = slice(low, low + _BATCH)
+        def batch(some: slice) -> None:
             check_time()
             arrays = [column[some] if fast else column[some].tolist() for column in columns]
             run(
@@ -920,14 +921,7 @@ class Dimensionless:
                 (wedge is not None, D, source), ends[some], found[some],
             )  # fmt: skip
 
-        starts = range(0, size, _BATCH)
-        if workers > 1 and size > _BATCH:
-            contexts = [copy_context() for _ in starts]  # each thread has the time limit of this call
-            with ThreadPoolExecutor(workers) as pool:
-                list(pool.map(lambda context, low: context.run(batch, low), contexts, starts))
-        else:
-            for low in starts:
-                batch(low)
+        spread(batch, size, _BATCH, workers)
         return Slips(ends, *found.T)
 
 

@@ -1,4 +1,8 @@
-"""What every drawing needs: matplotlib, or a word that it is missing, and a file that is the same each time."""
+"""What every drawing needs: matplotlib, or a word that it is missing; one style; the same file each time.
+
+Colours are Okabe and Ito's, which colour-blind readers tell apart. Nothing is told by colour alone: lines differ
+in style or width too, regions are hatched, and each is labelled.
+"""
 
 import io
 from abc import ABC, abstractmethod
@@ -18,12 +22,28 @@ if TYPE_CHECKING:
 
     from stickslip_sym.core.aliases import FloatArray
 
-__all__ = ["Drawn", "dense", "label", "picture", "require_matplotlib", "save"]
+__all__ = [
+    "BLUE", "GREEN", "ORANGE", "Drawn", "dense", "finish", "label", "new_figure", "panel_letters", "picture",
+    "require_matplotlib", "save", "styled", "svg", "svg_uri",
+]  # fmt: skip
 
+BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
 _STYLE: Any = {
+    "font.family": "serif",
+    "font.serif": ["STIXGeneral"],  # comes with matplotlib, so that every machine draws the same
+    "mathtext.fontset": "stix",
+    "font.size": 9.5,
+    "axes.titlesize": 9.5,
+    "axes.linewidth": 0.7,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "hatch.linewidth": 0.5,
     "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "stickslip_sym",  # the same picture is the same file
-    "hatch.linewidth": 0.6,
 }
 _DENSE = 8  # points drawn for each step of an integration
 _INLINE = 90  # pixels an inch, of a picture among text
@@ -44,6 +64,51 @@ def require_matplotlib() -> None:
         import matplotlib.figure  # noqa: F401  # only to see that it is there, and whole
     except ImportError:
         raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
+
+
+def styled(**more: Any) -> Any:
+    """Return the context in which figures are drawn and saved, with more of matplotlib's parameters.
+
+    Raises `InputError` if matplotlib is not installed.
+    """
+    require_matplotlib()
+    from matplotlib import rc_context
+
+    return rc_context(_STYLE | more)
+
+
+def new_figure(width: float, height: float, rows: int = 1, columns: int = 1, **layout: Any) -> tuple[Any, Any]:
+    """Return a figure of a size in inches, and its array of axes."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False, **layout)
+
+
+def finish(axes: Any, **labels: Any) -> None:
+    """Label an axis pair; a name given as `x` or `y` has its unit in it."""
+    axes.set(**labels)
+    axes.grid(color="0.92", linewidth=0.5)
+    axes.set_axisbelow(True)
+
+
+def panel_letters(axes: Any, titles: list[str]) -> None:
+    """Write (a), (b), ... and a title above each of several axes."""
+    for letter, ax, title in zip("abcdefgh", axes, titles, strict=False):
+        ax.set_title(f"({letter})  {title}", loc="left", pad=4)
+
+
+def svg(figure: Any) -> bytes:
+    """Return a figure as SVG for a page, its text as paths; the same bytes for the same figure."""
+    stream = io.BytesIO()
+    with styled(**{"svg.fonttype": "path"}):
+        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    return stream.getvalue()
+
+
+def svg_uri(figure: Any) -> str:
+    """Return a figure as a data URI."""
+    return f"data:image/svg+xml;base64,{b64encode(svg(figure)).decode()}"
 
 
 class Drawn(ABC):
@@ -70,7 +135,8 @@ class Drawn(ABC):
         InputError
             If matplotlib is not installed, or cannot write the file.
         """
-        figure = self._figure()
+        with styled():
+            figure = self._figure()
         if path is not None:
             save(figure, Path(path))
         return figure
@@ -120,10 +186,8 @@ def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
         figure = draw()
     except StickSlipError:
         return Markup("")
-    from matplotlib import rc_context
-
     stream = io.BytesIO()
-    with rc_context(_STYLE):
+    with styled():
         figure.savefig(stream, format="png", dpi=_INLINE, metadata={"Software": None})
     content = b64encode(stream.getvalue()).decode()
     return Markup(f'<img src="data:image/png;base64,{content}" alt="{escape(alt)}"/>')
@@ -145,10 +209,8 @@ def save(figure: "Figure", path: Path) -> None:
         If the file cannot be written, or matplotlib does not know its format.
     """
     require_name(path)
-    from matplotlib import rc_context
-
     try:
-        with rc_context(_STYLE):
+        with styled():
             figure.savefig(path, dpi=160, metadata={"Date": None} if path.suffix == ".svg" else None)
     except (OSError, ValueError) as error:
         name = f"{path.stem or 'picture'}.png"

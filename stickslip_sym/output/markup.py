@@ -1,20 +1,66 @@
-"""Results as HTML for notebooks. Text is escaped and never typeset; formulas are LaTeX for the notebook to set."""
+"""HTML from Python, all text escaped: elements of pages, and results for notebooks.
 
+Formulas of results are LaTeX for the notebook to set; other text of theirs is never typeset.
+"""
+
+import re
 from collections.abc import Sequence
 from html import escape
 from typing import TypeVar
 
-__all__ = ["Markup", "block", "formula", "shortened", "table"]
+__all__ = ["Markup", "block", "element", "escaped", "formula", "prose", "shortened", "table"]
 
 _PLAIN = 'class="mathjax_ignore tex2jax_ignore"'  # a dollar sign in a name starts no formula
 _LONGEST = 4000  # characters of a formula
 _ENDS = 5  # items that are shown at either end of a long list
+_NO_CHARACTER = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What XML takes for no character: controls, and halves of pairs, as in names of files that are not UTF-8."""
+_EMPTY = frozenset({"img", "meta", "br", "link"})
+_SUBSCRIPT = re.compile(r"\b(mu|[a-zA-Z])_([a-zA-Z]|max|min|\d+)\b")
+_POWER = re.compile(r"(?:\*\*|\^)(-?[\d.]*\d)")
+_MINUS = re.compile(r"(?<![\w.])-(?=[\w(.<])|(?<= )-(?= )")
+_WORD = re.compile(r"\b(mu|alpha|eta|oo)\b")
+_LETTERS = {"mu": "μ", "alpha": "α", "eta": "η", "oo": "∞"}
+_SIGNS = {"<=": "≤", ">=": "≥", "->": "→", "x''": "ẍ", "x'": "ẋ"}
 
 
 class Markup(str):
     """Text that is HTML already."""
 
     __slots__ = ()
+
+    def __html__(self) -> str:
+        """Return it as it is: templates ask for this before they escape."""
+        return self
+
+
+def escaped(text: str, *, quote: bool = False) -> str:
+    """Return text as it stands in markup; what is no character of XML becomes a replacement character."""
+    return escape(_NO_CHARACTER.sub("\ufffd", text), quote=quote)
+
+
+def element(tag: str, /, *children: str, **attributes: str) -> Markup:
+    """Return an element; an attribute may end in an underscore, and inside it stands for a hyphen."""
+    named = {name.removesuffix("_").replace("_", "-"): value for name, value in attributes.items()}
+    written = "".join(f' {name}="{escaped(value, quote=True)}"' for name, value in named.items())
+    if tag in _EMPTY:
+        return Markup(f"<{tag}{written}/>")
+    inside = "".join(child if isinstance(child, Markup) else escaped(child) for child in children)
+    return Markup(f"<{tag}{written}>{inside}</{tag}>")
+
+
+def prose(text: str) -> Markup:
+    """Return a sentence with its plain-text mathematics as a reader expects it: indices, dots, signs."""
+    for plain, sign in _SIGNS.items():
+        text = text.replace(plain, sign)
+
+    def index(match: re.Match[str]) -> str:
+        return f"<i>{_LETTERS.get(match[1], match[1])}</i><sub>{match[2]}</sub>"
+
+    marked = _SUBSCRIPT.sub(index, escaped(text))
+    marked = _POWER.sub(lambda match: f"<sup>{match[1]}</sup>", marked).replace("*", "\u2009")
+    marked = _MINUS.sub("−", marked)
+    return Markup(_WORD.sub(lambda match: f"<i>{_LETTERS[match[1]]}</i>", marked))
 
 
 def formula(latex: str) -> Markup:

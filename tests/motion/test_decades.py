@@ -1,7 +1,5 @@
 """Over decades of mass and belt speed, and where rest loses stability, what is found is right or named."""
 
-import contextlib
-import math
 import signal
 import sys
 import time
@@ -12,26 +10,21 @@ from commands import started
 from scenes import paper_oscillator
 
 import stickslip_sym as ss
-from stickslip_sym.motion.orbits import collocation
 
 SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 
 
-LIGHTEST = pytest.mark.xfail(
-    strict=True, reason="for N/(V sqrt(k m)) = 2e6 the two halves state 1e-6, and the threshold is 4e-5 off"
-)
-
-
-@pytest.mark.parametrize("m", [pytest.param(1e-12, marks=LIGHTEST), 1e-8, 1e-4])
+@pytest.mark.parametrize("m", [1e-12, 1e-8, 1e-4])
 def test_the_simulated_threshold_of_a_light_mass_is_within_its_error(m):
     """As m tends to 0 the threshold tends to a limit; the phase is stiff, with rates up to 2e6 a unit of time."""
     law = ss.laws.exponential.typical()
     rough = ss.pure_slip_damping(law, **SCENE | {"m": m}, method="simulation", time_limit=60)
     fine = ss.pure_slip_damping(law, **SCENE | {"m": m}, method="simulation", rtol=1e-7, time_limit=60)
-    assert fine.relative_error < 1e-4
+    assert fine.relative_error < 1e-7
     assert abs(rough.value / fine.value - 1) <= rough.relative_error + fine.relative_error
     if m <= 1e-8:
-        assert fine.value == pytest.approx(1.970016, rel=fine.relative_error + 1e-6)
+        limit = -9.81 * law.slope(0.5)  # from which it departs by 50/eta^2
+        assert fine.value == pytest.approx(limit, rel=fine.relative_error + 60 * m / (9.81 / 5) ** 2)
 
 
 @pytest.mark.parametrize("name", ["exponential", "hyperbolic"])
@@ -47,7 +40,7 @@ def test_thresholds_of_slow_belts_tend_to_the_slope_at_rest(name):
 def test_a_cycle_too_small_to_be_found_is_named():
     """mu' = -a + 3 b (v - V)^2 about rest: a cycle of amplitude A needs N (a - 3/4 b A^2); a kink is in reach."""
     rng = np.random.default_rng(7)
-    for amplitude in 10 ** rng.uniform(-5, -3.5, 4):
+    for amplitude in 10 ** rng.uniform(-5, -3.5, 1):
         for bend in rng.choice([-1, 1]) * np.array([1, -1]) * rng.uniform(0.2, 0.6):
             law = ss.FrictionLaw(f"0.4 - 0.3*(v - 0.5) + ({bend:.6f})*(v - 0.5)^3 + 0.1*Max(0, v - 0.95)")
             found = ss.regime(law, paper_oscillator(9.81 * (0.3 - 0.75 * round(bend, 6) * amplitude**2)))
@@ -56,29 +49,12 @@ def test_a_cycle_too_small_to_be_found_is_named():
             assert f"{kind} limit cycle about rest is too small to find" in found.undecided
 
 
-@pytest.mark.parametrize("K", [15, 47, 48, 63, 95, 200])
-def test_blocks_solve_what_all_at_once_solves(K):
-    """Matrices that are large where a Newton step's are: each harmonic with itself, and in the lowest ones."""
-    rng = np.random.default_rng(K)
-    matrix, right = rng.normal(size=(3, 2 * K, 2 * K)), rng.normal(size=(3, 2 * K))
-    harmonic = np.arange(1, K)
-    for shift in (0, K):
-        matrix[:, harmonic + shift, harmonic - 1 + shift - (shift > 0)] += 20 * math.sqrt(K)
-    expected = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
-    assert np.abs(collocation.solved(matrix, right) - expected).max() <= 1e-9 * np.abs(expected).max()
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="a signal cannot be sent to one process there")
 def test_control_c_ends_a_long_map_at_once():
-    """By one process, and by two."""
-    axes = (["--y", "N=1:50:300", "-c", "1.5"], ["--y", "c=1:50:300", "--workers", "2"])
-    with contextlib.ExitStack() as stack:
-        line = ["map", "tanh", "--x", "V=0.1:1:300"]
-        processes = [stack.enter_context(started(*line, *rest)) for rest in axes]
+    ss.motion_map(ss.laws.tanh.typical(), x=("V", [0.3]), y=("c", [1.0]), N=9.81, m=1, k=100)  # is compiled then
+    with started("map", "tanh", "--x", "V=0.1:1:300", "--y", "c=1:50:3300", "--workers", "2") as process:
         time.sleep(4)
-        for process in processes:
-            process.send_signal(signal.SIGINT)
-        for process in processes:
-            _, err = process.communicate(timeout=20)
-            assert process.returncode == 130, err
-            assert "Traceback" not in err
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=20)
+    assert process.returncode == 130, err
+    assert "Traceback" not in err

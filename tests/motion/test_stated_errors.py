@@ -22,10 +22,10 @@ SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 # -- hypotheses ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("part", [0.3, 1e-2, 1e-5, 1e-9, 1e-11])
+@pytest.mark.parametrize("part", [0.3, 1e-5, 1e-11])
 def test_a_static_coefficient_below_that_of_slip_is_refused_however_little(part):
     rng = np.random.default_rng(1)
-    for mu_s in rng.uniform(0.1, 2, 3):
+    for mu_s in rng.uniform(0.1, 2, 1):
         law = ss.FrictionLaw("0.1 + (s - 0.1)*exp(-3*v)", static="r").bind(s=mu_s, r=mu_s * (1 - part))
         for use in (
             lambda law=law: ss.simulate(law, paper_oscillator(1.0), t_end=1.0),
@@ -43,7 +43,7 @@ def test_a_static_coefficient_may_be_off_by_its_rounding():
 
 def test_the_last_measured_speed_is_the_last_that_is_answered():
     rng = np.random.default_rng(2)
-    for end in rng.uniform(0.3, 3, 2).tolist():
+    for end in rng.uniform(0.3, 3, 1).tolist():
         law = ss.FrictionLaw.from_samples([0, 0.1 * end, 0.4 * end, end], [0.5, 0.4, 0.3, 0.25])
         beyond = math.nextafter(end, math.inf)
         average = ss.slope_average(law, "harmonic")
@@ -86,8 +86,8 @@ def test_a_cycle_that_overtakes_the_belt_is_that_of_a_simulation(law, changes):
 
 
 SLOPED = [
-    *(ss.laws.exponential.typical().bind(alpha=alpha) for alpha in np.geomspace(0.3, 40, 8).tolist()),
-    *(ss.laws.catalogue["gaussian"].typical().bind(v_s=v_s) for v_s in np.geomspace(0.2, 3, 6).tolist()),
+    *(ss.laws.exponential.typical().bind(alpha=alpha) for alpha in np.geomspace(0.3, 40, 2).tolist()),
+    *(ss.laws.catalogue["gaussian"].typical().bind(v_s=v_s) for v_s in np.geomspace(0.2, 3, 2).tolist()),
 ]
 
 
@@ -144,7 +144,7 @@ def test_a_stable_cycle_far_out_takes_the_motions_from_both_sides(v0):
         assert found is Motion.PURE_SLIP
 
 
-@pytest.mark.parametrize("zeta", [0.0, *np.logspace(-8, -1, 5)])
+@pytest.mark.parametrize("zeta", [0.0, 1e-8, 1e-1])
 def test_without_friction_the_least_damping_decides(zeta):
     law = ss.laws.exponential.typical()
     for x0, v0 in ((0.3, -0.4), (-1.0, 2.0)):  # beyond the belt's speed
@@ -185,17 +185,12 @@ def test_what_the_next_order_may_add_bounds_what_the_second_order_is_off():
     assert total >= 24
 
 
-THIN = pytest.mark.xfail(
-    strict=True, reason="the two halves of the orbit miss a layer of 1e-9 m/s that makes 1e-3 of the threshold"
-)
-LAYERS = [(width, part) for width in (1e-9, 1e-7, 1e-5) for part in (1e-7, 1e-5, 1e-3)]
+LAYERS = [(1e-9, 1e-7), (1e-9, 1e-5), (1e-7, 1e-7), (1e-7, 1e-3), (1e-5, 1e-3)]
 
 
-@pytest.mark.parametrize(
-    ("width", "part"), [pytest.param(*one, marks=THIN) if one == (1e-9, 1e-3) else one for one in LAYERS]
-)
-def test_what_is_told_counts_a_layer_that_the_grid_does_not_see(width, part):
-    """A thin layer a exp(-v/w) adds N a sqrt(2 w/pi) V^(-3/2), whatever the orbit."""
+@pytest.mark.parametrize(("width", "part"), LAYERS)
+def test_stated_errors_count_a_layer_that_the_grid_does_not_see(width, part):
+    """A thin layer a exp(-v/w) adds N a sqrt(2 w/pi) V^(-3/2) where it does not bend the orbit."""
     alone = "0.2 + 0.3*exp(-3*v)"
     scene = SCENE | {"k": 1e8}  # of weak friction, so that the layer is all there is to tell
     exact = ss.pure_slip_damping(ss.FrictionLaw(alone), **scene, method="orbit", rtol=1e-11).value
@@ -210,6 +205,19 @@ def test_what_is_told_counts_a_layer_that_the_grid_does_not_see(width, part):
         except ss.NotConverged:
             continue
         assert abs(found.value / exact - 1) <= found.relative_error + 0.1 * part
+
+
+def test_a_layer_that_bends_the_orbit_is_a_static_coefficient():
+    """Crossed at once, 1e-9 m/s wide; its average is a thousandth of the threshold, and it adds a thirtieth."""
+    law = ss.FrictionLaw("0.2 + 0.3*exp(-3*v) + a*exp(-v/w)").bind(a=3.68314, w=1e-9)
+    held = ss.FrictionLaw("0.2 + 0.3*exp(-3*v)", static=repr(0.5 + 3.68314))
+    scene = SCENE | {"k": 1e8}
+    exact = ss.pure_slip_damping(held, **scene, method="simulation", rtol=1e-7).value
+    alone = ss.pure_slip_damping(held.with_static(None), **scene, method="orbit").value
+    assert exact == pytest.approx(1.032 * alone, rel=1e-3)
+    for options in ({"method": "simulation"}, *({"rtol": rtol} for rtol in (0.3, 1e-2, 3e-4))):
+        found = ss.pure_slip_damping(law, **scene, **options)
+        assert abs(found.value / exact - 1) <= found.relative_error + 2e-4
 
 
 def test_an_orbit_is_as_good_as_asked_or_refused():

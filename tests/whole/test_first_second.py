@@ -6,7 +6,6 @@ from commands import inside
 
 import stickslip_sym as ss
 from stickslip_sym.core.numbers import exact, fraction
-from stickslip_sym.motion.orbits import transforms
 
 
 @pytest.mark.parametrize("command", ["damping", "derive", "simulate"])
@@ -57,19 +56,3 @@ def test_fractions_are_exact_numbers():
     for wrong in (True, float("nan"), -np.inf, Decimal("inf"), mpmath.inf, sp.pi, sp.oo, "0x1", "1/0", None, [1]):
         with pytest.raises(ss.InputError):
             fraction(wrong, "x")
-
-
-@pytest.mark.parametrize("size", [16, 31, 64])
-def test_sums_of_sines_and_cosines(size):
-    """By their definition: SciPy's are not used any more."""
-    rng = np.random.default_rng(size)
-    coefficients, n = rng.normal(size=(3, size)), np.arange(size)
-    phases = np.outer(n, (np.arange(size) + 0.5) * np.pi / size)
-    for wave, forth, back in (
-        (np.cos, transforms.from_cosines, transforms.cosines),
-        (np.sin, transforms.from_sines, transforms.sines),
-    ):
-        values = coefficients @ wave(phases)
-        assert np.abs(forth(coefficients) - values).max() < 1e-13 * size
-        known = coefficients * (n > 0) if wave is np.sin else coefficients
-        assert np.abs(back(values) - known).max() < 1e-14 * size

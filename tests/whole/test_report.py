@@ -23,9 +23,9 @@ from paper_checks.report_page import page as page_of
 from paper_checks.terminal import verdicts
 from stickslip_sym import InputError
 from stickslip_sym.comparison.tradeoff import Row
-from stickslip_sym.output.page.document import versions
-from stickslip_sym.output.page.elements import element, prose
-from stickslip_sym.output.page.figures import svg
+from stickslip_sym.output.drawing import svg
+from stickslip_sym.output.markup import element, prose
+from stickslip_sym.output.page.render import versions
 
 ROOT = Path(__file__).parents[2]
 CHECKED = ("E3", "N1")  # cheap ones; the report tells of the others that they were not checked
@@ -196,7 +196,7 @@ def test_figures_say_what_becomes_of_the_motions():
     assert fates[3] == "tends to a slip cycle, 0.4986 m/s"
     assert fates[4].startswith("comes to rest")
     words = [" ".join(text.get_text() for text in ax.texts) for ax in drawn[5].axes]
-    assert ["by the start" in said for said in words] == [True, False, False]
+    assert ["by the initial condition" in said for said in words] == [True, False, False]
     assert ["$P$, $Q$" in said for said in words] == [True, True, False]
 
 

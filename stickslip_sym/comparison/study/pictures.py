@@ -16,7 +16,7 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.regimes.attractors import Regime
 from stickslip_sym.motion.regimes.drawing import phase_plane
 from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
-from stickslip_sym.output.page.figures import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
+from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
 
 __all__ = ["ALT", "CAPTIONS", "draw_law", "draw_phase_plane", "draw_plane", "draw_time", "picture"]
 

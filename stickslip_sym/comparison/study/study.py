@@ -45,9 +45,8 @@ from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_dampi
 from stickslip_sym.output import printing
 from stickslip_sym.output.browser import print_to_pdf
 from stickslip_sym.output.files import write_text
-from stickslip_sym.output.page.document import now
-from stickslip_sym.output.page.elements import Html, element
-from stickslip_sym.output.page.render import equation, render, with_error
+from stickslip_sym.output.markup import Markup, element
+from stickslip_sym.output.page.render import equation, now, render, with_error
 from stickslip_sym.output.tables import duration
 
 __all__ = ["Study", "study"]
@@ -522,7 +521,7 @@ def _formulas(study: Study) -> list[tuple[str, str, str]]:
     return parts
 
 
-def _formula(left: sp.Expr, expr: sp.Expr) -> Html:
+def _formula(left: sp.Expr, expr: sp.Expr) -> Markup:
     text = printing.text(expr)
     if len(text) <= _WIDEST:
         return equation(left, expr)

@@ -14,6 +14,7 @@ import sympy as sp
 from sympy.polys.polyerrors import BasePolynomialError
 
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.functions import is_analytic
 from stickslip_sym.formula.proof.differential import Algebra, Differential
 from stickslip_sym.formula.proof.expansions import Expansion, Series
 from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
@@ -197,7 +198,7 @@ def _require_real_analytic(expr: Expr, V: Expr, inside: bool = False) -> None:
     """
     if not expr.has(V) or expr == V:
         return
-    if isinstance(expr, _ENTIRE):
+    if isinstance(expr, sp.Tuple) or is_analytic(expr):
         fine = True
     elif expr.is_Pow and not expr.exp.has(V):
         free = expr.exp.is_Integer and (expr.exp > 0 or not inside)
@@ -217,9 +218,6 @@ def _require_real_analytic(expr: Expr, V: Expr, inside: bool = False) -> None:
     rational = expr.is_Add or expr.is_Mul or (expr.is_Pow and expr.exp.is_Integer)
     for argument in expr.args:
         _require_real_analytic(argument, V, inside or not rational)
-
-
-_ENTIRE = (sp.Add, sp.Mul, sp.Tuple, sp.exp, sp.sin, sp.cos, sp.atan)
 
 
 def _positive(expr: Expr, V: Expr) -> bool:

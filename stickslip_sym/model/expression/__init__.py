@@ -1,4 +1,4 @@
 """A formula in v as the user writes it: read by a whitelist, its pieces, its parameters and their units.
 
-Imports `core` and `output`. One more spelling of a function is an entry in `spelling`.
+Imports `core` and `output`. What people type for a function or a sign is an entry in `parsing`.
 """

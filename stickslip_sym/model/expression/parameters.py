@@ -11,7 +11,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import fraction
-from stickslip_sym.model.expression.spelling import NAME, taken
+from stickslip_sym.model.expression.parsing import NAME, taken
 from stickslip_sym.model.expression.units import check_unit
 from stickslip_sym.output import markup
 from stickslip_sym.output.notation import notation_of

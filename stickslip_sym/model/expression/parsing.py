@@ -1,14 +1,16 @@
 """Text to SymPy expressions, without ever evaluating text.
 
-The text is parsed by Python's own grammar into a syntax tree, and the tree is translated node by node;
-what is not listed here, or in the table of functions, does not exist. Limits on length, depth and the size of
-numbers keep the work that a short text can ask for small.
+A formula is cut into tokens and read by recursive descent; what is not listed here, or in the table of functions,
+does not exist. What people type is read where it has one meaning: Greek letters, ``2mu_s``, ``alpha v``, a left
+side ``mu(v) =``; for anything else the refusal says what to write. Limits on length, depth and the size of numbers
+keep the work that a short text can ask for small.
 """
 
-import ast
+import keyword
 import re
-import warnings
+import unicodedata
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import reduce
 from typing import NoReturn
 
@@ -19,26 +21,72 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, in_laws, power
 from stickslip_sym.core.numbers import bits, suggestion, within
 from stickslip_sym.model.expression.pieces import Bound, absolute, in_pieces, larger, sign, smaller
-from stickslip_sym.model.expression.spelling import ALIASES, INSTEAD, NAME, Source, normalised, refuse
 
-__all__ = ["KINKED", "NAME", "parse_expression"]
+__all__ = ["MAX_BITS", "NAME", "parse_expression", "taken"]
 
-KINKED: dict[str, Callable[..., Expr]] = {"Abs": absolute, "Min": smaller, "Max": larger, "sign": sign}
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+"""What a name looks like: ASCII letters, digits and underscores, at most 40."""
+
+_KINKED: dict[str, Callable[..., Expr]] = {"Abs": absolute, "Min": smaller, "Max": larger, "sign": sign}
 """The functions that make kinks; Min and Max take two arguments or more."""
 
-PIECEWISE = "Piecewise((formula, v < place), ..., last formula)"
-"""How a law in pieces is written; at a place itself, the formula above it holds."""
+_ALIASES = {"abs": "Abs", "min": "Min", "max": "Max", "sgn": "sign", "piecewise": "Piecewise"}
+"""Other names of what makes kinks; those of functions stand in their rows."""
 
-MAX_LENGTH = 2000
-MAX_DEPTH = 60
-MAX_EXPONENT = 64
-MAX_DIGITS = 60
-MAX_ARGUMENT = 1_000_000
-MAX_KINKS = 40
+_INSTEAD = {
+    "log10": "log(x)/log(10)", "log2": "log(x)/log(2)", "log1p": "log(1 + x)", "expm1": "exp(x) - 1",
+    "exp2": "2^x", "pow": "x^y", "cbrt": "x^(1/3)", "root": "x^(1/n)", "square": "x^2", "erfi": "erf and exp",
+    "cosec": "1/sin(x)", "csc": "1/sin(x)", "sec": "1/cos(x)", "cot": "1/tan(x)", "frac": "a/b",
+    "csch": "1/sinh(x)", "coth": "1/tanh(x)", "logistic": "1/(1 + exp(-x))", "sigmoid": "1/(1 + exp(-x))",
+    "Heaviside": "Piecewise((0, v < place), 1)", "heaviside": "Piecewise((0, v < place), 1)",
+    "where": "Piecewise((formula, v < place), last formula)", "clip": "Min(Max(x, low), high)",
+}  # fmt: skip
+"""Functions that are not read, with what to write for them."""
+
+_CASES = "Piecewise((formula, v < place), last formula)"
+_PIECEWISE = "a law in pieces is written Piecewise((formula, v < place), ..., last formula)"
+"""At a place itself, the formula above it holds."""
+_WORDS = {
+    "if": f"write {_CASES} for cases", "else": f"write {_CASES} for cases",
+    "and": f"write one place for each piece: {_CASES}", "or": f"write one place for each piece: {_CASES}",
+    "lambda": "write the formula alone, in v",
+}  # fmt: skip
+"""Words of programs, with what to do."""
+_LIBRARIES = ("np", "numpy", "math", "sp", "sympy", "scipy", "mpmath")
+_SIGNS = {
+    "·": "*", "×": "*", "∙": "*", "⋅": "*", "∗": "*", "\\cdot": "*", "−": "-", "–": "-", "÷": "/", "**": "^",
+    "[": "(", "]": ")", "{": "(", "}": ")", "≤": "<=", "≥": ">=",
+}  # fmt: skip
+"""Signs that have one meaning, with the plain ones."""
+_PLAIN = frozenset({*"+-*/^()|,.<>", "<=", ">=", "=="})
+_RELATIONS = {"<": ("<", True), "<=": ("<", False), ">": (">", True), ">=": (">", False)}
+_ADVICE = {":": ": write one formula, without assignments", "%": ": write a decimal number"}
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+_LEFT_SIDE = re.compile(r"\s*\\?(?:mu|μ|µ)\s*(?:\(\s*v\s*\))?\s*=(?!=)")
+_TOKEN = re.compile(
+    r"(?P<blank>\s+)"
+    r"|(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?P<joined>[A-Za-z0-9_]*)"
+    r"|(?P<sign>\*\*|<=|>=|==|\\cdot)"
+    r"|(?P<name>\\?[A-Za-zͰ-Ͽµ_][A-Za-z0-9Ͱ-Ͽµ_]*)|(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(?P<other>.)",
+    re.DOTALL,
+)
+_NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,2})?")
+
+_MAX_LENGTH = 2000
+_MAX_DEPTH = 60
+_MAX_EXPONENT = 64
+_MAX_DIGITS = 60
+_MAX_ARGUMENT = 1_000_000
+_MAX_KINKS = 40
 MAX_BITS = 4096  # of a number that constant arithmetic may produce
 _MAX_ROOT_BITS = 256  # of a number that a root is taken of: SymPy looks for its factors
 _NOT_FINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
-_RELATIONS = {ast.Lt: ("<", True), ast.LtE: ("<", False), ast.Gt: (">", True), ast.GtE: (">", False)}
+
+
+def taken() -> set[str]:
+    """Return the names of functions and constants, which no parameter may have."""
+    constants = [constant.name for constant in CONSTANTS.values() if constant.in_laws]
+    return {*in_laws(), "sqrt", "erfc", "Piecewise", *_KINKED, *_ALIASES, *_INSTEAD, *constants}
 
 
 def parse_expression(text: str, symbol: Callable[[str], Expr]) -> Expr:
@@ -47,7 +95,7 @@ def parse_expression(text: str, symbol: Callable[[str], Expr]) -> Expr:
     Parameters
     ----------
     text : str
-        A formula in Python's notation; ``^`` is a power like ``**``. Decimal numbers stay exact.
+        A formula with + - * / ^ and functions; ``**`` is a power like ``^``. Decimal numbers stay exact.
     symbol : callable
         Given a name, returns its symbol (or any SymPy expression), or raises `InputError`.
 
@@ -60,199 +108,348 @@ def parse_expression(text: str, symbol: Callable[[str], Expr]) -> Expr:
         raise InputError(f"a formula is text, got {type(text).__name__}")
     if not text.strip():
         raise InputError("the formula is empty; write one like 'mu_m + (mu_s - mu_m)*exp(-alpha*v)'")
-    if len(text) > MAX_LENGTH:
-        raise InputError(f"the formula has {len(text)} characters; at most {MAX_LENGTH} are allowed")
-    source = normalised(text)
-    _check_depth(text, source)
-    return _Translator(text, source, symbol).translate()
+    if len(text) > _MAX_LENGTH:
+        raise InputError(f"the formula has {len(text)} characters; at most {_MAX_LENGTH} are allowed")
+    return _Parser(text, symbol).formula()
 
 
-def _check_depth(text: str, source: Source) -> None:
-    depth = 0
-    for column, character in enumerate(source.text):
-        depth += (character == "(") - (character == ")")
-        if depth > MAX_DEPTH:
-            refuse(text, source.position(column), f"more than {MAX_DEPTH} nested parentheses")
+def _refuse(text: str, position: int, reason: str) -> NoReturn:
+    """Raise an `InputError` that points at a character of a text."""
+    position = min(position, len(text))
+    start = max(0, position - 40)
+    window = re.sub(r"\s", " ", text[start : position + 30])
+    raise InputError(f"{reason} (character {position + 1})\n  {window}\n  {' ' * (position - start)}^")
+
+
+@dataclass(frozen=True)
+class _Token:
+    """A number, a name or a sign in its plain spelling, and where it stands in what the user wrote."""
+
+    kind: str
+    text: str
+    position: int
+
+
+def _tokens(text: str) -> list[_Token]:
+    """Return the tokens of a formula, the last one of the kind "end"."""
+    left = _LEFT_SIDE.match(text)
+    tokens: list[_Token] = []
+    for match in _TOKEN.finditer(text, left.end() if left else 0):
+        position, word = match.start(), match[0]
+        if match["number"]:
+            tokens += _number_and_name(text, match)
+        elif match["raised"]:  # a power, like ^-2
+            tokens.append(_Token("sign", "^", position))
+            number = word.translate(_SUPERSCRIPTS)
+            tokens += [_Token("sign", "-", position)] * number.startswith("-")
+            tokens.append(_Token("number", number.removeprefix("-"), position))
+        elif match["name"]:
+            tokens.append(_Token("name", _name(text, position, word), position))
+        elif match["blank"] is None:
+            sign = _SIGNS.get(word, word)
+            if sign not in _PLAIN:
+                _refuse(
+                    text, position, f"the character {word!r} has no meaning in a formula{_ADVICE.get(sign, '')}"
+                )
+            if sign == "." and tokens and tokens[-1].text in _LIBRARIES:
+                tokens.pop()  # np.exp is exp
+            elif sign == ".":
+                _refuse(text, position, "an attribute is not allowed; a formula has numbers, names and functions")
+            else:
+                tokens.append(_Token("sign", sign, position))
+    return [*tokens, _Token("end", "", len(text))]
+
+
+def _number_and_name(text: str, match: re.Match[str]) -> list[_Token]:
+    """Return a number, and a name that stands right after it: 2mu_s is 2*mu_s, but 0x10 and 2j are neither."""
+    number, joined, position = match["number"], match["joined"], match.start()
+    if joined and (not joined[0].isalpha() or re.fullmatch(r"[xXoObBjJ][0-9a-fA-F_]*|[eE]\d*", joined)):
+        _refuse(text, position, f"{match[0][:20]!r} is not a decimal number")
+    if not _NUMBER.fullmatch(number) or len(number) > _MAX_DIGITS:
+        reason = f"{number[:20]!r} is not a decimal number of at most {_MAX_DIGITS} characters"
+        _refuse(text, position, reason)
+    name = [_Token("name", joined, position + len(number))] if joined else []
+    return [_Token("number", number, position), *name]
+
+
+def _name(text: str, position: int, word: str) -> str:
+    """Return a name with its Greek letters spelled out, and a function's in small letters as it is known."""
+    spelled = re.sub(r"[Ͱ-Ͽµ]", lambda letter: _greek(text, position, letter[0]), word.removeprefix("\\"))
+    if spelled in _WORDS:
+        _refuse(text, position, f"{spelled!r} is no part of a formula; {_WORDS[spelled]}")
+    called = text[position + len(word) :].lstrip()[:1] == "("
+    return spelled.lower() if called and spelled not in taken() and spelled.lower() in taken() else spelled
+
+
+def _greek(text: str, position: int, letter: str) -> str:
+    name = unicodedata.name(letter, "").replace("MICRO SIGN", "GREEK SMALL LETTER MU")
+    size, _, word = name.removeprefix("GREEK ").partition(" LETTER ")
+    if size not in ("SMALL", "CAPITAL") or not word.isalpha():
+        _refuse(text, position, f"the character {letter!r} has no meaning in a formula")
+    return word.lower().replace("lamda", "lambda_") if size == "SMALL" else word.capitalize()
+
+
+class _Parser:
+    """Reads one formula: a method for each rule of the grammar, from sums down to operands."""
+
+    def __init__(self, text: str, symbol: Callable[[str], Expr]) -> None:
+        self.text, self.symbol = text, symbol
+        self.tokens = _tokens(text)
+        self.place = self.depth = self.kinks = 0
+        rows = {name: function.kind for name, function in in_laws().items()}
+        self.functions: dict[str, Callable[[Expr], Expr]] = rows | {"erfc": lambda x: 1 - sp.erf(x)}
+        self.constants = {constant.name: constant.value for constant in CONSTANTS.values() if constant.in_laws}
+        self.callable = [*self.functions, "sqrt", *_KINKED, "Piecewise"]
+
+    # -- tokens --
+
+    @property
+    def next(self) -> _Token:
+        return self.tokens[self.place]
+
+    def take(self, *signs: str) -> _Token | None:
+        """Return the next token and go beyond it if it is one of some signs; else None."""
+        token = self.next
+        if token.kind != "sign" or token.text not in signs:
+            return None
+        self.place += 1
+        return token
+
+    def fail(self, token: _Token, reason: str) -> NoReturn:
+        _refuse(self.text, token.position, reason)
+
+    def close(self, opened: _Token, bracket: str) -> None:
+        if not self.take(bracket):
+            self._fail_after_operand(opened)
+
+    def _fail_after_operand(self, opened: _Token | None) -> NoReturn:
+        """Refuse what stands where an operator, or the end of the formula, is expected."""
+        token = self.next
+        if token.text == "|" or (opened is not None and opened.text == "|"):
+            token = token if token.text == "|" else opened or token
+            self.fail(token, "a bar without its partner; write |v - a| or Abs(v - a)")
+        if token.text == ",":
+            self.fail(token, "a comma stands between two formulas; a decimal number has a point: write 0.2")
+        if token.text in (*_RELATIONS, "=="):
+            self.fail(token, f"a comparison is no number; {_PIECEWISE}")
+        if opened is not None:
+            self.fail(opened, "the formula cannot be read: this parenthesis is not closed")
+        self.fail(token, "the formula cannot be read: an operator is missing here")
+
+    # -- grammar --
+
+    def formula(self) -> Expr:
+        result = self.sum()
+        if self.next.kind != "end":
+            self._fail_after_operand(None)
+        return result
+
+    def sum(self) -> Expr:
+        result = self.product()
+        while operator := self.take("+", "-"):
+            term = self.product()
+            result = self._checked(operator, result + term if operator.text == "+" else result - term)
+        return result
+
+    def product(self) -> Expr:
+        result = self.factor()
+        while True:
+            token = self.next
+            if self.take("/"):
+                divisor = self.next
+                factor = self.factor()
+                if factor == 0:
+                    self.fail(divisor, "division by zero")
+                result = self._checked(token, result / factor)
+            elif self.take("*") or token.kind in ("number", "name") or token.text == "(":
+                if token.kind == "number" and self.tokens[self.place - 1].kind == "number":
+                    self.fail(token, "two numbers side by side; write an operator between them")
+                result = self._checked(token, result * self.factor())
+            else:
+                return result
+
+    def factor(self) -> Expr:
+        """Return a power with its sign; exponents have theirs: -v^-2 is -(v^(-2))."""
+        bases: list[tuple[int, _Token, Expr]] = []
+        while True:
+            side = 1
+            while operator := self.take("+", "-"):
+                side = -side if operator.text == "-" else side
+            token = self.next
+            bases.append((side, token, self.operand()))
+            if not self.take("^"):
+                break
+            if len(bases) > _MAX_DEPTH:
+                self.fail(token, f"more than {_MAX_DEPTH} powers of each other")
+        side, token, result = bases.pop()
+        result = side * result
+        for side, below, base in reversed(bases):
+            result, token = side * self._checked(below, self._power(token, base, result)), below
+        return result
+
+    def operand(self) -> Expr:
+        token = self.next
+        self.place += 1
+        if token.kind == "number":
+            return sp.Rational(token.text)
+        if token.kind == "name":
+            following = self.take("(")
+            return self._name(token) if following is None else self._nested(token, lambda: self._call(token))
+        if token.text in ("(", "|") and token.kind == "sign":
+            return self._nested(token, lambda: self._enclosed(token))
+        self.place -= 1
+        self.fail(token, "the formula cannot be read: a number, a name or a parenthesis is missing here")
+
+    def _nested(self, token: _Token, read: Callable[[], Expr]) -> Expr:
+        self.depth += 1
+        if self.depth > _MAX_DEPTH:
+            self.fail(token, f"more than {_MAX_DEPTH} nested parentheses")
+        result = read()
+        self.depth -= 1
+        return result
+
+    def _enclosed(self, opened: _Token) -> Expr:
+        inner = self.sum()
+        self.close(opened, ")" if opened.text == "(" else "|")
+        if opened.text == "(":
+            return inner
+        self._count_kinks(opened, 1)
+        return self._guarded(opened, lambda: absolute(inner))
+
+    def _name(self, token: _Token) -> Expr:
+        name = token.text
+        if name in self.callable or name in _ALIASES:
+            self.fail(token, f"{name} is a function; write {name}(...)")
+        if not NAME.fullmatch(name) or keyword.iskeyword(name):
+            self.fail(token, f"{name[:45]!r} is not a usable name: ASCII letters, digits, '_', at most 40")
+        if name in self.constants:
+            return self.constants[name]
+        return self._guarded(token, lambda: self.symbol(name))
+
+    def _call(self, token: _Token) -> Expr:
+        name = _ALIASES.get(token.text, token.text)
+        if name in _INSTEAD and name not in self.functions:
+            self.fail(token, f"there is no function {name!r}; write {_INSTEAD[name]}")
+        if name not in self.callable:
+            hint, known = suggestion(name, [*self.callable, *_ALIASES]), ", ".join(self.callable)
+            product = "" if hint else f"; a product is written {name[:40]}*(...)"
+            self.fail(token, f"there is no function {name[:40]!r}{hint}{product}; known: {known}")
+        if name == "Piecewise":
+            return self._piecewise(token)
+        arguments = [] if self.next.text == ")" else [self.sum()]
+        while self.take(","):
+            arguments.append(self.sum())
+        self.close(token, ")")
+        several = name in ("Min", "Max")
+        if (len(arguments) < 2) if several else (len(arguments) != 1):
+            count = "two arguments or more" if several else "one argument; a decimal number has a point, as in 0.2"
+            self.fail(token, f"{name} takes {count}")
+        if name in _KINKED:
+            self._count_kinks(token, len(arguments))
+            kinked = _KINKED[name]
+            return self._guarded(token, lambda: reduce(kinked, arguments) if several else kinked(*arguments))
+        return self._checked(token, self._function(token, name, *arguments))
+
+    def _function(self, token: _Token, name: str, argument: Expr) -> Expr:
+        if name == "sqrt":
+            return self._power(token, argument, sp.S.Half)
+        # A tower such as exp(exp(exp(exp(9)))) is short to write, and no computer holds its value.
+        if argument.is_number and name not in ("log", "ln") and not within(argument, _MAX_ARGUMENT):
+            self.fail(token, f"a number in {name}(...) is real and at most {_MAX_ARGUMENT} in size")
+        return self.functions[name](argument)
+
+    # -- pieces --
+
+    def _piecewise(self, token: _Token) -> Expr:
+        pieces = [self._piece()]
+        while self.take(","):
+            pieces.append(self._piece())
+        self.close(token, ")")
+        *branches, (place, rest, end) = pieces
+        self._count_kinks(token, len(branches))
+        for start, _, bound in branches:
+            if bound is None:
+                self.fail(start, f"{_PIECEWISE}; only the last one may end in True")
+        bounds = [(formula, bound) for _, formula, bound in branches if bound is not None]
+        if not bounds or (end is not None and not any(end.completes(bound) for _, bound in bounds)):
+            self.fail(place, f"{_PIECEWISE}; the last one may end in True")
+        return self._guarded(token, lambda: in_pieces(bounds, rest))
+
+    def _piece(self) -> tuple[_Token, Expr, Bound | None]:
+        """Return where a piece stands, its formula, and where that holds; None is everywhere."""
+        token = self.next
+        if not self._is_pair():
+            if token.text == ")":
+                self.fail(token, _PIECEWISE)
+            return token, self.sum(), None
+        self.place += 1
+        formula = self.sum()
+        self.take(",")
+        bound = self._bound(token)
+        if not self.take(")"):
+            self.fail(token, _PIECEWISE)
+        return token, formula, bound
+
+    def _is_pair(self) -> bool:
+        """Return whether a comma stands within the parenthesis that begins here, and not deeper."""
+        if self.next.text != "(":
+            return False
+        depth = 0
+        for token in self.tokens[self.place :]:
+            depth += (token.text == "(") - (token.text == ")")
+            if depth == 0 or (depth == 1 and token.text == ","):
+                return depth == 1
+        return False
+
+    def _bound(self, token: _Token) -> Bound | None:
+        """Return where a piece holds, from its condition v < place or place > v; None for True."""
+        if self.next.text == "True":
+            self.place += 1
+            return None
+        left = self.sum()
+        relation = self.take(*_RELATIONS)
+        right = self.sum() if relation else None
+        if relation is not None:
+            side, strict = _RELATIONS[relation.text]
+            v = self.symbol("v")
+            for one, place, holds in ((left, right, side), (right, left, "<>"[side == "<"])):
+                if one == v:
+                    return Bound(holds, place, strict)
+        self.fail(token, _PIECEWISE)
+
+    # -- limits --
+
+    def _power(self, token: _Token, base: Expr, exponent: Expr) -> Expr:
+        if exponent.is_number and not within(exponent, _MAX_EXPONENT):
+            self.fail(token, f"a numeric exponent is real and at most {_MAX_EXPONENT} in size")
+        if base == 0 and exponent.is_number and exponent.is_negative:
+            self.fail(token, "division by zero")
+        if exponent.is_Integer and (bits(_coefficient(base)) - 1) * abs(exponent) > MAX_BITS:
+            self.fail(token, "a number in the formula grows too large")  # before it is computed
+        if base.is_Rational and not exponent.is_Integer and bits(base) > _MAX_ROOT_BITS:
+            self.fail(token, "a root is taken of a number with too many digits")
+        return power(base, exponent)
+
+    def _checked(self, token: _Token, result: Expr) -> Expr:
+        if result in _NOT_FINITE:
+            self.fail(token, "this part of the formula has no finite value")
+        if bits(_coefficient(result)) > MAX_BITS:
+            self.fail(token, "a number in the formula grows too large")
+        return result
+
+    def _count_kinks(self, token: _Token, more: int) -> None:
+        self.kinks += more
+        if self.kinks > _MAX_KINKS:
+            self.fail(token, f"Abs, Min, Max and Piecewise have more than {_MAX_KINKS} arguments in all")
+
+    def _guarded(self, token: _Token, make: Callable[[], Expr]) -> Expr:
+        """Point at the token whose meaning was refused."""
+        try:
+            return make()
+        except InputError as error:
+            self.fail(token, str(error))
 
 
 def _coefficient(expr: Expr) -> Expr:
     """Return the rational factor of an expression, which a power raises with it."""
     return expr if expr.is_Rational else expr.as_coeff_Mul(rational=True)[0]
-
-
-class _Translator:
-    """One translation: keeps the text so that a refusal can point at its character."""
-
-    def __init__(self, text: str, source: Source, symbol: Callable[[str], Expr]) -> None:
-        self.original = text
-        self.source = source
-        self.symbol = symbol
-        self.kinks = 0
-        rows = {name: function.kind for name, function in in_laws().items()}
-        self.functions: dict[str, Callable[[Expr], Expr]] = rows | {"erfc": lambda x: 1 - sp.erf(x)}
-        self.constants = {constant.name: constant.value for constant in CONSTANTS.values() if constant.in_laws}
-        self.callable = [*self.functions, "sqrt", *KINKED, "Piecewise"]
-
-    def translate(self) -> Expr:
-        try:
-            with warnings.catch_warnings(action="ignore"):  # about texts such as 1or, which are refused anyway
-                tree = ast.parse(self.source.text, mode="eval")
-        except SyntaxError as error:
-            position = self.source.position((error.offset or 1) - 1)
-            refuse(self.original, position, f"the formula cannot be read: {error.msg}")
-        except (RecursionError, MemoryError, ValueError):
-            raise InputError("the formula is nested too deeply; write it in fewer levels") from None
-        return self._expression(tree.body, 0)
-
-    def _fail(self, node: ast.AST, reason: str) -> NoReturn:
-        refuse(self.original, self.source.position(getattr(node, "col_offset", 0)), reason)
-
-    def _expression(self, node: ast.expr, depth: int) -> Expr:
-        if depth > MAX_DEPTH * 4:
-            self._fail(node, "the formula is nested too deeply; write it in fewer levels")
-        match node:
-            case ast.Constant():
-                return self._number(node)
-            case ast.Name(id=name):
-                return self._name(node, name)
-            case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
-                operand = self._expression(node.operand, depth + 1)
-                return -operand if isinstance(node.op, ast.USub) else operand
-            case ast.BinOp():
-                left = self._expression(node.left, depth + 1)
-                right = self._expression(node.right, depth + 1)
-                return self._binary(node, left, right)
-            case ast.Call():
-                return self._call(node, depth)
-            case ast.Tuple():
-                self._fail(node, "a comma stands between two formulas; a decimal number has a point: write 0.2")
-            case ast.Compare():
-                self._fail(node, f"a comparison is no number; for a law in pieces write {PIECEWISE}")
-            case _:
-                kind = type(node).__name__.lower()
-                self._fail(node, f"{kind} is not allowed; a formula has numbers, names, + - * / ^ and functions")
-
-    def _number(self, node: ast.Constant) -> Expr:
-        text = ast.get_source_segment(self.source.text, node) or ""
-        if not re.fullmatch(r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", text) or len(text) > MAX_DIGITS:
-            self._fail(node, f"{text[:20]!r} is not a decimal number of at most {MAX_DIGITS} characters")
-        return sp.Rational(text)
-
-    def _name(self, node: ast.AST, name: str) -> Expr:
-        if name in self.callable or name in ALIASES:
-            self._fail(node, f"{name} is a function; write {name}(...)")
-        if not NAME.fullmatch(name):
-            self._fail(node, f"{name[:45]!r} is not a usable name: ASCII letters, digits, '_', at most 40")
-        if name in self.constants:
-            return self.constants[name]
-        return self._guarded(node, lambda: self.symbol(name))
-
-    def _checked(self, node: ast.AST, result: Expr) -> Expr:
-        if result in _NOT_FINITE:
-            self._fail(node, "this part of the formula has no finite value")
-        if bits(_coefficient(result)) > MAX_BITS:
-            self._fail(node, "a number in the formula grows too large")
-        return result
-
-    def _binary(self, node: ast.BinOp, left: Expr, right: Expr) -> Expr:
-        match node.op:
-            case ast.Add():
-                result = left + right
-            case ast.Sub():
-                result = left - right
-            case ast.Mult():
-                result = left * right
-            case ast.Div():
-                if right == 0:
-                    self._fail(node.right, "division by zero")
-                result = left / right
-            case ast.Pow():
-                result = self._power(node.right, left, right)
-            case _:
-                self._fail(node, "only + - * / and ^ (or **) combine terms")
-        return self._checked(node, result)
-
-    def _power(self, node: ast.AST, base: Expr, exponent: Expr) -> Expr:
-        if exponent.is_number and not within(exponent, MAX_EXPONENT):
-            self._fail(node, f"a numeric exponent is real and at most {MAX_EXPONENT} in size")
-        if base == 0 and exponent.is_number and exponent.is_negative:
-            self._fail(node, "division by zero")
-        if exponent.is_Integer and (bits(_coefficient(base)) - 1) * abs(exponent) > MAX_BITS:
-            self._fail(node, "a number in the formula grows too large")  # before it is computed
-        if base.is_Rational and not exponent.is_Integer and bits(base) > _MAX_ROOT_BITS:
-            self._fail(node, "a root is taken of a number with too many digits")
-        return power(base, exponent)
-
-    def _call(self, node: ast.Call, depth: int) -> Expr:
-        if not isinstance(node.func, ast.Name):
-            self._fail(node, "only a named function can be called, like exp(...)")
-        name = ALIASES.get(node.func.id, node.func.id)
-        if name in INSTEAD and name not in self.functions:
-            self._fail(node, f"there is no function {name!r}; write {INSTEAD[name]}")
-        if name not in self.callable:
-            hint, known = suggestion(name, [*self.callable, *ALIASES]), ", ".join(self.callable)
-            product = "" if hint else f"; a product is written {name[:40]}*(...)"
-            self._fail(node, f"there is no function {name[:40]!r}{hint}{product}; known: {known}")
-        if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
-            self._fail(node, f"{name} takes plain arguments only")
-        if name == "Piecewise":
-            return self._piecewise(node, depth)
-        several = name in ("Min", "Max")
-        if (len(node.args) < 2) if several else (len(node.args) != 1):
-            count = "two arguments or more" if several else "one argument; a decimal number has a point, as in 0.2"
-            self._fail(node, f"{name} takes {count}")
-        arguments = [self._expression(argument, depth + 1) for argument in node.args]
-        if name in KINKED:
-            self._count_kinks(node, len(arguments))
-            kinked = KINKED[name]
-            return self._guarded(node, lambda: reduce(kinked, arguments) if several else kinked(*arguments))
-        return self._checked(node, self._function(node, name, *arguments))
-
-    def _function(self, node: ast.Call, name: str, argument: Expr) -> Expr:
-        if name == "sqrt":
-            return self._power(node, argument, sp.S.Half)
-        # A tower such as exp(exp(exp(exp(9)))) is short to write, and no computer holds its value.
-        if argument.is_number and name not in ("log", "ln") and not within(argument, MAX_ARGUMENT):
-            self._fail(node, f"a number in {name}(...) is real and at most {MAX_ARGUMENT} in size")
-        return self.functions[name](argument)
-
-    def _count_kinks(self, node: ast.AST, more: int) -> None:
-        self.kinks += more
-        if self.kinks > MAX_KINKS:
-            self._fail(node, f"Abs, Min, Max and Piecewise have more than {MAX_KINKS} arguments in all")
-
-    def _piecewise(self, node: ast.Call, depth: int) -> Expr:
-        *branches, last = node.args or [node]
-        self._count_kinks(node, len(branches))
-        pairs = []
-        for branch in branches:
-            formula, bound = self._piece(branch)
-            if bound is None:
-                self._fail(branch, f"a law in pieces is written {PIECEWISE}; only the last one may end in True")
-            pairs.append((self._expression(formula, depth + 1), bound))
-        formula, end = self._piece(last) if isinstance(last, ast.Tuple) else (last, None)
-        if not pairs or (end is not None and not any(end.completes(bound) for _, bound in pairs)):
-            self._fail(last, f"a law in pieces is written {PIECEWISE}; the last one may end in True")
-        rest = self._expression(formula, depth + 1)
-        return self._guarded(node, lambda: in_pieces(pairs, rest))
-
-    def _piece(self, node: ast.expr) -> tuple[ast.expr, Bound | None]:
-        """Return the formula of a piece and where it holds; None is everywhere."""
-        match node:
-            case ast.Tuple(elts=[formula, ast.Constant(value=True)]):
-                return formula, None
-            case ast.Tuple(elts=[formula, ast.Compare(left=left, ops=[op], comparators=[right])]):
-                if type(op) in _RELATIONS:
-                    side, strict = _RELATIONS[type(op)]
-                    for name, place, holds in ((left, right, side), (right, left, "<>"[side == "<"])):
-                        if isinstance(name, ast.Name) and name.id == "v":
-                            self.symbol("v")
-                            return formula, Bound(holds, self._expression(place, 1), strict)
-        self._fail(node, f"a law in pieces is written {PIECEWISE}")
-
-    def _guarded(self, node: ast.AST, make: Callable[[], Expr]) -> Expr:
-        """Point at the node whose making was refused."""
-        try:
-            return make()
-        except InputError as error:
-            self._fail(node, str(error))

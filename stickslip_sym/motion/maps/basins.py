@@ -19,10 +19,10 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.axes import Axis, read_values, require_few
 from stickslip_sym.motion.maps.drawing import new_figure, paint, regions_of_motions, title, with_legend
 from stickslip_sym.motion.maps.shares import FINEST, Share, counted_shares, motions_by_side, shares_by_area
-from stickslip_sym.motion.maps.workers import Progress, Workers, collect
 from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import classify_all
+from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import drawing, files, markup
 
 if TYPE_CHECKING:

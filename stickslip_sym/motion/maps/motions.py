@@ -27,9 +27,9 @@ from stickslip_sym.motion.maps.drawing import (
     title,
     with_legend,
 )  # fmt: skip
-from stickslip_sym.motion.maps.workers import Progress, Workers, collect
 from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.regimes.kinds import ATTRACTORS
+from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import drawing, files, markup
 
 if TYPE_CHECKING:

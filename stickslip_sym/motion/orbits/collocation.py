@@ -14,11 +14,10 @@ from stickslip_sym.core.deadline import check_time
 
 __all__ = [
     "CLOSE", "GRIDS", "ROUNDING", "Equations", "Problem", "State", "Work", "close", "coefficients", "equations",
-    "frequency", "grid", "largest_slope", "parts", "refined", "solved", "values",
+    "frequency", "grid", "largest_slope", "parts", "refined", "values",
 ]  # fmt: skip
 
 GRIDS = (32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)  # points a period
-_BLOCK = 48  # unknowns that are eliminated at once
 _MOST_STEPS = 12  # of Newton's method on one grid
 CLOSE = 1e-8  # a step of Newton's method after which the next would be rounding
 ROUNDING = 4e-15  # of d, as a part of the largest slope
@@ -171,45 +170,13 @@ def _step(problem: Problem, state: State) -> tuple[FloatArray, FloatArray]:
     """
     here = equations(problem, state)
     K = state.z.shape[1] - 1
-    change = solved(here.matrix, -parts(here.residual))
+    change = np.linalg.solve(here.matrix, -parts(here.residual)[:, :, None])[:, :, 0]
     state.z[:, 2:] += (change[:, : K - 1] - 1j * change[:, K - 1 : 2 * K - 2]) / 2
     state.d += change[:, -2]
     state.sigma += change[:, -1]
     close(state, problem.A)
     strength = here.strength
     return np.abs(change).max(axis=1) / np.minimum(1.0, strength), np.abs(here.push) / strength[:, None]
-
-
-def solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve the equations of a Newton step, by blocks that BLAS and LAPACK take by one thread.
-
-    For matrices of this size several threads wait for each other longer than they work, more so where other
-    processes share the processors. The unknowns go by harmonics, the amplitude's balance and d and sigma last: a
-    block then holds cosines and sines of its harmonics, and there are pivots enough within it.
-    """
-    count, size = right.shape
-    if size < _BLOCK * 2:
-        return np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
-    K, blocks = size // 2, -(-size // _BLOCK)
-    rows = np.append(np.add([[0], [K]], np.arange(1, K)), [[0], [K]], axis=1).T.ravel()
-    columns = np.append(np.add([[0], [K - 1]], np.arange(K - 1)), [[size - 2], [size - 1]], axis=1).T.ravel()
-    whole = np.tile(np.eye(blocks * _BLOCK), (count, 1, 1))  # the last block is filled up with unknowns that are 0
-    whole[:, :size, :size] = matrix[:, rows[:, None], columns]
-    left = whole.reshape(count, blocks, _BLOCK, blocks, _BLOCK).transpose(0, 1, 3, 2, 4).copy()
-    found = np.zeros((count, blocks, _BLOCK, 1))
-    found.reshape(count, -1)[:, :size] = right[:, rows]
-    for i in range(blocks):
-        inverse = np.linalg.inv(left[:, i, i])
-        left[:, i, i + 1 :] = inverse[:, None] @ left[:, i, i + 1 :]
-        found[:, i] = inverse @ found[:, i]
-        below = left[:, i + 1 :, i]
-        left[:, i + 1 :, i + 1 :] -= below[:, :, None] @ left[:, i, None, i + 1 :]
-        found[:, i + 1 :] -= below @ found[:, i, None]
-    for i in range(blocks - 2, -1, -1):
-        found[:, i] -= (left[:, i, i + 1 :] @ found[:, i + 1 :]).sum(axis=1)
-    change = np.empty_like(right)
-    change[:, columns] = found.reshape(count, -1)[:, :size]
-    return change
 
 
 @dataclass

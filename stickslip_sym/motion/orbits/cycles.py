@@ -104,7 +104,7 @@ class NeededDamping:
         deadline.check_time()
         system = self.system
         nothing = (0.0, 0.0, 0.0, *by_zeta(system)[3:])
-        value, slope, _ = gap(system.rise, system.eta, damping / 2, 0.0, A, _RTOL, True, -A, nothing)
+        value, slope, *_ = gap(system.rise, system.eta, damping / 2, 0.0, A, _RTOL, True, -A, nothing)
         if math.isnan(value):
             raise NotConverged(
                 f"the slip orbit of amplitude {A * system.V:g} m/s takes too many steps: friction is too strong; "

@@ -16,15 +16,15 @@ from functools import cache, lru_cache
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
+from scipy.fft import dct, dst
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion, harmonic, least_squares
 from stickslip_sym.criteria.gauss import weight_of
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.transforms import cosines, from_cosines, from_sines, sines
 
-__all__ = ["LARGEST_GRID", "Expansion", "Tangent", "averages", "expand", "slopes", "tangents"]
+__all__ = ["LARGEST_GRID", "Expansion", "averages", "expand", "of_layer", "slopes"]
 
 Slope = Callable[[FloatArray], FloatArray]
 """mu' at slip speeds."""
@@ -121,23 +121,56 @@ def _expand(law: FrictionLaw, V: FloatArray, A: FloatArray, size: int) -> Expans
     # 1 - cos(theta) without cancellation.
     reach = (1 - A) + 2 * A * np.sin(theta / 2) ** 2
     g = -slopes(law)(V[:, None] * reach)
-    feed = sines(g * sine)
+    feed = _sines(g * sine)
     harmonic = feed[:, 1]
     b = A * feed / off_resonance
-    z1 = from_sines(b)
+    z1 = _from_sines(b)
     excess = g - harmonic[:, None]
-    f = sines(excess * z1)
+    f = _sines(excess * z1)
     a = -n * f / off_resonance
     bend = (n * b).sum(axis=1)
     a[:, 1] = -(bend**2) / (2 * A[:, 0]) - a[:, 2:].sum(axis=1)
-    z2 = from_cosines(a)
-    curvature = from_sines(n * cosines(g)) / (A * sine)  # the derivative of g by z, from that by the phase
+    z2 = _from_cosines(a)
+    curvature = _from_sines(n * _cosines(g)) / (A * sine)  # the derivative of g by z, from that by the phase
     second = 2 * ((excess * z2 + curvature * z1**2 / 2) * np.cos(theta)).mean(axis=1) / A[:, 0]
     high, largest = np.abs(feed[:, size - size // 4 :]).max(axis=1), np.abs(g).max(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         tail = np.where(high == 0, 0.0, high / largest)
     slowing = f[:, 1] / (2 * A[:, 0])
     return Expansion(harmonic, second, slowing, a, b, largest, np.where(np.isnan(tail), np.inf, tail))
+
+
+# Sums of sines and cosines at the phases theta_j = (j + 1/2) pi/size; column n belongs to n theta.
+
+
+def _sines(values: FloatArray) -> FloatArray:
+    """Return the coefficients of sin(n theta)."""
+    found: FloatArray = np.roll(dst(values, 2) / values.shape[1], 1, axis=1)
+    found[:, 0] = 0.0
+    return found
+
+
+def _cosines(values: FloatArray) -> FloatArray:
+    """Return the coefficients of cos(n theta), the mean as it is."""
+    found: FloatArray = dct(values, 2) / values.shape[1]
+    found[:, 0] /= 2
+    return found
+
+
+def _from_sines(coefficients: FloatArray) -> FloatArray:
+    """Return the sum of coefficients times sin(n theta); that of n = 0 does not count."""
+    shifted = np.roll(coefficients, -1, axis=1) / 2
+    shifted[:, -1] = 0.0
+    values: FloatArray = dst(shifted, 3)
+    return values
+
+
+def _from_cosines(coefficients: FloatArray) -> FloatArray:
+    """Return the sum of coefficients times cos(n theta)."""
+    halved = coefficients / 2
+    halved[:, 0] = coefficients[:, 0]
+    values: FloatArray = dct(halved, 3)
+    return values
 
 
 def averages(
@@ -155,6 +188,26 @@ def averages(
     slope = -slopes(law)(V * ((1 - A) + 2 * A * np.sin(theta / 2) ** 2))
     # No product of matrices: threads would wait for each other longer than they work.
     return [(slope * _shares(criterion)).sum(axis=1) for criterion in criteria]
+
+
+def of_layer(law: FrictionLaw, V: FloatArray, strength: FloatArray, phases: int) -> FloatArray:
+    """Return the damping over sqrt(k m) that a layer of the law at rest may add, of which a grid sees nothing.
+
+    A thin layer acts as a static coefficient that lies higher by its height h: the halves of the grazing orbit
+    begin apart by q = N h/(V sqrt(k m)), and damping has to do the work q^2/2 in a round, so d = q^2/(2 pi). The
+    height is what mu loses before the first of the grid's phases, but for the integral of the cubic through the
+    slopes at the first four.
+
+    - `strength`: N/sqrt(k m) in m/s.
+    - `phases`: of half a period.
+    """
+    v = 2 * np.sin(np.pi / (4 * phases) * np.arange(1, 9, 2)) ** 2
+    shares = v[0] * np.linalg.solve(np.vander(v / v[0], increasing=True).T, 1 / np.arange(1, 5))
+    with np.errstate(all="ignore"):
+        seen = V * (slopes(law)(V[:, None] * v) * shares).sum(axis=1)
+        height = law.at_speeds(V * v[0]) - law.onset - seen
+    found: FloatArray = (strength * height / V) ** 2 / (2 * np.pi)
+    return found
 
 
 @lru_cache(maxsize=32)
@@ -178,56 +231,3 @@ def _graded() -> tuple[FloatArray, FloatArray]:
     ends = np.pi * np.append(0.0, 2.0 ** np.arange(-_OCTAVES, 1))
     half = np.diff(ends)[:, None] / 2
     return (ends[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
-
-
-@dataclass(frozen=True)
-class Tangent:
-    """How `harmonic` and `second` of an `Expansion` at A = 1 change with a quantity.
-
-    Attributes
-    ----------
-    harmonic, second : numpy.ndarray, shape (n,)
-        In the units of these, over that of the quantity.
-    """
-
-    harmonic: FloatArray
-    second: FloatArray
-
-
-def tangents(law: FrictionLaw, V: ArrayLike, names: Sequence[str]) -> tuple[Expansion, dict[str, Tangent]]:
-    """Return the expansion of grazing orbits, and its exact derivatives.
-
-    The expansion is a polynomial in the slopes on the grid, of the first and the third order; its differential is
-    that of each product in it.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-    V : array_like, shape (n,)
-    names : sequence of str
-        Parameters of the law, and "V", which stands for its logarithm.
-    """
-    weak = expand(law, V)
-    size = weak.sines.shape[1]
-    theta = (np.arange(size) + 0.5) * (np.pi / size)
-    sine, n = np.sin(theta), np.arange(size, dtype=np.float64)
-    off_resonance = n**2 - 1
-    off_resonance[1] = np.inf
-    v = np.asarray(V, np.float64)[:, None] * (2 * np.sin(theta / 2) ** 2)
-    g = -slopes(law)(v)
-    weak = _expand(law, np.ravel(V), np.ones(len(v)), size)
-    excess, bend = g - weak.harmonic[:, None], (n * weak.sines).sum(axis=1)
-    z1, z2 = from_sines(weak.sines), from_cosines(weak.cosines)
-    curvature = from_sines(n * cosines(g)) / sine
-    found = {}
-    for name in names:
-        dg = -slopes(law.partial(name))(v)
-        feed = sines(dg * sine)
-        db = feed / off_resonance
-        dz1, d_excess = from_sines(db), dg - feed[:, [1]]
-        da = -n * sines(d_excess * z1 + excess * dz1) / off_resonance
-        da[:, 1] = -bend * (n * db).sum(axis=1) - da[:, 2:].sum(axis=1)
-        d_curvature = from_sines(n * cosines(dg)) / sine
-        change = d_excess * z2 + excess * from_cosines(da) + d_curvature * z1**2 / 2 + curvature * z1 * dz1
-        found[name] = Tangent(feed[:, 1], 2 * (change * np.cos(theta)).mean(axis=1))
-    return weak, found

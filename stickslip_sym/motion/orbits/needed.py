@@ -21,39 +21,44 @@ without a static excess they begin at one point, and the orbit is closed. For A 
 import math
 from typing import Any
 
+import numpy as np
+
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
-from stickslip_sym.motion.compiled import compilable
+from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.slip import Dimensionless, End, follow
 from stickslip_sym.motion.slip import _rise as rise_at
+from stickslip_sym.motion.slip import _slope as slope_at
 
-__all__ = ["BEYOND", "FOUND", "LOST", "NONE", "SOUGHT", "by_zeta", "gap", "halves", "needed", "needed_ratio"]
+__all__ = [
+    "BEYOND", "FOUND", "LOST", "MOST_GAPS", "NONE", "SOUGHT", "begun", "by_zeta", "gap", "halves", "needed",
+    "needed_ratio",
+]  # fmt: skip
 
 _MAXIMUM, _LEVEL, _OUTSIDE = int(End.MAXIMUM), int(End.LEVEL), int(End.OUTSIDE)
 _NO_MORE, _FAILED = int(End.STEPS), int(End.FAILED)
 
-_COARSE, _TIGHT, _TIGHTEST = (
-    1e-5,
-    1e-12,
-    1e-13,
-)  # tolerances of the steps: first, last, and where digits are wanted
+# Tolerances of the steps: first, last, and where digits are wanted.
+_COARSE, _TIGHT, _TIGHTEST = 1e-5, 1e-12, 1e-13
 _FINE = 1e-8  # relative error below which the tightest is taken
-_STRONG, _STIFF = (
-    30.0,
-    1e-9,
-)  # eta from which halves are stiff, and the last tolerance there, unless digits are wanted
+_STRONG, _STIFF = 30.0, 1e-9  # eta from which halves are stiff, and the tolerance there, unless digits are wanted
 _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
 _NEAR = 1e-2  # gap at which the tight tolerance is taken
+_SLOW = 0.5  # of the gap before, above which the tight steps are as good as they get
 _DONE = 1e-7  # gap after which the next secant is the last one: it leaves the square of that
-_MOST = 100  # dampings that are tried
+MOST_GAPS = 100  # dampings that are tried
 _PHASES = 64  # for the first guess
 _FALL = -2 * math.pi  # of the gap with zeta, where friction is weak
+_WILD = 1e12  # change of friction along an orbit, over its own forces, that is no use to follow
+_STEEPEST = -1e3  # fall of the gap, beyond which a wedge grew with the errors of its steps
 _FARTHEST = 1e6  # damping ratio over 1 + |eta|, and over the largest rise of friction, beyond which there is none
 _PATIENT = 100.0  # times as long as the displacement takes at the belt's speed, after which a half creeps to rest
-_FEW, _STEPS = 6_000, 60_000  # steps of a half: coarse ones, after which it creeps to rest; and tight ones
-_ROUNDING, _STEPPED = 1e-13, 1e-10  # of the gap, and what looser tolerances have in common: steps are never longer
+_FEW, _STEPS = 6_000, 60_000  # steps of a half: of loose ones, and of tight ones
+_ROUNDING = 1e-14  # of the gap, and of the terms of w' over their sum
+_STEPPED = 1e-10  # of the gap, what looser tolerances have in common: steps are never longer
 _TABULATED = 1e-13  # relative error of a rise in its table
 _FLAT = 1e-15  # of mu, below which a rise is none
+_WIDER, _WIDENED = 10.0, 10  # steps away from a jump of the gap, at which looser steps are asked for its sign
 _CLOSE = 4e-16  # relative width of a bracket that is not halved again
 
 FOUND, SOUGHT, NONE, BEYOND, LOST = 0, 1, 2, 3, 4
@@ -79,49 +84,26 @@ def halves(
     w = 1.0 - A
     graze = 2.0 * zeta * w - push + eta * rise_at(pieces, 0, whole, 0, w)
     q = 0.0 if w == 0.0 else graze
-    at_rest = abs(eta * rise_at(pieces, 0, whole, 0, 1.0)) if rise[1][len(rise[1]) - 1] > 1.0 else 0.0
-    most = _FEW if rtol >= _COARSE else _STEPS
-    horizon = _PATIENT * (1.0 + 2.0 * abs(zeta) + abs(push) + at_rest)
+    at_rest = eta * rise_at(pieces, 0, whole, 0, 1.0) if rise[1][len(rise[1]) - 1] > 1.0 else 0.0
+    most = _FEW if rtol >= _STIFF else _STEPS
+    horizon = _PATIENT * (1.0 + 2.0 * abs(zeta) + abs(push) + abs(at_rest))
+    # From here on q is the displacement from rest: near w = 1 its errors are to be small beside that.
+    rest = 2.0 * zeta - push + at_rest
+    push, q, graze = push + rest, q - rest, graze - rest
+    wedge = (wanted, D, source)
     end, tau, q_f, w_f, r_f, D_f, _, _ = follow(
-        rise,
-        eta,
-        zeta,
-        push,
-        1.0,
-        q,
-        w,
-        horizon,
-        rtol,
-        1.0,
-        _MAXIMUM,
-        math.inf,
-        most,
-        (wanted, D, source),
-        False,
+        rise, eta, zeta, push, 1.0, q, w, horizon, rtol, 1.0, _MAXIMUM, math.inf, most, wedge, False
     )
     highest = w_f
     if end == _MAXIMUM:
+        wedge_there = (wanted, D_f, source)
         end, more, q_f, w_f, r_f, D_f, _, _ = follow(
-            rise,
-            eta,
-            zeta,
-            push,
-            1.0,
-            q_f,
-            w_f,
-            horizon,
-            rtol,
-            1.0,
-            _LEVEL,
-            1.0,
-            most,
-            (wanted, D_f, source),
-            False,
+            rise, eta, zeta, push, 1.0, q_f, w_f, horizon, rtol, 1.0, _LEVEL, 1.0, most, wedge_there, False
         )
         tau += more
     way = 1 if end == _LEVEL else -1 if end == _OUTSIDE else -2 if end in (_NO_MORE, _FAILED) else 0
     end, tau_b, _, _, r_b, D_b, _, _ = follow(
-        rise, eta, zeta, push, 1.0, graze, w, horizon, rtol, -1.0, _LEVEL, 1.0, most, (wanted, D, source), False
+        rise, eta, zeta, push, 1.0, graze, w, horizon, rtol, -1.0, _LEVEL, 1.0, most, wedge, False
     )
     back = 1 if end == _LEVEL else -2 if end in (_NO_MORE, _FAILED) else 0
     return (way, r_f, D_f, tau), (back, r_b, D_b, tau_b), highest
@@ -131,7 +113,7 @@ def halves(
 def gap(
     rise: Any, eta: float, zeta: float, push: float, A: float, rtol: float, wanted: bool, D: float, source: Any
 ) -> Any:
-    """Return the gap, its derivative, and whether the forward half left the table of the law.
+    """Return the gap, its derivative, whether the forward half left the table of the law, and the gap's rounding.
 
     Arguments as for `halves`; the derivative is that by the quantity of the wedge. The gap is infinite where a
     half creeps to rest, or the forward one leaves the table.
@@ -142,11 +124,13 @@ def gap(
         b = constant + linear
         if factor != 0.0:
             b += factor * rise_at(pieces, 0, len(pieces[0]) - 1, 0, 1.0)
-        return math.log(r_f / r_b), (b - D_f / r_f) / r_f - (b - D_b / r_b) / r_b, False
+        lifted = eta * rise_at(rise[0], 0, len(rise[0][0]) - 1, 0, 1.0)
+        rounding = _ROUNDING * (1.0 + (abs(lifted) + abs(push) + abs(zeta)) / abs(r_f))
+        return math.log(r_f / r_b), (b - D_f / r_f) / r_f - (b - D_b / r_b) / r_b, False, rounding
     if rtol < _COARSE and (way == -2 or back == -2):
-        return math.nan, 0.0, False
+        return math.nan, 0.0, False, math.inf
     driven = way == -1 or (way == 1 and r_f < 0.0)
-    return math.inf if driven else -math.inf, 0.0, way == -1
+    return math.inf if driven else -math.inf, 0.0, way == -1, math.inf
 
 
 @compilable
@@ -167,22 +151,15 @@ def begun(rise: Any, eta: float, push: float, A: float) -> Any:
     if flat:
         zeta = 0.0
     reach = 0.1 * max(abs(zeta), largest + abs(push))
+    if abs(eta) > _STRONG and end > 1.0:
+        # As friction grows the threshold tends to where the fold of the slow motion comes to rest.
+        falling = -0.5 * eta * slope_at(pieces, 0, whole, 0, 1.0)
+        if falling > 0.0:
+            zeta, reach = falling, 1e-3 * falling
     error = 0.0 if flat else math.inf
-    how = FOUND if flat else SOUGHT
-    return (
-        how,
-        zeta,
-        error,
-        -math.inf,
-        math.inf,
-        _FALL,
-        _COARSE,
-        math.nan,
-        math.nan,
-        reach,
-        largest,
-        False,
-    )
+    how = FOUND if flat else SOUGHT if largest < _WILD else LOST
+    rtol = _STIFF if abs(eta) > _STRONG else _COARSE
+    return how, zeta, error, -math.inf, math.inf, _FALL, rtol, math.nan, math.nan, reach, largest, False
 
 
 @compilable
@@ -194,9 +171,9 @@ def improved(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta
     """
     _, zeta, _, low, high, slope, rtol, before, gap_before, reach, largest, beyond = state
     coarse = rtol > tight
-    value, by, outside = gap(rise, eta, zeta, push, A, rtol, coarse, 0.0, by_zeta)
+    value, by, outside, rounding = gap(rise, eta, zeta, push, A, rtol, coarse, 0.0, by_zeta)
     beyond = beyond or outside
-    if by < 0.0 and coarse:
+    if _STEEPEST < by < 0.0 and coarse:
         slope = by
     elif math.isfinite(gap_before) and math.isfinite(value) and (value - gap_before) * (zeta - before) < 0.0:
         slope = (value - gap_before) / (zeta - before)
@@ -207,19 +184,26 @@ def improved(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta
     how, error, ahead = SOUGHT, math.inf, zeta
     if math.isnan(value):
         how = LOST
-    elif not coarse and abs(value) <= _DONE:
-        loose, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
-        off = abs(loose - value) + value * value + (_ROUNDING if tight <= _TIGHT else _STEPPED)
-        how, error, ahead = FOUND, off / -slope + _TABULATED * largest, zeta - value / slope
+    elif not coarse and (abs(value) <= _DONE or _SLOW * abs(gap_before) < abs(value) <= _NEAR):
+        loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
+        off = abs(loose - value) + rounding + (0.0 if tight <= _TIGHT else _STEPPED)
+        if abs(value) <= _DONE:
+            off += value * value
+            ahead = zeta - value / slope
+        else:  # the gap is no more than what the steps are off
+            off += abs(value)
+            slope = max(slope, _FALL)
+        how, error = FOUND, off / -slope + _TABULATED * largest
     elif math.isfinite(high - low) and high - low <= _CLOSE * max(abs(low), abs(high)):
-        # The gap jumps there: the halves pass a jump of mu on one side only.
-        how, error = BEYOND if outside else FOUND, math.inf if outside else high - low + _TABULATED * largest
+        # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits.
+        error = math.inf if outside else _spread(rise, eta, push, A, _LOOSER * tight, by_zeta, low, high)
+        how = BEYOND if outside else FOUND if error < math.inf else LOST
+        error += _TABULATED * largest
     elif coarse and abs(value) <= _NEAR:
         ahead, rtol, low, high, value = zeta - value / slope, tight, -math.inf, math.inf, math.nan
     else:
-        slow = abs(value) > 0.5 * abs(
-            gap_before
-        )  # Newton's method does not help, as where a half ends close to rest
+        # Newton's method may not help, as where a half ends close to rest.
+        slow = abs(value) > 0.5 * abs(gap_before)
         ahead = zeta - value / slope if math.isfinite(value) and not slow else math.nan
         if not (low < ahead < high and abs(ahead - zeta) <= 4.0 * (reach + abs(zeta))):
             if low > -math.inf and high < math.inf:
@@ -229,48 +213,76 @@ def improved(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta
                 reach *= 3.0
         if abs(ahead) > _FARTHEST * (1.0 + abs(eta) + largest):
             # Coarse steps that fail are taken for a half that creeps to rest; tight ones say that they failed.
-            sure, _, _ = gap(rise, eta, zeta, push, A, tight, False, 0.0, by_zeta)
+            sure, _, _, _ = gap(rise, eta, zeta, push, A, tight, False, 0.0, by_zeta)
             how = BEYOND if beyond else LOST if math.isnan(sure) else NONE
     return how, ahead, error, low, high, slope, rtol, zeta, value, reach, largest, beyond
 
 
 @compilable
-def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any) -> Any:
-    """Return the damping ratio that an orbit needs, its error, the gap's slope there, and how the search ended.
+def _spread(
+    rise: Any, eta: float, push: float, A: float, rtol: float, by_zeta: Any, low: float, high: float
+) -> float:
+    """Return how far from a jump of the gap a looser tolerance sees its sign change."""
+    step = high - low
+    for _ in range(_WIDENED):
+        below, _, _, _ = gap(rise, eta, low - step, push, A, rtol, False, 0.0, by_zeta)
+        above, _, _, _ = gap(rise, eta, high + step, push, A, rtol, False, 0.0, by_zeta)
+        if below > 0.0 >= above:
+            return high - low + step
+        step *= _WIDER
+    return math.inf
 
-    Arguments as for `improved`.
+
+@compilable
+def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any, state: Any, most: int) -> Any:
+    """Return the state of a search at its end, or after so many gaps; arguments as for `improved`.
+
+    It begins with how the search stands, the damping ratio, its error, between which ratios it lies, and the slope
+    of the gap.
     """
-    state = begun(rise, eta, push, A)
-    for _ in range(_MOST):
+    for _ in range(most):
         if state[0] != SOUGHT:
             break
         state = improved(rise, eta, push, A, tight, by_zeta, state)
-    return state[1], state[2], state[5], state[0]
+    return state
 
 
-def needed_ratio(system: Dimensionless, A: float = 1.0, *, rtol: float = 1e-12) -> tuple[float, float, float]:
-    """Return the damping ratio that an orbit needs, its error, and the slope of the gap there, in plain Python.
+def needed_ratio(
+    system: Dimensionless, A: float = 1.0, *, rtol: float = 1e-12, fast: bool = False
+) -> tuple[float, float, float]:
+    """Return the damping ratio that an orbit needs, its error, and the slope of the gap there.
 
     - `A`: highest velocity over the belt's; 1 for the slip from P, static excess included.
     - `rtol`: relative error that is wanted.
+    - `fast`: compiled where numba is there; a time limit is then looked at once.
 
     Raises `InputError` if the orbit goes beyond what was measured of the law.
     Raises `NoThreshold` if no damping ratio closes the orbit.
     Raises `NotConverged` when the bound on the work is reached.
-    Raises `OutOfTime` when the time of a `time_limit` is up; it says between which ratios the root lies.
+    Raises `OutOfTime` when the time of a `time_limit` is up; it says the best ratio, and between which ones the
+      root lies.
     """
-    push = system.push(1) if A == 1.0 else 0.0
-    tight = _TIGHTEST if rtol < _FINE else _STIFF if abs(system.eta) > _STRONG else _TIGHT
-    state = begun(system.rise, system.eta, push, A)
-    for _ in range(_MOST):
+    eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
+    tight = _TIGHTEST if rtol < _FINE else _STIFF if abs(eta) > _STRONG else _TIGHT
+    fast = fast and is_compiling()
+    rise = system.table.at(system.V, arrays=fast)
+    source = by_zeta(system)
+    if fast:
+        source = (*source[:3], rise.pieces, np.zeros(len(rise.jumps)))
+    run, most = (compiled(needed), MOST_GAPS) if fast else (needed, 1)
+    state = begun(rise, eta, push, A)
+    for _ in range(0, MOST_GAPS, most):
         if state[0] != SOUGHT:
             break
         try:
             check_time()
         except OutOfTime as stop:
-            low, high = (2 * ratio for ratio in state[3:5])
-            raise OutOfTime(f"{stop}; c lies between {low:.6g} and {high:.6g} times sqrt(k m)") from None
-        state = improved(system.rise, system.eta, push, A, tight, by_zeta(system), state)
+            best, low, high = (2 * ratio for ratio in (state[1], *state[3:5]))
+            raise OutOfTime(
+                f"{stop}; the best value so far is c = {best:.6g} sqrt(k m), and c lies between {low:.6g} and "
+                f"{high:.6g} times sqrt(k m)"
+            ) from None
+        state = run(rise, eta, push, A, tight, source, state, most)
     how, zeta, error, low, high, slope, *_ = state
     if how == FOUND:
         return zeta, error, slope

@@ -36,7 +36,7 @@ from stickslip_sym.motion.orbits.collocation import (
     refined,
     values,
 )
-from stickslip_sym.motion.orbits.expansion import Slope, averages, expand, slopes
+from stickslip_sym.motion.orbits.expansion import Slope, averages, expand, of_layer, slopes
 
 __all__ = ["Orbits", "derivatives", "obstacle", "orbits"]
 
@@ -196,7 +196,8 @@ def orbits(
         # A layer of the law between v = 0 and the first phase would pass unseen.
         seen, all_there_is = _harmonics(law, problem, grid(state))
         scale = np.maximum(scale, np.abs(all_there_is))
-        unseen = np.abs(seen - all_there_is) / np.where(scale == 0, 1.0, scale)
+        layer = np.where(problem.A == 1, of_layer(law, problem.V, problem.strength, grid(state) // 2), 0.0)
+        unseen = (np.abs(seen - all_there_is) + layer) / np.where(scale == 0, 1.0, scale)
         error = tail + unseen + ROUNDING * grid(state) / GRIDS[0]
     error[scale == 0] = 0.0
     return Orbits(

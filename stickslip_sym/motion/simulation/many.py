@@ -5,38 +5,34 @@ what comes after is read from that one.
 """
 
 import math
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextvars import copy_context
 from dataclasses import dataclass
-from enum import Enum
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
-from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
+from stickslip_sym.core.aliases import FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.deadline import time_left
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_array
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.simulation.phases import Sticking, outcome_of, phases
+from stickslip_sym.motion.simulation.by_events import outcome_of, simulate_by_events
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase
-from stickslip_sym.motion.slip import EVERY_TURN, Dimensionless, End, Slip, Step, follow
+from stickslip_sym.motion.slip import EVERY_TURN, Dimensionless, End, Slip, follow
+from stickslip_sym.motion.workers import spread
 from stickslip_sym.output import files, markup
 
 __all__ = ["Trajectories", "simulate_many"]
 
 _BATCH = 500  # motions between two looks at the time limit
-_PHASES, _OUTCOMES = tuple(Phase), tuple(Outcome)
-"""Their numbers are what compiled code notes."""
+_PHASES = tuple(Phase)
+"""Their places are what compiled code notes."""
 _STICK, _BACK, _FORWARD = (_PHASES.index(phase) for phase in (Phase.STICK, Phase.SLIP_BACK, Phase.SLIP_FORWARD))
 _RETURN, _MINIMUM, _MAXIMUM = int(End.RETURN), int(End.MINIMUM), int(End.MAXIMUM)
-_LEVEL, _HORIZON = int(End.LEVEL), int(End.HORIZON)
+_LEVEL, _HORIZON, _REST = int(End.LEVEL), int(End.HORIZON), int(End.REST)
 _ONSET = 100  # instead of the number of an `End`: the motion came to P
 
 
@@ -145,31 +141,43 @@ def simulate_many(
     x0, v0 = read_initial_conditions(x0, v0)
     system, x_P, horizon = Dimensionless.of(law, osc), osc.onset(law), t_end * osc.omega
     q, u = (x0.ravel() - x_P) / osc.length, v0.ravel() / osc.V
-    found = _Found.to_P(system, q, u, horizon, rtol, max_steps, workers)
-    came = np.flatnonzero(found.end == _ONSET)
-    outcome = np.array([_outcome(system, end, w) for end, w in zip(found.end, np.abs(1 - found.u), strict=True)])
+    numbers, counts = _up_to_P(system, q, u, horizon, rtol, max_steps, workers)
+    tau, q, u, q_min, q_max, u_min, u_max, first = numbers
+    end, phase, changes, sticks = counts
+    t, first_stick = np.where(tau >= horizon, t_end, tau / osc.omega), first / osc.omega
+    x, x_min, x_max = (x_P + osc.length * row for row in (q, q_min, q_max))
+    v, v_min, v_max = (osc.V * row for row in (u, u_min, u_max))
+    phases, outcome = np.array(_PHASES, dtype=object)[phase], np.full(q.shape, Outcome.FINISHED, dtype=object)
+    for i in np.flatnonzero(~np.isin(end, (_HORIZON, _ONSET, _REST))).tolist():
+        slip = Slip(End(end[i]), 0.0, 0.0, abs(1 - u[i]), 0.0, 0.0, 0, [])
+        outcome[i], _ = outcome_of(system, slip, rtol, out_of_steps=time_left() > 0)
+    rest = end == _REST
+    outcome[rest], t[rest], v[rest] = Outcome.AT_REST, t_end, 0.0
+    # Where rest is isolated x is known better than integrated; a jump of mu holds the mass wherever it is.
+    x[rest & ~((u == 0) & (1.0 in system.rise.levels))] = x_P + osc.length * system.rest[0]
+
+    came = np.flatnonzero(end == _ONSET)
     if came.size:
-        course = _Course(system, float(horizon - found.tau[came].min()), rtol, max_steps)
-        outcome[came] = found.continued(came, course, horizon)
-    if (resting := outcome == _OUTCOMES.index(Outcome.AT_REST)).any():
-        found.come_to_rest(resting, system, horizon)
-    shape = x0.shape
-    length, omega, V = osc.length, osc.omega, osc.V
-    return Trajectories(
-        law, osc, t_end, rtol, x0, v0,
-        t=np.where(found.tau >= horizon, t_end, found.tau / omega).reshape(shape),
-        x=(x_P + length * found.q).reshape(shape),
-        v=(V * found.u).reshape(shape),
-        phase=_members(_PHASES, found.phase).reshape(shape),
-        outcome=_members(_OUTCOMES, outcome).reshape(shape),
-        x_min=(x_P + length * found.q_min).reshape(shape),
-        x_max=(x_P + length * found.q_max).reshape(shape),
-        v_min=(V * found.u_min).reshape(shape),
-        v_max=(V * found.u_max).reshape(shape),
-        changes=found.changes.reshape(shape),
-        sticks=found.sticks.reshape(shape),
-        first_stick=(found.first_stick / omega).reshape(shape),
-    )  # fmt: skip
+        left = t_end - t[came]
+        course = simulate_by_events(law, osc, x_P, osc.V, float(left.max()), rtol, max_steps)
+        at_rest = course.outcome is Outcome.AT_REST
+        over = left >= (course.stretches[-1].start if at_rest else course.t[-1])
+        outcome[came[over]] = course.outcome
+        since = np.minimum(left, course.t[-1])
+        t[came] += since
+        x[came], v[came], phases[came] = course.at(since)
+        event = np.maximum(np.searchsorted([one.t for one in course.events], since) - 1, 0)
+        stuck = np.array([one.begins is Phase.STICK for one in course.events])
+        late = (sticks[came] == 0) & stuck[: int(event.max()) + 1].cumsum()[event].astype(bool)
+        first_stick[came[late]] = t[came[late]] - since[late] + course.events[int(stuck.argmax())].t
+        changes[came] += event + 1
+        sticks[came] += stuck.cumsum()[event]
+        sample = np.searchsorted(course.t, since, side="right") - 1
+        for least, most, column, now in ((x_min, x_max, course.x, x), (v_min, v_max, course.v, v)):
+            least[came] = np.minimum.reduce([least[came], np.minimum.accumulate(column)[sample], now[came]])
+            most[came] = np.maximum.reduce([most[came], np.maximum.accumulate(column)[sample], now[came]])
+    columns = t, x, v, phases, outcome, x_min, x_max, v_min, v_max, changes, sticks, first_stick
+    return Trajectories(law, osc, t_end, rtol, x0, v0, *(column.reshape(x0.shape) for column in columns))
 
 
 def read_initial_conditions(x0: ArrayLike, v0: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -192,7 +200,7 @@ def _follow_motions(
     rise: Any, eta: float, zeta: float, static: float, onset: float, q0: Any, u0: Any, horizon: float, rtol: float,
     most: int, source: Any, numbers: Any, counts: Any,
 ) -> None:  # fmt: skip
-    """Follow motions up to P or their end, and write the columns of `_Found` for each."""
+    """Follow motions up to P or their end, and write what `_up_to_P` returns of each."""
     for i in range(len(q0)):
         tau, q, u = 0.0, q0[i], u0[i]
         side = 1.0 if u < 1.0 else -1.0
@@ -233,175 +241,26 @@ def _follow_motions(
         counts[0, i], counts[1, i], counts[2, i], counts[3, i] = end, phase, changes, sticks
 
 
-@dataclass
-class _Found:
-    """What became of motions, free of units; u is the velocity over the belt's."""
+def _up_to_P(
+    system: Dimensionless, q: FloatArray, u: FloatArray, horizon: float, rtol: float, most: int, workers: int
+) -> tuple[FloatArray, IntArray]:
+    """Follow motions up to P, or to their end; those whose turn comes when the time is up end at once.
 
-    tau: FloatArray
-    q: FloatArray
-    u: FloatArray
-    q_min: FloatArray
-    q_max: FloatArray
-    u_min: FloatArray
-    u_max: FloatArray
-    first_stick: FloatArray
-    end: IntArray
-    phase: IntArray
-    changes: IntArray
-    sticks: IntArray
-
-    @classmethod
-    def to_P(
-        cls,
-        system: Dimensionless,
-        q: FloatArray,
-        u: FloatArray,
-        horizon: float,
-        rtol: float,
-        most: int,
-        workers: int,
-    ) -> "_Found":
-        """Follow motions up to P, or to their end; those whose turn comes when the time is up end at once."""
-        size = q.size
-        numbers, counts = np.empty((8, size)), np.empty((4, size), dtype=np.int64)
-        fast = is_compiling()
-        rise = system.table.at(system.V, arrays=fast)
-        run = compiled(_follow_motions)
-        source = (0.0, 0.0, 0.0, rise.pieces, np.zeros(len(rise.jumps)))
-        table = system.table
-
-        def batch(low: int) -> None:
-            some = slice(low, low + _BATCH)
-            arrays = [column[some] if fast else column[some].tolist() for column in (q, u)]
-            bound = most if time_left() > 0 else 0
-            run(
-                rise, system.eta, system.zeta, table.static, table.onset, *arrays, horizon, rtol, bound, source,
-                numbers[:, some], counts[:, some],
-            )  # fmt: skip
-
-        batches = range(0, size, _BATCH)
-        if workers > 1 and fast:
-            contexts = [copy_context() for _ in batches]  # each thread has the time limit of this call
-            with ThreadPoolExecutor(workers) as pool:
-                list(pool.map(lambda context, low: context.run(batch, low), contexts, batches))
-        else:
-            for low in batches:
-                batch(low)
-        return cls(*numbers, *counts)
-
-    def continued(self, rows: IntArray, course: "_Course", horizon: float) -> IntArray:
-        """Go on with the motions that came to P, and return their outcomes."""
-        onset = self.tau[rows]
-        cut = course.at(horizon - onset)
-        stuck_before = self.sticks[rows] > 0
-        self.tau[rows], self.q[rows], self.u[rows] = onset + cut["tau"], cut["q"], cut["u"]
-        self.q_min[rows] = np.minimum(self.q_min[rows], cut["q_min"])
-        self.q_max[rows] = np.maximum(self.q_max[rows], cut["q_max"])
-        self.u_min[rows] = np.minimum(self.u_min[rows], cut["u_min"])
-        self.u_max[rows] = np.maximum(self.u_max[rows], cut["u_max"])
-        self.phase[rows] = cut["phase"]
-        self.changes[rows] += cut["changes"].astype(np.int64)
-        self.sticks[rows] += cut["sticks"].astype(np.int64)
-        late = ~stuck_before & (cut["sticks"] > 0)
-        self.first_stick[rows[late]] = onset[late] + course.first_stick
-        return cut["outcome"].astype(np.int64)
-
-    def come_to_rest(self, rows: BoolArray, system: Dimensionless, horizon: float) -> None:
-        """Prolong motions at rest: where rest is isolated it is known better than integrated."""
-        held = (self.u[rows] == 0) & (1.0 in system.rise.levels)
-        self.q[rows] = np.where(held, self.q[rows], system.rest[0])
-        self.tau[rows], self.u[rows] = horizon, 0.0
-
-
-class _Course:
-    """The motion from P, and what has become of it at any time.
-
-    Its columns are its steps, one after another, and the extremes of x within them: in each, when it begins, what
-    goes on from there, and the state there.
+    Returns the rows tau, q, u, the extremes of q and u, and when it first stuck; and the rows of why it ended, its
+      phase, and how many changes of phase and how many sticks there were.
     """
+    numbers, counts = np.empty((8, q.size)), np.empty((4, q.size), dtype=np.int64)
+    table, fast = system.table, is_compiling()
+    rise = table.at(system.V, arrays=fast)
+    source = (0.0, 0.0, 0.0, rise.pieces, np.zeros(len(rise.jumps)))
+    run = compiled(_follow_motions)
 
-    def __init__(self, system: Dimensionless, horizon: float, rtol: float, most: int) -> None:
-        self.system, self.rtol = system, rtol
-        self.steps: list[Step] = []
-        self.first_stick, self.outcome = math.nan, Outcome.FINISHED
-        self.end, self.state = 0.0, (0.0, 1.0)
-        rows: list[tuple[float, ...]] = []
-        known = dict[int, list[tuple[float, int, float, float]]]()
-        changes, sticks, taken = 0, 0, 0
-        for part in phases(system, 0.0, 0.0, 1, horizon, rtol, most):
-            changes += 1
-            if isinstance(part, Sticking):
-                sticks += 1
-                self.first_stick = part.tau if sticks == 1 else self.first_stick
-                rows.append((part.tau, part.tau - part.q, -1, 0, _STICK, changes, sticks, part.q, 1.0))
-                self.end, self.state = part.end, (part.q + part.end - part.tau, 1.0)
-                continue
-            slip, side = part.slip, part.side
-            if id(slip) not in known:
-                known[id(slip)] = self._places(slip, side)
-            phase = _BACK if side > 0 else _FORWARD
-            rows += [
-                (part.tau + tau, part.tau, number, side, phase, changes, sticks, q, u)
-                for tau, number, q, u in known[id(slip)]
-            ]
-            taken += slip.taken
-            self.outcome, _ = outcome_of(system, slip, rtol, out_of_steps=taken >= most)
-            self.end, self.state = part.end, (slip.q, 1.0 - side * slip.w)
-        self.rows = np.array(rows).T
-        self.lowest = np.minimum.accumulate(self.rows[-2:], axis=1)
-        self.highest = np.maximum.accumulate(self.rows[-2:], axis=1)
+    def batch(some: slice) -> None:
+        arrays = [column[some] if fast else column[some].tolist() for column in (q, u)]
+        run(
+            rise, system.eta, system.zeta, table.static, table.onset, *arrays, horizon, rtol,
+            most if time_left() > 0 else 0, source, numbers[:, some], counts[:, some],
+        )  # fmt: skip
 
-    def _places(self, slip: Slip, side: int) -> list[tuple[float, int, float, float]]:
-        """Return tau, the number of the step, q and u where steps of a slip begin, and where x' = 0 in them."""
-        found = []
-        ends = [*(step.w for step in slip.steps[1:]), slip.w]
-        for number, (step, end) in enumerate(zip(slip.steps, ends, strict=True), len(self.steps)):
-            found.append((step.tau, number, step.q, 1.0 - side * step.w))
-            if side > 0 and (step.w - 1.0) * (end - 1.0) < 0.0:
-
-                def velocity(tau: float, step: Step = step) -> float:
-                    _, w = self._state(step, tau)
-                    return 1.0 - w
-
-                tau = float(brentq(velocity, step.tau, step.tau + step.length, xtol=1e-14))
-                found.append((tau, number, self._state(step, tau)[0], 0.0))
-        self.steps += slip.steps
-        return found
-
-    def _state(self, step: Step, tau: float) -> tuple[float, float]:
-        q, w = self.system.states([step], np.zeros(1, dtype=np.intp), np.array([tau]), 1, self.rtol)
-        return float(q[0]), float(w[0])
-
-    def at(self, tau: FloatArray) -> dict[str, FloatArray]:
-        """Return the columns of `_Found` at times from 0 on."""
-        begin, origin, number, side, phase, changes, sticks, _, _ = self.rows
-        over, tau = tau >= self.end, np.minimum(tau, self.end)
-        row = np.searchsorted(begin, tau, side="right") - 1
-        since = tau - origin[row]
-        q, u = since, np.ones(tau.shape)  # those of stick
-        for one in (1, -1):
-            some = side[row] == one
-            if some.any():
-                which = number[row[some]].astype(np.intp)
-                q[some], w = self.system.states(self.steps, which, since[some], one, self.rtol)
-                u[some] = 1.0 - one * w
-        q[over], u[over] = self.state
-        outcomes = _OUTCOMES.index(self.outcome), _OUTCOMES.index(Outcome.FINISHED)
-        return {
-            "tau": tau, "q": q, "u": u, "phase": phase[row], "changes": changes[row], "sticks": sticks[row],
-            "q_min": np.minimum(self.lowest[0, row], q), "q_max": np.maximum(self.highest[0, row], q),
-            "u_min": np.minimum(self.lowest[1, row], u), "u_max": np.maximum(self.highest[1, row], u),
-            "outcome": np.where(over, *outcomes),
-        }  # fmt: skip
-
-
-def _outcome(system: Dimensionless, end: int, w: float) -> int:
-    """Return the number of the outcome of a motion that ended before P."""
-    if end in (_HORIZON, _ONSET):
-        return _OUTCOMES.index(Outcome.FINISHED)
-    slip = Slip(End(end), 0.0, 0.0, w, 0.0, 0.0, 0, [])
-    return _OUTCOMES.index(outcome_of(system, slip, 0.0, out_of_steps=time_left() > 0)[0])
-
-
-def _members(members: Sequence[Enum], numbers: IntArray) -> ObjectArray:
-    return np.array([*members, None], dtype=object)[numbers]
+    spread(batch, q.size, _BATCH, workers)
+    return numbers, counts

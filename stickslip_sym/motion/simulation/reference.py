@@ -15,15 +15,7 @@ from stickslip_sym.core.deadline import check_time, time_left
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.simulation.trajectory import (
-    Course,
-    Event,
-    EventKind,
-    Outcome,
-    Phase,
-    Stretch,
-    Trajectory,
-)
+from stickslip_sym.motion.simulation.trajectory import Course, Outcome, Phase, Straight, Stretch, Trajectory
 
 __all__ = ["simulate_by_solve_ivp", "slip_by_solve_ivp"]
 
@@ -73,35 +65,24 @@ def simulate_by_solve_ivp(
     hold = law.static_value * osc.N
     x_P = (hold - osc.c * osc.V) / osc.k
     t, x, v = 0.0, x0, v0
-    samples, events, stretches = list[tuple[FloatArray, FloatArray, FloatArray]](), list[Event](), list[Stretch]()
+    parts = list[tuple[Stretch, FloatArray]]()
     while t < t_end:
         pull = osc.c * osc.V + osc.k * x
-        sticks = v == osc.V and abs(pull) < hold * (1 - _ROUNDING)
-        if sticks:
-            phase, end = Phase.STICK, min(t_end, t + (x_P - x) / osc.V)
-            sample = np.array([[t, end], [x, x + osc.V * (end - t)], [v, v]])
-            stretch = Stretch(phase, t, end, _straight(t, x, osc.V))
+        if v == osc.V and abs(pull) < hold * (1 - _ROUNDING):
+            end = min(t_end, t + (x_P - x) / osc.V)
+            samples = np.array([[t, end], [x, x + osc.V * (end - t)], [v, v]])
+            stretch = Stretch(Phase.STICK, t, end, Straight(t, x, osc.V))
         else:
             side = math.copysign(1, pull) if v == osc.V else math.copysign(1, osc.V - v)
             phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
-            found = slip_by_solve_ivp(law, osc, t, x, v, int(side), t_end, rtol, **options)
-            sample = np.array([found.t, *found.y])
+            found = slip_by_solve_ivp(law, osc, t, x, v, int(side), t_end, rtol)
+            samples = np.array([found.t, *found.y])
             if found.t_events[0].size:
-                sample[2, -1] = osc.V
-            stretch = Stretch(phase, t, float(sample[0, -1]), _curved(found.sol))
-        kind = EventKind.SLIPS if events and events[-1].begins is Phase.STICK else EventKind.CROSSES
-        kind = EventKind.STICKS if sticks else kind
-        events.append(Event(t, x, v, phase, kind if events else EventKind.START))
-        samples.append((sample[0], sample[1], sample[2]))
-        stretches.append(stretch)
-        t, x, v = sample[:, -1].tolist()
-    times, places, speeds = (np.concatenate(column) for column in zip(*samples, strict=True))
-    phases = np.concatenate([np.full(part[0].size, s.phase) for part, s in zip(samples, stretches, strict=True)])
-    return Trajectory(osc, rtol, times, places, speeds, phases, tuple(events), Outcome.FINISHED, tuple(stretches))
-
-
-def _straight(t: float, x: float, v: float) -> Course:
-    return lambda times: (x + v * (times - t), np.full(times.shape, v))
+                samples[2, -1] = osc.V
+            stretch = Stretch(phase, t, float(samples[0, -1]), _curved(found.sol))
+        parts.append((stretch, samples))
+        t, x, v = samples[:, -1].tolist()
+    return Trajectory.of(osc, rtol, parts, Outcome.FINISHED)
 
 
 def _curved(solution: Callable[[FloatArray], FloatArray]) -> Course:

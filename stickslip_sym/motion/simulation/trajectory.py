@@ -1,6 +1,6 @@
 """`Trajectory`: a motion of the mass, its events, and its course between them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -20,7 +20,7 @@ from stickslip_sym.output import drawing, files, markup
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Course", "Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Trajectory"]
+__all__ = ["Course", "Event", "EventKind", "Outcome", "Phase", "State", "Straight", "Stretch", "Trajectory"]
 
 _ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
 _SAME = 1e-6  # relative change of a swing in a round, up to which a motion repeats itself
@@ -94,6 +94,19 @@ class Stretch:
 
 
 @dataclass(frozen=True)
+class Straight:
+    """The course of a mass that moves with one velocity from a time and place on: in stick, or at rest."""
+
+    t: float
+    x: float
+    v: float
+
+    def __call__(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return x and v at times."""
+        return self.x + self.v * (t - self.t), np.full(t.shape, self.v)
+
+
+@dataclass(frozen=True)
 class Trajectory:
     """A motion of the mass.
 
@@ -127,6 +140,32 @@ class Trajectory:
     outcome: Outcome
     stretches: tuple[Stretch, ...]
     note: str = ""
+
+    @classmethod
+    def of(
+        cls,
+        osc: Oscillator,
+        rtol: float,
+        parts: Sequence[tuple[Stretch, FloatArray]],
+        outcome: Outcome,
+        note: str = "",
+    ) -> "Trajectory":
+        """Return the motion that stretches make up, each with its samples as rows t, x and v.
+
+        Each begins with an event, but for the rest to which a motion comes at last.
+        """
+        events = list[Event]()
+        for stretch, samples in parts[:-1] if outcome is Outcome.AT_REST else parts:
+            kind = EventKind.SLIPS if events and events[-1].begins is Phase.STICK else EventKind.CROSSES
+            kind = EventKind.STICKS if stretch.phase is Phase.STICK else kind
+            t, x, v = samples[:, 0].tolist()
+            events.append(Event(t, x, v, stretch.phase, kind if events else EventKind.START))
+        stretches = tuple(stretch for stretch, _ in parts)
+        t, x, v = np.concatenate([samples for _, samples in parts], axis=1)
+        kinds = np.empty(len(parts), dtype=object)
+        kinds[:] = [stretch.phase for stretch in stretches]
+        phase = np.repeat(kinds, [samples.shape[1] for _, samples in parts])
+        return cls(osc, rtol, t, x, v, phase, tuple(events), outcome, stretches, note)
 
     @cached_property
     def motion(self) -> Motion:

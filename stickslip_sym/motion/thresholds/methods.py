@@ -19,7 +19,7 @@ from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.expansion import averages, expand
+from stickslip_sym.motion.orbits.expansion import averages, expand, of_layer
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.thresholds import sensitivity
 from stickslip_sym.motion.thresholds.averages import average
@@ -37,6 +37,7 @@ __all__ = [
 ROUNDING = 1e-14
 _REFERENCE = 1e-8  # relative error of the threshold from which the error of an average is taken
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
+_MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
 
 
@@ -306,7 +307,9 @@ def second_order(points: OperatingPoints) -> tuple[FloatArray, FloatArray, Float
         resolution += np.where(unseen == 0, 0.0, unseen / np.abs(weak.harmonic))
         distortion = strength * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
         scale = N * np.maximum(weak.largest, np.abs(everything))
-        next_order = np.where(distortion == 0, 0.0, distortion**4 * scale / np.abs(value))
+        layer = points.impedance * of_layer(points.law, points.V, strength, weak.sines.shape[1])
+        more = distortion**4 * scale + layer
+        next_order = np.where(more == 0, 0.0, more / np.abs(value))
     resolution = np.where(np.isfinite(value), resolution, np.inf)
     return value, resolution, np.where(np.isnan(next_order), np.inf, next_order)
 
@@ -345,9 +348,10 @@ def _by_simulation(points: OperatingPoints, rtol: float) -> Computed:
     """Return the damping at which the simulated slip from P grazes the belt's speed, point by point."""
     found = np.full((2, len(points)), [[np.nan], [np.inf]])
     refusals: dict[int, StickSlipError] = {}
+    fast = len(points) >= _MANY
     for row in range(len(points)):
         try:
-            found[:, row] = grazing_damping(points.law, points.oscillator(row), rtol=rtol)
+            found[:, row] = grazing_damping(points.law, points.oscillator(row), rtol=rtol, fast=fast)
         except NO_RESULT as refusal:
             refusals[row] = refusal
     return Computed(found[0], found[1], refusals)
@@ -367,9 +371,9 @@ def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
 _table: dict[str, Method] = {
     method.name: method
     for method in (
-        Method("second_order", _by_expansion, converges=False, sensitivity=sensitivity.of_expansion, smooth=True),
-        Method("orbit", _by_orbit, sensitivity=sensitivity.of_orbit, smooth=True),
+        Method("second_order", _by_expansion, converges=False, sensitivity=sensitivity.of_orbit, smooth=True),
         Method("simulation", _by_simulation, sensitivity=sensitivity.of_slip, loosest=1e-3),
+        Method("orbit", _by_orbit, sensitivity=sensitivity.of_orbit, smooth=True),
         Method("proof", _by_proof, sensitivity=sensitivity.of_slip, automatic=False, tightest=1e-40, loosest=1e-3),
     )
 }

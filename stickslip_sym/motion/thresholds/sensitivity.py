@@ -13,13 +13,13 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.expansion import averages, tangents
+from stickslip_sym.motion.orbits.expansion import averages
 from stickslip_sym.motion.orbits.orbit import derivatives
 from stickslip_sym.motion.thresholds.averages import slope_mean
 from stickslip_sym.motion.thresholds.grazing import grazing_sensitivity
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
-__all__ = ["of_average", "of_expansion", "of_orbit", "of_slip"]
+__all__ = ["of_average", "of_orbit", "of_slip"]
 
 
 def of_average(criterion: Criterion, points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
@@ -58,24 +58,6 @@ def _by_impedance(points: OperatingPoints, by_impedance: FloatArray) -> dict[str
     """Return the derivatives by m and k: both enter by sqrt(k m) alone."""
     whole = by_impedance * points.impedance / 2
     return {"m": whole / points.m, "k": whole / points.k}
-
-
-def of_expansion(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
-    """Differentiate c = N (h + e^2 s), e = N/sqrt(k m)."""
-    del value
-    law, N, impedance = points.law, points.N, points.impedance
-    e = N / impedance
-    with np.errstate(all="ignore"):
-        weak, tangent = tangents(law, points.V, ["V", *law.parameters])
-
-        def changed(name: str) -> FloatArray:
-            return N * (tangent[name].harmonic + e**2 * tangent[name].second)
-
-        return (
-            {"V": changed("V") / points.V, "N": weak.harmonic + 3 * e**2 * weak.second}
-            | _by_impedance(points, -2 * e**3 * weak.second)
-            | {name: changed(name) for name in law.parameters}
-        )
 
 
 def of_orbit(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:

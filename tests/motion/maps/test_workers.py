@@ -13,7 +13,8 @@ from systems import needs_groups
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline
-from stickslip_sym.motion.maps import motions, workers
+from stickslip_sym.motion import workers
+from stickslip_sym.motion.maps import motions
 from stickslip_sym.motion.maps.cells import Reason
 
 LAW = ss.laws.exponential.typical()

@@ -37,7 +37,7 @@ def random_scenes(count, seed):
 def test_put_back_they_give_the_damping(method):
     """And the sensitivities are those of the threshold there, turned round."""
     tried = 0
-    for law, scene, of, factor in random_scenes(10, 3):
+    for law, scene, of, factor in random_scenes(6, 3):
         x0 = value_of(law, scene, of)
         if of in ("m", "k") and method != "auto":
             continue
@@ -57,7 +57,7 @@ def test_put_back_they_give_the_damping(method):
             assert one.sensitivity["c"] == pytest.approx(1 / same[of], rel=1e-6)
             assert one.sensitivity["V"] == pytest.approx(-same["V"] / same[of], rel=1e-6)
             tried += 1
-    assert tried >= 4
+    assert tried >= 2
 
 
 def test_laws_with_kinks_and_measured_points_by_simulation():
@@ -91,7 +91,7 @@ def test_all_that_a_dense_scan_finds():
     """By averages over four decades of a parameter, on seeded laws that have up to three."""
     rng = np.random.default_rng(9)
     several = 0
-    for _ in range(12):
+    for _ in range(6):
         law = ss.laws.two_exponentials.typical(d_1=rng.uniform(0.05, 0.3), d_2=rng.uniform(0.05, 0.3))
         c = rng.uniform(0.5, 3)
         scan = np.geomspace(1e-3, 10, 4001)
@@ -105,7 +105,7 @@ def test_all_that_a_dense_scan_finds():
                 pytest.approx(c, rel=1e-9)
             )
         several += len(found) > 1
-    assert several >= 3
+    assert several >= 1
 
 
 def test_linear_and_polynomial_averages_need_no_range():
@@ -284,12 +284,14 @@ def test_the_probability_of_stick_slip(found):
 def test_samples_without_a_threshold_are_no_stick_slip():
     """Of a kinked law: a slope that is positive as a whole needs no damping, and c > 0 suffices."""
     law = ss.FrictionLaw("0.5 - a*Min(v, 0.5) + b*Max(v - 0.5, 0)").bind(a="0.30(5)", b=0.28)
-    found = ss.margins(law, ss.Oscillator(c=0.01, **SCENE), samples=60)
+    found = ss.margins(law, ss.Oscillator(c=0.01, **SCENE), samples=60, reach=1.05)
     assert abs(found.sampled.probability - found.probability) < 4 * found.sampled.standard_error
     assert found.sampled.undecided < 0.1
 
 
 def test_samples_that_are_no_operating_point_are_undecided():
-    found = ss.margins(ss.laws.exponential.typical(alpha="3.0(20)"), ss.Oscillator(c=2.0, **SCENE), samples=60)
+    found = ss.margins(
+        ss.laws.exponential.typical(alpha="3.0(20)"), ss.Oscillator(c=2.0, **SCENE), samples=60, reach=1.05
+    )
     assert 0.02 < found.sampled.undecided < 0.2
     assert "% undecided" in str(found)

@@ -4,6 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
+from sweeps import sweep
 
 import stickslip_sym as ss
 from derivations import d8_second_order
@@ -31,7 +32,7 @@ def test_the_error_falls_with_its_order_in_eta(name):
         assert slope == pytest.approx(order, abs=ORDER)
 
 
-@pytest.mark.parametrize("name", ["polynomial", "cubic", "quintic"])
+@sweep("name", ["polynomial", "cubic", "quintic"], "cubic")
 def test_the_closed_form_of_polynomial_laws_is_the_sum(name):
     law = ss.laws.catalogue[name].typical()
     form = d8_second_order.threshold(law.expr).xreplace(law.point)
@@ -49,7 +50,7 @@ def test_the_closed_form_of_the_law_4_in_plain_numbers():
     assert threshold(law, "second_order") != pytest.approx(weak - second, rel=1e-4)
 
 
-@pytest.mark.parametrize("name", FOUR[:2])
+@sweep("name", FOUR, "polynomial")
 def test_averages_are_those_of_the_closed_forms(name):
     law, speeds = ss.laws.catalogue[name].typical(), np.array([1e-6, 1e-2, 0.5, 1.2, 50.0, 1e9])
     chosen = [ss.criteria.least_squares, ss.criteria.harmonic]

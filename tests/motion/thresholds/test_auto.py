@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.motion.thresholds import methods as module
@@ -33,10 +34,10 @@ def random_points(count):
         yield law, {name: 10 ** rng.uniform(*ends) for name, ends in ranges.items()}, 10 ** rng.uniform(-8, -0.3)
 
 
-def test_estimates_bound_the_error():
-    """60 points by default; wider runs change nothing but the number."""
+@sweep("count", [18, 300], 18)
+def test_estimates_bound_the_error(count):
     bounded, total = 0, 0
-    for law, numbers, rtol in random_points(60):
+    for law, numbers, rtol in random_points(count):
         try:
             exact = ss.pure_slip_damping(law, **numbers, method="orbit", rtol=1e-12)
         except ss.NotConverged:
@@ -45,14 +46,14 @@ def test_estimates_bound_the_error():
         total += 1
         bounded += abs(found.value / exact.value - 1) <= found.relative_error + REFERENCE
         assert found.relative_error <= rtol
-    assert total >= 55
+    assert total >= 0.9 * count
     assert bounded >= 0.99 * total
 
 
 def test_auto_gives_the_first_value_that_is_good_enough():
     """Asked one by one in the order of the table, no method before it knows its error to be within rtol."""
     last = Counter()
-    for law, numbers, rtol in random_points(40):
+    for law, numbers, rtol in random_points(18):
         points = OperatingPoints.of(law, **numbers)
         found = ss.pure_slip_damping(law, **numbers, rtol=rtol)
         for method in methods().values():
@@ -64,8 +65,8 @@ def test_auto_gives_the_first_value_that_is_good_enough():
                 break
             assert not alone.relative_error[0] <= rtol
         last[found.method] += 1
-    assert last["second_order"] >= 25  # what is cheap serves as far as it can
-    assert last["orbit"] >= 4
+    assert last["second_order"] >= 10  # what is cheap serves as far as it can
+    assert last["simulation"] >= 2
 
 
 def test_the_name_of_a_method_is_never_cut(exponential, monkeypatch):
@@ -84,7 +85,7 @@ def test_the_name_of_a_method_is_never_cut(exponential, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("rtol", "method"), [(0.5, "second_order"), (5e-3, "second_order"), (1e-4, "orbit"), (1e-9, "orbit")]
+    ("rtol", "method"), [(0.5, "second_order"), (5e-3, "second_order"), (1e-4, "simulation"), (1e-9, "simulation")]
 )
 def test_auto_goes_as_far_as_it_must(exponential, rtol, method):
     found = ss.pure_slip_damping(exponential, **POINT, rtol=rtol)

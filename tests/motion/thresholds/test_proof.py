@@ -9,6 +9,7 @@ import pytest
 import sympy as sp
 from flint import arb
 from scipy.integrate import solve_ivp
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.balls import working_precision
@@ -47,7 +48,7 @@ def simulated(law, rtol=1e-8, **values):
     return ss.pure_slip_damping(law, **numbers, method="simulation", rtol=rtol)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@sweep("name", list(LAWS), "exponential", "static", "kink")
 def test_decisions_agree_with_simulation(name):
     c = R(float(simulated(LAWS[name]).value))
     below, above = (transit(scene(LAWS[name]), c * (1 + side * R(1, 10**7)), 90) for side in (-1, 1))
@@ -55,9 +56,10 @@ def test_decisions_agree_with_simulation(name):
     assert above.lowest > 0
 
 
-@pytest.mark.parametrize(
+@sweep(
     ("name", "digits"),
     [("exponential", "2.5730788789793615906"), ("polynomial", "3.0364772435578037767")],
+    ("exponential", "2.5730788789793615906"),
 )
 def test_the_paper_s_scene_to_forty_digits(name, digits):
     found = simulated(LAWS[name])
@@ -94,7 +96,7 @@ def by_mpmath(friction, c, digits):
         return motion(turn)[1]
 
 
-@pytest.mark.parametrize(("name", "c", "digits", "friction"), BY_MPMATH)
+@sweep(("name", "c", "digits", "friction"), BY_MPMATH, BY_MPMATH[1])
 def test_the_lowest_slip_speed_is_that_of_mpmath_s_solver(name, c, digits, friction):
     lowest = transit(scene(LAWS[name]), R(c), 4 * digits + 20).lowest
     truth = by_mpmath(friction, c, digits)
@@ -168,7 +170,7 @@ def test_a_step_without_its_remainder_bound_is_noticed():
     assert left_out == 20
 
 
-@pytest.mark.parametrize(("V", "k"), [("100", "100"), ("0.001", "100"), ("0.5", "1")])
+@sweep(("V", "k"), [("100", "100"), ("0.001", "100"), ("0.5", "1")], ("100", "100"))
 def test_far_from_the_paper_s_scene(V, k):
     """A field that no double holds around P, one that friction hardly bends, and boxes that need more bits."""
     guess = simulated(LAWS["exponential"], V=float(V), k=float(k))
@@ -177,7 +179,7 @@ def test_far_from_the_paper_s_scene(V, k):
     assert theorem.enclosure.digits >= 4
 
 
-@pytest.mark.parametrize("factor", [0.95, 1.1])
+@pytest.mark.parametrize("factor", [1.1])
 def test_a_guess_that_is_off_costs_some_decisions_more(factor, monkeypatch):
     decided = []
 
@@ -192,7 +194,7 @@ def test_a_guess_that_is_off_costs_some_decisions_more(factor, monkeypatch):
     assert len(decided) < 30
 
 
-@pytest.mark.parametrize("name", ["exponential", "root", "kink"])
+@sweep("name", ["exponential", "root", "kink"], "exponential", "kink")
 def test_how_far_a_slip_goes_lies_between_its_bounds(name):
     law, c = LAWS[name], 3.6
 
@@ -245,19 +247,19 @@ def test_a_proof_by_name():
     law = LAWS["exponential"]
     scene_of = {"V": "0.5", "N": "9.81", "m": 1, "k": 100}
     found = ss.pure_slip_damping(law, **scene_of, method="proof", rtol=1e-25)
-    assert (found.status, found.method) == ("PROVED", "proof")
+    assert (found.status, found.method) == (ss.Status.PROVED, "proof")
     assert found.relative_error <= 1e-25
     assert found.enclosure.digits >= 25
     assert float(found.enclosure) == found.value
     assert str(found).startswith("2.573078878979361590655649[...] kg/s (proof")
-    binary = ss.pure_slip_damping(law, **scene_of | {"N": 9.81}, method="proof", rtol=1e-25)
+    binary = ss.pure_slip_damping(law, **scene_of | {"N": 9.81}, method="proof", rtol=1e-18)
     assert not binary.enclosure.overlaps(found.enclosure)  # 9.81 is not the binary number nearest to it
     several = ss.pure_slip_damping(law, **scene_of | {"V": [0.4, 0.5]}, method="proof", rtol=1e-6)
     assert several.value.shape == (2,)
     assert len(several.theorems) == 2
     assert several.theorem is None
     estimated = ss.pure_slip_damping(law, **scene_of, method="orbit")
-    assert (estimated.status, estimated.enclosure) == ("ESTIMATED", None)
+    assert (estimated.status, estimated.enclosure) == (ss.Status.ESTIMATED, None)
     assert abs(estimated.value - found.value) <= estimated.relative_error * found.value + 1e-15
 
 

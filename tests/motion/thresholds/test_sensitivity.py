@@ -6,6 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.motion.thresholds.methods import Computed, Method
@@ -69,12 +70,12 @@ def error_along(law, scene, method, seed, step, rtol=1e-12):
     return abs(sum(parts) - total / step) / max(abs(found.value), *map(abs, parts))
 
 
-@pytest.mark.parametrize("method", ["second_order", "orbit"])
-def test_expansion_and_orbit_against_differences(method):
-    """6 scenes by default; of 100 the worst was off by 3e-13 on the orbit, and by 1e-12 of the expansion."""
-    for law, scene in random_scenes(6, 3):
+@sweep("count", [6, 100], 6)
+def test_orbit_against_differences(count):
+    """Of 100 the worst was off by 3e-13."""
+    for law, scene in random_scenes(count, 3):
         try:
-            assert error_along(law, scene, method, 6, 4e-3) < 1e-8, (law, scene)
+            assert error_along(law, scene, "orbit", 6, 4e-3) < 1e-8, (law, scene)
         except ss.NotConverged:  # too strong a friction for the orbit
             continue
 
@@ -105,16 +106,24 @@ def test_the_orbit_and_the_simulation_agree_and_share_nothing():
             )
 
 
-@pytest.mark.parametrize("criterion", ["equilibrium", "least_squares", "harmonic"])
-@pytest.mark.parametrize("text", ["mu_m + (mu_s - mu_m)*exp(-alpha*v)", JUMPS["down"]])
+AVERAGED = [
+    (text, criterion)
+    for text in ("mu_m + (mu_s - mu_m)*exp(-alpha*v)", JUMPS["down"])
+    for criterion in ("equilibrium", "least_squares", "harmonic")
+]
+
+
+@sweep(("text", "criterion"), AVERAGED, AVERAGED[2], AVERAGED[4])
 def test_averages_against_differences_of_quadratures(text, criterion):
-    """With 30 digits, whose differences have 13."""
+    """With 24 digits, whose differences have 12."""
     given = {"mu_s": "0.5", "mu_m": "0.2", "alpha": "3", "a": "0.4", "b": "0.1", "v_1": "0.3", "d": "0.05"}
     law = ss.FrictionLaw(text)
     law = law.bind(**{name: given[name] for name in law.parameters})
     found = ss.pure_slip_damping(law, V=0.5, N=9.81, method=criterion).sensitivity
-    step = sp.Rational(1, 10**9)
+    step = sp.Rational(1, 10**7)
     for name, value in found.items():
+        if name not in ("V", "v_1", "d", "alpha"):  # in the others it is linear
+            continue
         ends = []
         for sign in (1, -1):
             scene = {"V": sp.Rational(1, 2), "N": sp.Rational("9.81")}
@@ -122,13 +131,13 @@ def test_averages_against_differences_of_quadratures(text, criterion):
             if name in scene:
                 scene[name] = at + sign * step
             other = law if name in scene else law.bind(**{name: at + sign * step})
-            ends.append(ss.quadrature.damping(other, criterion, **scene, digits=30))
-        with mpmath.workdps(30):
-            difference = float((ends[0] - ends[1]) / 2 * 10**9)
+            ends.append(ss.quadrature.damping(other, criterion, **scene, digits=24))
+        with mpmath.workdps(24):
+            difference = float((ends[0] - ends[1]) / 2 * 10**7)
         assert value == pytest.approx(difference, rel=1e-10, abs=1e-11), name
 
 
-@pytest.mark.parametrize("method", ["equilibrium", "least_squares", "harmonic", "second_order", "orbit"])
+@pytest.mark.parametrize("method", ["equilibrium", "least_squares", "harmonic", "orbit"])
 def test_eulers_identities(method):
     """N c_N + m c_m + k c_k = c, m c_m = k c_k, and all with a speed in its unit adds to 0, N as one."""
     count = (

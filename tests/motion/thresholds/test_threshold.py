@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from sweeps import sweep
 
 import stickslip_sym as ss
 
@@ -127,7 +128,13 @@ def test_masked_scenes_are_refused():
         ss.pure_slip_damping(ss.laws.exponential.typical(), V=np.ma.array([0.5, 0.6], mask=[0, 1]), N=9.81)
 
 
-@pytest.mark.parametrize("formula", ["mu_k", "mu_k + a*v", "mu_k - a*v", "mu_k + a*(cos(v) + v)", "mu_k*cos(a*v)"])
+@sweep(
+    "formula",
+    ["mu_k", "mu_k - a*v", "mu_k + a*(cos(v) + v)", "mu_k*cos(a*v)"],
+    "mu_k",
+    "mu_k - a*v",
+    "mu_k*cos(a*v)",
+)
 def test_no_threshold_is_minus_zero(formula):
     rng = np.random.default_rng(5)
     law = ss.FrictionLaw(formula)

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from contextvars import copy_context
 from functools import partial
 from multiprocessing import get_context
 from typing import TypeVar
@@ -20,7 +21,7 @@ from stickslip_sym.core.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.motion.compiled import is_compiling
 
-__all__ = ["Progress", "Workers", "collect"]
+__all__ = ["Progress", "Workers", "collect", "spread"]
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -73,6 +74,25 @@ def collect(
     return results
 
 
+def spread(batch: Callable[[slice], None], size: int, length: int, workers: int) -> None:
+    """Carry out a compiled loop over so many items in batches of a length, by so many threads.
+
+    - `batch`: carries out the items of a slice.
+    - `workers`: a number of threads, -1 for all processors.
+
+    Raises `InputError` for unusable workers.
+    """
+    parts = [slice(low, low + length) for low in range(0, size, length)]
+    count = min(_count(workers), len(parts)) if is_compiling() else 1
+    if count < 2:
+        for part in parts:
+            batch(part)
+        return
+    contexts = [copy_context() for _ in parts]  # each thread has the time limit of this call
+    with ThreadPoolExecutor(count) as threads:
+        list(threads.map(lambda context, part: context.run(batch, part), contexts, parts))
+
+
 def _results(
     function: Callable[[Task], Result], tasks: Sequence[Task], workers: Workers
 ) -> Iterator[tuple[int, Result]]:
@@ -101,12 +121,7 @@ def _executor(workers: Workers, tasks: int) -> Iterator[Executor | None]:
     if isinstance(workers, Executor):
         yield workers
         return
-    if isinstance(workers, bool) or not isinstance(workers, int) or (workers < 1 and workers != -1):
-        raise InputError(
-            f"workers = {workers!r} must be a number of threads, at least 1, or -1 for all processors, or an "
-            "executor of concurrent.futures"
-        )
-    count = min(_processors() if workers == -1 else workers, tasks)
+    count = min(_count(workers), tasks)
     if count < 2:
         yield None
         return
@@ -124,8 +139,15 @@ def _ignore_interrupts() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _processors() -> int:
-    """Return how many processors this process may use."""
+def _count(workers: int) -> int:
+    """Return a number of threads, for -1 as many as there are processors that this process may use."""
+    if isinstance(workers, bool) or not isinstance(workers, int) or (workers < 1 and workers != -1):
+        raise InputError(
+            f"workers = {workers!r} must be a number of threads, at least 1, or -1 for all processors, or an "
+            "executor of concurrent.futures"
+        )
+    if workers > 0:
+        return workers
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

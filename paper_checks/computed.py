@@ -1,4 +1,4 @@
-"""The paper's scene, and what several checks need of it, computed once in each process."""
+"""The paper's laws and oscillator, and what several checks need of them, computed once in each process."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -88,7 +88,7 @@ def is_criterion(expr: Any, name: str, criterion: str) -> bool:
 
 @cache
 def threshold(name: str, V: float = 0.5, m: float = 1.0, k: float = 100.0) -> float:
-    """Return the exact pure-slip damping in kg/s of one scene."""
+    """Return the exact pure-slip damping in kg/s at one operating point."""
     return float(_grazing(law(name), V, m, k)[0])
 
 
@@ -109,7 +109,7 @@ def needed(name: str) -> NeededDamping:
 
 @dataclass(frozen=True)
 class Response:
-    """A motion from the paper's start, x(0) = 0 and x'(0) = V, over some twenty periods.
+    """A motion from the paper's initial condition, x(0) = 0 and x'(0) = V, over some twenty periods.
 
     Attributes
     ----------
