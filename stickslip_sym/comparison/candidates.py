@@ -23,6 +23,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact
+from stickslip_sym.core.status import Status
 from stickslip_sym.criteria import gauss
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.evaluation.values import slope_of
@@ -235,7 +236,7 @@ def of_threshold(law: FrictionLaw, point: Mapping[str, float]) -> Problem:
         """Return the error against the orbit; the orbit's own is its estimate, and that of a proof its bound."""
         if isinstance(result, float):
             return abs(result / reference - 1)
-        own = result.method == "orbit" or result.status == "PROVED"
+        own = result.method == "orbit" or result.status is Status.PROVED
         return float(result.relative_error) if own else abs(result.value / reference - 1)
 
     def further(candidate: Candidate, result: Any) -> Mapping[str, float | str]:

@@ -18,7 +18,7 @@ from stickslip_sym.core.aliases import Expr, Mpf
 
 __all__ = [
     "CONSTANTS", "FUNCTIONS", "Constant", "Function", "Lerch", "NumberPower", "add_function", "arguments", "fold",
-    "in_laws", "lerch", "power", "row",
+    "in_laws", "is_analytic", "lerch", "power", "row",
 ]  # fmt: skip
 
 T = TypeVar("T")
@@ -45,6 +45,10 @@ class Function:
         two are close; None where the difference is taken as it stands.
     inverse : type or None
         SymPy's class of the inverse, of a function that rises from any value to any higher one.
+    analytic : bool
+        Whether it is analytic at every real argument.
+    bounded : bool
+        Whether its size has a bound over all real arguments.
     in_laws : bool
         Whether the formula of a friction law may have it.
     aliases : tuple of str
@@ -66,6 +70,8 @@ class Function:
     series: Callable[[arb_series], arb_series] | None = None
     gain: Callable[[Expr, Expr, Expr], Expr] | None = None
     inverse: type[Expr] | None = None
+    analytic: bool = False
+    bounded: bool = False
     in_laws: bool = False
     aliases: tuple[str, ...] = ()
     latex: str | None = ""
@@ -216,7 +222,7 @@ def _gain_of_cosh(x: Expr, a: Expr, gain: Expr) -> Expr:
 _ROWS = (
     Function(
         sp.exp, acb.exp, series=arb_series.exp, gain=lambda x, a, gain: sp.exp(a) * expm1(gain),
-        inverse=sp.log, in_laws=True, latex=None, c="exp", python="np.exp",
+        inverse=sp.log, analytic=True, in_laws=True, latex=None, c="exp", python="np.exp",
     ),
     Function(
         sp.log, acb.log, _below_zero, arb_series.log, gain=lambda x, a, gain: log1p(gain / a),
@@ -225,12 +231,12 @@ _ROWS = (
     Function(
         sp.sin, acb.sin, series=arb_series.sin,
         gain=lambda x, a, gain: 2 * sp.cos((x + a) / 2) * sp.sin(gain / 2),
-        in_laws=True, latex=r"\sin", squared=True, c="sin", python="np.sin",
+        analytic=True, bounded=True, in_laws=True, latex=r"\sin", squared=True, c="sin", python="np.sin",
     ),
     Function(
         sp.cos, acb.cos, series=arb_series.cos,
         gain=lambda x, a, gain: -2 * sp.sin((x + a) / 2) * sp.sin(gain / 2),
-        in_laws=True, latex=r"\cos", squared=True, c="cos", python="np.cos",
+        analytic=True, bounded=True, in_laws=True, latex=r"\cos", squared=True, c="cos", python="np.cos",
     ),
     Function(
         sp.tan, acb.tan, series=arb_series.tan,
@@ -239,21 +245,21 @@ _ROWS = (
     Function(
         sp.sinh, acb.sinh, series=lambda z: (z.exp() - (-z).exp()) / 2,
         gain=lambda x, a, gain: 2 * sp.cosh((x + a) / 2) * sp.sinh(gain / 2),
-        inverse=sp.asinh, in_laws=True, latex=r"\sinh", squared=True, c="sinh", python="np.sinh",
+        inverse=sp.asinh, analytic=True, in_laws=True, latex=r"\sinh", squared=True, c="sinh", python="np.sinh",
     ),
     Function(
         sp.cosh, acb.cosh, series=lambda z: (z.exp() + (-z).exp()) / 2, gain=_gain_of_cosh,
-        in_laws=True, latex=r"\cosh", squared=True, c="cosh", python="np.cosh",
+        analytic=True, in_laws=True, latex=r"\cosh", squared=True, c="cosh", python="np.cosh",
     ),
     Function(
         sp.tanh, acb.tanh, series=lambda z: 1 - 2 / ((2 * z).exp() + 1),
         gain=lambda x, a, gain: sp.tanh(gain) * (1 - sp.tanh(x) * sp.tanh(a)),
-        in_laws=True, latex=r"\tanh", squared=True, c="tanh", python="np.tanh",
+        analytic=True, bounded=True, in_laws=True, latex=r"\tanh", squared=True, c="tanh", python="np.tanh",
     ),
     Function(
         sp.sech, acb.sech, series=lambda z: 2 / (z.exp() + (-z).exp()),
         gain=lambda x, a, gain: -_gain_of_cosh(x, a, gain) * sp.sech(x) * sp.sech(a),
-        in_laws=True, squared=True, c="(1.0/cosh({}))", python="(1.0/np.cosh({}))",
+        analytic=True, bounded=True, in_laws=True, squared=True, c="(1.0/cosh({}))", python="(1.0/np.cosh({}))",
     ),
     Function(
         sp.coth, acb.coth, series=lambda z: 1 + 2 / ((2 * z).exp() - 1),
@@ -264,8 +270,8 @@ _ROWS = (
         # Arb's own is not finite on wide balls.
         sp.asinh, lambda z: (z + (z * z + 1).sqrt()).log(), _outside_imaginary_unit,
         series=lambda z: (z + (z * z + 1).sqrt()).log(), gain=_gain_of_asinh,
-        inverse=sp.sinh, in_laws=True, aliases=("arcsinh", "arsinh"), latex=r"\operatorname{arsinh}",
-        c="asinh", python="np.arcsinh",
+        inverse=sp.sinh, analytic=True, in_laws=True, aliases=("arcsinh", "arsinh"),
+        latex=r"\operatorname{arsinh}", c="asinh", python="np.arcsinh",
     ),
     Function(
         sp.acosh, acb.acosh, _below_one,
@@ -278,7 +284,8 @@ _ROWS = (
     Function(
         sp.atan, acb.atan, _outside_imaginary_unit, arb_series.atan,
         gain=lambda x, a, gain: sp.atan2(gain, 1 + x * a),
-        in_laws=True, aliases=("arctan",), latex=r"\arctan", c="atan", python="np.arctan",
+        analytic=True, bounded=True, in_laws=True, aliases=("arctan",), latex=r"\arctan",
+        c="atan", python="np.arctan",
     ),
     Function(
         sp.asin, acb.asin, _outside_real_unit,
@@ -289,11 +296,11 @@ _ROWS = (
         latex=r"\arccos", c="acos", python="np.arccos",
     ),
     Function(
-        sp.erf, acb.erf, series=arb_series.erf, in_laws=True,
+        sp.erf, acb.erf, series=arb_series.erf, analytic=True, bounded=True, in_laws=True,
         c="erf", python="_erf",
     ),
-    Function(sp.erfc, acb.erfc, series=arb_series.erfc, c="erfc", python="_erfc"),
-    Function(sp.erfi, acb.erfi, series=arb_series.erfi),
+    Function(sp.erfc, acb.erfc, series=arb_series.erfc, analytic=True, bounded=True, c="erfc", python="_erfc"),
+    Function(sp.erfi, acb.erfi, series=arb_series.erfi, analytic=True),
     Function(expm1, acb.expm1, c="expm1", python="np.expm1"),
     Function(log1p, acb.log1p, lambda z: _below_zero(1 + z), c="log1p", python="np.log1p"),
     Function(sp.besseli, lambda order, z: z.bessel_i(order), _anywhere, latex="I", indexed=True),
@@ -355,6 +362,12 @@ def row(expr: Expr) -> Function | None:
     """Return the row of the function that an expression applies to its arguments; None for any other node."""
     kind = sp.exp if expr.is_Pow and expr.base is sp.E else expr.func
     return FUNCTIONS.get(kind) or FUNCTIONS.get(kind.__base__)  # a class of ours may stand for SymPy's
+
+
+def is_analytic(expr: Expr) -> bool:
+    """Return whether a node is a sum, a product, or a function that is analytic at every real argument."""
+    known = row(expr)
+    return expr.is_Add or expr.is_Mul or (known is not None and known.analytic)
 
 
 def in_laws() -> dict[str, Function]:

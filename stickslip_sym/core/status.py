@@ -20,6 +20,9 @@ class Status(Enum):
     ESTIMATED = "ESTIMATED"
     REFUTED = "REFUTED"
 
+    def __str__(self) -> str:
+        return self.value
+
     @classmethod
     def weakest(cls, statuses: "Iterable[Status]") -> "Status":
         """Return what several statements together rest on; PROVED if there is none."""

@@ -14,6 +14,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.functions import row
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import Average
 from stickslip_sym.formula.finding import search
@@ -22,7 +23,6 @@ from stickslip_sym.model.terms import Term
 
 __all__ = ["Limits", "limits_of"]
 
-_BOUNDED = (sp.tanh, sp.atan, sp.erf, sp.sin, sp.cos)
 _SECONDS = 2.0  # that SymPy may take for a profile where no rule serves
 
 
@@ -109,7 +109,7 @@ def _slope_far(slope: Expr, criterion: Criterion) -> Expr | None:
 def _growth(expr: Expr) -> Expr | None:
     """Return a bound on the power of V like which an expression grows; None where no rule gives one."""
     V = symbols.V
-    if not expr.has(V) or isinstance(expr, _BOUNDED):
+    if not expr.has(V):
         return sp.S.Zero
     if expr == V:
         return sp.S.One
@@ -118,6 +118,9 @@ def _growth(expr: Expr) -> Expr | None:
         inside = None if argument.is_Add else _growth(argument)
         dies = inside is not None and inside.is_positive and (argument.is_negative or isinstance(expr, sp.sech))
         return -sp.oo if dies else None
+    known = row(expr)
+    if known is not None and known.bounded:
+        return sp.S.Zero
     parts = [_growth(argument) for argument in expr.args]
     if any(part is None for part in parts):
         return None

@@ -44,8 +44,10 @@ AVERAGED = {
     "an error function": lambda p, q, r: p * sp.erf(u * r),
     "a Gaussian": lambda p, q, r: u * sp.exp(-p * u**2),
     "a stretched exponential": lambda p, q, r: sp.exp(-p * sp.sqrt(u)),
+    "a power of a binomial": lambda p, q, r: u * (p + q * u**4) ** (-sp.Rational(1, 8)),
+    "a root of a square": lambda p, q, r: p / sp.sqrt(1 + q * u**2),
 }
-INTEGRATED = AVERAGED | {
+INTEGRATED = {name: family for name, family in AVERAGED.items() if name != "a power of a binomial"} | {
     "a power of tanh": lambda p, q, r: u * sp.tanh(p * u + q) ** 3,
     "a power of sech": lambda p, q, r: u * sp.sech(p * u + q) ** 3,
     "a shifted error function": lambda p, q, r: u * sp.erf(p * u + q),

@@ -7,10 +7,13 @@ the hypergeometric series, from residues the rational functions, and from Fourie
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import sympy as sp
 
+from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.formula.finding.matching import (
     as_function,
     as_power,
@@ -21,7 +24,7 @@ from stickslip_sym.formula.finding.matching import (
     partial_fractions,
 )
 
-__all__ = ["harmonic_average", "kinked_polynomial_average"]
+__all__ = ["harmonic_average", "kinked_polynomial_average", "series_average"]
 
 _HALF = sp.Rational(1, 2)
 
@@ -269,49 +272,82 @@ def _asinh(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     return -4 * constant * sp.sqrt(A * B) / (sp.pi * rate * V**2) * elliptic
 
 
-def _erf(rest: Expr, u: Expr, V: Expr) -> Expr | None:
-    """Average erf(u/w); its slope is a Gaussian."""
-    match = as_function(rest, u, sp.erf)
-    if match is None or match[0].has(u) or match[3] != 0:
-        return None
-    constant, _, rate, _ = match
-    upper, lower = (sp.Rational(3, 4), sp.Rational(5, 4)), (sp.Rational(3, 2), 2)
-    return -2 * constant * rate / sp.sqrt(sp.pi) * sp.hyper(upper, lower, -4 * (rate * V) ** 2)
+def series_average(rest: Expr, u: Expr, V: Expr, criterion: Criterion = harmonic) -> Expr | None:
+    """Average u^q f, f a hypergeometric series in u^d, power by power: a series with the moments appended.
 
-
-def _stretched(rest: Expr, u: Expr, V: Expr) -> Expr | None:
-    """Average u^q exp(-(u/w)^d), d = 1/2, 1 or 2; the Gaussian is one 2F2.
-
-    The moments of u^(q + k d) summed over k make hypergeometric series for every rational d. They are of
-    no use for other d: mpmath has no asymptotic series for 3F3 and above, and for d = a/b with b > 1 the
-    parts cancel about 0.43 (2 V/w)^d digits.
+    f is exp(-k u^d), d = 1/2, 1 or 2 (the Gaussian is one 2F2), (1 + k u^d)^p, d a whole number, or erf(k u). For
+    other d of the exponential such series are of no use: mpmath has no asymptotic series for 3F3 and above, and
+    for d = a/b with b > 1 the parts cancel about 0.43 (2 V/w)^d digits.
     """
-    match = as_stretched(rest, u)
-    if match is None:
+    single, stretched = as_single(rest, u), as_stretched(rest, u)
+    q, front, upper, lower = sp.Integer(0), sp.Integer(1), [], []
+    if stretched is not None:
+        polynomial, q, k, d = stretched
+        if d not in (_HALF, 1, 2):
+            return None
+        z = -k
+    elif single is not None and single[1].is_Pow:
+        polynomial, (base, p) = single[0], single[1].as_base_exp()
+        powers = dict(sp.Poly(base, u).terms()) if base.is_polynomial(u) else {}
+        (d,), z = max(powers, default=(0,)), -sp.cancel(base / (base.subs(u, 0) or 1) - 1)
+        if p.has(u) or powers.keys() != {(0,), (d,)} or not z.could_extract_minus_sign():
+            return None
+        z, d, front, upper = z / u**d, sp.Integer(d), base.subs(u, 0) ** p, [-p]
+    elif (match := as_function(rest, u, sp.erf)) is not None and match[3] == 0:
+        polynomial, _, rate, _ = match
+        q, d, z, front = sp.Integer(1), sp.Integer(2), -(rate**2), 2 * rate / sp.sqrt(sp.pi)
+        upper, lower = [_HALF], [sp.Rational(3, 2)]
+    else:
         return None
-    polynomial, q, k, d = match
-    if d not in (_HALF, 1, 2):
-        return None
-    return sp.Add(*[c * _stretched_moment(q + n, k, d, V) for (n,), c in sp.Poly(polynomial, u).terms()])
+    terms = sp.Poly(polynomial, u).terms()
+    return front * sp.Add(
+        *[c * _moments(q + n, d, upper, lower, z, V, part) for (n,), c in terms for part in _parts(criterion)]
+    )
 
 
-def _stretched_moment(q: Expr, k: Expr, d: Expr, V: Expr) -> Expr:
-    """Return H[u^q exp(-k u^d)], d = a/b: the sum over every b-th power of k, for b first powers."""
+def _moments(q: Expr, d: Expr, upper: list[Expr], lower: list[Expr], z: Expr, V: Expr, part: "_Part") -> Expr:
+    """Average u^q pFq(upper; lower; z u^d), d = a/b: the sum over every b-th power of z, for b first powers."""
     a, b = int(d.p), int(d.q)
     total = sp.Integer(0)
     for start in range(b):
         first = b if q == 0 and start == 0 else start  # H[u^0] = 0
         p = q + d * first
-        upper = [(p + _HALF + i) / a for i in range(a)] + [p / a + 1, sp.Integer(1)]
-        lower = [(p + 2 + i) / a for i in range(a)] + [p / a]
-        lower += [sp.Rational(first + 1 + i, b) for i in range(b)]
-        for parameter in list(upper):
-            if parameter in lower:
-                upper.remove(parameter)
-                lower.remove(parameter)
-        z = (-k) ** b * (2 * V) ** a / sp.Integer(b) ** b
-        total += (-k) ** first / sp.factorial(first) * _power_moment(p, V) * sp.hyper(upper, lower, z)
+        above = [(x + first + i) / b for x in upper for i in range(b)] + [sp.Integer(1)]
+        above += [(p + x + i) / a for x in part.upper for i in range(a)] + [p / a + 1]
+        below = [(x + first + i) / b for x in [*lower, sp.Integer(1)] for i in range(b)]
+        below += [(p + x + i) / a for x in part.lower for i in range(a)] + [p / a]
+        for parameter in list(above):
+            if parameter in below:
+                above.remove(parameter)
+                below.remove(parameter)
+        ratio = sp.Mul(*[sp.rf(x, first) for x in upper], *[1 / sp.rf(x, first) for x in lower])
+        value = sp.hyper(above, below, z**b * (2 * V) ** a * sp.Integer(b) ** (b * (len(upper) - len(lower) - 1)))
+        total += ratio * z**first / sp.factorial(first) * part.value(p, V) * value
     return total
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A part of a weight: the average of u^p is value(p, V), a ratio of Gammas of p + upper and p + lower."""
+
+    upper: tuple[Expr, ...]
+    lower: tuple[Expr, ...]
+    value: Callable[[Expr, Expr], Expr]
+
+
+def _parts(criterion: Criterion) -> list[_Part]:
+    """Split a weight: the harmonic one is one part, a polynomial one a part for each power of 1 + s."""
+    if not criterion.is_polynomial:
+        return [_Part((_HALF,), (sp.Integer(2),), _power_moment)]
+
+    def of_power(j: int, w: Expr) -> _Part:
+        def value(p: Expr, V: Expr) -> Expr:
+            return -p * w * 2 ** (p + j) * V ** (p - 1) / (p + j)
+
+        return _Part((sp.Integer(j),), (sp.Integer(j + 1),), value)
+
+    from_rest = sp.Poly(criterion.weight.subs(symbols.s, symbols.s - 1), symbols.s)  # type: ignore[union-attr]
+    return [of_power(j, w) for (j,), w in from_rest.terms()]
 
 
 def kinked_polynomial_average(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) -> Expr | None:
@@ -348,6 +384,5 @@ _RULES = {
     "Fourier coefficients of the logarithm of a quadratic": _log_of_quadratic,
     "complete elliptic integrals": _asinh,
     "Beta function": _power,
-    "hypergeometric series of the error function": _erf,
-    "hypergeometric series": _stretched,
+    "hypergeometric series": series_average,
 }

@@ -7,7 +7,7 @@ from typing import Protocol
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import Lerch
+from stickslip_sym.core.functions import Lerch, is_analytic
 from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
 
 __all__ = [
@@ -169,11 +169,6 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
     return sp.Integer(0) if power.is_positive and not rest.has(sp.zoo, sp.oo, sp.nan) else sp.nan
 
 
-_ENTIRE = (
-    sp.Add, sp.Mul, sp.im, sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.asinh, sp.atan, sp.erf,
-)  # fmt: skip
-
-
 def is_smooth(expr: Expr, x: Expr) -> bool:
     """Tell whether an expression is known to be continuous for all x that the assumptions of x allow.
 
@@ -204,7 +199,7 @@ def is_smooth(expr: Expr, x: Expr) -> bool:
         argument = expr.args[1] if isinstance(expr, sp.polylog) else expr.args[0]
         fine = bool(argument.is_nonpositive or argument.is_imaginary)
     else:
-        fine = isinstance(expr, _ENTIRE)
+        fine = isinstance(expr, sp.im) or is_analytic(expr)
     return fine and all(is_smooth(argument, x) for argument in expr.args)
 
 

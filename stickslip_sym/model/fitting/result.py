@@ -251,7 +251,7 @@ class Fit(_Report):
 
     def values_in_words(self) -> str:
         """Return the fitted parameters with their standard errors, in a line."""
-        return ", ".join(f"{name} = {text}" for name, text in self._texts().items())
+        return ", ".join(f"{name} = {text.replace(' ', '')}" for name, text in self._texts().items())
 
     def content(self) -> dict[str, object]:
         """Return all that the fit says as nested dictionaries and lists that JSON holds."""

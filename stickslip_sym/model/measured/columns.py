@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["Columns", "Header", "Unit", "choose_columns", "is_header", "read_unit"]
+__all__ = ["EXPECTED", "Column", "Header", "Unit", "choose_columns", "is_header", "read_unit"]
 
 KINDS = {
     "v": ("speed", "rotation"), "mu": ("number",), "F_t": ("force",), "F_n": ("force",), "sigma_mu": ("number",),
@@ -27,12 +27,19 @@ _EXAMPLES = {
 EXPECTED = "v [m/s],mu or v [mm/s];F_t [N];F_n [N];sigma_mu"
 
 _GRAVITY = Fraction(980665, 10**5)  # m/s^2, standard
+_POUND = Fraction("0.45359237")  # kg
 _TURN = Fraction(2 * math.pi)
-_LENGTHS = {
-    "m": Fraction(1), "dm": Fraction(1, 10), "cm": Fraction(1, 100), "mm": Fraction(1, 10**3),
-    "um": Fraction(1, 10**6), "μm": Fraction(1, 10**6), "micron": Fraction(1, 10**6), "nm": Fraction(1, 10**9),
-    "km": Fraction(1000), "in": Fraction(254, 10**4), "inch": Fraction(254, 10**4), "ft": Fraction(3048, 10**4),
-    "mi": Fraction(1609344, 1000),
+_POWERS = {"n": -9, "u": -6, "μ": -6, "m": -3, "c": -2, "d": -1, "": 0, "da": 1, "k": 3, "M": 6}
+
+
+def _multiples(unit: str, prefixes: str) -> dict[str, Fraction]:
+    """Return the sizes of a unit with prefixes, parted by commas."""
+    return {prefix + unit: Fraction(10) ** _POWERS[prefix] for prefix in prefixes.split(",")}
+
+
+_LENGTHS = _multiples("m", ",n,u,μ,m,c,d,k") | {
+    "micron": Fraction(1, 10**6), "in": Fraction("0.0254"), "inch": Fraction("0.0254"), "ft": Fraction("0.3048"),
+    "mi": Fraction("1609.344"),
 }  # fmt: skip
 _TIMES = {
     "s": Fraction(1), "sec": Fraction(1), "second": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60),
@@ -45,16 +52,13 @@ _ANGLES = {
 _UNITS: dict[str, dict[str, Fraction]] = {
     "number": dict.fromkeys(("1", "-", "–", "—", "--", "dimensionless", "none", "N/N"), Fraction(1)),
     "speed": {
-        "mps": Fraction(1), "kph": Fraction(5, 18), "kmh": Fraction(5, 18), "mph": Fraction(1609344, 3600000),
+        "mps": Fraction(1), "kph": Fraction(5, 18), "kmh": Fraction(5, 18), "mph": _LENGTHS["mi"] / 3600,
         "ips": _LENGTHS["in"], "fps": _LENGTHS["ft"], "fpm": _LENGTHS["ft"] / 60, "knot": Fraction(1852, 3600),
     },
     "rotation": {"rpm": _TURN / 60, "RPM": _TURN / 60, "rps": _TURN},
-    "force": {
-        "N": Fraction(1), "newton": Fraction(1), "daN": Fraction(10), "kN": Fraction(1000), "MN": Fraction(10**6),
-        "cN": Fraction(1, 100), "mN": Fraction(1, 1000), "uN": Fraction(1, 10**6), "μN": Fraction(1, 10**6),
-        "nN": Fraction(1, 10**9), "kgf": _GRAVITY, "kp": _GRAVITY, "gf": _GRAVITY / 1000,
-        "lbf": Fraction(45359237, 10**8) * _GRAVITY, "ozf": Fraction(45359237, 16 * 10**8) * _GRAVITY,
-        "dyn": Fraction(1, 10**5),
+    "force": _multiples("N", ",n,u,μ,m,c,da,k,M") | {
+        "newton": Fraction(1), "kgf": _GRAVITY, "kp": _GRAVITY, "gf": _GRAVITY / 1000,
+        "lbf": _POUND * _GRAVITY, "ozf": _POUND / 16 * _GRAVITY, "dyn": Fraction(1, 10**5),
     },
 }  # fmt: skip
 _INVERSE = re.compile(r"[ *.·]?(\w+?)(?:\^|\*\*)?[-−]1$")
@@ -165,17 +169,17 @@ class Header:
     ----------
     text : str
         As written.
+    name : str
+        Without its unit.
     meanings : tuple of str
         What the column may hold, of `KINDS`; empty where the name is not understood.
-    unit : Unit or None
-        None where none is written.
     unit_text : str
-        The unit as written; there without `unit` if it is not known.
+        The unit as written; empty where there is none.
     """
 
     text: str
+    name: str
     meanings: tuple[str, ...]
-    unit: Unit | None = None
     unit_text: str = ""
 
     @classmethod
@@ -183,16 +187,19 @@ class Header:
         """Return what a cell of a header says."""
         text = " ".join(text.split())
         name, unit_text = _name_and_unit(text)
-        if not unit_text and "".join(_words(name)) == "rpm":
-            unit_text = "rpm"
-        return cls(text, _meanings(name), read_unit(unit_text) if unit_text else None, unit_text)
+        return cls(text, name, _meanings(name), unit_text or ("rpm" if "".join(_words(name)) == "rpm" else ""))
 
     def in_unit(self, text: str) -> "Header":
         """Return the name with a unit from the line below it."""
         text = text.strip().strip("[]()").strip()
         if self.unit_text or not text:
             return self
-        return Header(f"{self.text} [{text}]", self.meanings, read_unit(text), text)
+        return replace(self, text=f"{self.text} [{text}]", unit_text=text)
+
+    @property
+    def unit(self) -> Unit | None:
+        """The unit; None where none is written, or one that is not known."""
+        return read_unit(self.unit_text)
 
     @property
     def possible(self) -> tuple[str, ...]:
@@ -223,32 +230,17 @@ def is_header(headers: Sequence[Header]) -> bool:
 
 
 @dataclass(frozen=True)
-class Columns:
-    """Which columns of a table are read.
+class Column:
+    """A column that is read: its position from 0, its name, and the size of its unit in SI units."""
 
-    Attributes
-    ----------
-    positions : dict of str to int
-        The column of each quantity, from 0.
-    sizes : dict of str to Fraction
-        Its unit in SI units.
-    headers : dict of str to Header
-    left_out : tuple of str
-        Names of the other columns.
-    count : int
-        Of all columns.
-    """
-
-    positions: dict[str, int]
-    sizes: dict[str, Fraction]
-    headers: dict[str, Header]
-    left_out: tuple[str, ...]
-    count: int
+    position: int
+    header: Header
+    size: Fraction
 
 
 def choose_columns(
     headers: Sequence[Header], line: str, chosen: Mapping[str, str | int], radius: Fraction | None
-) -> Columns:
+) -> dict[str, Column]:
     """Return which column holds which quantity.
 
     - `line`: the file and the line of the header, for messages.
@@ -258,8 +250,10 @@ def choose_columns(
     Raises `InputError` where a quantity is missing, named twice, ambiguous, or in a unit that is not known or not
     its own; where a unit is a rotational speed's and there is no radius, or there is a radius for nothing.
     """
-    headers = _with_choice(list(headers), line, chosen)
-    positions: dict[str, int] = {}
+    headers = list(headers)
+    for quantity, text in chosen.items():
+        headers = _with_choice(headers, line, quantity, str(text).strip())
+    columns: dict[str, Column] = {}
     has_mu = any(header.meanings == ("mu",) for header in headers)
     for i, header in enumerate(headers):
         if has_mu and {"F_t", "F_n"} & {*header.meanings}:  # forces beside mu are not needed
@@ -271,56 +265,49 @@ def choose_columns(
         meanings = header.possible
         if len(meanings) > 1 and has_mu:
             meanings = tuple(meaning for meaning in meanings if meaning in ("sigma_mu", "n"))
+        quantity, choice = meanings[0], _choice(meanings[0], header.text)
         if len(meanings) > 1:
-            raise InputError(f"{where}: this may be {' or '.join(meanings)}; {_choice(meanings[0], header.text)}")
-        if meanings[0] in positions:
-            first = headers[positions[meanings[0]]].text
-            raise InputError(
-                f"{where}: column {positions[meanings[0]] + 1}, {_quoted(first)}, is {meanings[0]} too; "
-                f"{_choice(meanings[0], header.text)}"
-            )
-        positions[meanings[0]] = i
-    read = _complete(positions, headers, line)
-    positions = {quantity: positions[quantity] for quantity in read}
-    sizes = {q: headers[i].unit.size if headers[i].unit else Fraction(1) for q, i in positions.items()}  # type: ignore[union-attr]
-    unit = headers[positions["v"]].unit
-    if unit is not None and unit.kind == "rotation" and radius is not None:
-        sizes["v"] *= radius
-    elif radius is not None:
+            raise InputError(f"{where}: this may be {' or '.join(meanings)}; {choice}")
+        if other := columns.get(quantity):
+            second = f"column {other.position + 1}, {_quoted(other.header.text)}, is {quantity} too"
+            raise InputError(f"{where}: {second}; {choice}")
+        size = Fraction(1) if header.unit is None else header.unit.size
+        if header.unit is not None and header.unit.kind == "rotation" and radius is not None:
+            size, radius = size * radius, None
+        columns[quantity] = Column(i, header, size)
+    read = _complete(columns, headers, line)
+    if radius is not None:
         raise InputError(
             f"{line}: radius = {float(radius):g} m is for a rotational speed; here v is a speed already"
         )
-    left_out = tuple(h.text for i, h in enumerate(headers) if i not in positions.values() and h.text)
-    return Columns(positions, sizes, {q: headers[i] for q, i in positions.items()}, left_out, len(headers))
+    return {quantity: columns[quantity] for quantity in read}
 
 
-def _with_choice(headers: list[Header], line: str, chosen: Mapping[str, str | int]) -> list[Header]:
-    """Return the headers with the columns that the user chose, each the only one of its quantity."""
-    for quantity, text in chosen.items():
-        if quantity not in KINDS:
-            raise InputError(f"a column holds {', '.join(KINDS)}, got {quantity!r}")
-        name, unit_text = str(text).strip(), ""
-        matches = [i for i, header in enumerate(headers) if name in (header.text, _name_and_unit(header.text)[0])]
-        if not matches:
-            name, unit_text = _name_and_unit(name)
-            matches = [
-                i for i, header in enumerate(headers) if name in (header.text, _name_and_unit(header.text)[0])
-            ]
-        if not matches and name.isdecimal() and 1 <= int(name) <= len(headers):
-            matches = [int(name) - 1]
-        if len(matches) != 1:
-            raise InputError(
-                f"{line}: {len(matches) or 'no'} columns are {_quoted(name)}; it has {_listed(headers)}; give the "
-                f"name of one, or its number from 1 to {len(headers)}"
-            )
-        headers = [
-            replace(header, meanings=tuple(meaning for meaning in header.meanings if meaning != quantity))
-            for header in headers
-        ]
-        own = headers[matches[0]]
-        unit_text = unit_text or own.unit_text
-        headers[matches[0]] = Header(own.text, (quantity,), read_unit(unit_text) if unit_text else None, unit_text)
-    return headers
+def _with_choice(headers: Sequence[Header], line: str, quantity: str, text: str) -> list[Header]:
+    """Return the headers with the column that the user chose for a quantity as the only one of it."""
+    if quantity not in KINDS:
+        raise InputError(f"a column holds {', '.join(KINDS)}, got {quantity!r}")
+    matches, name, unit_text = _named(headers, text), text, ""
+    if not matches:
+        name, unit_text = _name_and_unit(text)
+        matches = _named(headers, name)
+    if len(matches) != 1:
+        known = ", ".join(_quoted(header.text) for header in headers)[:200]
+        raise InputError(
+            f"{line}: {len(matches) or 'no'} columns are {_quoted(name)}; it has {known}; give the name of one, "
+            f"or its number from 1 to {len(headers)}"
+        )
+    changed = [replace(h, meanings=tuple(other for other in h.meanings if other != quantity)) for h in headers]
+    own = headers[matches[0]]
+    changed[matches[0]] = replace(own, meanings=(quantity,), unit_text=unit_text or own.unit_text)
+    return changed
+
+
+def _named(headers: Sequence[Header], name: str) -> list[int]:
+    """Return the columns of a name, or else of a number from 1."""
+    matches = [i for i, header in enumerate(headers) if name in (header.text, header.name)]
+    numbered = not matches and name.isdecimal() and 1 <= int(name) <= len(headers)
+    return [int(name) - 1] if numbered else matches
 
 
 def _check_unit(header: Header, where: str, radius: Fraction | None) -> None:
@@ -342,20 +329,20 @@ def _check_unit(header: Header, where: str, radius: Fraction | None) -> None:
         )
 
 
-def _complete(positions: Mapping[str, int], headers: Sequence[Header], line: str) -> list[str]:
+def _complete(columns: Mapping[str, Column], headers: Sequence[Header], line: str) -> list[str]:
     """Return the quantities to read, or refuse a table that lacks one."""
-    counted = ["n"] if "n" in positions else []
-    if "v" in positions and "mu" in positions:
-        return ["v", "mu", *(["sigma_mu"] if "sigma_mu" in positions else []), *counted]
-    forces = {"F_t", "F_n"} & positions.keys()
-    if "v" not in positions or len(forces) < 2:
-        missing = "the slip speed" if "v" not in positions else "F_n" if "F_t" in forces else "mu, or F_t and F_n"
+    sigmas = [name for name in ("sigma_mu", "sigma_F_t") if name in columns]
+    counted = [name for name in ("n",) if name in columns]
+    if "v" in columns and "mu" in columns:
+        return ["v", "mu", *(name for name in sigmas if name == "sigma_mu"), *counted]
+    forces = {"F_t", "F_n"} & columns.keys()
+    if "v" not in columns or len(forces) < 2:
+        missing = "the slip speed" if "v" not in columns else "F_n" if "F_t" in forces else "mu, or F_t and F_n"
         raise InputError(f"{line}: no column is {missing}; {_understanding(headers)}")
-    if (headers[positions["F_t"]].unit is None) != (headers[positions["F_n"]].unit is None):
+    without = {name for name, column in columns.items() if column.header.unit is None}
+    if len(without & forces) == 1:
         raise InputError(f"{line}: one force has a unit and the other none; write both, like F_t [N], F_n [N]")
-    sigmas = [name for name in ("sigma_mu", "sigma_F_t") if name in positions]
-    units = [headers[positions[name]].unit for name in ("F_t", "sigma_F_t") if name in positions]
-    if units[0] is not None and None in units:
+    if len(without & {"F_t", "sigma_F_t"}) == 1 and "sigma_F_t" in columns:
         raise InputError(f"{line}: sigma of F_t has no unit; write it, like sigma_F_t [N]")
     if len(sigmas) > 1:
         raise InputError(f"{line}: there are sigma of mu and of F_t; leave one out")
@@ -378,10 +365,6 @@ def _understanding(headers: Sequence[Header]) -> str:
 
 def _choice(quantity: str, text: str) -> str:
     return f"name the column, like columns={{'{quantity}': '{text[:40]}'}}"
-
-
-def _listed(headers: Sequence[Header]) -> str:
-    return ", ".join(_quoted(header.text) for header in headers)[:200]
 
 
 def _quoted(text: str) -> str:

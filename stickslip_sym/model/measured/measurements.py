@@ -4,23 +4,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import BoolArray, IntArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real
 from stickslip_sym.model.measured.table import Table, read_table
 
 __all__ = ["Measurements", "read_measurements"]
 
-FloatArray = NDArray[np.float64]
-Column = NDArray[Any]
+Column = FloatArray | ObjectArray
 """Numbers in double precision, or fractions as the file has them."""
 
-_EXACTLY = 5000  # rows up to which numbers are kept exactly; more are averaged, or fitted, in double precision
 _FEW = 0.05  # share of rows with the other sign, up to which they are noise of a small force
 _LARGEST_MU = 5.0  # no dry or lubricated contact comes near it
 _FASTEST = 100.0  # m/s, above which a speed without a unit is taken for one in mm/s
@@ -233,26 +230,29 @@ def read_measurements(
     if not isinstance(path, str | Path) or not str(path):
         raise InputError(f"the name of a file of measurements is text, got {path!r}")
     path = Path(path)
-    reach = _radius(radius)
+    track = _radius(radius)
     low, high = _range(speeds)
-    table = read_table(path, columns or {}, reach, leave_out=leave_out)
+    table = read_table(path, columns or {}, track, leave_out=leave_out)
     v, mu, sigma, notes = _fold(table)
     counts = table.floats("n") if "n" in table.cells else None
-    rows = len(v)
     within = np.array((v.astype(float) >= low) & (v.astype(float) <= high))
     if not within.any():
         raise InputError(
-            f"{str(path)!r} has no row from {low:g} to {high:g} m/s; it reaches {float(min(v)):g} to "
+            f"{table.name} has no row from {low:g} to {high:g} m/s; it reaches {float(min(v)):g} to "
             f"{float(max(v)):g}"
         )
-    good = within & (within if keep_outliers else ~_outliers(table, v, mu, within))
-    order = np.flatnonzero(good)[np.argsort(v[good].astype(float), kind="stable")]
-    if not len(order):
-        raise InputError(f"{str(path)!r} has no row that is a measurement: {table.faults}")
     if speeds is not None:
-        notes.insert(0, f"{int(within.sum())} of {rows} from {low:g} to {high:g} m/s")
-    if table.faults.lines:
-        notes.append(f"rows left out: {table.faults}")
+        notes.insert(0, f"{int(within.sum())} of {len(v)} from {low:g} to {high:g} m/s")
+    good = within
+    if not keep_outliers:
+        rule = (
+            "mu is more than 6 robust standard deviations off a smooth curve; keep such rows by keep_outliers=True"
+        )
+        off = _outliers(v, mu, within)
+        good = within & table.require(~off, "F_t" if "F_t" in table.cells else "mu", rule, "off a smooth curve")
+    if table.faults:
+        notes.append(f"rows left out: {table.left_out}")
+    order = np.flatnonzero(good)[np.argsort(v[good].astype(float), kind="stable")]
     return Measurements(
         v[order].astype(np.float64),
         mu[order].astype(np.float64),
@@ -293,8 +293,8 @@ def _range(speeds: tuple[Number | None, Number | None] | None) -> tuple[float, f
     return low, high
 
 
-def _outliers(table: Table, v: Column, mu: Column, within: BoolArray) -> BoolArray:
-    """Return the rows whose coefficient is off a smooth curve through the others, or refuse the first.
+def _outliers(v: Column, mu: Column, within: BoolArray) -> BoolArray:
+    """Return the rows whose coefficient is off a smooth curve through the others.
 
     A row is held against the medians of the three rows on either side: mu is between them on any smooth curve, or
     beyond by as much as neighbours differ. At the lowest speed friction may rise or fall steeply, as a static
@@ -303,9 +303,9 @@ def _outliers(table: Table, v: Column, mu: Column, within: BoolArray) -> BoolArr
     rows = np.flatnonzero(within)
     rows = rows[np.argsort(v[rows].astype(float), kind="stable")]
     y = mu[rows].astype(float)
-    wrong = np.zeros(len(v), dtype=bool)
+    outlying = np.zeros(len(v), dtype=bool)
     if len(y) < 2 * _BESIDE + 1:
-        return wrong
+        return outlying
     noise = _ROBUST * float(np.median(np.abs(y[1:-1] - (y[:-2] + y[2:]) / 2)))
     few = 1 + (_FEW_ROWS / len(y)) ** 2
     tolerance = _OUTLYING * few * max(noise, _RESOLUTION * float(np.median(np.abs(y))))
@@ -323,11 +323,8 @@ def _outliers(table: Table, v: Column, mu: Column, within: BoolArray) -> BoolArr
     off = (y < ends[0] - slack) | (y > ends[1] + slack)
     lowest = i < _BESIDE
     off[lowest] = np.abs(y[lowest]) > _RISES * np.abs(ends[1][lowest]) + slack[lowest]
-    good = np.ones(len(v), dtype=bool)
-    good[rows] = ~off
-    key = "F_t" if "F_t" in table.cells else "mu"
-    return ~table.require(good, key, "mu is more than 6 robust standard deviations off a smooth curve; keep such "
-                          "rows by keep_outliers=True", "off a smooth curve")  # fmt: skip
+    outlying[rows] = off
+    return outlying
 
 
 def _fold(table: Table) -> tuple[Column, Column, Column | None, list[str]]:
@@ -345,47 +342,40 @@ def _fold(table: Table) -> tuple[Column, Column, Column | None, list[str]]:
     deviation = next((key for key in ("sigma_mu", "sigma_F_t") if key in table.cells), None)
     if deviation is not None:
         rule = "a standard deviation is above 0"
-        table.keep(table.require(table.floats(deviation) > 0, deviation, rule, "without a standard deviation"))
+        table.require(table.floats(deviation) > 0, deviation, rule, "without a standard deviation")
+    down = 1
     if friction == "F_t":
         normal = table.floats("F_n")
         down = 1 if 2 * int((normal > 0).sum()) >= len(normal) else -1
         rule = "a normal force is not 0, and has one sign"
-        table.keep(table.require(down * normal > 0, "F_n", rule, "without a normal force"))
-    values = _values(table)
-    ratio = values[friction] / (values["F_n"] * down) if friction == "F_t" else values["mu"]
+        table.require(down * normal > 0, "F_n", rule, "without a normal force")
+
+    def per_load(quantity: str) -> Column:
+        return table.numbers(quantity) / (table.numbers("F_n") * down)
+
+    def ratio() -> Column:
+        return per_load("F_t") if friction == "F_t" else table.numbers("mu")
+
     rule = f"a coefficient of friction is below {_LARGEST_MU:g}"
-    good = table.require(np.abs(ratio.astype(float)) <= _LARGEST_MU, friction, rule, "with abs(mu) above 5")
-    table.keep(good)
-    ratio, values = ratio[good], {key: column[good] for key, column in values.items()}
-    speed = values["v"].astype(float)
-    if not len(speed):
-        raise InputError(f"{table.faults.name} has no row that is a measurement: {table.faults}")
-    if not table.columns.headers["v"].unit_text:
-        rule = "without a unit a speed is in m/s; write it, like v [mm/s]"
-        Table.require(_refusing(table), np.abs(speed) <= _FASTEST, "v", rule, "")
-    v_sign, sign = (np.sign(column).astype(int) for column in (speed, ratio.astype(float)))
+    table.require(np.abs(ratio().astype(float)) <= _LARGEST_MU, friction, rule, "with abs(mu) above 5")
+    v, mu = table.numbers("v"), ratio()
+    fast = np.abs(v.astype(float)) > _FASTEST
+    if fast.any() and not table.columns["v"].header.unit_text:
+        row = int(np.argmax(fast))
+        raise InputError(
+            f"{table.place(row, 'v')}: got v = {table.cells['v'][row]}; without a unit a speed is in m/s; write "
+            "it, like v [mm/s]"
+        )
+    v_sign, sign = (np.sign(column.astype(float)).astype(int) for column in (v, mu))
     turns, notes = _turns(table, v_sign, sign, friction)
-    sigma = None if deviation is None else values[deviation]
-    if deviation == "sigma_F_t":
-        sigma = values[deviation] / (values["F_n"] * down)
-    return values["v"] * np.where(v_sign < 0, -1, 1), ratio * turns, sigma, notes
-
-
-def _refusing(table: Table) -> Table:
-    from stickslip_sym.model.measured.table import Faults
-
-    return replace(table, faults=Faults(table.faults.name, leave_out=False))
-
-
-def _values(table: Table) -> dict[str, Column]:
-    """Return the columns in SI units, as fractions where the rows are few."""
-    exactly = len(table.lines) <= _EXACTLY
-    values: dict[str, Column] = {}
-    for key, cells in table.cells.items():
-        size = table.columns.sizes[key]
-        numbers = np.array([Fraction(cell) * size for cell in cells] + [None])[:-1] if exactly else None
-        values[key] = table.floats(key) * float(size) if numbers is None else numbers
-    return values
+    sigma = (
+        None
+        if deviation is None
+        else per_load(deviation)
+        if deviation == "sigma_F_t"
+        else table.numbers(deviation)
+    )
+    return v * np.where(v_sign < 0, -1, 1), mu * turns, sigma, notes
 
 
 def _turns(table: Table, v_sign: IntArray, sign: IntArray, friction: str) -> tuple[IntArray, list[str]]:
@@ -404,8 +394,8 @@ def _turns(table: Table, v_sign: IntArray, sign: IntArray, friction: str) -> tup
     if reverses:
         wrong = int(np.argmax(against == -direction))
         raise InputError(
-            f"{table.faults.name}, line {table.lines[wrong]}, column {table.columns.positions[friction] + 1}: "
-            f"{friction} = {table.cells[friction][wrong]} at v = {table.cells['v'][wrong]} is along the motion, "
+            f"{table.place(wrong, friction)}: {friction} = {table.cells[friction][wrong]} at v = "
+            f"{table.cells['v'][wrong]} is along the motion, "
             "and in most rows it is against it; give friction the sign of the speed, or no sign"
         )
     return np.where(sign < 0, -1, 1), [*notes, f"both signs of {friction} folded"]
@@ -413,17 +403,11 @@ def _turns(table: Table, v_sign: IntArray, sign: IntArray, friction: str) -> tup
 
 def _understood(table: Table, count: int, notes: list[str]) -> str:
     columns = table.columns
-    words = [f"{count} row{'s' * (count != 1)}", f"v in {columns.headers['v'].unit_text or 'm/s'}"]
-    mu = "F_t/F_n" if "F_t" in columns.positions else f"column {columns.positions['mu'] + 1}"
-    words.append(f"mu from {mu}")
-    words += [
-        f"{name} from column {columns.positions[key] + 1}"
-        for key, name in _SIGMAS.items()
-        if key in columns.positions
-    ]
+    mu = "F_t/F_n" if "F_t" in columns else f"column {columns['mu'].position + 1}"
+    words = [f"{count} row{'s' * (count != 1)}", f"v in {columns['v'].header.unit_text or 'm/s'}", f"mu from {mu}"]
+    words += [f"{name} from column {columns[key].position + 1}" for key, name in _SIGMAS.items() if key in columns]
     words += notes
-    if unread := columns.left_out:
-        words.append(
-            f"columns not read: {', '.join(unread[:4])}" + (f" and {len(unread) - 4} more" * (len(unread) > 4))
-        )
+    if table.unread:
+        more = len(table.unread) - 4
+        words.append(f"columns not read: {', '.join(table.unread[:4])}" + (f" and {more} more" * (more > 0)))
     return ", ".join(words)

@@ -4,32 +4,23 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stickslip_sym.core.aliases import BoolArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.measured.columns import (
-    EXPECTED,
-    Columns,
-    Header,
-    choose_columns,
-    is_header,
-    read_unit,
-)  # fmt: skip
+from stickslip_sym.model.measured.columns import EXPECTED, Column, Header, choose_columns, is_header, read_unit
 from stickslip_sym.output.files import require_name
 
-__all__ = ["Faults", "Table", "read_table"]
-
-FloatArray = NDArray[np.float64]
+__all__ = ["Table", "read_table"]
 
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
 """What separates columns, by preference: a comma may also be a decimal sign, and blanks may stand in a name."""
 MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
+_EXACTLY = 5000  # rows up to which numbers are read exactly; more are averaged, or fitted, in double precision
 _LONGEST = 10_000  # characters of a line
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
@@ -45,73 +36,84 @@ _OVERFLOW = 1e30  # what instruments write in place of a value out of range is l
 _WORKBOOKS = {b"PK\x03\x04": ".xlsx or .ods", b"\xd0\xcf\x11\xe0": ".xls"}
 
 
-class Faults:
-    """Rows that are no measurements: the first is refused, or all of them are left out and counted.
-
-    Parameters
-    ----------
-    name : str
-        Of the file, for messages.
-    leave_out : bool
-    """
-
-    def __init__(self, name: str, *, leave_out: bool) -> None:
-        self.name = name
-        self.leave_out = leave_out
-        self.lines: dict[int, str] = {}
-
-    def add(self, line: int, where: str, got: str, rule: str, reason: str) -> None:
-        """Refuse a row, or keep its line and the reason."""
-        if not self.leave_out:
-            raise InputError(
-                f"{self.name}, line {line}{where}: {rule}; {got}; mend the row, begin it with #, or leave out "
-                "rows like it: leave_out=True"
-            )
-        self.lines.setdefault(line, reason)
-
-    def __str__(self) -> str:
-        counts = Counter(self.lines.values())
-        first = {reason: line for line, reason in reversed(self.lines.items())}
-        return ", ".join(f"{count} {reason} (line {first[reason]})" for reason, count in counts.items())
-
-
 @dataclass
 class Table:
-    """The numbers of a file's columns that are read, and where they stand.
+    """The numbers of a file's columns that are read. Rows that are no measurements are refused, or left out.
 
     Attributes
     ----------
-    columns : Columns
+    name : str
+        Of the file, for messages.
+    columns : dict of str to Column
+        By quantity.
+    unread : list of str
+        Names of the other columns.
+    leave_out : bool
+        Whether rows that are no measurements are left out and counted; else the first is refused.
     cells : dict of str to list of str
         With a decimal point, by quantity.
     lines : list of int
         The line of the file, from 1, of each row.
-    faults : Faults
+    faults : dict of int to str
+        Why lines were left out.
     """
 
-    columns: Columns
-    cells: dict[str, list[str]]
-    lines: list[int]
-    faults: Faults
+    name: str
+    columns: dict[str, Column]
+    unread: list[str]
+    leave_out: bool
+    cells: dict[str, list[str]] = field(default_factory=dict)
+    lines: list[int] = field(default_factory=list)
+    faults: dict[int, str] = field(default_factory=dict)
 
     def floats(self, quantity: str) -> FloatArray:
         """Return a column as it stands in the file, in double precision."""
         return np.array(self.cells[quantity], dtype=np.float64)
 
-    def require(self, rows: BoolArray, quantity: str, rule: str, reason: str) -> BoolArray:
-        """Refuse the first row that breaks a rule, or mark all of them; return which rows keep it."""
-        good = np.asarray(rows, dtype=bool)
-        for row in np.flatnonzero(~good):
-            where = f", column {self.columns.positions[quantity] + 1}"
-            self.faults.add(self.lines[row], where, f"got {quantity} = {self.cells[quantity][row]}", rule, reason)
-        return good
+    def numbers(self, quantity: str) -> FloatArray | ObjectArray:
+        """Return a column in SI units: fractions as the file has them where rows are few, else floats."""
+        size = self.columns[quantity].size
+        if len(self.lines) > _EXACTLY:
+            return self.floats(quantity) * float(size)
+        return np.array([*(Fraction(cell) * size for cell in self.cells[quantity]), None])[:-1]
 
-    def keep(self, good: BoolArray) -> None:
-        """Leave out rows."""
+    def place(self, row: int, quantity: str) -> str:
+        """Return the file, the line and the column of a number."""
+        return f"{self.name}, line {self.lines[row]}, column {self.columns[quantity].position + 1}"
+
+    def fault(self, line: int, where: str, got: str, rule: str, reason: str) -> None:
+        """Refuse a line, or note why it is left out."""
+        if not self.leave_out:
+            raise InputError(
+                f"{where}: {rule}; got {got}; mend the row, begin it with #, or leave out rows like it: "
+                "leave_out=True"
+            )
+        self.faults.setdefault(line, reason)
+
+    def require(self, keep: BoolArray, quantity: str, rule: str, reason: str) -> BoolArray:
+        """Refuse the first row that breaks a rule, or leave out all of them; return the rows that keep it."""
+        good = np.asarray(keep, dtype=bool)
+        for row in np.flatnonzero(~good).tolist():
+            got = f"{quantity} = {self.cells[quantity][row]}"
+            self.fault(self.lines[row], self.place(row, quantity), got, rule, reason)
         if not good.all():
             rows = np.flatnonzero(good).tolist()
             self.cells = {name: [cells[i] for i in rows] for name, cells in self.cells.items()}
             self.lines = [self.lines[i] for i in rows]
+        self.require_rows()
+        return good
+
+    def require_rows(self) -> None:
+        """Refuse a table of which no row is left."""
+        if not self.lines:
+            raise InputError(f"{self.name} has no row that is a measurement: {self.left_out}")
+
+    @property
+    def left_out(self) -> str:
+        """How many lines were left out for which reason, and the first of each."""
+        counts = Counter(self.faults.values())
+        first = {reason: line for line, reason in reversed(self.faults.items())}
+        return ", ".join(f"{count} {reason} (line {first[reason]})" for reason, count in counts.items())
 
 
 def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | None, *, leave_out: bool) -> Table:
@@ -132,16 +134,20 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
     if not rows:
         raise InputError(f"{name} has no points; write a line for each, like 0.1,0.35")
     separator = _separator([_COMMENT.sub("", line, count=1) for _, line in rows[:_LOOKED_AT]])
-    first, columns = _header(rows, separator, name, chosen, radius)
+    first, headers, where = _header(rows, separator, name, unnamed=bool(chosen))
+    columns = choose_columns(headers, where, chosen, radius)
     body = [(number, line) for number, line in rows if number >= first and not _COMMENT.match(line)]
     if len(body) > MOST_ROWS:
         raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
     if not body:
         raise InputError(f"{name} has no points below line {first - 1}; write a line for each, like 0.1,0.35")
-    table = _cells(body, columns, separator, Faults(name, leave_out=leave_out))
+    read = {column.position: quantity for quantity, column in columns.items()}
+    unread = [header.text for i, header in enumerate(headers) if i not in read and header.text]
+    table = Table(name, columns, unread, leave_out)
+    _fill(table, body, len(headers), separator)
     for quantity in table.cells:
-        table.keep(table.require(~_stand_ins(table.floats(quantity), table.cells[quantity]), quantity,
-                                 "this stands for no value", "of a value that stands for none"))  # fmt: skip
+        good = ~_stand_ins(table.floats(quantity), table.cells[quantity])
+        table.require(good, quantity, "this stands for no value", "of a value that stands for none")
     return table
 
 
@@ -213,13 +219,12 @@ def _separator(lines: Sequence[str]) -> str:
 
 
 def _header(
-    rows: Sequence[tuple[int, str]],
-    separator: str,
-    name: str,
-    chosen: Mapping[str, str | int],
-    radius: Fraction | None,
-) -> tuple[int, Columns]:
-    """Return the line from which on there are numbers, and what the header above them says."""
+    rows: Sequence[tuple[int, str]], separator: str, name: str, *, unnamed: bool
+) -> tuple[int, list[Header], str]:
+    """Return the line from which on there are numbers, the names of the columns, and where these stand.
+
+    Without names, there are two columns, or as many as there are where columns may be `unnamed`.
+    """
     plain = [(number, _COMMENT.match(line), _COMMENT.sub("", line, count=1)) for number, line in rows[:_LOOKED_AT]]
     counts = Counter(
         len(cells) for _, comment, line in plain
@@ -244,10 +249,12 @@ def _header(
     if header is not None and named is None and _is_units(_split(plain[header][2], separator, width)) and header:
         header -= 1
     if header is None:
-        unnamed = [Header("", ())] * width if chosen else [Header("v", ("v",)), Header("mu", ("mu",))]
-        if first is None or len(unnamed) != width or (not chosen and not all(row[1] for row in plain[:first])):
+        headers = (
+            [Header("", "", ())] * width if unnamed else [Header(name, name, (name,)) for name in ("v", "mu")]
+        )
+        if first is None or len(headers) != width or (not unnamed and not all(row[1] for row in plain[:first])):
             raise InputError(_no_header(rows, separator, name))
-        return plain[first][0], choose_columns(unnamed, name, chosen, radius)
+        return plain[first][0], headers, name
     number, _, line = plain[header]
     headers = [Header.read(cell) for cell in _split(line, separator, width)]
     if separator == " " and width and len(headers) != width:
@@ -262,7 +269,7 @@ def _header(
             units += [""] * (len(headers) - len(units))
             headers = [one.in_unit(text) for one, text in zip(headers, units, strict=True)]
             below = plain[header + 1][0] + 1
-    return below, choose_columns(headers, f"{name}, line {number}", chosen, radius)
+    return below, headers, f"{name}, line {number}"
 
 
 def _is_units(cells: Sequence[str]) -> bool:
@@ -281,94 +288,76 @@ def _no_header(rows: Sequence[tuple[int, str]], separator: str, name: str) -> st
     )
 
 
-def _cells(body: Sequence[tuple[int, str]], columns: Columns, separator: str, faults: Faults) -> Table:
-    """Return the cells that are read of all rows, or refuse the first row that is none."""
+def _fill(table: Table, body: Sequence[tuple[int, str]], count: int, separator: str) -> None:
+    """Take the cells that are read of all rows, each of which has so many columns."""
     if separator == " ":
         rows = [line.split() for _, line in body]
     else:
-        rows = list(csv.reader([line for _, line in body], delimiter=separator, skipinitialspace=True))
+        parted = csv.reader([line for _, line in body], delimiter=separator, skipinitialspace=True)
+        rows = [[cell.strip() for cell in row] for row in parted]
     if len(rows) != len(body):
         line = next((number for number, text in body if text.count('"') % 2), body[-1][0])
-        raise InputError(f"{faults.name}, line {line}: a quotation mark is not closed; a row is a line of its own")
-    rows = [[cell.strip() for cell in row] for row in rows]
+        raise InputError(f"{table.name}, line {line}: a quotation mark is not closed; a row is a line of its own")
     lines = [number for number, _ in body]
-    sign = _decimal_sign(rows, lines, columns, faults.name)
-    pattern = _NUMBERS[sign]
-    read = {i: quantity for quantity, i in columns.positions.items()}
-    numeric = _numeric_columns(rows, columns)
-    cells: dict[str, list[str]] = {quantity: [] for quantity in columns.positions}
-    kept = []
-    for line, row in zip(lines, rows, strict=True):
-        if len(row) != columns.count and (len(row) < columns.count or any(row[columns.count :])):
-            _refuse_length(line, row, columns, separator, faults)
-            continue
-        wrong = next((i for i in read if not pattern.fullmatch(row[i])), None)
-        wrong = next((i for i in numeric if not (_is_number(row[i]) or _NOTHING.fullmatch(row[i]))), wrong)
-        if wrong is not None:
-            name = columns.headers[read[wrong]].text if wrong in read else ""
-            faults.add(
-                line, f", column {wrong + 1}" + (f", {name!r}" if name else ""), f"got {row[wrong][:40]!r}",
-                "a finite number is needed, like 0.35", "without a number",
-            )  # fmt: skip
-            continue
-        kept.append(line)
-        for i, quantity in read.items():
-            cells[quantity].append(row[i].replace(",", ".") if sign == "," else row[i])
-    if not kept:
-        raise InputError(f"{faults.name} has no row that is a measurement: {faults}")
-    return Table(columns, cells, kept, faults)
-
-
-def _numeric_columns(rows: Sequence[Sequence[str]], columns: Columns) -> list[int]:
-    """Return the columns that are not read and hold numbers: a word in one, like Mean, is not of a measurement."""
-    others = [i for i in range(columns.count) if i not in columns.positions.values()]
-    looked_at = [row for row in rows[:_LOOKED_AT] if len(row) >= columns.count]
-    return [i for i in others if 2 * sum(_is_number(row[i]) for row in looked_at) > len(looked_at)]
-
-
-def _refuse_length(line: int, row: Sequence[str], columns: Columns, separator: str, faults: Faults) -> None:
-    count, last = len(row), max(columns.positions.values())
-    position = min(last, count - 1)
-    hint = ""
-    if separator == "," and count > columns.count:
-        hint = (
-            "; where a comma is the decimal sign, part the columns by semicolons, and write thousands without one"
-        )
-    faults.add(
-        line, f", column {position + 1}", f"got {separator.join(row)[:60]!r}{hint}",
-        f"the row has {_columns(count)}, and the header {columns.count}", "of another number of columns",
+    read = {column.position: quantity for quantity, column in table.columns.items()}
+    sign = _decimal_sign(
+        [(cell, f"line {line}, column {i + 1}") for line, row in zip(lines, rows, strict=True)
+         for i, cell in enumerate(row) if i in read], table.name,
     )  # fmt: skip
-
-
-def _decimal_sign(rows: Sequence[Sequence[str]], lines: Sequence[int], columns: Columns, name: str) -> str:
-    """Return the decimal sign of the columns that are read, or refuse a table with both, or with thousands."""
-    first: dict[str, str] = {}
-    certain = False  # a comma that stands between no thousands
-    unsure: str | None = None
+    looked_at = [row for row in rows[:_LOOKED_AT] if len(row) >= count]
+    numeric = [  # a word in another column of numbers, like Mean, says that a row is none of measurements
+        i for i in range(count)
+        if i not in read and 2 * sum(_is_number(row[i]) for row in looked_at) > len(looked_at)
+    ]  # fmt: skip
+    table.cells = {quantity: [] for quantity in table.columns}
     for line, row in zip(lines, rows, strict=True):
-        for i in columns.positions.values():
-            cell = row[i] if i < len(row) else ""
-            where = f"{name}, line {line}, column {i + 1}"
-            thousands = _THOUSANDS.fullmatch(cell)
-            if thousands and not any(number.fullmatch(cell) for number in _NUMBERS.values()):
-                plain = cell.replace(thousands[1], "").replace(",", ".")
-                raise InputError(f"{where}: {cell!r} has a sign between thousands; write it without, like {plain}")
-            sign = next((sign for sign in ".," if sign in cell and _NUMBERS[sign].fullmatch(cell)), None)
-            if sign is None:
-                continue
-            first.setdefault(sign, f"{cell!r} in line {line}, column {i + 1}")
-            if sign == ",":
-                certain = certain or _THREE_DIGITS.fullmatch(cell) is None
-                unsure = unsure or (None if certain else f"{where}: {cell!r}")
-        if len(first) > 1:
+        where = f"{table.name}, line {line}, column "
+        if len(row) < count or any(row[count:]):
+            rule = f"the row has {_columns(len(row))}, and the header {count}"
+            if separator == "," and len(row) > count:
+                rule += (
+                    "; where a comma is the decimal sign, part the columns by semicolons, and write thousands "
+                    "without one"
+                )
+            got = repr(separator.join(row)[:60])
+            table.fault(line, f"{where}{min(max(read) + 1, len(row))}", got, rule, "of another number of columns")
+            continue
+        wrong = [i for i in numeric if not (_is_number(row[i]) or _NOTHING.fullmatch(row[i]))]
+        wrong += [i for i in read if not _NUMBERS[sign].fullmatch(row[i])]
+        if wrong:
+            i, rule = wrong[0], "a finite number is needed, like 0.35"
+            named = f", {table.columns[read[i]].header.text!r}" if i in read else ""
+            table.fault(line, f"{where}{i + 1}{named}", repr(row[i][:40]), rule, "without a number")
+            continue
+        table.lines.append(line)
+        for i, quantity in read.items():
+            table.cells[quantity].append(row[i].replace(",", ".") if sign == "," else row[i])
+    table.require_rows()
+
+
+def _decimal_sign(cells: Sequence[tuple[str, str]], name: str) -> str:
+    """Return the decimal sign of cells, each with its place, or refuse both signs, or one between thousands."""
+    first: dict[str, str] = {}
+    certain = False  # of a comma that stands between no thousands
+    for cell, place in cells:
+        signs = [sign for sign, number in _NUMBERS.items() if number.fullmatch(cell)]
+        if not signs and (thousands := _THOUSANDS.fullmatch(cell)):
+            plain = cell.replace(thousands[1], "").replace(",", ".")
             raise InputError(
-                f"{name}: {first['.']}, has a decimal point, and {first[',']}, a comma; write one sign "
-                "everywhere, and none between thousands"
+                f"{name}, {place}: {cell!r} has a sign between thousands; write it without, like {plain}"
             )
+        if len(signs) == 1:
+            first.setdefault(signs[0], f"{cell!r} in {place}")
+            certain = certain or (signs == [","] and _THREE_DIGITS.fullmatch(cell) is None)
+    if len(first) > 1:
+        raise InputError(
+            f"{name}: {first['.']}, has a decimal point, and {first[',']}, a comma; write one sign everywhere, "
+            "and none between thousands"
+        )
     if "," in first and not certain:
         raise InputError(
-            f"{unsure} may be a thousand times as much, if the comma stands between thousands; write the number "
-            "without a comma, or with a decimal point"
+            f"{name}: {first[',']}, may be a thousand times as much, if the comma stands between thousands; write "
+            "the number without a comma, or with a decimal point"
         )
     return next(iter(first), ".")
 

@@ -29,7 +29,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.motion import MOTIONS, Motion
-from stickslip_sym.motion.orbits.needed import needed
+from stickslip_sym.motion.orbits.needed import MOST_GAPS, begun, needed
 from stickslip_sym.motion.regimes.attractors import Regime, friction_far_out, regime
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.kinds import ATTRACTORS, Signs
@@ -161,7 +161,8 @@ def decide(columns: Sequence[Column], rtol: float) -> list[Cells]:
 def _needed_all(rise: Any, eta: Any, push: Any, A: Any, rtol: float, by_zeta: Any, found: Any) -> None:
     """Find needed damping ratios and their errors, a row for each entry of the arrays; NaN where there is none."""
     for i in range(len(A)):
-        zeta, error, _, end = needed(rise, eta[i], push[i], A[i], rtol, by_zeta)
+        state = begun(rise, eta[i], push[i], A[i])
+        end, zeta, error = needed(rise, eta[i], push[i], A[i], rtol, by_zeta, state, MOST_GAPS)[:3]
         found[i, 0], found[i, 1] = (zeta, error) if end == 0 else (math.nan, math.nan)
 
 

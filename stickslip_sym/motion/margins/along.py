@@ -13,17 +13,21 @@ import sympy as sp
 from scipy.optimize import brentq, minimize_scalar
 
 from stickslip_sym.core import deadline, symbols
-from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold
+from stickslip_sym.core.aliases import FloatArray, Rational
+from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
 from stickslip_sym.core.numbers import real
 from stickslip_sym.criteria.criterion import Criterion, harmonic
+from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.margins.proved import proved
 from stickslip_sym.motion.margins.value import Critical
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.thresholds.averages import slope_mean
+from stickslip_sym.motion.thresholds.box_scene import BoxScene
+from stickslip_sym.motion.thresholds.box_transit import Transit, transit
+from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
 from stickslip_sym.motion.thresholds.methods import Computed, Method, best_of, find_method, methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
+from stickslip_sym.motion.thresholds.proof import Search
 
 __all__ = ["Along"]
 
@@ -108,19 +112,27 @@ class Along:
         return np.concatenate([self._excess(method, self.at(float(value)), rtol) for value in x])
 
     def _excess(self, method: Method | None, points: OperatingPoints, rtol: float) -> FloatArray:
-        deadline.check_time()
-        if method is None:
-            found = best_of(points, rtol)[0]
-        elif method.criterion is not None:  # by Gauss rules: no closed form is made for every value of a parameter
-            found = Computed(points.N * slope_mean(points.law, method.criterion, points.V), np.zeros(len(points)))
-        else:
-            found = method.compute(points, min(max(rtol, method.tightest), method.loosest))
+        found, _ = self._computed(method, points, rtol)
         value = np.where(np.isfinite(found.relative_error), found.value, np.nan)
         for row, refusal in found.refusals.items():
             if isinstance(refusal, NoThreshold):
                 value[row] = -1.0 - abs(self.c)  # below 0, by an unknown amount
         excess: FloatArray = value - self.c
         return excess
+
+    def _computed(
+        self, method: Method | None, points: OperatingPoints, rtol: float
+    ) -> tuple[Computed, Method | None]:
+        """Return what a method says, and the method that said it of the first point."""
+        deadline.check_time()
+        if method is None:
+            found, names = best_of(points, rtol)
+            return found, methods().get(str(names[0])) if len(names) else None
+        if method.criterion is None:
+            return method.compute(points, min(max(rtol, method.tightest), method.loosest)), method
+        # By Gauss rules: no closed form is made for every value of a parameter.
+        value = points.N * slope_mean(points.law, method.criterion, points.V)
+        return Computed(value, np.zeros(len(points))), method
 
     # -- where to look -----------------------------------------------------------------------------
 
@@ -205,7 +217,7 @@ class Along:
         padded = np.concatenate(([0.0], off, [0.0]))
         crossed = (off == 0) & (padded[:-2] != 0) & (padded[2:] != 0)
         for value in x[crossed].tolist():
-            yield self._by_some(method, lambda one, value=value: self._result(value, one, rtol))
+            yield self._result(value, method, rtol)
 
     def _edges(self, method: Method | None, x: FloatArray, known: Any) -> Iterator[float]:
         """Yield the last values at which motions stay within the measured speeds."""
@@ -244,39 +256,19 @@ class Along:
 
     def _root(self, low: float, high: float, method: Method | None, rtol: float) -> Critical:
         side = math.copysign(1.0, low)
+        name = "auto" if method is None else method.name
 
-        def by(one: Method) -> Critical:
-            tolerance = max(_FINER * rtol, _TIGHTEST)
+        def excess(logarithm: float) -> float:
+            x = side * math.exp(logarithm)
+            value = float(self.excess(method, np.array([x]), _tight(rtol))[0])
+            if math.isnan(value):
+                raise NotConverged(f"there is no {name} threshold at {self.of} = {x:g}")
+            return value
 
-            def excess(logarithm: float) -> float:
-                value = float(self.excess(one, np.array([side * math.exp(logarithm)]), tolerance)[0])
-                if math.isnan(value):
-                    raise NotConverged(
-                        f"there is no {one.name} threshold at {self.of} = {side * math.exp(logarithm):g}"
-                    )
-                return value
-
-            ends = math.log(abs(low)), math.log(abs(high))
-            if excess(ends[0]) * excess(ends[1]) > 0:
-                raise NotConverged(f"{one.name} does not see the change between {self.of} = {low:g} and {high:g}")
-            return self._result(side * math.exp(brentq(excess, *ends, xtol=_CLOSE, rtol=_ROUNDING)), one, rtol)
-
-        return self._by_some(method, by)
-
-    def _by_some(self, method: Method | None, compute: Any) -> Critical:
-        """Return what a method gives, or the first that is good enough of those that "auto" may take."""
-        if method is not None:
-            result: Critical = compute(method)
-            return result
-        reason = "no method is automatic"
-        for one in methods().values():
-            if not one.automatic or (one.smooth and obstacle(self.law, np.inf) is not None):
-                continue
-            try:
-                return compute(one)  # type: ignore[no-any-return]
-            except NO_RESULT as refusal:
-                reason = str(refusal)
-        raise NotConverged(reason)
+        ends = math.log(abs(low)), math.log(abs(high))
+        if excess(ends[0]) * excess(ends[1]) > 0:
+            raise NotConverged(f"{name} does not see the change between {self.of} = {low:g} and {high:g}")
+        return self._result(side * math.exp(brentq(excess, *ends, xtol=_CLOSE, rtol=_ROUNDING)), method, rtol)
 
     def _polynomial_roots(self, criterion: Criterion) -> list[float] | None:
         """Return the roots of an average that is a polynomial in what is sought, or None."""
@@ -315,19 +307,20 @@ class Along:
 
     # -- results -----------------------------------------------------------------------------------
 
-    def _result(self, x: float, method: Method, rtol: float) -> Critical:
+    def _result(self, x: float, method: Method | None, rtol: float) -> Critical:
         """Return a root with its error, from that of the threshold and the slope there."""
         points = self.at(x)
-        sensitivity = self._sensitivity(points, method)
-        if method.criterion is not None:
-            x -= sensitivity["c"] * float(self.excess(method, np.array([x]), 0.0)[0])
-            return Critical(self.of, x, self.unit, method.name, None, sensitivity)
-        found = method.compute(points, min(max(_FINER * rtol, _TIGHTEST, method.tightest), method.loosest))
+        found, by = self._computed(method, points, _tight(rtol))
+        if by is None:
+            raise NotConverged(f"there is no threshold at {self.of} = {x:.6g}; try another method")
+        sensitivity = self._sensitivity(points, by)
         value, own = float(found.value[0]), float(found.relative_error[0]) * abs(found.value[0])
-        if not math.isfinite(own):  # where the threshold is 0 its relative error is nothing
-            beside = method.compute(self.at(x * (1 + _BESIDE)), _TIGHTEST)
-            own = float(beside.relative_error[0] * abs(beside.value[0]))
         step = sensitivity["c"] * (self.c - value)
+        if by.criterion is not None:
+            return Critical(self.of, x + step, self.unit, by.name, None, sensitivity)
+        if not math.isfinite(own):  # where the threshold is 0 its relative error is nothing
+            beside, _ = self._computed(method, self.at(x * (1 + _BESIDE)), _TIGHTEST)
+            own = float(beside.relative_error[0] * abs(beside.value[0]))
         error = (abs(sensitivity["c"]) * own + step**2 / abs(x)) / abs(x) + _ROUNDING
         if abs(step) < _NEWTON * abs(x):
             x += step
@@ -338,7 +331,7 @@ class Along:
                 f"{self.of} = {x:.6g} is known to {error:.1e} relative only, not to rtol = {rtol:g}; "
                 "try another rtol"
             )
-        return Critical(self.of, x, self.unit, method.name, error, sensitivity)
+        return Critical(self.of, x, self.unit, by.name, error, sensitivity)
 
     def _sensitivity(self, points: OperatingPoints, method: Method) -> dict[str, float]:
         if method.sensitivity is None:
@@ -352,10 +345,25 @@ class Along:
             }
 
     def _proved(self, one: Critical, rtol: float) -> Critical:
-        enclosure = proved(self.at, self.c, one.value, one.relative_error or rtol, rtol)
+        """Enclose a value: where the threshold grows with it, the slip returns above it, so minus it is sought."""
+        sign = -1 if one.sensitivity["c"] > 0 else 1
+
+        def decision(x: Rational, bits: int) -> Transit:
+            points = self.at(str(sign * x))
+            scene = BoxScene(points.law, **points.exact_row(0))
+            checked_hypotheses(scene)
+            return transit(scene, sp.Rational(self.c), bits)
+
+        found = Search(decision, self.of).around(sign * one.value, one.relative_error or rtol, rtol)
+        enclosure = Enclosure.of(*sorted(sign * sp.Rational(end) for end in (found.low, found.high)))
         middle = float(enclosure)
         error = float(enclosure.radius) / abs(middle)
         return Critical(self.of, middle, one.unit, "proof", error, one.sensitivity, enclosure)
+
+
+def _tight(rtol: float) -> float:
+    """Return the relative error of a threshold at a root."""
+    return max(_FINER * rtol, _TIGHTEST)
 
 
 def _spaced(low: float, high: float) -> FloatArray:

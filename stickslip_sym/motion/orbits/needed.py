@@ -21,33 +21,32 @@ without a static excess they begin at one point, and the orbit is closed. For A 
 import math
 from typing import Any
 
+import numpy as np
+
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
-from stickslip_sym.motion.compiled import compilable
+from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.slip import Dimensionless, End, follow
 from stickslip_sym.motion.slip import _rise as rise_at
 from stickslip_sym.motion.slip import _slope as slope_at
 
-__all__ = ["BEYOND", "FOUND", "LOST", "NONE", "SOUGHT", "by_zeta", "gap", "halves", "needed", "needed_ratio"]
+__all__ = [
+    "BEYOND", "FOUND", "LOST", "MOST_GAPS", "NONE", "SOUGHT", "begun", "by_zeta", "gap", "halves", "needed",
+    "needed_ratio",
+]  # fmt: skip
 
 _MAXIMUM, _LEVEL, _OUTSIDE = int(End.MAXIMUM), int(End.LEVEL), int(End.OUTSIDE)
 _NO_MORE, _FAILED = int(End.STEPS), int(End.FAILED)
 
-_COARSE, _TIGHT, _TIGHTEST = (
-    1e-5,
-    1e-12,
-    1e-13,
-)  # tolerances of the steps: first, last, and where digits are wanted
+# Tolerances of the steps: first, last, and where digits are wanted.
+_COARSE, _TIGHT, _TIGHTEST = 1e-5, 1e-12, 1e-13
 _FINE = 1e-8  # relative error below which the tightest is taken
-_STRONG, _STIFF = (
-    30.0,
-    1e-9,
-)  # eta from which halves are stiff, and the last tolerance there, unless digits are wanted
+_STRONG, _STIFF = 30.0, 1e-9  # eta from which halves are stiff, and the tolerance there, unless digits are wanted
 _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
 _NEAR = 1e-2  # gap at which the tight tolerance is taken
 _SLOW = 0.5  # of the gap before, above which the tight steps are as good as they get
 _DONE = 1e-7  # gap after which the next secant is the last one: it leaves the square of that
-_MOST = 100  # dampings that are tried
+MOST_GAPS = 100  # dampings that are tried
 _PHASES = 64  # for the first guess
 _FALL = -2 * math.pi  # of the gap with zeta, where friction is weak
 _WILD = 1e12  # change of friction along an orbit, over its own forces, that is no use to follow
@@ -91,46 +90,20 @@ def halves(
     # From here on q is the displacement from rest: near w = 1 its errors are to be small beside that.
     rest = 2.0 * zeta - push + at_rest
     push, q, graze = push + rest, q - rest, graze - rest
+    wedge = (wanted, D, source)
     end, tau, q_f, w_f, r_f, D_f, _, _ = follow(
-        rise,
-        eta,
-        zeta,
-        push,
-        1.0,
-        q,
-        w,
-        horizon,
-        rtol,
-        1.0,
-        _MAXIMUM,
-        math.inf,
-        most,
-        (wanted, D, source),
-        False,
+        rise, eta, zeta, push, 1.0, q, w, horizon, rtol, 1.0, _MAXIMUM, math.inf, most, wedge, False
     )
     highest = w_f
     if end == _MAXIMUM:
+        wedge_there = (wanted, D_f, source)
         end, more, q_f, w_f, r_f, D_f, _, _ = follow(
-            rise,
-            eta,
-            zeta,
-            push,
-            1.0,
-            q_f,
-            w_f,
-            horizon,
-            rtol,
-            1.0,
-            _LEVEL,
-            1.0,
-            most,
-            (wanted, D_f, source),
-            False,
+            rise, eta, zeta, push, 1.0, q_f, w_f, horizon, rtol, 1.0, _LEVEL, 1.0, most, wedge_there, False
         )
         tau += more
     way = 1 if end == _LEVEL else -1 if end == _OUTSIDE else -2 if end in (_NO_MORE, _FAILED) else 0
     end, tau_b, _, _, r_b, D_b, _, _ = follow(
-        rise, eta, zeta, push, 1.0, graze, w, horizon, rtol, -1.0, _LEVEL, 1.0, most, (wanted, D, source), False
+        rise, eta, zeta, push, 1.0, graze, w, horizon, rtol, -1.0, _LEVEL, 1.0, most, wedge, False
     )
     back = 1 if end == _LEVEL else -2 if end in (_NO_MORE, _FAILED) else 0
     return (way, r_f, D_f, tau), (back, r_b, D_b, tau_b), highest
@@ -229,9 +202,8 @@ def improved(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta
     elif coarse and abs(value) <= _NEAR:
         ahead, rtol, low, high, value = zeta - value / slope, tight, -math.inf, math.inf, math.nan
     else:
-        slow = abs(value) > 0.5 * abs(
-            gap_before
-        )  # Newton's method does not help, as where a half ends close to rest
+        # Newton's method may not help, as where a half ends close to rest.
+        slow = abs(value) > 0.5 * abs(gap_before)
         ahead = zeta - value / slope if math.isfinite(value) and not slow else math.nan
         if not (low < ahead < high and abs(ahead - zeta) <= 4.0 * (reach + abs(zeta))):
             if low > -math.inf and high < math.inf:
@@ -262,34 +234,44 @@ def _spread(
 
 
 @compilable
-def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any) -> Any:
-    """Return the damping ratio that an orbit needs, its error, the gap's slope there, and how the search ended.
+def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any, state: Any, most: int) -> Any:
+    """Return the state of a search at its end, or after so many gaps; arguments as for `improved`.
 
-    Arguments as for `improved`.
+    It begins with how the search stands, the damping ratio, its error, between which ratios it lies, and the slope
+    of the gap.
     """
-    state = begun(rise, eta, push, A)
-    for _ in range(_MOST):
+    for _ in range(most):
         if state[0] != SOUGHT:
             break
         state = improved(rise, eta, push, A, tight, by_zeta, state)
-    return state[1], state[2], state[5], state[0]
+    return state
 
 
-def needed_ratio(system: Dimensionless, A: float = 1.0, *, rtol: float = 1e-12) -> tuple[float, float, float]:
-    """Return the damping ratio that an orbit needs, its error, and the slope of the gap there, in plain Python.
+def needed_ratio(
+    system: Dimensionless, A: float = 1.0, *, rtol: float = 1e-12, fast: bool = False
+) -> tuple[float, float, float]:
+    """Return the damping ratio that an orbit needs, its error, and the slope of the gap there.
 
     - `A`: highest velocity over the belt's; 1 for the slip from P, static excess included.
     - `rtol`: relative error that is wanted.
+    - `fast`: compiled where numba is there; a time limit is then looked at once.
 
     Raises `InputError` if the orbit goes beyond what was measured of the law.
     Raises `NoThreshold` if no damping ratio closes the orbit.
     Raises `NotConverged` when the bound on the work is reached.
-    Raises `OutOfTime` when the time of a `time_limit` is up; it says between which ratios the root lies.
+    Raises `OutOfTime` when the time of a `time_limit` is up; it says the best ratio, and between which ones the
+      root lies.
     """
-    push = system.push(1) if A == 1.0 else 0.0
-    tight = _TIGHTEST if rtol < _FINE else _STIFF if abs(system.eta) > _STRONG else _TIGHT
-    state = begun(system.rise, system.eta, push, A)
-    for _ in range(_MOST):
+    eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
+    tight = _TIGHTEST if rtol < _FINE else _STIFF if abs(eta) > _STRONG else _TIGHT
+    fast = fast and is_compiling()
+    rise = system.table.at(system.V, arrays=fast)
+    source = by_zeta(system)
+    if fast:
+        source = (*source[:3], rise.pieces, np.zeros(len(rise.jumps)))
+    run, most = (compiled(needed), MOST_GAPS) if fast else (needed, 1)
+    state = begun(rise, eta, push, A)
+    for _ in range(0, MOST_GAPS, most):
         if state[0] != SOUGHT:
             break
         try:
@@ -300,7 +282,7 @@ def needed_ratio(system: Dimensionless, A: float = 1.0, *, rtol: float = 1e-12) 
                 f"{stop}; the best value so far is c = {best:.6g} sqrt(k m), and c lies between {low:.6g} and "
                 f"{high:.6g} times sqrt(k m)"
             ) from None
-        state = improved(system.rise, system.eta, push, A, tight, by_zeta(system), state)
+        state = run(rise, eta, push, A, tight, source, state, most)
     how, zeta, error, low, high, slope, *_ = state
     if how == FOUND:
         return zeta, error, slope

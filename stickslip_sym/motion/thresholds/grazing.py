@@ -24,12 +24,13 @@ _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the l
 _SAME = 1e-12  # relative distance of two places of a kink that are one
 
 
-def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> tuple[float, float]:
+def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float, fast: bool = False) -> tuple[float, float]:
     """Return the damping c in kg/s at which the slip from P grazes the belt's speed, and its relative error.
 
     - `law`: with all parameters bound.
     - `osc`: its own c is not used.
     - `rtol`: relative error that is wanted.
+    - `fast`: compiled where numba is there, for many dampings.
 
     The damping is negative where the slip does not return without any.
 
@@ -39,7 +40,7 @@ def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float) -> tuple[
     Raises `OutOfTime` when the time of a `time_limit` around it is up; it says between which dampings the
       threshold lies.
     """
-    zeta, error, _ = needed_ratio(Dimensionless.of(law, osc), rtol=rtol)
+    zeta, error, _ = needed_ratio(Dimensionless.of(law, osc), rtol=rtol, fast=fast)
     relative = 0.0 if error == 0.0 else error / abs(zeta) if zeta else math.inf
     return 2 * zeta * osc.impedance, relative
 

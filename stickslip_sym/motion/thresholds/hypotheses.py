@@ -15,15 +15,13 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.balls import ball, ball_function, ball_value, working_precision
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import is_analytic
 from stickslip_sym.model.expression.pieces import branch_from, jumps
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.thresholds.box_scene import BoxScene
 
 __all__ = ["checked_hypotheses", "lipschitz_evidence"]
 
-_ANALYTIC = (
-    sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.atan, sp.asinh, sp.erf, sp.erfc, sp.erfi,
-)  # fmt: skip
 _BITS = 64
 _MOST_CUTS = 400  # of a range on which a sign is shown
 _speed = sp.Symbol("v", positive=True)
@@ -77,16 +75,16 @@ def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
 def _must_be_positive(expr: Expr) -> Iterator[Expr | None]:
     """Yield what has to be positive for an expression to be analytic; None for an unknown function."""
     for node in sp.preorder_traversal(expr):
-        if not node.has(_speed) or node.is_Symbol or node.is_Add or node.is_Mul:
+        if not node.has(_speed) or node.is_Symbol or is_analytic(node):
             continue
         if node.is_Pow:
-            if node.base is not sp.E and node.exp.has(_speed):
+            if node.exp.has(_speed):
                 yield None
-            elif node.base is not sp.E and not (node.exp.is_Integer and node.exp > 0):
+            elif not (node.exp.is_Integer and node.exp > 0):
                 yield node.base**2 if node.exp.is_Integer else node.base
         elif isinstance(node, sp.log):
             yield node.args[0]
-        elif not isinstance(node, _ANALYTIC):
+        else:
             yield None
 
 

@@ -37,6 +37,7 @@ __all__ = [
 ROUNDING = 1e-14
 _REFERENCE = 1e-8  # relative error of the threshold from which the error of an average is taken
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
+_MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
 
 
@@ -347,9 +348,10 @@ def _by_simulation(points: OperatingPoints, rtol: float) -> Computed:
     """Return the damping at which the simulated slip from P grazes the belt's speed, point by point."""
     found = np.full((2, len(points)), [[np.nan], [np.inf]])
     refusals: dict[int, StickSlipError] = {}
+    fast = len(points) >= _MANY
     for row in range(len(points)):
         try:
-            found[:, row] = grazing_damping(points.law, points.oscillator(row), rtol=rtol)
+            found[:, row] = grazing_damping(points.law, points.oscillator(row), rtol=rtol, fast=fast)
         except NO_RESULT as refusal:
             refusals[row] = refusal
     return Computed(found[0], found[1], refusals)
@@ -370,8 +372,8 @@ _table: dict[str, Method] = {
     method.name: method
     for method in (
         Method("second_order", _by_expansion, converges=False, sensitivity=sensitivity.of_orbit, smooth=True),
-        Method("orbit", _by_orbit, sensitivity=sensitivity.of_orbit, smooth=True),
         Method("simulation", _by_simulation, sensitivity=sensitivity.of_slip, loosest=1e-3),
+        Method("orbit", _by_orbit, sensitivity=sensitivity.of_orbit, smooth=True),
         Method("proof", _by_proof, sensitivity=sensitivity.of_slip, automatic=False, tightest=1e-40, loosest=1e-3),
     )
 }

@@ -1,18 +1,21 @@
 """A pure-slip threshold as a theorem: two dampings, close together, at which the slip from P is decided.
 More damping turns the field one way and moves P inwards (the chapter `one_threshold` of the derivations), so if
 the slip from P returns at one damping it does so at every smaller one. One damping at which it returns and one
-at which it does not enclose the threshold.
+at which it does not enclose the threshold. Critical values of other quantities are enclosed by the same search.
 """
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
 from fractions import Fraction
+from functools import partial
 
 import sympy as sp
 from flint import arb
 
 from stickslip_sym.core.aliases import Rational
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
+from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.motion.thresholds.box_scene import BoxScene
 from stickslip_sym.motion.thresholds.box_transit import Transit, transit
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
@@ -21,7 +24,7 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 from stickslip_sym.motion.thresholds.taylor_boxes import Undecided
 from stickslip_sym.motion.thresholds.theorem import Theorem
 
-__all__ = ["prove_threshold", "theorems"]
+__all__ = ["Search", "prove_threshold", "theorems"]
 
 _GUESS = 1e-9  # tolerance of the simulation that says where to look
 _BITS = (40, 100, 250, 600)  # of a decision, beyond those of its distance from the threshold, until one falls
@@ -31,42 +34,62 @@ _WIDEST = 1e-2  # of the first bracket, relative
 _FINE = 1000  # parts of a bracket to which its ends are rounded
 
 
-class _Search:
-    """Decisions at dampings, and what they say of the threshold."""
+class Search:
+    """Decisions at values of the damping, or of minus it, or of another quantity; and what encloses the threshold.
 
-    def __init__(self, scene: BoxScene) -> None:
-        self.scene = scene
+    Parameters
+    ----------
+    decision : callable
+        From a value, and bits of precision, to the `Transit` there.
+    label : str
+        What the value is, for messages.
+    """
+
+    def __init__(self, decision: Callable[[Rational, int], Transit], label: str) -> None:
+        self.decision, self.label = decision, label
         self.found: dict[Rational, Transit] = {}
         self.bits = list(_BITS)
 
-    def decide(self, c: Rational, distance: float) -> Transit:
-        """Return the transit at a damping, at a precision that suits its relative distance from the threshold."""
+    def decide(self, x: Rational, distance: float) -> Transit:
+        """Return the transit at a value, at a precision that suits its relative distance from the threshold."""
         close = int(1.25 * max(0.0, -math.log2(distance)))
         while True:
             try:
-                self.found[c] = transit(self.scene, c, self.bits[0] + close)
+                self.found[x] = self.decision(x, self.bits[0] + close)
             except Undecided as error:
                 if len(self.bits) == 1:
                     bits = self.bits[0] + close
                     raise NotConverged(
-                        f"undecided at c = {float(c):.15g} kg/s with {bits} bits: {error}"
+                        f"undecided at {self.label} = {float(abs(x)):.15g} with {bits} bits: {error}"
                     ) from None
-                del self.bits[0]  # nor would fewer do at the next damping
+                del self.bits[0]  # nor would fewer do at the next value
             else:
-                return self.found[c]
+                return self.found[x]
 
     @property
     def low(self) -> Rational:
-        """The largest damping at which the slip returns."""
-        return max((c for c, found in self.found.items() if found.returns), default=None)
+        """The largest value at which the slip returns."""
+        return max((x for x, found in self.found.items() if found.returns), default=None)
 
     @property
     def high(self) -> Rational:
-        """The smallest damping at which it does not."""
-        return min((c for c, found in self.found.items() if not found.returns), default=None)
+        """The smallest value at which it does not."""
+        return min((x for x, found in self.found.items() if not found.returns), default=None)
+
+    def around(self, value: float, error: float, rtol: float) -> Enclosure:
+        """Enclose the threshold by two values within a relative distance.
+
+        - `value, error`: where to look, and its relative error as far as known.
+        """
+        center = sp.Rational(value)
+        half = sp.Rational(rtol) * abs(center) * sp.Rational(2, 5)
+        width = max(half, abs(center) * sp.Rational(min(max(2 * error, 1e-15), _WIDEST)))
+        self.enclose(center, width)
+        self.narrow(half, sp.Rational(rtol))
+        return Enclosure.of(self.low, self.high)
 
     def enclose(self, center: Rational, width: Rational) -> None:
-        """Find a damping at which the slip returns and one at which it does not, on both sides of a guess."""
+        """Find a value at which the slip returns and one at which it does not, on both sides of a guess."""
         for side in (-1, 1):
             step = width
             while self.decide(_rounded(center + side * step, step), float(step / abs(center))).returns != (
@@ -75,10 +98,10 @@ class _Search:
                 step *= 4
                 center = self.estimate() or center  # a guess that is off by more than it says is mended
                 if not 0 < step < abs(center):
-                    raise NotConverged(f"the guess {float(center):g} kg/s is not near the threshold")
+                    raise NotConverged(f"no change is near the guess {self.label} = {float(abs(center)):g}")
 
     def narrow(self, half: Rational, rtol: Rational) -> None:
-        """Bring both dampings within a relative distance, by the secant where it serves, else by halves."""
+        """Bring both values within a relative distance, by the secant where it serves, else by halves."""
         while self.high - self.low > rtol * abs(self.low):
             low, high = self.low, self.high
             middle, radius = self.estimate(), max(half, _CURVED * (high - low) ** 2 / abs(low))
@@ -138,16 +161,12 @@ def prove_threshold(scene: BoxScene, guess: float, error: float, rtol: float) ->
     Raises `NotConverged` if a decision does not fall; it says where the boxes grew.
     """
     hypotheses = checked_hypotheses(scene)
-    search = _Search(scene)
+    search = Search(partial(transit, scene), "c in kg/s")
     if guess == 0:
         raise NoThreshold(
             "the threshold is 0: friction does no work along the orbit, and nothing is left to enclose"
         )
-    center = sp.Rational(guess)
-    half = sp.Rational(rtol) * abs(center) * sp.Rational(2, 5)
-    width = max(half, abs(center) * sp.Rational(min(max(2 * error, 1e-15), _WIDEST)))
-    search.enclose(center, width)
-    search.narrow(half, sp.Rational(rtol))
+    search.around(guess, error, rtol)
     low, high = search.low, search.high
     undamped = None
     if low > 0:

@@ -11,6 +11,7 @@ from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray, Rows
 from stickslip_sym.core.errors import InputError, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import read_rtol
+from stickslip_sym.core.status import Status
 from stickslip_sym.core.uncertain import with_error
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.doubts import warn_where_negative
@@ -164,9 +165,9 @@ class Threshold:
         return None if self.theorem is None else self.theorem.enclosure
 
     @property
-    def status(self) -> str:
+    def status(self) -> Status:
         """PROVED, or ESTIMATED where the error is an estimate, or not known."""
-        return "PROVED" if self.theorems else "ESTIMATED"
+        return Status.PROVED if self.theorems else Status.ESTIMATED
 
     def __str__(self) -> str:
         if not np.size(self.value):
@@ -207,7 +208,7 @@ class Threshold:
                 f"{value[index]:.10g}",
                 str(method[index]),
                 accuracy(float(error[index])),
-                self.status,
+                str(self.status),
             ]
             for index in markup.shortened(list(np.ndindex(value.shape)))
         ]
@@ -250,7 +251,7 @@ def pure_slip_damping(
         mu is a straight line, which all methods treat exactly.
     method : str, Criterion or Method
         "auto" asks one method after another, the cheapest first, and gives the first value that knows its own
-        error to be at most `rtol`: "second_order", "orbit" or "simulation". Without m and k it gives "harmonic",
+        error to be at most `rtol`: "second_order", "simulation" or "orbit". Without m and k it gives "harmonic",
         the limit of weak friction. Otherwise one method: "equilibrium", "least_squares", "harmonic",
         "second_order", "orbit", "simulation", the average by a criterion of one's own, or "proof", which encloses
         the threshold, with every error bounded.
@@ -291,7 +292,7 @@ def pure_slip_damping(
     >>> osc = Oscillator(m=1.0, k=100.0, V=0.5, N=9.81)
     >>> threshold = pure_slip_damping(laws.exponential.typical(), osc, rtol=1e-8)
     >>> f"{threshold.value:.7f} kg/s by {threshold.method}"
-    '2.5730789 kg/s by orbit'
+    '2.5730789 kg/s by simulation'
     """
     law = as_law(law)
     chosen = find_method(method)

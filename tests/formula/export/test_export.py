@@ -1,5 +1,6 @@
 """Exported files: LaTeX through a real engine, and Python, C and Octave run against many digits."""
 
+import ctypes
 import re
 import shutil
 import subprocess
@@ -161,59 +162,51 @@ def test_zeros():
 # -- code --------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def few():
-    """Forms, scenes and right values."""
-    forms = [form_of(*one) for one in FEW]
-    scenes = [accuracy.samples(form.law, "middle", 6, seed=6) for form in forms]
-    return forms, scenes, [accuracy.reference(form, columns) for form, columns in zip(forms, scenes, strict=True)]
+def in_python(text, names, rows, folder):
+    exec(compile(text, "text", "exec"), module := {})
+    return [[module[name](*row) for row in part] for name, part in zip(names, rows, strict=True)]
 
 
-def assert_right(few, values):
-    for form, columns, exact, got in zip(*few, values, strict=True):
-        assert accuracy.units(form, columns, np.array(got), exact).max() <= MOST_UNITS, form
-
-
-def names_of(forms):
-    return [f"damping_{form.law.name}_{form.criterion.name}" for form in forms]
-
-
-def test_python(few):
-    module = {}
-    exec(compile(ss.export_code(few[0], "python"), "text", "exec"), module)
-    assert_right(few, [module[name](**columns) for name, columns in zip(names_of(few[0]), few[1], strict=True)])
-
-
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc to compile C with")
-def test_c(few, tmp_path):
-    import ctypes
-
-    compiled(ss.export_code(few[0], "c") + "\ndouble damping(void) { return 0.0; }\n", tmp_path, 0)
-    library = ctypes.CDLL(str(tmp_path / "damping.so"))
+def in_c(text, names, rows, folder):
+    compiled(text + "\ndouble damping(void) { return 0.0; }\n", folder, 0)
+    library = ctypes.CDLL(str(folder / "damping.so"))
     values = []
-    for form, name, columns in zip(few[0], names_of(few[0]), few[1], strict=True):
+    for name, part in zip(names, rows, strict=True):
         function = getattr(library, name)
-        function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * len(form.arguments)
-        values.append([function(*row) for row in zip(*(columns[key] for key in form.arguments), strict=True)])
-    assert_right(few, values)
+        function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * len(part[0])
+        values.append([function(*row) for row in part])
+    return values
 
 
-@pytest.mark.skipif(shutil.which("octave-cli") is None, reason="there is no octave; Debian has it in octave")
-def test_octave(few, tmp_path):
-    (tmp_path / "damping_criteria.m").write_text(ss.export_code(few[0], "octave"))
+def in_octave(text, names, rows, folder):
+    (folder / "damping_criteria.m").write_text(text)
     calls = "criteria = damping_criteria();\n"
-    for form, name, columns in zip(few[0], names_of(few[0]), few[1], strict=True):
-        arrays = ", ".join("[" + ", ".join(repr(float(x)) for x in columns[key]) + "]" for key in form.arguments)
+    for name, part in zip(names, rows, strict=True):
+        arrays = ", ".join(str([float(x) for x in column]) for column in zip(*part, strict=True))
         calls += f'printf("%.17g ", criteria.{name}({arrays})); printf("\\n");\n'
-    (tmp_path / "calls.m").write_text(calls)
-    done = subprocess.run(
-        [*OCTAVE, "calls.m"], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    assert_right(few, [list(map(float, line.split())) for line in done.stdout.splitlines()])
+    (folder / "calls.m").write_text(calls)
+    done = subprocess.run([*OCTAVE, "calls.m"], cwd=folder, capture_output=True, text=True, timeout=60, check=True)
+    return [list(map(float, line.split())) for line in done.stdout.splitlines()]
 
 
 OCTAVE = ["octave-cli", "--norc", "--quiet"]
+RUN = {"python": (in_python, sys.executable), "c": (in_c, "gcc"), "octave": (in_octave, "octave-cli")}
+
+
+def test_several_criteria_in_one_file(tmp_path):
+    forms = [form_of(*one) for one in FEW]
+    scenes = [accuracy.samples(form.law, "middle", 3, seed=6) for form in forms]
+    exact = [accuracy.reference(form, columns) for form, columns in zip(forms, scenes, strict=True)]
+    names = [f"damping_{form.law.name}_{form.criterion.name}" for form in forms]
+    rows = [list(zip(*(columns[key] for key in form.arguments), strict=True))
+            for form, columns in zip(forms, scenes, strict=True)]  # fmt: skip
+    for language, (run, program) in RUN.items():
+        if shutil.which(program):
+            values = run(ss.export_code(forms, language), names, rows, tmp_path)
+            for form, columns, right, got in zip(forms, scenes, exact, values, strict=True):
+                assert accuracy.units(form, columns, np.array(got), right).max() <= MOST_UNITS, (language, form)
+
+
 ODD = {"np": 0.5, "float": 0.3, "zip": 2.0, "M_PI": 0.2, "NAN": 0.1, "typeof": 0.4, "sum": 0.6, "sum_": 0.7}
 
 
@@ -241,9 +234,9 @@ def test_code_of_one_form_is_its_own():
         assert ss.export_code([form], language) == ss.export_code(form, language) == form.code(language)
 
 
-def test_octave_text_is_matlab_too(few):
+def test_octave_text_is_matlab_too():
     """MATLAB has no names that begin with an underscore, and another sign for inequality."""
-    text = ss.export_code(few[0], "octave")
+    text = ss.export_code([form_of(*one) for one in FEW], "octave")
     assert re.findall(r"(?<![\w.])_\w|!=|endfunction|endif|printf|#", text) == []
     assert text.count("\nend\n") >= text.count("function ") > 8
 

@@ -247,7 +247,7 @@ def test_a_proof_by_name():
     law = LAWS["exponential"]
     scene_of = {"V": "0.5", "N": "9.81", "m": 1, "k": 100}
     found = ss.pure_slip_damping(law, **scene_of, method="proof", rtol=1e-25)
-    assert (found.status, found.method) == ("PROVED", "proof")
+    assert (found.status, found.method) == (ss.Status.PROVED, "proof")
     assert found.relative_error <= 1e-25
     assert found.enclosure.digits >= 25
     assert float(found.enclosure) == found.value
@@ -259,7 +259,7 @@ def test_a_proof_by_name():
     assert len(several.theorems) == 2
     assert several.theorem is None
     estimated = ss.pure_slip_damping(law, **scene_of, method="orbit")
-    assert (estimated.status, estimated.enclosure) == ("ESTIMATED", None)
+    assert (estimated.status, estimated.enclosure) == (ss.Status.ESTIMATED, None)
     assert abs(estimated.value - found.value) <= estimated.relative_error * found.value + 1e-15
 
 
