@@ -19,11 +19,11 @@ from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.derivation import Step
-from stickslip_sym.formula.finding.rules import Part, Progress, definition, integrate_terms
+from stickslip_sym.formula.finding.rules import Part, Progress, integrate_terms
 from stickslip_sym.formula.proof.gate import verify
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
-from stickslip_sym.formula.proof.recurrence import AVERAGES_AGREE
+from stickslip_sym.formula.proof.recurrence import AVERAGES_AGREE, AverageSeries, definition
 from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import shapes_of
 from stickslip_sym.output import printing
@@ -200,7 +200,7 @@ class Average:
 
     def _step(self, part: Part) -> Step:
         statement = self._in_shapes(sp.Eq(part.integral, part.value, evaluate=False))
-        if self.criterion.is_polynomial:
+        if self.criterion.is_polynomial and not isinstance(part.by, AverageSeries):
             reason = f"the antiderivative is found by the rule: {part.rule}"
             return Step(self._operation, reason, statement, prove_equal(part.integral, part.value, part.by))
         verdict = Verdict(self.gate.status, f"{self.gate.evidence}; of a profile in pieces no proof is known here")

@@ -7,10 +7,13 @@ the hypergeometric series, from residues the rational functions, and from Fourie
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import sympy as sp
 
+from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.formula.finding.matching import (
     as_function,
     as_power,
@@ -21,7 +24,7 @@ from stickslip_sym.formula.finding.matching import (
     partial_fractions,
 )
 
-__all__ = ["harmonic_average", "kinked_polynomial_average"]
+__all__ = ["harmonic_average", "kinked_polynomial_average", "series_average"]
 
 _HALF = sp.Rational(1, 2)
 
@@ -269,7 +272,7 @@ def _asinh(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     return -4 * constant * sp.sqrt(A * B) / (sp.pi * rate * V**2) * elliptic
 
 
-def _series(rest: Expr, u: Expr, V: Expr) -> Expr | None:
+def series_average(rest: Expr, u: Expr, V: Expr, criterion: Criterion = harmonic) -> Expr | None:
     """Average u^q f, f a hypergeometric series in u^d, power by power: a series with the moments appended.
 
     f is exp(-k u^d), d = 1/2, 1 or 2 (the Gaussian is one 2F2), (1 + k u^d)^p, d a whole number, or erf(k u). For
@@ -297,28 +300,54 @@ def _series(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     else:
         return None
     terms = sp.Poly(polynomial, u).terms()
-    return front * sp.Add(*[c * _moments(q + n, d, upper, lower, z, V) for (n,), c in terms])
+    return front * sp.Add(
+        *[c * _moments(q + n, d, upper, lower, z, V, part) for (n,), c in terms for part in _parts(criterion)]
+    )
 
 
-def _moments(q: Expr, d: Expr, upper: list[Expr], lower: list[Expr], z: Expr, V: Expr) -> Expr:
-    """Return H[u^q pFq(upper; lower; z u^d)], d = a/b: the sum over every b-th power of z, for b first powers."""
+def _moments(q: Expr, d: Expr, upper: list[Expr], lower: list[Expr], z: Expr, V: Expr, part: "_Part") -> Expr:
+    """Average u^q pFq(upper; lower; z u^d), d = a/b: the sum over every b-th power of z, for b first powers."""
     a, b = int(d.p), int(d.q)
     total = sp.Integer(0)
     for start in range(b):
         first = b if q == 0 and start == 0 else start  # H[u^0] = 0
         p = q + d * first
         above = [(x + first + i) / b for x in upper for i in range(b)] + [sp.Integer(1)]
-        above += [(p + _HALF + i) / a for i in range(a)] + [p / a + 1]
+        above += [(p + x + i) / a for x in part.upper for i in range(a)] + [p / a + 1]
         below = [(x + first + i) / b for x in [*lower, sp.Integer(1)] for i in range(b)]
-        below += [(p + 2 + i) / a for i in range(a)] + [p / a]
+        below += [(p + x + i) / a for x in part.lower for i in range(a)] + [p / a]
         for parameter in list(above):
             if parameter in below:
                 above.remove(parameter)
                 below.remove(parameter)
         ratio = sp.Mul(*[sp.rf(x, first) for x in upper], *[1 / sp.rf(x, first) for x in lower])
         value = sp.hyper(above, below, z**b * (2 * V) ** a * sp.Integer(b) ** (b * (len(upper) - len(lower) - 1)))
-        total += ratio * z**first / sp.factorial(first) * _power_moment(p, V) * value
+        total += ratio * z**first / sp.factorial(first) * part.value(p, V) * value
     return total
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A part of a weight: the average of u^p is value(p, V), a ratio of Gammas of p + upper and p + lower."""
+
+    upper: tuple[Expr, ...]
+    lower: tuple[Expr, ...]
+    value: Callable[[Expr, Expr], Expr]
+
+
+def _parts(criterion: Criterion) -> list[_Part]:
+    """Split a weight: the harmonic one is one part, a polynomial one a part for each power of 1 + s."""
+    if not criterion.is_polynomial:
+        return [_Part((_HALF,), (sp.Integer(2),), _power_moment)]
+
+    def of_power(j: int, w: Expr) -> _Part:
+        def value(p: Expr, V: Expr) -> Expr:
+            return -p * w * 2 ** (p + j) * V ** (p - 1) / (p + j)
+
+        return _Part((sp.Integer(j),), (sp.Integer(j + 1),), value)
+
+    from_rest = sp.Poly(criterion.weight.subs(symbols.s, symbols.s - 1), symbols.s)  # type: ignore[union-attr]
+    return [of_power(j, w) for (j,), w in from_rest.terms()]
 
 
 def kinked_polynomial_average(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) -> Expr | None:
@@ -355,5 +384,5 @@ _RULES = {
     "Fourier coefficients of the logarithm of a quadratic": _log_of_quadratic,
     "complete elliptic integrals": _asinh,
     "Beta function": _power,
-    "hypergeometric series": _series,
+    "hypergeometric series": series_average,
 }

@@ -16,15 +16,14 @@ from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.finding import search
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
-from stickslip_sym.formula.finding.harmonics import harmonic_average, kinked_polynomial_average
+from stickslip_sym.formula.finding.harmonics import harmonic_average, kinked_polynomial_average, series_average
 from stickslip_sym.formula.finding.search import Found, Nothing
-from stickslip_sym.formula.proof.recurrence import HarmonicSeries
+from stickslip_sym.formula.proof.recurrence import AverageSeries, definition
 from stickslip_sym.formula.proof.theorems import By, PieceByPiece, ends_of_pieces, value_at
 from stickslip_sym.model.expression.pieces import pieces_of
 from stickslip_sym.model.terms import grouped
-from stickslip_sym.output import printing
 
-__all__ = ["Part", "Progress", "definition", "integrate_terms"]
+__all__ = ["Part", "Progress", "integrate_terms"]
 
 Progress = Callable[[str], None]
 """Told in a few words what is being done."""
@@ -53,24 +52,6 @@ class Part:
     value: Expr
     rule: str
     by: By | None
-
-
-def definition(mu: Expr, criterion: Criterion) -> Expr:
-    """Return -<mu'(V(1 + s))>_w as an integral of mu itself."""
-    v, V, theta = symbols.v, symbols.V, symbols.theta
-    if criterion.is_polynomial:
-        return sp.Integral(mu * criterion.kernel, (v, 0, 2 * V)) + _boundary(mu, criterion)
-    return sp.Integral(mu.subs(v, V * (1 - sp.cos(theta))) * criterion.angle_kernel, (theta, 0, sp.pi))
-
-
-def _boundary(mu: Expr, criterion: Criterion) -> Expr:
-    """Return the boundary terms of the integration by parts."""
-    found = criterion.boundary(mu)
-    if found.has(sp.zoo, sp.oo, sp.nan):
-        raise NoClosedForm(
-            f"the weight of {criterion.name!r} is not 0 at s = -1, where {printing.text(mu)} has no value"
-        )
-    return found
 
 
 def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Progress) -> list[Part]:
@@ -102,15 +83,14 @@ def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Pr
         if isinstance(found, Nothing):
             raise NoClosedForm(f"no rule for the {criterion.name} criterion covers it, and {found.reason}")
         rule, value, primitives = found
-        term = constant * rest
-        whole = constant * value + (_boundary(term, criterion) if criterion.is_polynomial else 0)
-        integral = definition(term, criterion)
+        integral = definition(constant * rest, criterion)
+        whole = constant * value + (criterion.boundary(constant * rest) if primitives else 0)
         by: By | None = None
         if primitives:
             by = PieceByPiece([constant * primitive for primitive in primitives], symbols.v, split[1])
         elif not split[1]:
-            by = HarmonicSeries(rest, symbols.v, symbols.V, constant, value)
-        parts.append(Part(term, integral, whole, rule, by))
+            by = AverageSeries(rest, criterion, constant, value)
+        parts.append(Part(constant * rest, integral, whole, rule, by))
     return parts
 
 
@@ -128,6 +108,8 @@ def _by_antiderivatives(
         by_rule = antiderivative(piece, kernel, symbols.v)
         if by_rule is not None:
             found = Found(*by_rule)
+        elif not places and (average := series_average(piece, symbols.v, symbols.V, criterion)) is not None:
+            return "hypergeometric series", average, []
         else:
             limit = 0.0 if _is_hopeless(piece) else seconds
             searched = search.antiderivative(piece * kernel, symbols.v, limit, progress)

@@ -198,10 +198,10 @@ class Differential:
                 self._set(sine, slope * cosine)
                 self._set(cosine, -slope * sine)
             return sine if kind is sp.sin else cosine
-        if kind in (sp.log, sp.atan):
-            inner, value = self.of(arguments[0]), self.algebra.new()
-            below = inner if kind is sp.log else 1 + self.algebra.product(inner, inner)
-            self._set(value, self.algebra.product(self.derivative(inner), self.algebra.inverse(below)))
+        if kind in (sp.log, sp.atan, sp.asinh, sp.erf):
+            inner, value, x = self.of(arguments[0]), self.algebra.new(), sp.Dummy()
+            slope = self.of(kind(x).diff(x).subs(x, arguments[0]))
+            self._set(value, self.algebra.product(self.derivative(inner), slope))
             return value
         raise ValueError(f"no differential equation of {kind.__name__} is known here")
 
@@ -228,7 +228,12 @@ class Differential:
         return functions
 
     def _hypergeometric(self, upper: Expr, lower: Expr, z: Expr) -> PolyElement:
-        """The generators are F, theta F, theta^2 F, ..., theta = z d/dz."""
+        """The generators are F, theta F, theta^2 F, ..., theta = z d/dz; F alone if a + 1 is below an a."""
+        raised = next((a for a in upper if a + 1 in lower), None)
+        if raised is not None:
+            return self._raised(upper, lower, z, raised)
+        if not lower and len(upper) == 1 and upper[0].is_Rational and upper[0].q in (1, 2, 4):
+            return self.of((1 - z) ** -upper[0])
         functions, fresh = self._family((upper, lower, z), len(lower) + 1)
         if fresh:
             t, inner = sp.Dummy("t"), self.of(z)
@@ -250,6 +255,18 @@ class Differential:
             for function, following in zip(functions, [*functions[1:], highest * last], strict=True):
                 self._set(function, rate * following)
         return functions[0]
+
+    def _raised(self, upper: Expr, lower: Expr, z: Expr, a: Expr) -> PolyElement:
+        """(theta + a) F(a, ...; a + 1, ...; z) = a F(...; ...; z): of one order less than it seems."""
+        (value,), fresh = self._family((upper, lower, z), 1)
+        if fresh:
+            above, below = list(upper), list(lower)
+            above.remove(a)
+            below.remove(a + 1)
+            inner, rest = self.of(z), self._hypergeometric(sp.Tuple(*above), sp.Tuple(*below), z)
+            rate = self.algebra.product(self.derivative(inner), self.algebra.inverse(inner))
+            self._set(value, self.algebra.product(self.algebra.constant(a) * rate, rest - value))
+        return value
 
     def _elliptic(self, m: Expr) -> list[PolyElement]:
         functions, fresh = self._family(("elliptic", m), 2)

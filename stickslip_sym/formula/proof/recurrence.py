@@ -1,8 +1,8 @@
-"""Harmonic averages proved: both sides satisfy one differential equation and agree in their first coefficients.
+"""Averages proved: both sides satisfy one differential equation and agree in their first coefficients.
 
-For g(u) = sum g_n u^n near 0 the average is the power series V H[g](V) = -sum b_n g_n V^n, where
-b_n = n 2^(n-1) B_(n-1) and B_j are the moments of a Beta(3/2, 3/2) distribution, so that
-b_(n+1)/b_n = (n + 1)(2 n + 1)/(n (n + 2)). A linear differential equation of g with polynomial coefficients is a
+For g(u) = sum g_n u^n near 0 the average is the power series V F(V) = -sum b_n g_n V^n, b_n = n <(1 + s)^(n-1)>,
+and b_(n+1)/b_n is a rational function of n for every weight here; for the harmonic one it is
+(n + 1)(2 n + 1)/(n (n + 2)). A linear differential equation of g with polynomial coefficients is a
 recurrence of the g_n; so b_n g_n has one, which as a differential equation in V the closed form must satisfy. Two
 power series that do, and agree in all coefficients that the recurrence does not fix, are equal; and two functions
 analytic for V > 0 that agree near 0 agree for every V > 0.
@@ -13,15 +13,20 @@ from dataclasses import dataclass
 import sympy as sp
 from sympy.polys.polyerrors import BasePolynomialError
 
+from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.functions import is_analytic
+from stickslip_sym.core.symbols import V
+from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.proof.differential import Algebra, Differential
 from stickslip_sym.formula.proof.expansions import Expansion, Series
-from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
+from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.theorems import is_positive, is_smooth
 from stickslip_sym.model.terms import split_polynomial
+from stickslip_sym.output import printing
 
-__all__ = ["AVERAGES_AGREE", "HarmonicSeries", "prove_average"]
+__all__ = ["AVERAGES_AGREE", "AverageSeries", "definition", "prove_average"]
 
 _SPARE = (2, 6, 14)  # terms of a series beyond those that are compared, for those that cancel
 
@@ -34,65 +39,80 @@ AVERAGES_AGREE = (
 
 
 @dataclass(frozen=True)
-class HarmonicSeries:
-    """Evaluate the harmonic average of `constant` g(u) as `constant` times `value`.
+class AverageSeries:
+    """Evaluate the average of `constant` g(v) under a criterion as `constant` times `value`.
 
     Attributes
     ----------
     term : sympy.Expr
-        g, analytic for u >= 0, or a power of u.
-    u, V : sympy.Symbol
+        g, analytic for v >= 0, or under the harmonic weight a power of v.
+    criterion : Criterion
     constant : sympy.Expr
     value : sympy.Expr
-        The proposed H[g](V).
+        The proposed average of g.
     """
 
     term: Expr
-    u: Expr
-    V: Expr
+    criterion: Criterion
     constant: Expr
     value: Expr
 
     def __call__(self, expr: Expr) -> Expr:
         """Apply the theorem, after checking every hypothesis of it."""
-        theta, low, high = single_limit(expr)
-        if (low, high) != (0, sp.pi):
-            raise ValueError(f"{theta} does not run from 0 to pi")
-        kernel = 2 * sp.cos(theta) / (sp.pi * self.V)
-        integrand = self.constant * self.term.subs(self.u, self.V * (1 - sp.cos(theta))) * kernel
-        if sp.powsimp(expr.function / integrand) != 1 and normal_form(expr.function - integrand) != 0:
-            raise ValueError("the integral is not the harmonic average of the term")
+        expected = definition(self.constant * self.term, self.criterion)
+        if expr != expected and normal_form(expr - expected) != 0:
+            raise ValueError("the integral is not the average of the term")
         try:
-            prove_average(self.term, self.value, self.u, self.V)
+            prove_average(self.term, self.value, self.criterion)
         except (BasePolynomialError, NotImplementedError) as failure:
             raise ValueError(f"SymPy cannot compute with the term: {type(failure).__name__}") from None
         return self.constant * self.value
 
 
-def prove_average(term: Expr, value: Expr, u: Expr, V: Expr) -> None:
-    """Prove H[term] = value, or raise ValueError and say which hypothesis fails."""
+def definition(mu: Expr, criterion: Criterion) -> Expr:
+    """Return -<mu'(V(1 + s))>_w as an integral of mu itself.
+
+    Raises
+    ------
+    NoClosedForm
+        If mu has no value at v = 0, where the weight is not 0.
+    """
+    v, theta = symbols.v, symbols.theta
+    if not criterion.is_polynomial:
+        return sp.Integral(mu.subs(v, V * (1 - sp.cos(theta))) * criterion.angle_kernel, (theta, 0, sp.pi))
+    boundary = criterion.boundary(mu)
+    if boundary.has(sp.zoo, sp.oo, sp.nan):
+        raise NoClosedForm(
+            f"the weight of {criterion.name!r} is not 0 at s = -1, where {printing.text(mu)} has no value"
+        )
+    return sp.Integral(mu * criterion.kernel, (v, 0, 2 * V)) + boundary
+
+
+def prove_average(term: Expr, value: Expr, criterion: Criterion) -> None:
+    """Prove that `value` is the average of a term, or raise ValueError and say which hypothesis fails."""
+    u = symbols.v
     if term.is_Pow and term.base == u and not term.exp.is_Integer:
-        _require_moment(term.exp, value, V)
+        _require_moment(term.exp, value, criterion)
         return
     # Bessel functions of higher orders by their recurrence, J_(k+1) = 2 k J_k/z - J_(k-1).
     value = value.replace(lambda node: isinstance(node, sp.besselj), sp.expand_func)
     parameters = sorted((term.free_symbols | value.free_symbols) - {u, V}, key=str)
     recurrence, start = _recurrence(term, u)
     n = sp.Dummy("n")
-    weighted, common = _weighted(recurrence, n)
+    weighted, common = _weighted(recurrence, criterion, n)
     first = _fixed_from(weighted[-1] * common, n, start)
     algebra = Algebra(V, [*parameters, sp.pi])
     count = first + len(weighted) - 1  # coefficients that the recurrence does not fix
     _require_real_analytic(value, V)
-    _require_same_start(algebra, term, value, u, V, count)
-    _require_equation(Differential(algebra).of(V * value), algebra, weighted, n, V, count)
+    _require_same_start(algebra, term, value, criterion, count)
+    _require_equation(Differential(algebra).of(V * value), algebra, weighted, n, count)
 
 
-def _require_moment(p: Expr, value: Expr, V: Expr) -> None:
-    """Compare H[u^p] = -p (2 V)^(p-1) B_(p-1) with the Beta integral for B_(p-1); it exists for p > -1/2."""
+def _require_moment(p: Expr, value: Expr, criterion: Criterion) -> None:
+    """Compare the harmonic average of v^p, -p (2 V)^(p-1) B_(p-1), p > -1/2, with the Beta integral."""
     half = sp.Rational(1, 2)
-    if not (p + half).is_positive:
-        raise ValueError(f"u^({p}) is not integrable with the weight of the criterion")
+    if criterion.is_polynomial or not (p + half).is_positive:
+        raise ValueError(f"v^({p}) is not integrable with the weight of the criterion")
     moment = 2 * sp.gamma(p + half) / (sp.gamma(p + 2) * sp.gamma(3 * half))
     if sp.gammasimp(sp.powsimp(value / (V ** (p - 1) * moment) / (-p * 2 ** (p - 1)))) != 1:
         raise ValueError("the value is not known to be the Beta integral")
@@ -156,13 +176,14 @@ def _require_no_zero(polynomial: Expr, u: Expr) -> None:
             raise ValueError(f"{factor} is not known to have no zero for {u} >= 0")
 
 
-def _weighted(recurrence: list[Expr], n: Expr) -> tuple[list[Expr], Expr]:
+def _weighted(recurrence: list[Expr], criterion: Criterion, n: Expr) -> tuple[list[Expr], Expr]:
     """Return q_k with sum_k q_k(n) b_(n+k) g_(n+k) = 0, polynomials in n, and what was divided out of them."""
     r = len(recurrence) - 1
+    above, below = _ratio(criterion, n)
     terms = []
     for k, p in enumerate(recurrence):
-        over = sp.prod([n + i + 2 for i in range(k)]) * n / (n + k) if k else sp.Integer(1)
-        terms.append(p(n) * over * sp.prod([2 * n + 2 * i + 1 for i in range(k, r)]))
+        factors = [below.subs(n, n + i) if i < k else above.subs(n, n + i) for i in range(r)]
+        terms.append(p(n) * sp.prod(factors))
     fractions = [sp.fraction(sp.cancel(term)) for term in terms]
     below = sp.lcm_list([q for _, q in fractions]) if r else fractions[0][1]
     whole = [sp.Poly(sp.cancel(p * below / q), n) for p, q in fractions]
@@ -172,12 +193,24 @@ def _weighted(recurrence: list[Expr], n: Expr) -> tuple[list[Expr], Expr]:
     return [sp.Poly(sp.cancel(q.as_expr() / common.as_expr()), n) for q in whole], common
 
 
+def _ratio(criterion: Criterion, n: Expr) -> tuple[Expr, Expr]:
+    """Return b_(n+1)/b_n as a fraction of polynomials in n."""
+    if not criterion.is_polynomial:
+        return (n + 1) * (2 * n + 1), n * (n + 2)
+    from_rest = sp.Poly(criterion.weight.subs(symbols.s, symbols.s - 1), symbols.s)  # type: ignore[union-attr]
+    moment = sp.Add(*[w * 2**j / (n + j) for (j,), w in from_rest.terms()])  # <(1 + s)^(n-1)> over 2^n
+    above, below = sp.fraction(sp.cancel(2 * (n + 1) * moment.subs(n, n + 1) / (n * moment)))
+    return above, below
+
+
 def _fixed_from(leading: Expr, n: Expr, start: int) -> int:
     """Return the n >= 1 from which the recurrence fixes every coefficient; no root of `leading` comes after."""
     first = max(start, 1)
     constant, factors = sp.factor_list(leading.as_expr(), n)
     for factor, _ in factors:
         polynomial = sp.Poly(factor, n)
+        if polynomial.degree() > 1 and polynomial.domain.is_ZZ:
+            continue  # it has no rational root, as it does not factor
         if polynomial.degree() > 1:
             raise ValueError(f"the roots of {factor} are not known")
         root = -polynomial.coeff_monomial(1) / polynomial.LC()
@@ -262,8 +295,9 @@ def _outweighs(above: Expr, L: Expr, V: Expr) -> bool:
     return True
 
 
-def _require_same_start(algebra: Algebra, term: Expr, value: Expr, u: Expr, V: Expr, count: int) -> None:
+def _require_same_start(algebra: Algebra, term: Expr, value: Expr, criterion: Criterion, count: int) -> None:
     """Compare V value(V) and -sum b_n g_n V^n in the coefficients of V^n, n < count."""
+    u = symbols.v
     for spare in _SPARE:
         of_term: Series = Expansion(algebra, u, count + spare).of(term)
         of_value: Series = Expansion(algebra, V, count + spare).of(V * value)
@@ -273,17 +307,13 @@ def _require_same_start(algebra: Algebra, term: Expr, value: Expr, u: Expr, V: E
         raise ValueError("too many terms of a series cancel")
     if of_term.order < 0 and of_term.coefficients:
         raise ValueError(f"{term} is infinite at {u} = 0")
-    weight = sp.Integer(0)
     for power in range(min(of_value.order, 0), count):
-        if power == 1:
-            weight = sp.Integer(1)
-        elif power > 1:
-            weight *= sp.Rational(power * (2 * power - 1), (power - 1) * (power + 1))
+        weight = power * criterion.mean_power(power - 1) if power > 0 else sp.Integer(0)
         if of_value.coefficient(power) != -algebra.constant(weight) * of_term.coefficient(power):
             raise ValueError(f"the coefficients of V^{power - 1} are not known to be equal")
 
 
-def _require_equation(product: Expr, algebra: Algebra, weighted: list[Expr], n: Expr, V: Expr, count: int) -> None:
+def _require_equation(product: Expr, algebra: Algebra, weighted: list[Expr], n: Expr, count: int) -> None:
     """Apply sum_k V^(r-k) q_k(theta - k), theta = V d/dV, to V F: a polynomial below V^count must be left."""
     r = len(weighted) - 1
     shifted = [sp.Poly(q.as_expr().subs(n, n - k), n) for k, q in enumerate(weighted)]
