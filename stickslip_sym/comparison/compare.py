@@ -143,8 +143,8 @@ def compare(
     least_squares 3.048107 ESTIMATED
     harmonic      3.034969 ESTIMATED
     second_order  3.036483 ESTIMATED
-    orbit         3.036477 ESTIMATED
     simulation    3.036477 ESTIMATED
+    orbit         3.036477 ESTIMATED
     proof         3.036477 PROVED
     """
     law = as_law(law)

@@ -1,17 +1,21 @@
-"""Closed forms and laws kept in files: written as text, read back safely.
+"""Closed forms, laws and fits kept in files: written as text, read back safely.
 
 A file is JSON. A closed form stands there as its law, its criterion and the text of its formula. It is derived
 again when it is read, so its verdict is computed, and a file whose formula or verdict is another one is refused.
+So is a fit: it stands there as its law and the measurements, and is fitted again.
 Nothing in a file is ever evaluated as code. A digest tells a file that was changed, by hand or by accident; it is
 no signature.
 """
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from stickslip_sym import criteria
@@ -21,7 +25,10 @@ from stickslip_sym.core.numbers import exact
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.closed_form import ClosedForm, derive
 from stickslip_sym.model.content import law_in, law_out
+from stickslip_sym.model.fitting.fit import fit as fit_laws
+from stickslip_sym.model.fitting.result import Fit, Fits
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import files, printing
 
 __all__ = ["load", "save", "text_of"]
@@ -30,22 +37,23 @@ _FORMAT, _VERSION = "stickslip_sym", 2
 _LARGEST = 20_000_000  # bytes of a file
 _BROKEN = (KeyError, TypeError, ValueError, AttributeError, IndexError)
 
-Item = ClosedForm | FrictionLaw
+Item = ClosedForm | FrictionLaw | Fit | Fits
+_SAME = 1e-6  # relative difference of fitted values that are one minimum, on another machine too
 
 
 def save(items: Item | Sequence[Item], path: str | Path) -> None:
-    """Write a closed form, a law, or several of them to a file.
+    """Write a closed form, a law, a fit, or several of them to a file.
 
     Parameters
     ----------
-    items : ClosedForm, FrictionLaw, or a sequence of them
+    items : ClosedForm, FrictionLaw, Fit, Fits, or a sequence of them
     path : str or Path
         What was there before is replaced at once, or kept if writing fails.
 
     Raises
     ------
     InputError
-        If the file cannot be written, or an item is neither a closed form nor a law.
+        If the file cannot be written, or an item is none of these.
     """
     files.write_text(Path(path), text_of(items))
 
@@ -67,8 +75,15 @@ def text_of(items: Item | Sequence[Item]) -> str:
 def _item_out(item: object) -> dict[str, object]:
     if isinstance(item, FrictionLaw):
         return {"kind": "law", "law": law_out(item)}
+    if isinstance(item, Fit):
+        weight = {"weight": item.weight, "aicc": item.aicc if math.isfinite(item.aicc) else None}
+        return _fits_out(Fits([item], item.measured, {})) | {"kind": "fit"} | weight
+    if isinstance(item, Fits):
+        return _fits_out(item)
     if not isinstance(item, ClosedForm):
-        raise InputError(f"closed forms and laws are saved, got {type(item).__name__}; save its .law, for example")
+        raise InputError(
+            f"closed forms, laws and fits are saved, got {type(item).__name__}; save its .law, for example"
+        )
     return {
         "kind": "closed form",
         "law": law_out(item.law),
@@ -76,6 +91,40 @@ def _item_out(item: object) -> dict[str, object]:
         "formula": printing.text(item.expr),
         "status": item.verdict.status.value,
     }
+
+
+def _fits_out(fits: Fits) -> dict[str, object]:
+    measured = {field.name: getattr(fits.measured, field.name) for field in fields(fits.measured) if field.init}
+    return {
+        "kind": "fits",
+        "fits": [{"law": law_out(fit.free_law), "values": dict(fit.values)} for fit in fits],
+        "rejected": fits.rejected,
+        "measurements": {
+            name: value.tolist() if isinstance(value, np.ndarray) else value
+            for name, value in measured.items()
+            if not name.startswith("_")
+        },
+    }
+
+
+def _fits_in(content: dict[str, Any]) -> Fits:
+    """Return the fits of a file, fitted again, or refuse values that are not those of its measurements."""
+    columns = {
+        name: None if x is None else np.array(x) for name, x in content["measurements"].items() if name in _ROWS
+    }
+    measured = Measurements(**content["measurements"] | columns)
+    saved = {fit.name: fit for fit in fit_laws(measured, laws=[law_in(one["law"]) for one in content["fits"]])}
+    for fit, one in zip(saved.values(), content["fits"], strict=True):
+        for name, value in one["values"].items():
+            right = fit.values[name]
+            if not math.isclose(right, value, rel_tol=_SAME, abs_tol=_SAME * fit.standard_errors[name]):
+                what = f"{name} = {value!r} of the law {fit.name}"
+                raise InputError(f"{what} is not that of its measurements, {right!r}")
+    return Fits(list(saved.values()), measured, content["rejected"])
+
+
+_ROWS = ("v", "mu", "sigma", "order", "counts")
+"""What measurements hold of each row."""
 
 
 def _criterion_out(criterion: Criterion) -> str | dict[str, object]:
@@ -117,7 +166,7 @@ def load(path: str | Path) -> Item | tuple[Item, ...]:
 
     Returns
     -------
-    ClosedForm or FrictionLaw, or a tuple of them if several were saved
+    ClosedForm, FrictionLaw, Fit or Fits, or a tuple of them if several were saved
 
     Raises
     ------
@@ -138,6 +187,13 @@ def load(path: str | Path) -> Item | tuple[Item, ...]:
 
 
 def _item_in(content: dict[str, Any]) -> Item:
+    if content["kind"] in ("fit", "fits"):
+        fits, aicc = _fits_in(content), content.get("aicc")
+        return (
+            replace(fits.best, weight=content["weight"], aicc=math.inf if aicc is None else aicc)
+            if content["kind"] == "fit"
+            else fits
+        )
     law = law_in(content["law"])
     if content["kind"] == "law":
         return law

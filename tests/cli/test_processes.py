@@ -1,44 +1,15 @@
 """The command as a process: interrupts, pipes, full disks, colours, completion."""
 
 import shutil
-import signal
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
 from click.shell_completion import get_completion_class
-from commands import shell, started
+from commands import shell
 from systems import WINDOWS, needs_posix_shell
 
 from stickslip_sym.cli.program import program
-
-
-def _is_gone(child):
-    """Whether a process is no more, or dead and not yet buried by the system."""
-    try:
-        return "(zombie)" in Path(f"/proc/{child}/status").read_text()
-    except (FileNotFoundError, ProcessLookupError):
-        return True
-
-
-@pytest.mark.thorough
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs /proc to see a process's children")
-def test_ctrl_c_says_so_and_leaves_nothing_behind(tmp_path):
-    """Interrupted while cells of a map are computed in processes of their own."""
-    line = "map exponential --x V=0.1:1:200 --y c=0:6:200 --workers 2 --csv map.csv"
-    with started(*line.split(), cwd=tmp_path) as process:
-        children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-        deadline = time.monotonic() + 60
-        while len(workers := children.read_text().split()) < 2 and time.monotonic() < deadline:
-            time.sleep(0.05)
-        assert workers
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=60)
-    assert (process.returncode, err.strip()) == (130, "interrupted")
-    while not all(map(_is_gone, workers)) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert all(map(_is_gone, workers))
 
 
 @pytest.mark.parametrize("name", ["derive", "damping", "critical", "simulate", "study"])

@@ -16,6 +16,7 @@ from stickslip_sym.cli.output import as_json
 from stickslip_sym.comparison import candidates, procedures, tradeoff
 from stickslip_sym.comparison.tradeoff import Row, Trade, dominators
 from stickslip_sym.core import deadline
+from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
 from stickslip_sym.output import drawing
 
 DOUBLE = 4 * 2.0**-52
@@ -167,6 +168,15 @@ def test_runs_of_scipy_decide_seeded_motions_as_classify_does():
         assert procedures.comes_to_rest(BISTABLE, BISTABLE_OSC, x0, v0, 1e-6) == rest
         assert procedures.comes_to_rest_smoothed(BISTABLE, BISTABLE_OSC, x0, v0, 1e-3) == rest
     assert 1 <= rests <= 4
+
+
+def test_runs_of_scipy_take_its_own_steps():
+    """The reference takes at least ten in 1/omega, which would make SciPy look slow."""
+    runs = [
+        simulate_by_solve_ivp(BISTABLE, BISTABLE_OSC, 1.0, 0.5, 60.0, 1e-3, **options)
+        for options in (procedures._DEFAULTS, {})
+    ]
+    assert 3 * runs[0].t.size < runs[1].t.size > 600
 
 
 def test_bisection_refuses_what_has_no_threshold():

@@ -144,7 +144,7 @@ def test_what_is_no_json_is_refused(text, tmp_path):
 
 
 def test_what_cannot_be_saved_is_refused(tmp_path):
-    with pytest.raises(ss.InputError, match="closed forms and laws are saved, got float"):
+    with pytest.raises(ss.InputError, match="closed forms, laws and fits are saved, got float"):
         ss.save([1.0], tmp_path / "form.json")
 
 

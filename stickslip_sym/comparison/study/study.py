@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 import sympy as sp
 
-from stickslip_sym.comparison.compare import Answer, answer
+from stickslip_sym.comparison.compare import Answer, compare
 from stickslip_sym.comparison.study.pictures import (
     ALT,
     CAPTIONS,
@@ -40,7 +40,6 @@ from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.motion.simulation.trajectory import Trajectory
-from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.output import printing
 from stickslip_sym.output.browser import print_to_pdf
@@ -368,7 +367,7 @@ def study(
     each = seconds / _SHARE
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        answers = tuple(answer(friction, point, method, rtol=_RTOL, time_limit=each) for method in methods())
+        answers = compare(friction, rtol=_RTOL, time_limit=each, **point).answers
         forms = {key: _form(friction, key, seconds) for key in catalogue}
         motions = part("motions", lambda: regime(friction, osc))
         periods = _PERIODS * 2 * math.pi / osc.omega

@@ -75,7 +75,7 @@ def simulate_by_solve_ivp(
         else:
             side = math.copysign(1, pull) if v == osc.V else math.copysign(1, osc.V - v)
             phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
-            found = slip_by_solve_ivp(law, osc, t, x, v, int(side), t_end, rtol)
+            found = slip_by_solve_ivp(law, osc, t, x, v, int(side), t_end, rtol, **options)
             samples = np.array([found.t, *found.y])
             if found.t_events[0].size:
                 samples[2, -1] = osc.V
