@@ -35,7 +35,7 @@ def checked_hypotheses(scene: BoxScene) -> tuple[tuple[str, str], ...]:
     smooth, how = lipschitz_evidence(scene.law)
     if not smooth:
         raise InputError(f"a threshold is proved for laws that are locally Lipschitz for v > 0, and {how}; "
-                         'method="simulation" serves all laws')  # fmt: skip
+                         'try method="simulation", which takes all laws')  # fmt: skip
     found = [("mu is locally Lipschitz for v > 0", how)]
     if scene.law.static is None:
         return (*found, ("the static coefficient is mu(0+)", "the law has no other"))

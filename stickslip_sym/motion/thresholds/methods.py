@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
 __all__ = [
-    "Computed", "Method", "accuracy", "add_method", "best_of", "by_method", "cheapest", "find_method", "methods",
-    "second_order",
+    "Computed", "Method", "accuracy", "add_method", "best_of", "by_method", "cheapest", "find_method",
+    "is_straight", "methods", "second_order",
 ]  # fmt: skip
 
 ROUNDING = 1e-14
@@ -276,11 +276,11 @@ def _of_criterion(criterion: Criterion) -> Method:
 
 def _by_average(criterion: Criterion, points: OperatingPoints, rtol: float) -> Computed:
     del rtol  # the value of an average is what it is
-    error = np.full(len(points), ROUNDING if _is_straight(points.law) else np.inf)
+    error = np.full(len(points), ROUNDING if is_straight(points.law) else np.inf)
     return Computed(average(points, criterion), error)
 
 
-def _is_straight(law: FrictionLaw) -> bool:
+def is_straight(law: FrictionLaw) -> bool:
     """Whether mu is a straight line down to rest, of which every average is exact."""
     return not law.slope_expr.has(symbols.v) and not law.kinks() and obstacle(law, 0.0) is None
 

@@ -101,7 +101,7 @@ class Search:
                     raise NotConverged(f"no change is near the guess {self.label} = {float(abs(center)):g}")
 
     def narrow(self, half: Rational, rtol: Rational) -> None:
-        """Bring both values within a relative distance, by the secant where it serves, else by halves."""
+        """Bring both values within a relative distance, by the secant where it converges, else by halves."""
         while self.high - self.low > rtol * abs(self.low):
             low, high = self.low, self.high
             middle, radius = self.estimate(), max(half, _CURVED * (high - low) ** 2 / abs(low))

@@ -20,7 +20,7 @@ _LEAST_SHARE = 1e-4
 
 
 class Undecided(Exception):
-    """Boxes grew until nothing could be told; the words say where."""
+    """Boxes grew until nothing could be decided; the message says where."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip_sym.core import deadline, symbols
+from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray, Rows
 from stickslip_sym.core.errors import InputError, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import read_rtol
@@ -24,6 +24,7 @@ from stickslip_sym.motion.thresholds.methods import (
     by_method,
     cheapest,
     find_method,
+    is_straight,
     methods,
 )
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, Quantity
@@ -31,6 +32,7 @@ from stickslip_sym.motion.thresholds.uncertainty import (
     Budget,
     deserved_tolerance,
     second_order_ratio,
+    shaped,
     standard_errors,
     warn_of_ratio,
 )
@@ -91,7 +93,7 @@ class Threshold:
             For a method of one's own without derivatives.
         """
         columns = self._gradient(self.points)
-        return {name: _shaped(column, self.points.shape) for name, column in columns.items()}
+        return {name: shaped(column, self.points.shape) for name, column in columns.items()}
 
     def _gradient(self, points: OperatingPoints, rows: Rows = slice(None)) -> dict[str, FloatArray]:
         """Return dc/dname at points that stand for some rows, each by the method that gave the threshold there."""
@@ -135,7 +137,7 @@ class Threshold:
                 raise
             except StickSlipError as error:
                 ratio, reason = np.full(len(self.points), np.nan), str(error)
-        return _shaped(ratio, self.points.shape), reason
+        return shaped(ratio, self.points.shape), reason
 
     @property
     def uncertainty(self) -> Any:
@@ -215,10 +217,6 @@ class Threshold:
         header = ["operating point", "c in kg/s", "method", "relative error", "status"]
         first = 0 if np.ndim(self.value) else 1
         return markup.table(header[first:], [row[first:] for row in rows], caption="pure-slip damping")
-
-
-def _shaped(column: FloatArray, shape: tuple[int, ...]) -> Any:
-    return float(column[0]) if shape == () else np.asarray(column).reshape(shape)
 
 
 def pure_slip_damping(
@@ -301,7 +299,7 @@ def pure_slip_damping(
     if chosen is not None:
         chosen.check(law, points.V, points.m is not None)
     elif points.m is None:
-        chosen = find_method("equilibrium" if _is_straight(law) else "harmonic")
+        chosen = find_method("equilibrium" if is_straight(law) else "harmonic")
     deserved = deserved_tolerance(points) if rtol is None and chosen is None else 0.0
     least, most = (1e-13, 1.0) if chosen is None else (chosen.tightest, chosen.loosest)
     rtol = read_rtol(max(_ENOUGH, deserved) if rtol is None else rtol, least=least, most=most)
@@ -320,7 +318,7 @@ def pure_slip_damping(
     if not np.isfinite(error).all():
         shown = None if points.shape == () or not np.isfinite(error).any() else shown
     return Threshold(
-        _shaped(value, points.shape),
+        shaped(value, points.shape),
         str(names[0]) if points.shape == () else np.array(names.tolist(), dtype=str).reshape(points.shape),
         shown if shown is None or points.shape != () else float(error[0]),
         points,
@@ -328,8 +326,3 @@ def pure_slip_damping(
         computed.theorems,
         deserved if deserved > _ENOUGH else None,
     )
-
-
-def _is_straight(law: FrictionLaw) -> bool:
-    """Whether the slope of mu is one number, which every average takes exactly."""
-    return not law.slope_expr.has(symbols.v) and not law.kinks()

@@ -17,7 +17,9 @@ from stickslip_sym.motion.thresholds.sensitivity import of_average
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import table
 
-__all__ = ["Budget", "Errors", "deserved_tolerance", "second_order_ratio", "standard_errors", "warn_of_ratio"]
+__all__ = [
+    "Budget", "Errors", "deserved_tolerance", "second_order_ratio", "shaped", "standard_errors", "warn_of_ratio",
+]  # fmt: skip
 
 _PART = 0.1  # of the parameters' standard error, that of the method
 _LARGEST = 0.1  # relative error of a method, however little is known of the parameters
@@ -138,15 +140,15 @@ class Budget:
         sizes = np.broadcast_to(errors.deviations, s.shape)
 
         def columns(values: FloatArray) -> dict[str, Any]:
-            shaped = {name: _shaped(values[:, i], shape) for i, name in enumerate(errors.names)}
-            return {name: shaped[name] for name in order}
+            by_name = {name: shaped(values[:, i], shape) for i, name in enumerate(errors.names)}
+            return {name: by_name[name] for name in order}
 
         order = (
             [errors.names[i] for i in np.argsort(-shares.mean(axis=0), kind="stable")] if len(s) else errors.names
         )
         return cls(
             tuple(order), columns(sizes), columns(np.abs(s) * sizes), columns(shares),
-            _shaped(np.sqrt(variance), shape), errors.correlated,
+            shaped(np.sqrt(variance), shape), errors.correlated,
         )  # fmt: skip
 
     @property
@@ -178,7 +180,8 @@ class Budget:
         return markup.table(header, rows, caption=self._remark or "budget of the standard error")
 
 
-def _shaped(column: FloatArray, shape: tuple[int, ...]) -> Any:
+def shaped(column: FloatArray, shape: tuple[int, ...]) -> Any:
+    """Return a flat array in the shape that the operating points had, as a float for one point."""
     return float(column[0]) if shape == () else np.asarray(column).reshape(shape)
 
 
