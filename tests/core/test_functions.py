@@ -18,7 +18,8 @@ POINT = sp.Rational(37, 29)
 
 NEW = {
     "sinc": (
-        Function(sp.sinc, acb.sinc, analytic=True, bounded=True, in_laws=True, c="_sinc({})", python="np.sinc({}/np.pi)", octave="sinc({}/pi)"),
+        Function(sp.sinc, acb.sinc, analytic=True, bounded=True, in_laws=True,
+                 c="_sinc({})", python="np.sinc({}/np.pi)", octave="sinc({}/pi)"),
         mpmath.sinc,
     ),
     "acosh": (
