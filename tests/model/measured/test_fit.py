@@ -296,10 +296,10 @@ def few_rows(draw):
     return draw(st.sampled_from([1e-3, 1, 50])) * share, mu + noise
 
 
-@given(few_rows(), st.sampled_from([None, 0.01, 1e-9, 10.0]), st.sets(st.sampled_from(list(ss.laws)), min_size=2))
-def test_any_rows_are_fitted_or_refused(rows, sigma, laws):
+@given(few_rows(), st.sampled_from([None, 0.01, 1e-9, 10.0]), st.sampled_from(list(ss.laws)))
+def test_any_rows_are_fitted_or_refused(rows, sigma, law):
     """And no number that is shown is none."""
-    laws = sorted(laws)[:3]
+    laws = sorted({law, "coulomb"})
     try:
         fits = ss.fit(*rows, sigma, laws=laws)
     except ss.InputError as error:
