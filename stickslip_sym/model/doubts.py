@@ -1,4 +1,4 @@
-"""What can be computed of a law in a scene, and is probably not what was meant."""
+"""What can be computed of a law at an operating point, and is probably not what was meant."""
 
 import warnings
 

@@ -1,5 +1,7 @@
 """`basin_map`: which motion each initial condition leads to."""
 
+from __future__ import annotations
+
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -119,7 +121,7 @@ class BasinMap(drawing.Drawn):
         arrays |= {name: np.array(value) for name, value in asdict(self.oscillator).items()}
         files.write_npz(Path(path), arrays)
 
-    def _figure(self) -> "Figure":
+    def _figure(self) -> Figure:
         from matplotlib.lines import Line2D
 
         figure, axes = new_figure()

@@ -1,5 +1,7 @@
 """`motion_map`: which motions exist, and which one the mass comes to, over a plane of two quantities."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -148,7 +150,7 @@ class MotionMap(drawing.Drawn):
             arrays |= {side: axis.values, f"{side}_name": np.array(axis.name), f"{side}_unit": np.array(axis.unit)}
         files.write_npz(Path(path), arrays)
 
-    def _figure(self) -> "Figure":
+    def _figure(self) -> Figure:
         figure, axes = new_figure()
         place, kinds = self.regions()
         handles = paint(axes, self.x.values, self.y.values, place, kinds)
@@ -157,7 +159,7 @@ class MotionMap(drawing.Drawn):
         title(axes, self.law, self.fixed)
         return with_legend(figure, handles)
 
-    def _draw_curves(self, axes: "Axes") -> "list[Artist]":
+    def _draw_curves(self, axes: Axes) -> list[Artist]:
         from matplotlib.lines import Line2D
 
         handles: list[Artist] = []

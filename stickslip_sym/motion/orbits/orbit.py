@@ -48,7 +48,7 @@ _NEAREST = 1e-12  # slip speed over belt speed that an iterate may come down to;
 
 @dataclass(frozen=True)
 class Orbits:
-    """Slip orbits, one row for each scene."""
+    """Slip orbits, one row for each operating point."""
 
     d: FloatArray  # damping over sqrt(k m), shape (n,)
     frequency: FloatArray  # over omega, shape (n,)
@@ -69,7 +69,7 @@ class Orbits:
 
 @dataclass(frozen=True)
 class _Problem:
-    """Scenes of one law: the slope of mu, belt speeds, frictions over impedance N/sqrt(k m), and heights."""
+    """Points of one law: the slope of mu, belt speeds, frictions over impedance N/sqrt(k m), and heights."""
 
     slope: Slope
     V: FloatArray
