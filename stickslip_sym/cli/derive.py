@@ -56,7 +56,7 @@ def run(given: Given) -> None:
     for criterion in chosen:
         law.require_speed(at.numbers["V"] * (1 if criterion.weight is None else 2))
     if not law.missing:
-        from stickslip_sym.model.doubts import warn_where_negative
+        from stickslip_sym.model.negative import warn_where_negative
 
         warn_where_negative(law, at.numbers["V"])
     results = [(criterion, derived(law, criterion, limit)) for criterion in chosen]

@@ -98,7 +98,7 @@ def _warn_at_corners(
     law: "FrictionLaw", axes: "tuple[tuple[str, FloatArray], ...]", point: dict[str, float]
 ) -> None:
     """Warn of a negative coefficient at a corner of the plane; one warning is enough."""
-    from stickslip_sym.model.doubts import warn_where_negative
+    from stickslip_sym.model.negative import warn_where_negative
 
     for corner in product(*([(name, ends[0]), (name, ends[-1])] for name, ends in axes)):
         here = {**point, **dict(corner)}

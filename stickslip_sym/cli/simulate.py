@@ -49,7 +49,7 @@ def run(given: Given) -> None:
 
     Example: stickslip simulate exponential -V 0.5 -N 9.81 -m 1 -k 100 -c 1 --t-end 5 --plot motion.png
     """
-    from stickslip_sym.model.doubts import warn_where_negative
+    from stickslip_sym.model.negative import warn_where_negative
     from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.motion.simulation.simulate import simulate
 

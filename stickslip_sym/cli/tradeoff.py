@@ -42,7 +42,7 @@ def run(given: Given) -> None:
     Example: stickslip tradeoff exponential --all --plot trade.svg
     """
     from stickslip_sym.comparison.tradeoff import KINDS, tradeoff
-    from stickslip_sym.model.doubts import warn_where_negative
+    from stickslip_sym.model.negative import warn_where_negative
 
     asked = (not (given["thresholds"] or given["basins"]), given["thresholds"], given["basins"])
     kinds = [kind for kind, wanted in zip(KINDS, asked, strict=True) if wanted or given["all"]]

@@ -122,10 +122,8 @@ def test_extrapolation_holds_the_first_and_the_last_coefficient():
     ("v", "mu", "message"),
     [
         ([0, 1, 2], [1, 1, 1], "3 points were given; a curve needs 4 or more"),
-        ([0.5], [1], "1 points were given; a curve needs 4 or more"),
         ([0, 1, 2, 3], [1, 1, 1], "v has 4 numbers and mu 3"),
         ([0, 1, 1, 3], [1, 1, 1, 1], "v of point 3, 1 m/s, repeats that of the point before"),
-        ([1, 1, 1, 1], [1, 1, 1, 1], "the slip speed|point 2, 1 m/s, repeats"),
         ([0, 2, 1, 3], [1, 1, 1, 1], "v of point 3, 1 m/s, is below that of the point before; sort"),
         ([-1, 0, 1, 2], [1, 1, 1, 1], "v of point 1, -1 m/s, is below 0; the slip speed"),
         ([0, 1, float("nan"), 3], [1, 1, 1, 1], "v of point 3 = nan is not a finite real number"),
@@ -137,6 +135,8 @@ def test_extrapolation_holds_the_first_and_the_last_coefficient():
             range(MOST + 1),
             "61 points were given.*fit a law to so many.*or average them over bins",
         ),
+        (["0", "1e-300", "1", "2"], [1, 1, 1, 1], "speeds are from 1e-20 to 1e20 m/s, or 0"),
+        (["0", "1", "2", "1e300"], [1, 1, 1, 1], "speeds are from 1e-20 to 1e20 m/s, or 0"),
         ("0123", "1111", "v is a sequence of numbers, got str"),
         (0.5, 0.3, "v is a sequence of numbers, got float"),
     ],
@@ -147,30 +147,24 @@ def test_points_that_are_no_curve_are_refused(v, mu, message):
 
 
 def test_a_csv_file_is_read_exactly(tmp_path, law):
+    """With a header or without one."""
     lines = [f"{speed},{value}" for speed, value in zip(SPEEDS, COEFFICIENTS, strict=True)]
-    read = ss.FrictionLaw.from_csv(write(tmp_path, "\ufeffspeed (m/s),mu\r\n" + "\r\n".join(lines) + "\r\n\r\n"))
-    assert read.expr == law.expr
-    assert read.name == "points"
-    assert read.kinks()[0] == sp.Rational(1, 20)
-
-
-def test_a_file_without_a_header_is_points(tmp_path, law):
-    lines = [f"{speed},{value}" for speed, value in zip(SPEEDS, COEFFICIENTS, strict=True)]
-    for head in ("", "\n", '"v", "mu"\n', "# v [m/s], mu [-]\r\n"):
-        assert ss.FrictionLaw.from_csv(write(tmp_path, head + "\n".join(lines))).expr == law.expr
+    for head in ("", "\n", '"v", "mu"\n', "# v [m/s], mu [-]\r\n", "\ufeffspeed (m/s),mu\r\n"):
+        read = ss.FrictionLaw.from_csv(write(tmp_path, head + "\r\n".join(lines) + "\r\n\r\n"))
+        assert (read.expr, read.name) == (law.expr, "points")
 
 
 def test_files_that_cannot_be_read_are_refused(tmp_path):
+    binary = tmp_path / "binary.csv"
+    binary.write_bytes(b"v,mu\n\xff\xfe\x00")
     for path, message in (
         (tmp_path / "none.csv", "cannot read .*No such file"),
         (tmp_path, f"cannot read .*{FOLDER_OPENED}"),
+        (binary, "is not a text file of columns"),
+        *((path, "the name of a file of measurements is text") for path in (None, 5, "")),
     ):
         with pytest.raises(ss.InputError, match=message):
             ss.FrictionLaw.from_csv(path)
-    binary = tmp_path / "binary.csv"
-    binary.write_bytes(b"v,mu\n\xff\xfe\x00")
-    with pytest.raises(ss.InputError, match="is not a text file of columns"):
-        ss.FrictionLaw.from_csv(binary)
 
 
 def test_too_many_rows_are_refused_before_they_are_read(tmp_path, monkeypatch):
@@ -188,15 +182,3 @@ def test_a_constant_stretch_is_exactly_zero(criterion):
     assert form.evaluate(30, V="0.2", N=2) == 0
     assert str(form(V=0.2, N=2.0)) == "0.0"
     assert float(form.evaluate(30, V="0.27", N=2)) != 0 or criterion == "equilibrium"
-
-
-@pytest.mark.parametrize("speeds", [["0", "1e-300", "1", "2"], ["0", "1", "2", "1e300"]])
-def test_speeds_out_of_proportion_are_refused(speeds):
-    with pytest.raises(ss.InputError, match="speeds are from 1e-20 to 1e20 m/s, or 0"):
-        ss.FrictionLaw.from_samples(speeds, [0.5, 0.4, 0.3, 0.35])
-
-
-def test_the_name_of_a_file_is_text():
-    for path in (None, 5, ""):
-        with pytest.raises(ss.InputError, match="the name of a file of measurements is text"):
-            ss.FrictionLaw.from_csv(path)

@@ -203,8 +203,8 @@ def _is_number(cell: str) -> bool:
 
 
 def _separator(lines: Sequence[str]) -> str:
-    """Return what separates the columns of most lines of numbers."""
-    scores: dict[str, tuple[int, bool, int]] = {}
+    """Return what separates the columns of a header and of most lines of numbers."""
+    scores: dict[str, tuple[bool, int, int]] = {}
     for separator in SEPARATORS:
         cells = [_split(line, separator) for line in lines]
         numbers = [sum(map(_is_number, row)) for row in cells]
@@ -214,7 +214,7 @@ def _separator(lines: Sequence[str]) -> str:
         )
         named = any(is_header([Header.read(cell) for cell in row]) for row in cells)
         parted = 0 if separator == " " else sum(len(row) > 1 for row in cells)  # any sentence has blanks
-        scores[separator] = rows, named, parted
+        scores[separator] = named and rows > 0, rows, parted
     return max(scores, key=lambda separator: scores[separator])
 
 

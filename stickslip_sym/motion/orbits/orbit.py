@@ -15,31 +15,23 @@ Every term with friction enters as a small one, so weak friction loses no digits
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import FloatArray, Rows
+from stickslip_sym.core.aliases import ComplexArray, FloatArray
+from stickslip_sym.core.deadline import check_time
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.collocation import (
-    GRIDS,
-    ROUNDING,
-    State,
-    Work,
-    close,
-    coefficients,
-    equations,
-    frequency,
-    grid,
-    parts,
-    refined,
-    values,
-)
 from stickslip_sym.motion.orbits.expansion import Slope, averages, expand, of_layer, slopes
 
 __all__ = ["Orbits", "derivatives", "obstacle", "orbits"]
 
+_GRIDS = (32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)  # points a period
+_MOST_STEPS = 12  # of Newton's method on one grid
+_CLOSE = 1e-8  # a step of Newton's method after which the next would be rounding
+_ROUNDING = 4e-15  # of d, as a part of the largest slope
+_RUNAWAY = 1e6  # a coefficient of z
 _MOST_WORK = 3e9  # cubes of grids, summed over Newton steps
 _SAME = 1e-12  # relative; a static coefficient that exceeds mu(0+) by less does not
 _TIGHT = 1e-13  # relative error of d where it is differentiated
@@ -57,7 +49,6 @@ class Orbits:
     exponent: FloatArray
     """Floquet exponent, the mean of g(z) - d, over omega: the orbit is stable if it is negative, shape (n,)."""
     lowest: FloatArray  # lowest velocity z of the orbit, shape (n,)
-    work: float = 0.0  # cubes of grids, summed over Newton steps and rows
 
     @property
     def relative_error(self) -> FloatArray:
@@ -67,33 +58,175 @@ class Orbits:
         return np.where(np.isnan(relative), np.inf, relative)
 
 
-@dataclass(frozen=True)
-class _Problem:
-    """Points of one law: the slope of mu, belt speeds, frictions over impedance N/sqrt(k m), and heights."""
+@dataclass
+class _Orbit:
+    """An iterate: z_n for n = 0 to K (z_1 follows from A), d, and sigma = frequency - 1/frequency.
+
+    The grid has 2 (K + 1) points a period, the midpoints of cells of the phase.
+    """
 
     slope: Slope
-    V: FloatArray
-    strength: FloatArray
-    A: FloatArray
+    V: float
+    strength: float
+    A: float
+    z: ComplexArray
+    d: float
+    sigma: float
 
-    def rows(self, chosen: Rows) -> "_Problem":
-        return _Problem(self.slope, self.V[chosen], self.strength[chosen], self.A[chosen])
+    @property
+    def size(self) -> int:
+        """The number of points a period."""
+        return 2 * len(self.z)
 
-    def g(self, z: FloatArray) -> FloatArray:
-        slip = np.maximum(1 - z, _NEAREST)
-        return -self.strength[:, None] * self.slope(self.V[:, None] * slip)
+    @property
+    def frequency(self) -> float:
+        """The positive root of frequency - 1/frequency = sigma."""
+        root = float(np.sqrt(1 + self.sigma**2 / 4))
+        return root + self.sigma / 2 if self.sigma >= 0 else 1 / (root - self.sigma / 2)
+
+    @property
+    def velocity(self) -> FloatArray:
+        """The velocity z on the grid."""
+        return _values(self.z)
+
+    @property
+    def rate(self) -> FloatArray:
+        """The derivative of z by the phase on the grid."""
+        return _values(1j * np.arange(len(self.z)) * self.z)
+
+    def g(self, slope: Slope) -> FloatArray:
+        """Return the slope g of friction, or its change for that of mu', on the grid."""
+        return -self.strength * slope(self.V * np.maximum(1 - self.velocity, _NEAREST))
+
+    def on(self, size: int) -> "_Orbit":
+        """Return the iterate on another grid."""
+        K = size // 2
+        z = np.pad(self.z, (0, max(0, K - len(self.z))))[:K]
+        return _Orbit(self.slope, self.V, self.strength, self.A, z.copy(), self.d, self.sigma)
+
+    def close(self) -> None:
+        """Set the fundamental so that z(0) = A is an extremum."""
+        n = np.arange(2, len(self.z))
+        self.z[1] = self.A / 2 - self.z[2:].real.sum() - 1j * (n * self.z[2:].imag).sum()
+
+    def equations(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the balance of the harmonics 1 to K: its matrix, its residual, and the sizes of its right side.
+
+        The matrix is the derivative of the residual, of real parts and then imaginary parts, by twice the real and
+        minus twice the imaginary parts of z_2 to z_K, then d, then sigma. The sizes are those of the coefficients
+        of (g - d) dz/dtheta.
+        """
+        size, K = self.size, len(self.z) - 1
+        n = np.arange(1, K + 1)
+        excess = self.g(self.slope) - self.d
+        push = _coefficients(excess * self.rate)
+        fast = self.frequency
+        slow = 1 / fast
+        # Balance of the harmonic n: (1/(n^2 frequency) - frequency) z_n = push_n/n^2.
+        detuned = slow / n**2 - fast
+        detuned[0] = -self.sigma
+        residual = detuned * self.z[1:] - push[1:] / n**2
+        # The variation of the friction is the derivative of excess times that of z: no second slope is needed.
+        spectrum = np.fft.fft(excess) * (np.exp(-1j * np.pi / size * np.arange(size)) / size)
+        spectrum = np.concatenate([spectrum[K - 1 : 0 : -1].conj(), spectrum])  # from 1 - K up
+        minus = spectrum[n[:, None] - n + K - 1]
+        plus = spectrum[n[:, None] + n + K - 1]
+        by_cosine, by_sine = (minus + plus) / 2, (minus - plus) / 2j
+        turn = (-1j / n)[:, None]
+        m, diagonal = n[1:], np.arange(1, K)
+        cosine = turn * (by_cosine[:, 1:] - by_cosine[:, :1])
+        cosine[diagonal, diagonal - 1] += detuned[1:] / 2
+        cosine[0] -= detuned[0] / 2
+        sine = turn * (by_sine[:, 1:] - m * by_sine[:, :1])
+        sine[diagonal, diagonal - 1] -= 0.5j * detuned[1:]
+        sine[0] += 0.5j * m * detuned[0]
+        by_fast = 1 / (1 + slow**2)
+        by_sigma = ((by_fast - 1) / n**2 - by_fast) * self.z[1:]
+        matrix = np.column_stack([cosine, sine, 1j * self.z[1:] / n, by_sigma])
+        return _parts(matrix), _parts(residual), np.abs(push)
+
+    def improve(self) -> tuple[float, FloatArray]:
+        """Take a Newton step; return its size, and the sizes of the coefficients of (g - d) dz/dtheta.
+
+        Both are relative to what friction does to an orbit of this height.
+        """
+        strength = self.A * float(np.abs(self.g(self.slope)).max()) or 1.0
+        matrix, residual, push = self.equations()
+        change = np.linalg.solve(matrix, -residual)
+        K = len(self.z) - 1
+        self.z[2:] += (change[: K - 1] - 1j * change[K - 1 : -2]) / 2
+        self.d += float(change[-2])
+        self.sigma += float(change[-1])
+        self.close()
+        return float(np.abs(change).max()) / min(1.0, strength), push / strength
 
 
-def _start(law: FrictionLaw, problem: _Problem, size: int) -> State:
-    """Return the second-order orbits, their phase shifted so that the highest velocity is at 0."""
-    weak = expand(law, problem.V, problem.A, grid=size // 2)
-    strength, n = problem.strength[:, None], np.arange(size // 2)
-    shift = problem.strength * (n * weak.sines).sum(axis=1) / problem.A
-    z = (strength**2 * weak.cosines - 1j * strength * weak.sines) / 2 * np.exp(1j * n * shift[:, None])
-    d = problem.strength * weak.harmonic + problem.strength**3 * weak.second
-    state = State(z, d, -2 * problem.strength**2 * weak.slowing)
-    close(state, problem.A)
-    return state
+def _values(z: ComplexArray) -> FloatArray:
+    """Return a real function at the midpoints of cells of the phase from its coefficients."""
+    size = 2 * len(z)
+    return np.fft.irfft(z * np.exp(1j * np.pi / size * np.arange(len(z))), size) * size
+
+
+def _coefficients(function: FloatArray) -> ComplexArray:
+    """Return the coefficients of a real function at the midpoints of cells of the phase."""
+    size = len(function)
+    turn: ComplexArray = np.exp(-1j * np.pi / size * np.arange(size // 2)) / size
+    return np.fft.rfft(function)[: size // 2] * turn
+
+
+def _parts(rows: ComplexArray) -> FloatArray:
+    """Return the real parts of rows and then the imaginary ones."""
+    return np.concatenate([rows.real, rows.imag])
+
+
+def _begin(law: FrictionLaw, slope: Slope, V: float, strength: float, A: float) -> _Orbit:
+    """Return the second-order orbit, its phase shifted so that the highest velocity is at 0."""
+    size = _GRIDS[0] // 2
+    weak, n = expand(law, V, A, grid=size), np.arange(size)
+    shift = strength * (n * weak.sines[0]).sum() / A
+    z = (strength**2 * weak.cosines[0] - 1j * strength * weak.sines[0]) / 2 * np.exp(1j * n * shift)
+    d = strength * weak.harmonic[0] + strength**3 * weak.second[0]
+    orbit = _Orbit(slope, V, strength, A, z, float(d), float(-2 * strength**2 * weak.slowing[0]))
+    orbit.close()
+    return orbit
+
+
+def _tail(size: FloatArray) -> float:
+    """Estimate the size of the coefficients that fold back into the first.
+
+    From the decay over the last octave: right for a power of the order, too large for a geometric decay.
+    """
+    K = len(size) - 1
+    last = float(size[(4 * K) // 5 :].max())
+    before = float(size[(2 * K) // 5 : K // 2].max())
+    return last * min(1.0, last / before) if last else 0.0
+
+
+def _solved(orbit: _Orbit, rtol: float, most_work: float) -> tuple[_Orbit, float]:
+    """Solve by Newton's method on finer and finer grids; return the orbit and its tail, infinite if that fails."""
+    work, tail = 0.0, np.inf
+    for size in _GRIDS:
+        finer, tail = orbit.on(size), np.inf
+        for _ in range(_MOST_STEPS):
+            check_time()
+            if work > most_work:
+                break
+            work += size**3
+            try:
+                change, push = finer.improve()
+            except np.linalg.LinAlgError:
+                break
+            if not (np.isfinite(change) and np.abs(finer.z).max() < _RUNAWAY):
+                break
+            if change <= _CLOSE:
+                orbit, tail = finer, _tail(push)
+                break
+        if not np.isfinite(tail) or work > most_work:
+            break
+        largest = float(np.abs(orbit.g(orbit.slope)).max()) or 1.0
+        if tail <= max(_ROUNDING, rtol * min(1.0, abs(orbit.d) / largest)):
+            break
+    return orbit, tail
 
 
 def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool = True) -> str | None:
@@ -109,21 +242,6 @@ def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool
     reach = float(np.max(V, initial=0.0)) * (1 - lowest)
     kinks = [float(place) for place in law.kinks() if place < reach]
     return f"it has a kink at v = {kinks[0]:g}, which the orbit passes" if kinks else None
-
-
-def _harmonics(law: FrictionLaw, problem: _Problem, size: int) -> tuple[FloatArray, FloatArray]:
-    """Return the harmonic damping over impedance, from the slopes on a grid and from slopes at every scale."""
-    on_grid = expand(law, problem.V, problem.A, grid=size // 2).harmonic
-    return problem.strength * on_grid, problem.strength * averages(law, problem.V, problem.A)[0]
-
-
-def _solution(
-    law: FrictionLaw, given: Sequence[ArrayLike], rtol: float, work: Work
-) -> tuple[_Problem, State, FloatArray]:
-    """Solve for the orbits of belt speeds, frictions over impedance, and heights; return their tails too."""
-    columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in given))
-    problem = _Problem(slopes(law), *(np.ravel(column) for column in columns))
-    return problem, *refined(problem, _start(law, problem, GRIDS[0]), rtol, work)
 
 
 def derivatives(law: FrictionLaw, V: ArrayLike, strength: ArrayLike) -> dict[str, FloatArray]:
@@ -145,25 +263,27 @@ def derivatives(law: FrictionLaw, V: ArrayLike, strength: ArrayLike) -> dict[str
         "d" itself; "V" and "strength", derivatives by the logarithms of these; and each parameter of the law. NaN
         where there is no orbit.
     """
+    changes = {name: slopes(law.partial(name)) for name in ("V", *law.parameters)}
+    changes["strength"] = slopes(law)
+    rows: list[dict[str, float]] = []
     with np.errstate(all="ignore"):
-        problem, state, tail = _solution(law, (V, strength, 1.0), _TIGHT, Work(np.inf))
-        size, K = grid(state), state.z.shape[1] - 1
-        n = np.arange(K + 1)
-        z, z_theta = values(state.z, size), values(1j * n * state.z, size)
-        unit = np.zeros((len(state.d), 2 * K, 1))
-        unit[:, -2] = 1.0
-        found = np.isfinite(tail)
-        left = np.full(unit.shape[:2], np.nan)
-        matrix = equations(problem, state).matrix[found]
-        left[found] = np.linalg.solve(matrix.transpose(0, 2, 1), unit[found])[:, :, 0]
-        result = {"d": np.where(found, state.d, np.nan)}
-        changes = {name: slopes(law.partial(name)) for name in ("V", *law.parameters)}
-        changes["strength"] = problem.slope
-        for name, slope in changes.items():
-            change = replace(problem, slope=slope).g(z)
-            by_name = coefficients(change * z_theta)[:, 1:] / n[1:] ** 2
-            result[name] = (left * parts(by_name)).sum(axis=1)
-    return result
+        columns = (np.ravel(column).tolist() for column in np.broadcast_arrays(V, strength))
+        for speed, force in zip(*columns, strict=True):
+            orbit, tail = _solved(_begin(law, changes["strength"], speed, force, 1.0), _TIGHT, np.inf)
+            if not np.isfinite(tail):
+                rows.append(dict.fromkeys(("d", *changes), np.nan))
+                continue
+            matrix, residual, _ = orbit.equations()
+            left = np.linalg.solve(matrix.T, np.eye(len(residual))[-2])
+            rate, n = orbit.rate, np.arange(1, len(orbit.z))
+            rows.append(
+                {"d": orbit.d}
+                | {
+                    name: float(left @ _parts(_coefficients(orbit.g(slope) * rate)[1:] / n**2))
+                    for name, slope in changes.items()
+                }
+            )
+    return {name: np.array([row[name] for row in rows]) for name in ("d", *changes)}
 
 
 def orbits(
@@ -182,30 +302,30 @@ def orbits(
     - `strength`: N/sqrt(k m) in m/s.
     - `A`: highest velocity over belt speed, at most 1.
     - `rtol`: relative error of d at which the grid is fine enough, where rounding allows.
-    - `most_work`: cubes of grids, summed over Newton steps and rows, after which what is not found yet is given
-      up.
+    - `most_work`: cubes of grids, summed over the Newton steps of an orbit, after which it is given up.
 
     An orbit that was not found has an infinite error, and no number for d.
     """
-    work = Work(most_work)
+    slope = slopes(law)
+    columns = [np.ravel(column).astype(np.float64) for column in np.broadcast_arrays(V, strength, A)]
     with np.errstate(all="ignore"):  # iterates that run away are given up
-        problem, state, tail = _solution(law, (V, strength, A), rtol, work)
-        z = values(state.z, grid(state))
-        g = problem.g(z)
-        scale = np.abs(g).max(axis=1)
-        # A layer of the law between v = 0 and the first phase would pass unseen.
-        seen, all_there_is = _harmonics(law, problem, grid(state))
-        scale = np.maximum(scale, np.abs(all_there_is))
-        layer = np.where(problem.A == 1, of_layer(law, problem.V, problem.strength, grid(state) // 2), 0.0)
-        unseen = (np.abs(seen - all_there_is) + layer) / np.where(scale == 0, 1.0, scale)
-        error = tail + unseen + ROUNDING * grid(state) / GRIDS[0]
-    error[scale == 0] = 0.0
-    return Orbits(
-        d=np.where(np.isfinite(error), state.d, np.nan),
-        frequency=frequency(state.sigma),
-        error=error,
-        scale=scale,
-        exponent=g.mean(axis=1) - state.d,
-        lowest=z.min(axis=1),
-        work=work.done,
-    )
+        everything = columns[1] * averages(law, columns[0], columns[2])[0]
+        rows = [
+            _measured(law, *_solved(_begin(law, slope, *one), rtol, most_work), float(whole))
+            for *one, whole in zip(*(column.tolist() for column in columns), everything, strict=True)
+        ]
+    return Orbits(*np.array(rows).reshape(-1, 6).T)
+
+
+def _measured(law: FrictionLaw, orbit: _Orbit, tail: float, everything: float) -> Sequence[float]:
+    """Return the row of an orbit; `everything` is its harmonic damping from slopes at every scale."""
+    z, g = orbit.velocity, orbit.g(orbit.slope)
+    scale = max(float(np.abs(g).max()), abs(everything))
+    # A layer of the law between v = 0 and the first phase would pass unseen.
+    V, strength = np.array([orbit.V]), np.array([orbit.strength])
+    seen = orbit.strength * float(expand(law, V, orbit.A, grid=orbit.size // 2).harmonic[0])
+    layer = float(of_layer(law, V, strength, orbit.size // 2)[0]) if orbit.A == 1 else 0.0
+    unseen = (abs(seen - everything) + layer) / (scale or 1.0)
+    error = 0.0 if scale == 0 else tail + unseen + _ROUNDING * orbit.size / _GRIDS[0]
+    d = orbit.d if np.isfinite(error) else np.nan
+    return d, orbit.frequency, error, scale, float(g.mean()) - orbit.d, float(z.min())

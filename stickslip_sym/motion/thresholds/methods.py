@@ -322,7 +322,7 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
 
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
     strength = points.N / points.impedance
-    found = orbits(points.law, points.V, strength, rtol=_TAIL * rtol, most_work=_ORBIT_WORK * len(points))
+    found = orbits(points.law, points.V, strength, rtol=_TAIL * rtol, most_work=_ORBIT_WORK)
     value, error = found.d * points.impedance, found.relative_error
     reason = obstacle(points.law, points.V, float(found.lowest.min(initial=0.0)))
     if reason is not None:

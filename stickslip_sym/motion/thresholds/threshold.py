@@ -16,9 +16,9 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.uncertain import with_error
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.model.doubts import warn_where_negative
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.negative import warn_where_negative
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.methods import (
     Method,

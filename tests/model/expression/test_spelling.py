@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym.model.doubts import lowest
+from stickslip_sym.model.negative import lowest
 
 SEED = 20160428
 VALUES = {"a": "0.7", "b": "0.8", "w": "1.3", "mu_0": "0.4", "p": "0.6"}

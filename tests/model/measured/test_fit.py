@@ -28,18 +28,43 @@ def fits():
     return ss.fit(*data(), laws=["exponential", "gaussian", "coulomb", "stribeck"])
 
 
-@sweep(("known", "sets", "within"), [(False, 200, 0.0), (True, 60, 0.02), (False, 40, 0.03)], (False, 40, 0.03))
-def test_intervals_hold_the_truth_as_often_as_they_say(known, sets, within):
-    """At 80 % they must be too narrow for 92 %, or nothing would be measured; fewer sets scatter more."""
-    held = {0.95: [], 0.8: []}
-    for seed in range(sets):
-        v, mu = data(seed=seed, count=40)
+def correlated(rng, count, rho):
+    """Noise in which each value keeps a part rho of the one before."""
+    noise = rng.normal(size=count)
+    for i in range(1, count):
+        noise[i] = rho * noise[i - 1] + np.sqrt(1 - rho**2) * noise[i]
+    return noise
+
+
+@sweep(
+    ("rho", "known", "sets", "within"),
+    [(0.0, False, 200, 0.0), (0.0, True, 60, 0.02), (0.5, False, 60, 0.0), (0.8, False, 60, 0.0),
+     (0.0, False, 40, 0.03), (0.8, False, 20, 0.0)],
+    (0.0, False, 40, 0.03), (0.8, False, 20, 0.0),
+)  # fmt: skip
+def test_intervals_hold_the_truth_as_often_as_they_say(rho, known, sets, within):
+    """At 80 % they must be too narrow for 92 %, or nothing would be measured; fewer sets scatter more.
+
+    Unwidened, they hold it in 38 to 61 of 100 where noise is correlated by 0.8.
+    """
+    rng = np.random.default_rng(17)
+    v = np.linspace(0.01, 1.5, 80)
+    held, plain, warned = {0.95: [], 0.8: []}, [], 0
+    for _ in range(sets):
+        mu = 0.2 + 0.3 * np.exp(-3 * v) + NOISE * correlated(rng, 80, rho)
         best = ss.fit(v, mu, NOISE if known else None, laws="exponential").best
+        warned += any("are correlated" in text for text in best.warnings)
         for level, found in held.items():
             intervals = best.confidence(level)
             found += [low <= TRUE[name] <= high for name, (low, high) in intervals.items()]
-    assert 0.92 - within <= np.mean(held[0.95]) <= 0.97 + within
-    assert 0.74 - within <= np.mean(held[0.8]) <= 0.86 + within
+        half = {name: (high - low) / 2 / best.inflation**0.5 for name, (low, high) in best.confidence().items()}
+        plain += [abs(best.values[name] - TRUE[name]) <= half[name] for name in TRUE]
+    assert np.mean(held[0.95]) >= 0.92 - within
+    assert (warned > 0.83 * sets) if rho else (warned < 0.08 * sets)
+    if not rho:
+        assert np.mean(held[0.95]) <= 0.97 + within
+        assert 0.74 - within <= np.mean(held[0.8]) <= 0.86 + within
+    assert rho < 0.8 or np.mean(plain) < 0.8
 
 
 @sweep("name", list(ss.laws), "stribeck_viscous", "two_exponentials", "cubic")
@@ -51,7 +76,7 @@ def test_a_law_is_found_again_from_data_without_noise(name):
     assert found == pytest.approx({key: float(value) for key, value in law.typical().values.items()}, rel=1e-4)
 
 
-@sweep("rivals", [RIVALS[:4], RIVALS], RIVALS[:4])
+@sweep("rivals", [RIVALS[:3], RIVALS], RIVALS[:3])
 def test_the_generating_law_is_among_the_best_two(rivals):
     first = []
     for name in rivals:
@@ -100,13 +125,6 @@ def test_the_band_is_what_uncertainties_propagates(fits):
         assert (low[0] + high[0]) / 2 == pytest.approx(mu.nominal_value)
         assert (high[0] - low[0]) / 2 == pytest.approx(one_sided * mu.std_dev, rel=1e-6)
     assert fit.law.mu(0.3) == pytest.approx((p["mu_m"] + (p["mu_s"] - p["mu_m"]) * umath.exp(-p["alpha"] * 0.3)).n)
-
-
-def test_what_a_prompt_shows_is_a_line(fits):
-    assert repr(fits).startswith(f"Fits: {fits.best.name} (")
-    assert repr(fits.best).startswith(f"Fit: {fits.best.name}, mu_s = 0.")
-    assert repr(fits.measured).startswith("Measurements: ")
-    assert "\n" not in repr(fits) + repr(fits.best) + repr(fits.measured)
 
 
 def test_profiles_agree_with_standard_errors_where_the_law_bends_little(fits):
@@ -173,6 +191,9 @@ def test_a_fit_reports_itself(fits):
     assert one["covariance"][0][1] == one["covariance"][1][0]
     assert "<table>" in fits._repr_html_()
     assert "<table>" in fits.best._repr_html_()
+    for one in (fits, fits.best, fits.measured):
+        assert repr(one).startswith(f"{type(one).__name__}: ")
+        assert "\n" not in repr(one)
     with pytest.raises(ss.InputError, match="did you mean 'gaussian'"):
         _ = fits["gausian"]
 
@@ -191,34 +212,6 @@ def test_data_of_any_scale_are_fitted():
         v, mu = data()
         best = ss.fit(v * scale, mu, laws="exponential").best
         assert best.values["alpha"] * scale == pytest.approx(3.0, rel=0.15)
-
-
-def correlated(rng, count, rho):
-    """Noise in which each value keeps a part rho of the one before."""
-    white, noise = rng.normal(size=count), np.empty(count)
-    noise[0] = white[0]
-    for i in range(1, count):
-        noise[i] = rho * noise[i - 1] + np.sqrt(1 - rho**2) * white[i]
-    return noise
-
-
-@sweep(("rho", "sets"), [(0.0, 60), (0.5, 60), (0.8, 60), (0.8, 20)], (0.8, 20))
-def test_intervals_hold_the_truth_under_correlated_noise(rho, sets):
-    """Of a sweep of speeds; unwidened, they hold it in 38 to 61 of 100 at 0.8."""
-    rng = np.random.default_rng(17)
-    v = np.linspace(0.01, 1.5, 80)
-    held, plain, warned = [], [], 0
-    for _ in range(sets):
-        mu = 0.2 + 0.3 * np.exp(-3 * v) + NOISE * correlated(rng, 80, rho)
-        best = ss.fit(v, mu, laws="exponential").best
-        warned += any("are correlated" in text for text in best.warnings)
-        for name, (low, high) in best.confidence().items():
-            held.append(low <= TRUE[name] <= high)
-            half = (high - low) / 2 / best.inflation**0.5
-            plain.append(abs(best.values[name] - TRUE[name]) <= half)
-    assert np.mean(held) >= 0.92
-    assert (warned > 0.83 * sets) if rho else (warned < 0.08 * sets)
-    assert rho < 0.8 or np.mean(plain) < 0.8
 
 
 def test_correlation_is_of_rows_in_file_order():
@@ -288,6 +281,9 @@ def test_many_rows_are_fitted_as_few():
     assert again.values == best.values
 
 
+CURVE = ss.FrictionLaw.from_samples([0, 1, 2, 3], [0.5, 0.4, 0.3, 0.2])
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -299,6 +295,7 @@ def test_many_rows_are_fitted_as_few():
         (([1, 2], [1, 1], None, ["linear", "linear"]), "the law linear is given twice"),
         (([1, 2], [1, 1], None, "lineer"), "did you mean 'linear'"),
         (([1, 2], [1, 1], None, ss.laws.linear.typical()), "it has no parameter without a value"),
+        ((*data(), None, CURVE), "goes through measured points, and has nothing to fit"),
         (([1, 2], [1, 7]), r"mu\[1\] = 7; a coefficient of friction is below 5"),
     ],
 )
@@ -307,13 +304,7 @@ def test_what_cannot_be_fitted_is_refused(arguments, message):
         ss.fit(*arguments)
 
 
-def test_measured_points_are_no_law_to_fit():
-    curve = ss.FrictionLaw.from_samples([0, 1, 2, 3], [0.5, 0.4, 0.3, 0.2])
-    with pytest.raises(ss.InputError, match="goes through measured points, and has nothing to fit"):
-        ss.fit(*data(), laws=curve)
-
-
-def test_progress_is_told():
-    told = []
-    ss.fit(*data(), laws=["linear", "coulomb"], progress=lambda *steps: told.append(steps))
-    assert told == [(0, 2), (1, 2), (2, 2)]
+def test_progress_is_counted():
+    steps = []
+    ss.fit(*data(), laws=["linear", "coulomb"], progress=lambda *done: steps.append(done))
+    assert steps == [(0, 2), (1, 2), (2, 2)]

@@ -53,14 +53,6 @@ def write(tmp_path, text, encoding="utf-8"):
     return path
 
 
-def decimal(number, sign):
-    """A number of at most 12 digits as text, in one of the usual ways."""
-    exact = Fraction(number)
-    text = f"{float(exact):.12g}"
-    assert Fraction(text) == exact
-    return text.replace(".", sign)
-
-
 def in_unit(value, size):
     """A value times the size, to so few digits that it is exact as text, and what it then is in SI units."""
     text = f"{float(Fraction(value) * size):.6g}"
@@ -171,27 +163,24 @@ def test_a_table_in_any_dialect_is_read_to_the_same_numbers(folder, seed):
     assert ("mu from F_t/F_n" in str(read)) == forces
 
 
-@sweep("tables", [40, 400], 40)
-def test_planted_faults_are_refused_with_their_line(tmp_path, tables):
+@given(SEEDS)
+def test_planted_faults_are_refused_with_their_line(folder, seed):
     """Never read wrong: refused there, or, where the cell is of a column that is not read, the same numbers."""
-    rng = np.random.default_rng(2024)
-    refused = named = 0
-    for _ in range(tables):
-        text = random_table(rng)[0]
-        before = ss.read_measurements(write(tmp_path, text))
-        faulty, line, kind = with_fault(text, rng)
-        path = write(tmp_path, faulty)
-        try:
-            after = ss.read_measurements(path)
-        except ss.InputError as error:
-            refused += 1
-            named += f"line {line}" in str(error)
-            continue
-        assert kind not in ("no cell", "one cell more"), faulty
-        for old, new in ((before.v, after.v), (before.mu, after.mu), (before.sigma, after.sigma)):
-            np.testing.assert_array_equal(old, new, err_msg=faulty)
-    assert refused > 0.7 * tables
-    assert named > 0.9 * refused  # a table with two decimal signs is refused at the first of the other
+    rng = np.random.default_rng(seed)
+    text = random_table(rng)[0]
+    before = ss.read_measurements(write(folder, text))
+    faulty, line, kind = with_fault(text, rng)
+    after, refusal = None, ""
+    try:
+        after = ss.read_measurements(write(folder, faulty))
+    except ss.InputError as error:
+        refusal = str(error)
+    if after is None:  # a table with two decimal signs is refused at the first of the other
+        assert f"line {line}" in refusal or "has a decimal point" in refusal, faulty
+        return
+    assert kind not in ("no cell", "one cell more"), faulty
+    for old, new in ((before.v, after.v), (before.mu, after.mu), (before.sigma, after.sigma)):
+        np.testing.assert_array_equal(old, new, err_msg=faulty)
 
 
 def test_rows_with_faults_are_left_out_and_counted(tmp_path):
@@ -216,11 +205,10 @@ def test_rows_with_faults_are_left_out_and_counted(tmp_path):
     assert len(ss.read_measurements(path, keep_outliers=True)) == 41
 
 
-@sweep(
-    "chosen",
-    [["exponential", "stribeck", "andersson", "quintic"], list(ss.laws)],
-    ["exponential", "stribeck", "andersson", "quintic"],
-)
+SOME = ["exponential", "stribeck", "andersson", "quintic"]
+
+
+@sweep("chosen", [SOME, list(ss.laws)], SOME)
 def test_smooth_curves_have_no_outliers(tmp_path, chosen):
     """Of every law with four decimals, on even and on geometric grids from rest, and with noise in 98 of 100."""
     rng = np.random.default_rng(8)
@@ -290,6 +278,8 @@ def test_other_files_are_named_as_what_they_are(tmp_path):
             ss.read_measurements(tmp_path / "a.xlsx")
     bare = write(tmp_path, "Speed [mm/s]\tCOF []\n100\t0,4\n200\t0,35\n", "utf-16-le")
     assert ss.read_measurements(bare).mu.tolist() == [0.4, 0.35]
+    older = ss.read_measurements(write(tmp_path, "v [µm/s];µ\n5;0,25\n", "cp1252"))
+    assert (older.v[0], older.mu[0]) == (5e-6, 0.25)
 
 
 @pytest.mark.parametrize("swap", [("F_n [N]", "F_t [N]"), ("F_t [mN]", "F_t [N]"), ("v [m/s]", "v [mm/s]")])
@@ -430,11 +420,6 @@ FORCES = "v [m/s],F_t [N],F_n [N]\n"
 def test_what_is_not_understood_is_refused_with_its_place(tmp_path, text, message):
     with pytest.raises(ss.InputError, match=message):
         ss.read_measurements(write(tmp_path, text))
-
-
-def test_older_encodings_are_read(tmp_path):
-    read = ss.read_measurements(write(tmp_path, "v [µm/s];µ\n5;0,25\n", "cp1252"))
-    assert (read.v[0], read.mu[0]) == (5e-6, 0.25)
 
 
 @pytest.mark.parametrize(

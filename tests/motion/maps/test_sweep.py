@@ -32,7 +32,7 @@ def test_shares_are_those_of_the_map_at_each_speed(over_speed):
     assert (rest[:2] == 0).all()  # below the Hopf speed
     assert (rest[-2:] == 1).all()  # above the graze
     assert (np.diff(rest[2:-2]) > 0).all()
-    osc = ss.Oscillator(m=1, k=1, c=0.1, V=over_speed.axis.values[4], N=1)
+    osc = ss.Oscillator(m=1, k=1, c=0.1, V=over_speed.x.values[4], N=1)
     found = ss.basin_map(LAW, osc, x0=np.linspace(-2, 2, 300), v0=np.linspace(0, 2, 300)).share
     assert abs(found[Motion.REST].value - rest[4]) <= 2 * over_speed.error[Motion.REST][4]
     assert max(error.max() for error in over_speed.error.values()) < 1e-8

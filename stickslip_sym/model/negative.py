@@ -1,4 +1,4 @@
-"""What can be computed of a law at an operating point, and is probably not what was meant."""
+"""Where a coefficient of friction is lowest, and a warning where it is negative."""
 
 import warnings
 
