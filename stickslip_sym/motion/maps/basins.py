@@ -24,8 +24,8 @@ from stickslip_sym.motion.maps.drawing import paint, regions_of_motions
 from stickslip_sym.motion.maps.shares import FINEST, Share, counted_shares, motions_by_side, shares_by_area
 from stickslip_sym.motion.maps.table import Table, count_of
 from stickslip_sym.motion.motion import MOTIONS, Motion
-from stickslip_sym.motion.regimes.attractors import Regime, regime
 from stickslip_sym.motion.regimes.classification import classify_all
+from stickslip_sym.motion.regimes.regime import Regime, regime
 from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import files
 

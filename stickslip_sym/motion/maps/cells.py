@@ -30,10 +30,10 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.orbits.needed import MOST_GAPS, begun, needed
-from stickslip_sym.motion.regimes.attractors import Regime, friction_far_out, regime
+from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
-from stickslip_sym.motion.regimes.kinds import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.orbit_signs import orbit_signs
+from stickslip_sym.motion.regimes.regime import Regime, friction_far_out, regime
 from stickslip_sym.motion.slip import Dimensionless, End, Slips
 from stickslip_sym.motion.thresholds.averages import slope_mean
 

@@ -28,7 +28,7 @@ from stickslip_sym.motion.maps.drawing import (
 )
 from stickslip_sym.motion.maps.table import Table, count_of
 from stickslip_sym.motion.motion import MOTIONS, Motion
-from stickslip_sym.motion.regimes.kinds import ATTRACTORS
+from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import files
 

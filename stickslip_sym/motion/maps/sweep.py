@@ -27,7 +27,7 @@ from stickslip_sym.motion.maps.shares import FINEST, Share, shares_by_area
 from stickslip_sym.motion.maps.table import Table
 from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.orbits.cycles import needed_damping
-from stickslip_sym.motion.regimes.attractors import Regime, graze, regime
+from stickslip_sym.motion.regimes.regime import Regime, graze, regime
 from stickslip_sym.motion.slip import Dimensionless
 
 if TYPE_CHECKING:
