@@ -54,10 +54,10 @@ from .motion.margins.value import Critical as Critical
 from .motion.motion import Motion as Motion
 from .motion.orbits.cycles import LimitCycle as LimitCycle
 from .motion.orbits.cycles import limit_cycles as limit_cycles
-from .motion.regimes.attractors import Regime as Regime
-from .motion.regimes.attractors import Rest as Rest
-from .motion.regimes.attractors import regime as regime
 from .motion.regimes.classification import classify as classify
+from .motion.regimes.regime import Regime as Regime
+from .motion.regimes.regime import Rest as Rest
+from .motion.regimes.regime import regime as regime
 from .motion.regimes.separatrix import Separatrix as Separatrix
 from .motion.simulation.cycle import StickSlipCycle as StickSlipCycle
 from .motion.simulation.cycle import peak_velocity as peak_velocity

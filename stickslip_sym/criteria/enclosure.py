@@ -5,8 +5,10 @@ close the two ends are is what the working precision makes of it.
 """
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from decimal import MAX_EMAX, MIN_EMIN, ROUND_DOWN, Context, Decimal, localcontext
 from fractions import Fraction
 from itertools import pairwise
 
@@ -112,19 +114,12 @@ def _truncated(value: Fraction, digits: int) -> str:
     """Return a number with so many significant digits, the rest cut off."""
     if value == 0:
         return "0"
-    sign, size = ("-", -value) if value < 0 else ("", value)
-    exponent = len(str(int(size))) - 1 if size >= 1 else -len(str(int(1 / size)))
-    if size < Fraction(10) ** exponent:
-        exponent -= 1
-    elif size >= Fraction(10) ** (exponent + 1):
-        exponent += 1
-    whole = str(int(size * Fraction(10) ** (digits - 1 - exponent)))
-    if -5 <= exponent < digits:
-        if exponent < 0:
-            return f"{sign}0.{'0' * (-exponent - 1)}{whole}"
-        point = exponent + 1
-        return f"{sign}{whole[:point]}{'.' if whole[point:] else ''}{whole[point:]}"
-    return f"{sign}{whole[0]}.{whole[1:]}e{exponent:+03d}"
+    with localcontext(Context(prec=digits, rounding=ROUND_DOWN, Emin=MIN_EMIN, Emax=MAX_EMAX)):
+        number = Decimal(value.numerator) / Decimal(value.denominator)
+        number = number.quantize(Decimal(1).scaleb(number.adjusted() - digits + 1))
+    if -5 <= number.adjusted() < digits:
+        return f"{number:f}"
+    return re.sub(r"e([+-])(\d)$", r"e\g<1>0\2", f"{number:.{digits - 1}e}")
 
 
 def enclosure_of(value: arb) -> Enclosure:

@@ -1,5 +1,6 @@
 """Coefficients of friction near v = 0: their limits at rest, and how much they rise from there."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache, partial
 from typing import Any
@@ -35,7 +36,7 @@ def limit_at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> float:
         # Values of exponents decide the limit of v^p/v; those of other parameters stay out of the algebra.
         limit = symbolic_limit_at_rest(lowest.replace(sp.Pow, lambda base, power: base ** _valued(power, values)))
         value = limit if limit.has(sp.nan) or limit.is_infinite else number_at(limit, values)
-    return float(value)
+    return math.nan if value.has(sp.zoo) else float(value)
 
 
 def _valued(power: Expr, values: Mapping[Expr, Expr]) -> Expr:

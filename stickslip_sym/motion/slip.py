@@ -863,7 +863,7 @@ class Dimensionless:
 
         - `which`: the number of the step for each time.
         """
-        fast = len(tau) >= _MANY and is_compiling()
+        fast = len(tau) >= (_SOME if compiled.cache_info().currsize else _MANY) and is_compiling()
         rise = self.table.at(self.V, arrays=fast)
         begins = [np.array(column, dtype=np.float64) for column in list(zip(*steps, strict=True))[:4]]
         columns = [column[which] for column in (*begins, *np.array([step[5:] for step in steps]).T)] + [tau]
@@ -925,5 +925,5 @@ class Dimensionless:
         return Slips(ends, *found.T)
 
 
-_MANY = 3000  # states, for which loading the compiled code is no loss
+_MANY, _SOME = 3000, 100  # states, for which loading compiled code is no loss; and where there is some already
 _BATCH = 4000  # slips between two looks at the time limit, some hundredths of a second compiled

@@ -11,7 +11,7 @@ from stickslip_sym import Motion, Phase
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.expansion import expand
 from stickslip_sym.motion.orbits.orbit import orbits
-from stickslip_sym.motion.regimes.attractors import grows_far_out
+from stickslip_sym.motion.regimes.regime import grows_far_out
 from stickslip_sym.motion.regimes.slip_orbits import overtaking_cycle
 from stickslip_sym.motion.thresholds.methods import methods, second_order
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints

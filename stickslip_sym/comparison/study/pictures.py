@@ -13,8 +13,8 @@ from stickslip_sym.model.fitting.result import Fit
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.regimes.attractors import Regime
 from stickslip_sym.motion.regimes.drawing import phase_plane
+from stickslip_sym.motion.regimes.regime import Regime
 from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
 

@@ -37,7 +37,7 @@ from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.margins.margins import Margin, Margins, carried_by, margins
 from stickslip_sym.motion.orbits.orbit import obstacle
-from stickslip_sym.motion.regimes.attractors import Regime, regime
+from stickslip_sym.motion.regimes.regime import Regime, regime
 from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping

@@ -262,6 +262,9 @@ _SERIES_GRID = 2.0 ** np.arange(-6, 3.01, 0.125)
 _TAIL_NODES = 31
 _TAILS = ((3, -1.0), (4, -1.0), (5, -1.0), (6, -1.0), (7, -1.0), (9, -1.0), (11, -1.0), (5, -0.5), (7, -0.5))
 """Binary exponents of the r from where a series is tried, and powers of r that it runs in."""
+_PLAIN_TERMS, _LOG_TERMS = 18, 8
+_LOG_TAILS = (3, 4, 5, 6, 8)
+"""Terms of the two polynomials of a tail with a logarithm, and binary exponents of r from where it is tried."""
 _NODES = 19  # of a panel
 _SMOOTH = 0.5 * _EPSILON  # of <|g'|>: the last coefficients of a panel
 _BEFORE_THE_END = 2.0**-9  # of the r at which a profile ends: nearer to it balls are asked
@@ -467,10 +470,13 @@ class _Builder:
     # -- large r ---------------------------------------------------------------------------------
 
     def _tail(self) -> tuple[float, Sum] | None:
-        """Fit r^-power F for large r by a polynomial in 1/r, or in its square root."""
+        """Fit F for large r by a power of r times polynomials."""
         power = self._power(2.0**_HIGH)
-        if power is None:
-            return None
+        plain = None if power is None else self._plain_tail(power)
+        return self._logarithmic_tail(power) if plain is None else plain
+
+    def _plain_tail(self, power: float) -> tuple[float, Sum] | None:
+        """Fit r^-power F for large r by a polynomial in 1/r, or in its square root."""
         for exponent, variable in _TAILS:
             start = 2.0**exponent * max(1.0, *self.corners, 0.0)
 
@@ -485,6 +491,37 @@ class _Builder:
             sizes = np.abs(coefficients) * start ** (variable * np.arange(len(coefficients)))
             if sizes.sum() <= _CONDITION * abs(np.dot(np.sign(coefficients), sizes)):
                 return start, Sum(power, variable, ((None, coefficients),))
+        return None
+
+    def _logarithmic_tail(self, power: float | None) -> tuple[float, Sum] | None:
+        """Fit F for large r by two polynomials in z = 1/r, one of them times log(r), through values at nodes."""
+        if power is None:
+            leading = self._leading([2.0 ** (_HIGH + k) for k in _FAR])
+            if leading is None or len(leading.parts) < 2:
+                return None
+            power = leading.power
+        size = _PLAIN_TERMS + _LOG_TERMS
+        for exponent in _LOG_TAILS:
+            start = 2.0**exponent * max(1.0, *self.corners, 0.0)
+            nodes = [(1 + t) / 2 for t in _chebyshev(size).nodes]  # of z times start
+            speeds = [arb(start) / x for x in nodes]
+            rows = [
+                [x**k for k in range(_PLAIN_TERMS)] + [x**k * r.log() for k in range(_LOG_TERMS)]
+                for x, r in zip(nodes, speeds, strict=True)
+            ]
+            values = [[self.values(r) * r ** arb(-power)] for r in speeds]
+            try:
+                found = arb_mat(rows).solve(arb_mat(values)).entries()
+            except (ZeroDivisionError, ValueError):
+                continue
+            scaled = [
+                float(c) * start ** (k if k < _PLAIN_TERMS else k - _PLAIN_TERMS) for k, c in enumerate(found)
+            ]
+            plain, logarithmic = tuple(scaled[:_PLAIN_TERMS]), tuple(scaled[_PLAIN_TERMS:])
+            branch = Sum(power, -1.0, ((None, plain), (sp.log(symbols.V), logarithmic)))
+            checked = start * 2.0 ** np.concatenate([np.arange(0, 4, 1 / 3), np.arange(4, _HIGH - exponent, 4)])
+            if self._agreed(branch, checked, _SOME_UNITS) == checked[0]:
+                return start, branch
         return None
 
     def _power(self, r: float) -> float | None:

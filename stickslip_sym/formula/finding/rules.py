@@ -112,7 +112,7 @@ def _by_antiderivatives(
             return "hypergeometric series", average, []
         else:
             limit = 0.0 if _is_hopeless(piece) else seconds
-            searched = search.antiderivative(piece * kernel, symbols.v, limit, progress)
+            searched = search.antiderivative(piece, kernel, symbols.v, limit, progress)
             if isinstance(searched, Nothing):
                 return searched
             found = searched

@@ -22,12 +22,12 @@ from stickslip_sym.core.functions import CONSTANTS, in_laws, power
 from stickslip_sym.core.numbers import bits, suggestion, within
 from stickslip_sym.model.expression.pieces import Bound, absolute, in_pieces, larger, sign, smaller
 
-__all__ = ["MAX_BITS", "NAME", "parse_expression", "taken"]
+__all__ = ["KINKED", "MAX_BITS", "NAME", "parse_expression", "taken"]
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 """What a name looks like: ASCII letters, digits and underscores, at most 40."""
 
-_KINKED: dict[str, Callable[..., Expr]] = {"Abs": absolute, "Min": smaller, "Max": larger, "sign": sign}
+KINKED: dict[str, Callable[..., Expr]] = {"Abs": absolute, "Min": smaller, "Max": larger, "sign": sign}
 """The functions that make kinks; Min and Max take two arguments or more."""
 
 _ALIASES = {"abs": "Abs", "min": "Min", "max": "Max", "sgn": "sign", "piecewise": "Piecewise"}
@@ -86,7 +86,7 @@ _NOT_FINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
 def taken() -> set[str]:
     """Return the names of functions and constants, which no parameter may have."""
     constants = [constant.name for constant in CONSTANTS.values() if constant.in_laws]
-    return {*in_laws(), "sqrt", "erfc", "Piecewise", *_KINKED, *_ALIASES, *_INSTEAD, *constants}
+    return {*in_laws(), "sqrt", "erfc", "Piecewise", *KINKED, *_ALIASES, *_INSTEAD, *constants}
 
 
 def parse_expression(text: str, symbol: Callable[[str], Expr]) -> Expr:
@@ -199,7 +199,7 @@ class _Parser:
         rows = {name: function.kind for name, function in in_laws().items()}
         self.functions: dict[str, Callable[[Expr], Expr]] = rows | {"erfc": lambda x: 1 - sp.erf(x)}
         self.constants = {constant.name: constant.value for constant in CONSTANTS.values() if constant.in_laws}
-        self.callable = [*self.functions, "sqrt", *_KINKED, "Piecewise"]
+        self.callable = [*self.functions, "sqrt", *KINKED, "Piecewise"]
 
     # -- tokens --
 
@@ -344,9 +344,9 @@ class _Parser:
         if (len(arguments) < 2) if several else (len(arguments) != 1):
             count = "two arguments or more" if several else "one argument; a decimal number has a point, as in 0.2"
             self.fail(token, f"{name} takes {count}")
-        if name in _KINKED:
+        if name in KINKED:
             self._count_kinks(token, len(arguments))
-            kinked = _KINKED[name]
+            kinked = KINKED[name]
             return self._guarded(token, lambda: reduce(kinked, arguments) if several else kinked(*arguments))
         return self._checked(token, self._function(token, name, *arguments))
 

@@ -3,19 +3,20 @@
 import math
 from collections.abc import Callable
 from functools import reduce
+from typing import Any
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.functions import NumberPower, power, row
+from stickslip_sym.core.functions import NumberPower, fold, power, row
 from stickslip_sym.core.numbers import bits, exact
 from stickslip_sym.model.expression.misspelt import check_constant, check_speed
 from stickslip_sym.model.expression.normal_form import normal_form
 from stickslip_sym.model.expression.parameters import Parameter
-from stickslip_sym.model.expression.parsing import MAX_BITS, parse_expression
-from stickslip_sym.model.expression.pieces import Bound, absolute, in_pieces, larger, sign, smaller
+from stickslip_sym.model.expression.parsing import KINKED, MAX_BITS, parse_expression
+from stickslip_sym.model.expression.pieces import Bound, in_pieces
 
 __all__ = ["read_formula", "read_static"]
 
@@ -63,7 +64,7 @@ def read_formula(formula: str | float | Expr, table: dict[str, Parameter], *, co
     if isinstance(formula, str):
         expr = parse_expression(formula, symbol)
     elif isinstance(formula, sp.Expr):
-        expr = _rebuild(formula, symbol)
+        expr = _rebuilt(formula, symbol)
     elif isinstance(formula, int | float) and not isinstance(formula, bool):
         expr = exact(formula, "the coefficient")
     else:
@@ -111,54 +112,47 @@ def _terms(expr: Expr) -> int:
     return max(map(_terms, expr.args), default=1)
 
 
-def _rebuild(expr: Expr, symbol: Callable[[str], Expr]) -> Expr:
-    """Rebuild a SymPy expression, node by node, on this package's symbols and kinks."""
-    if isinstance(expr, sp.Symbol):
-        return symbol(expr.name)
-    if isinstance(expr, sp.Float | sp.Rational):
-        number = sp.Rational(expr)
-        if bits(number) > MAX_BITS:
-            raise InputError("a number in the formula has too many digits")
-        return number
-    if isinstance(expr, sp.Piecewise):
-        return _rebuild_pieces(expr, symbol)
-    arguments = [_rebuild(argument, symbol) for argument in expr.args]
-    if isinstance(expr, sp.Abs):
-        return absolute(*arguments)
-    if isinstance(expr, sp.sign):
-        return sign(*arguments)
-    if isinstance(expr, sp.erfc):
-        return 1 - sp.erf(*arguments)
-    if isinstance(expr, sp.Min):
-        return reduce(smaller, arguments)
-    if isinstance(expr, sp.Max):
-        return reduce(larger, arguments)
-    function = row(expr)
-    if not (isinstance(expr, _PLAIN) or (function is not None and function.in_laws)):
-        raise InputError(f"{type(expr).__name__} is not allowed in a law: {str(expr)[:60]}")
-    if expr.is_Pow and len(arguments) == 2:
-        return power(*arguments)
-    return expr.func(*arguments) if arguments else expr
+def _rebuilt(expr: Expr, symbol: Callable[[str], Expr]) -> Expr:
+    """Return a SymPy expression on this package's symbols and kinks."""
+
+    def rebuilt(node: Expr, parts: list[Any]) -> Any:
+        """Return a node of rebuilt parts; of a condition, the bound that it is, None for everywhere."""
+        if node.is_Symbol:
+            return symbol(node.name)
+        if isinstance(node, sp.Float | sp.Rational):
+            number = sp.Rational(node)
+            if bits(number) > MAX_BITS:
+                raise InputError("a number in the formula has too many digits")
+            return number
+        if node is sp.true or isinstance(node, sp.core.relational.Relational):
+            return None if node is sp.true else _bound(node, *parts)
+        if isinstance(node, sp.Piecewise):
+            *branches, (last, end) = zip(parts[::2], parts[1::2], strict=True)
+            if not (end is None or any(end.completes(bound) for _, bound in branches if bound)):
+                raise InputError("the last piece of a law holds at all other speeds; its condition is True")
+            return in_pieces([(branch, bound) for branch, bound in branches if bound], last)
+        if kinked := KINKED.get(type(node).__name__):
+            return reduce(kinked, parts) if len(parts) > 1 else kinked(*parts)
+        if isinstance(node, sp.erfc):
+            return 1 - sp.erf(*parts)
+        function = row(node)
+        if not (isinstance(node, _PLAIN) or (function is not None and function.in_laws)):
+            raise InputError(f"{type(node).__name__} is not allowed in a law: {str(node)[:60]}")
+        if node.is_Pow and len(parts) == 2:
+            return power(*parts)
+        return node.func(*parts) if parts else node
+
+    return fold(expr, rebuilt)
 
 
-def _rebuild_pieces(expr: Expr, symbol: Callable[[str], Expr]) -> Expr:
-    pairs = [(_rebuild(branch, symbol), _bound(relation, symbol)) for branch, relation in expr.args]
-    *branches, (last, end) = pairs
-    if not (end is None or any(end.completes(bound) for _, bound in branches if bound)):
-        raise InputError("the last piece of a law holds at all other speeds; its condition is True")
-    return in_pieces([(branch, bound) for branch, bound in branches if bound], last)
-
-
-def _bound(relation: Expr, symbol: Callable[[str], Expr]) -> Bound | None:
-    """Return where a piece holds; None is everywhere."""
-    if relation == sp.true:
-        return None
+def _bound(relation: Expr, left: Expr, right: Expr) -> Bound:
+    """Return where a piece with a condition v < place, or place < v, holds."""
     if isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan | sp.LessThan | sp.GreaterThan):
         strict = isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan)
-        for side, v, place in (("<", relation.lts, relation.gts), (">", relation.gts, relation.lts)):
-            if str(v) == "v":
-                symbol("v")
-                return Bound(side, _rebuild(place, symbol), strict)
+        side = "<" if isinstance(relation, sp.StrictLessThan | sp.LessThan) else ">"
+        for v, place, holds in ((left, right, side), (right, left, "<>"[side == "<"])):
+            if v == symbols.v:
+                return Bound(holds, place, strict)
     raise InputError(f"the pieces of a law end at v < place or v > place; got {relation}")
 
 

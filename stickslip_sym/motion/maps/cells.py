@@ -15,6 +15,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -29,21 +30,22 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.orbits.needed import MOST_GAPS, begun, needed
-from stickslip_sym.motion.regimes.attractors import Regime, friction_far_out, regime
+from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
-from stickslip_sym.motion.regimes.kinds import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.orbit_signs import orbit_signs
+from stickslip_sym.motion.regimes.regime import Regime, friction_far_out, regime
 from stickslip_sym.motion.slip import Dimensionless, End, Slips
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
-__all__ = ["CURVES", "REASONS", "Cells", "Column", "Reason", "decide"]
+__all__ = ["CURVES", "LATE", "REASONS", "Cells", "Column", "Reason", "decide"]
 
+LATE = "not reached: time limit, or Ctrl-C"
 CURVES = ("equilibrium", "least_squares", "exact")
 """The thresholds of an operating point."""
 KNOWN = 1e-8
 """Of the largest threshold, to which all of them are known."""
 _NEEDED = 1e-11  # tolerance of the steps with which needed dampings are found
-_GROWTH = 1e-10  # tolerance of the steps by which the sign of a growth is found
+_GROWTH = 1e-8  # tolerance of the steps by which the sign of a growth is found
 _UNSURE = 1e-5  # growth in a round of which integrations do not tell the sign
 _FOLD = 1e-7  # amplitude to which a fold is found; the damping there is known to its square
 _FINER = 1e-2  # tolerance of the motions of single cells over that of thresholds
@@ -59,7 +61,7 @@ class Reason(Enum):
     SIMULATED = "simulated"
     TOLERANCE = "within tolerance of a threshold or a fold"
     FAILED = "failed"
-    TIME = "not reached: time limit, or Ctrl-C"
+    TIME = LATE
 
 
 REASONS = tuple(Reason)
@@ -67,9 +69,20 @@ REASONS = tuple(Reason)
 
 @dataclass(frozen=True)
 class Column:
-    """Dampings at one operating point; the oscillator's own c is not used."""
+    """Dampings at one operating point.
+
+    Attributes
+    ----------
+    law : FrictionLaw
+    parameters : dict of str to float
+        Values of its parameters, in place of those it has.
+    osc : Oscillator
+        Its own c is not used.
+    c : numpy.ndarray
+    """
 
     law: FrictionLaw
+    parameters: dict[str, float]
     osc: Oscillator
     c: FloatArray
 
@@ -122,20 +135,22 @@ class Cells:
 def decide(columns: Sequence[Column], rtol: float) -> list[Cells]:
     """Return the motion from x = 0, x' = V, and every attractor, for each cell of some columns.
 
-    - `columns`: laws have all parameters bound.
+    - `columns`: of one law, with all parameters bound.
     - `rtol`: a damping that is closer to a threshold or a fold, relative to the largest of them, is not decided.
 
     What fails is in the cells.
     """
-    groups: dict[tuple[int, float], list[int]] = {}
+    # Columns that share the law and the belt's speed share its table.
+    groups: dict[tuple[tuple[tuple[str, float], ...], float], list[int]] = {}
     for i, column in enumerate(columns):
-        groups.setdefault((id(column.law), column.osc.V), []).append(i)
+        groups.setdefault((tuple(column.parameters.items()), column.osc.V), []).append(i)
     found: dict[int, Cells] = {}
-    for places in groups.values():
+    bound = cache(lambda parameters: columns[0].law.bind(**dict(parameters)) if parameters else columns[0].law)
+    for (parameters, _), places in groups.items():
         some = [columns[i] for i in places]
         try:
             check_time()
-            cells = _Speed(some, rtol).cells()
+            cells = _Speed(bound(parameters), some, rtol).cells()
         except StickSlipError as error:
             cells = [Cells.failed(column.c.size, error) for column in some]
         found |= zip(places, cells, strict=True)
@@ -154,9 +169,9 @@ def _needed_all(rise: Any, eta: Any, push: Any, A: Any, rtol: float, by_zeta: An
 class _Speed:
     """Columns of one law and one belt speed; dampings are damping ratios from here on."""
 
-    def __init__(self, columns: Sequence[Column], rtol: float) -> None:
-        self.columns, self.rtol = columns, rtol
-        self.law, osc = columns[0].law, columns[0].osc
+    def __init__(self, law: FrictionLaw, columns: Sequence[Column], rtol: float) -> None:
+        self.law, self.columns, self.rtol = law, columns, rtol
+        osc = columns[0].osc
         self.system = Dimensionless.of(self.law, osc)
         self.static, self.onset = self.system.table.static, self.system.table.onset
         self.eta = np.array([column.osc.eta for column in columns])

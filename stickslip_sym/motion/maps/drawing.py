@@ -10,7 +10,7 @@ from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.regimes.kinds import ATTRACTORS
+from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.output.drawing import require_matplotlib
 
 if TYPE_CHECKING:

@@ -1,41 +1,41 @@
 """`motion_map`: which motions exist, and which one the mass comes to, over a plane of two quantities."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
-from stickslip_sym.core.errors import NotConverged, StickSlipError
+from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
-from stickslip_sym.model.content import law_of_text, text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.maps.axes import OSCILLATOR, Axis, AxisValues, fixed_values, read_axes
-from stickslip_sym.motion.maps.cells import CURVES, REASONS, Cells, Column, Reason, decide
+from stickslip_sym.motion.maps.axes import OSCILLATOR, AxisValues, fixed_values, read_axes
+from stickslip_sym.motion.maps.cells import CURVES, LATE, REASONS, Cells, Column, Reason, decide
 from stickslip_sym.motion.maps.drawing import (
     FAILED,
     UNBOUNDED,
     UNDECIDED,
     Region,
-    new_figure,
     paint,
     regions_of_attractors,
-    title,
-    with_legend,
-)  # fmt: skip
+)
+from stickslip_sym.motion.maps.table import Table, count_of
 from stickslip_sym.motion.motion import MOTIONS, Motion
-from stickslip_sym.motion.regimes.kinds import ATTRACTORS
+from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.workers import Progress, Workers, collect
-from stickslip_sym.output import drawing, files, markup
+from stickslip_sym.output import files
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 __all__ = ["MotionMap", "motion_map"]
 
@@ -49,16 +49,13 @@ _CELLS = 300  # of a task: so many share what is computed of a law
 
 
 @dataclass(frozen=True, repr=False)
-class MotionMap(drawing.Drawn):
+class MotionMap(Table):
     """The motions over a plane; arrays have a row for each value of y, and a column for each of x.
 
     Attributes
     ----------
-    x, y : Axis
-        Each with `name`, `values`, `unit` and `meaning`.
-    law : FrictionLaw
-    fixed : dict
-        The quantities that are no axis, in SI units.
+    axes, law, fixed
+        As for `Table`; the axes are x and y too.
     motion : numpy.ndarray of Motion
         What becomes of a mass that starts at x = 0 with the belt's speed.
     attractors : dict of str to numpy.ndarray of bool
@@ -76,10 +73,6 @@ class MotionMap(drawing.Drawn):
         Whether Ctrl-C ended the computation: cells that were not reached have the reason `Reason.TIME`.
     """
 
-    x: Axis
-    y: Axis
-    law: FrictionLaw
-    fixed: dict[str, float]
     motion: ObjectArray
     attractors: dict[str, BoolArray]
     reason: ObjectArray
@@ -88,76 +81,37 @@ class MotionMap(drawing.Drawn):
     interrupted: bool = False
 
     @property
+    def columns(self) -> dict[str, NDArray[np.generic]]:
+        """The motion, the attractors, the reason and the thresholds."""
+        return {
+            "motion": files.texts(self.motion),
+            **self.attractors,
+            "reason": files.texts(self.reason),
+            **{f"c_{name}": curve for name, curve in self.thresholds.items()},
+        }
+
+    @property
     def coexist(self) -> BoolArray:
         """Where more than one attractor exists, as an array of bool."""
         return np.asarray(sum(exists.astype(int) for exists in self.attractors.values()) > 1)
 
     def count(self) -> dict[Motion, int]:
         """Return the number of cells of each motion, where there are any."""
-        return {motion: n for motion in Motion if (n := int((self.motion == motion).sum()))}
+        return count_of(self.motion)
 
-    def __repr__(self) -> str:
-        counts = ", ".join(f"{n} {motion.value}" for motion, n in self.count().items())
-        return f"MotionMap: {self.law.name or 'law'}, {self.x} by {self.y}; {counts}"
+    def _summary(self) -> str:
+        return ", ".join(f"{n} {motion.value}" for motion, n in self.count().items())
 
-    def _repr_html_(self) -> str:
-        rows = [[motion.value, str(n)] for motion, n in self.count().items()]
-        title = f"{self.law.name or 'law'}, {self.x} by {self.y}"
-        table = markup.table(["motion", "cells"], rows, caption=title)
-        return markup.block(drawing.picture(self.plot, title), table)
+    def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
+        return ["motion", "cells"], [[motion.value, str(n)] for motion, n in self.count().items()]
 
-    def to_csv(self, path: str | Path) -> None:
-        """Write a line for each cell: x, y, the motion, the attractors, the reason and the thresholds.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
-        """
-        X, Y = np.meshgrid(self.x.values, self.y.values)
-        columns = {
-            self.x.name: X,
-            self.y.name: Y,
-            "motion": files.texts(self.motion),
-            **{name: exists.astype(int) for name, exists in self.attractors.items()},
-            "reason": files.texts(self.reason),
-            **{f"c_{name}": np.broadcast_to(curve, X.shape) for name, curve in self.thresholds.items()},
-        }
-        files.write_csv(Path(path), columns)
-
-    def to_npz(self, path: str | Path) -> None:
-        """Write plain arrays, which ``numpy.load`` reads with ``allow_pickle=False``.
-
-        They have the names of the attributes; the axes are "x" and "y" with "x_name", "x_unit" and so on, the
-        thresholds "c_equilibrium" and so on. Motions and reasons are texts.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
-        """
-        arrays = {
-            "motion": files.texts(self.motion),
-            **self.attractors,
-            "reason": files.texts(self.reason),
-            **{f"c_{name}": curve for name, curve in self.thresholds.items()},
-            **{f"fixed_{name}": np.array(value) for name, value in self.fixed.items()},
-            "law": np.array(text_of_law(self.law)),
-        }
-        for side, axis in (("x", self.x), ("y", self.y)):
-            arrays |= {side: axis.values, f"{side}_name": np.array(axis.name), f"{side}_unit": np.array(axis.unit)}
-        files.write_npz(Path(path), arrays)
-
-    def _figure(self) -> "Figure":
-        figure, axes = new_figure()
+    def _draw(self, ax: Axes) -> list[Artist]:
         place, kinds = self.regions()
-        handles = paint(axes, self.x.values, self.y.values, place, kinds)
-        handles += self._draw_curves(axes)
-        axes.set(xlabel=self.x.label, ylabel=self.y.label)
-        title(axes, self.law, self.fixed)
-        return with_legend(figure, handles)
+        handles = paint(ax, self.x.values, self.y.values, place, kinds)
+        ax.set(xlabel=self.x.label, ylabel=self.y.label)
+        return handles + self._draw_curves(ax)
 
-    def _draw_curves(self, axes: "Axes") -> "list[Artist]":
+    def _draw_curves(self, axes: Axes) -> list[Artist]:
         from matplotlib.lines import Line2D
 
         handles: list[Artist] = []
@@ -255,17 +209,28 @@ def motion_map(
     axes = read_axes(law, x, y)
     bound, fixed = fixed_values(law, axes, {"V": V, "N": N, "m": m, "k": k, "c": c})
     rtol = read_rtol(rtol, least=1e-8)
-    # All cells of a line along c share an operating point.
+    # All cells of a line along c share an operating point: they are a column.
     turned = axes[0].name == "c"
     across, along = (axes[1], axes[0]) if turned else axes
+    shared = along.name == "c"
     lines = [fixed | {across.name: value} for value in across.values.tolist()]
-    count = max(1, _CELLS // along.values.size)
-    request = {"law": text_of_law(bound), "along": along.name, "values": along.values.tolist(), "rtol": rtol}
-    tasks = [request | {"lines": lines[i : i + count]} for i in range(0, len(lines), count)]
     with deadline.time_limit(time_limit):
-        results = collect(decide_lines, tasks, workers=workers, progress=progress)
-    with deadline.time_limit(0):  # what Ctrl-C kept from its end
-        cells = [line for task, part in zip(tasks, results, strict=True) for line in part or decide_lines(task)]
+        columns = [
+            _column(bound, line if shared else line | {along.name: value}, along.values if shared else None)
+            for line in lines
+            for value in ([None] if shared else along.values.tolist())
+        ]
+        count = max(1, _CELLS // (along.values.size if shared else 1))
+        tasks = [columns[i : i + count] for i in range(0, len(columns), count)]
+        results = collect(partial(decide, rtol=rtol), tasks, workers=workers, progress=progress)
+    late = OutOfTime(LATE)
+    parts = [
+        cells
+        for task, part in zip(tasks, results, strict=True)
+        for cells in part or [Cells.failed(column.c.size, late) for column in task]
+    ]
+    each = len(parts) // len(lines)
+    cells = [Cells.joined(parts[i : i + each]) for i in range(0, len(parts), each)]
 
     def grid(rows: list[Any]) -> Any:
         return np.array(rows) if turned else np.array(rows).T
@@ -273,7 +238,7 @@ def motion_map(
     attractors = grid([line.attractors for line in cells])
     notes = {(i, j) if turned else (j, i): text for i, line in enumerate(cells) for j, text in line.notes.items()}
     found = MotionMap(
-        *axes, law=bound, fixed=fixed,
+        axes, bound, fixed,
         motion=np.array(MOTIONS, dtype=object)[grid([line.motion for line in cells])],
         attractors={kind.name: attractors >> i & 1 > 0 for i, kind in enumerate(ATTRACTORS)},
         reason=np.array(REASONS, dtype=object)[grid([line.reason for line in cells])],
@@ -286,44 +251,8 @@ def motion_map(
     return found
 
 
-def decide_lines(task: dict[str, Any]) -> list[Cells]:
-    """Decide the cells along some lines of a map.
-
-    - `task`: "law": a law as text; "lines": the values of quantities and parameters, a line each; "along": the
-      name of another one, and its "values"; "rtol".
-
-    Returns the cells of each line.
-    """
-    along, values = task["along"], np.array(task["values"])
-    points = [
-        (i, line if along == "c" else line | {along: value}, values if along == "c" else np.array([line["c"]]))
-        for i, line in enumerate(task["lines"])
-        for value in ([None] if along == "c" else task["values"])
-    ]
-    law_at = _Bound(law_of_text(task["law"]))
-    columns: list[Column | Cells] = []
-    for _, point, c in points:
-        try:
-            deadline.check_time()
-            columns.append(Column(law_at(point), Oscillator(**{name: point[name] for name in "VNmk"}), c))
-        except StickSlipError as error:
-            columns.append(Cells.failed(c.size, error))
-    decided = iter(decide([column for column in columns if isinstance(column, Column)], task["rtol"]))
-    cells = [next(decided) if isinstance(column, Column) else column for column in columns]
-    return [
-        Cells.joined([part for (place, _, _), part in zip(points, cells, strict=True) if place == i])
-        for i in range(len(task["lines"]))
-    ]
-
-
-class _Bound:
-    """Laws of one formula by their parameters: points that share them share what is computed of the law."""
-
-    def __init__(self, law: FrictionLaw) -> None:
-        self.law, self.known = law, dict[tuple[tuple[str, float], ...], FrictionLaw]()
-
-    def __call__(self, point: dict[str, float]) -> FrictionLaw:
-        own = tuple((name, value) for name, value in point.items() if name not in OSCILLATOR)
-        if own not in self.known:
-            self.known[own] = self.law.bind(**dict(own)) if own else self.law
-        return self.known[own]
+def _column(law: FrictionLaw, point: dict[str, float], c: FloatArray | None) -> Column:
+    """Return the column of an operating point, whose own c it has if not given several."""
+    own = {name: value for name, value in point.items() if name not in OSCILLATOR}
+    osc = Oscillator(**{name: point[name] for name in "VNmk"})
+    return Column(law, own, osc, np.array([point["c"]]) if c is None else c)

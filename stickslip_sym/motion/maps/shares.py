@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.motion.motion import MOTIONS, Motion
-from stickslip_sym.motion.regimes.attractors import Regime, separatrices_of
+from stickslip_sym.motion.regimes.regime import Regime, separatrices_of
 from stickslip_sym.motion.regimes.separatrix import SlipCurve
 
 __all__ = ["FINEST", "Share", "counted_shares", "motions_by_side", "shares_by_area"]

@@ -6,8 +6,8 @@ that slip orbits need has an extremum (fold). Each is a root, and is found as on
 """
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
@@ -21,18 +21,19 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.maps.axes import OSCILLATOR, Axis, AxisValues, read_axis, read_values
-from stickslip_sym.motion.maps.drawing import new_figure, regions_of_motions, with_legend
+from stickslip_sym.motion.maps.axes import OSCILLATOR, AxisValues, read_axis, read_values
+from stickslip_sym.motion.maps.drawing import regions_of_motions
 from stickslip_sym.motion.maps.shares import FINEST, Share, shares_by_area
+from stickslip_sym.motion.maps.table import Table
 from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.orbits.cycles import needed_damping
-from stickslip_sym.motion.regimes.attractors import Regime, graze, regime
+from stickslip_sym.motion.regimes.regime import Regime, graze, regime
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.output import drawing, markup
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
 
 __all__ = ["BasinSweep", "Change", "basin_sweep"]
 
@@ -66,13 +67,13 @@ class Change:
 
 
 @dataclass(frozen=True, repr=False)
-class BasinSweep(drawing.Drawn):
+class BasinSweep(Table):
     """The shares of a box of initial conditions that lead to each motion, over one quantity.
 
     Attributes
     ----------
-    axis : Axis
-        The quantity and its values.
+    axes, law, fixed
+        As for `Table`; the axis is x too.
     share, error : dict of Motion to numpy.ndarray
         As `BasinMap.share` has them; NaN where geometry does not settle the basins.
     changes : tuple of Change
@@ -81,28 +82,28 @@ class BasinSweep(drawing.Drawn):
         The box: displacements in m, velocities in m/s.
     """
 
-    axis: Axis
     share: dict[Motion, FloatArray]
     error: dict[Motion, FloatArray]
     changes: tuple[Change, ...]
     x0: tuple[float, float]
     v0: tuple[float, float]
 
-    def __repr__(self) -> str:
-        found = "; ".join(map(str, self.changes)) or "no basin is born or dies"
-        return f"BasinSweep: {self.axis}; {found}"
+    @property
+    def columns(self) -> "dict[str, NDArray[np.generic]]":
+        """The share of each motion and its error."""
+        kinds = (("share", self.share), ("error", self.error))
+        return {f"{kind} of {motion.value}": rows[motion] for motion in self.share for kind, rows in kinds}
 
-    def _repr_html_(self) -> str:
+    def _summary(self) -> str:
+        return "; ".join(map(str, self.changes)) or "no basin is born or dies"
+
+    def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
         rows = [[change.kind, f"{change.value:.12g}", f"{change.error:.1g}"] for change in self.changes]
-        table = markup.table(
-            ["where basins are born or die", self.axis.label, "error"], rows, caption=str(self.axis)
-        )
-        return markup.block(drawing.picture(self.plot, str(self.axis)), table)
+        return ["where basins are born or die", self.x.label, "error"], rows
 
-    def _figure(self) -> "Figure":
-        figure, axes = new_figure()
+    def _draw(self, ax: "Axes") -> "list[Artist]":
         regions = {motion: region for motion, region in regions_of_motions().items() if motion in self.share}
-        values, shares = self.axis.values, np.array([self.share[motion] for motion in regions])
+        values, shares = self.x.values, np.array([self.share[motion] for motion in regions])
         for change in self.changes:  # at which shares may jump
             place = int(np.searchsorted(values, change.value))
             sides = shares[:, [max(place - 1, 0), min(place, values.size - 1)]]
@@ -112,20 +113,20 @@ class BasinSweep(drawing.Drawn):
         handles: list[Artist] = []
         for kind, low, high in zip(regions.values(), edges, edges[1:], strict=False):
             handles.append(
-                axes.fill_between(
+                ax.fill_between(
                     values, low, high, label=kind.name, facecolor=kind.color, hatch=kind.hatch, edgecolor="0.25",
                     linewidth=0.5,
                 )
             )  # fmt: skip
         for change in self.changes:
-            axes.axvline(change.value, color="black", linestyle=_CHANGES[change.kind], linewidth=1.4)
-            axes.annotate(
+            ax.axvline(change.value, color="black", linestyle=_CHANGES[change.kind], linewidth=1.4)
+            ax.annotate(
                 f"{change.kind} {change.value:.6g}", (change.value, 0.02), rotation=90, fontsize=8, va="bottom",
                 ha="right", backgroundcolor=(1, 1, 1, 0.7),
             )  # fmt: skip
-        axes.set(xlabel=self.axis.label, ylabel="share of the box of initial conditions", ylim=(0, 1))
-        axes.set_xlim(self.axis.values[0], self.axis.values[-1])
-        return with_legend(figure, handles)
+        ax.set(xlabel=self.x.label, ylabel="share of the box of initial conditions", ylim=(0, 1))
+        ax.set_xlim(self.x.values[0], self.x.values[-1])
+        return handles
 
 
 def basin_sweep(
@@ -181,7 +182,8 @@ def basin_sweep(
     table = {motion: [share.get(motion, none if share else unsettled) for share in shares] for motion in present}
     values = {motion: np.array([share.value for share in row]) for motion, row in table.items()}
     errors = {motion: np.array([share.error for share in row]) for motion, row in table.items()}
-    return BasinSweep(axis, values, errors, tuple(changes), *box)
+    fixed = {name: value for name, value in asdict(osc).items() if name != axis.name}
+    return BasinSweep((axis,), law, fixed, values, errors, tuple(changes), *box)
 
 
 def _limits(name: str, given: tuple[float, float]) -> tuple[float, float]:

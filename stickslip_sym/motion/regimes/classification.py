@@ -1,5 +1,7 @@
 """Which motion an initial condition leads to."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from functools import cached_property, partial
@@ -17,7 +19,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.motion import MOTIONS, Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle
-from stickslip_sym.motion.regimes.attractors import graze, grows_far_out
+from stickslip_sym.motion.regimes.regime import graze, grows_far_out
 from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, overtaking_cycle, slip_orbits
 from stickslip_sym.motion.simulation.cycle import stick_slip_cycle
 from stickslip_sym.motion.simulation.many import read_initial_conditions

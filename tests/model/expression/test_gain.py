@@ -4,6 +4,8 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
 from sweeps import sweep
 
 import stickslip_sym as ss
@@ -28,24 +30,29 @@ def exact(expr, point, low, high):
         return function(mpmath.mpf(high), *values) - function(mpmath.mpf(low), *values)
 
 
-def test_a_difference_keeps_its_digits():
+@given(
+    st.sampled_from(NODES), st.sampled_from(NODES),
+    st.sampled_from([a + 2 * b, a * b, a / (2 + b**2), sp.exp(-a)]),
+    st.floats(0.3, 2), st.floats(0.3, 2), st.booleans(),
+)  # fmt: skip
+def test_a_difference_keeps_its_digits(node, other, way, first, second, from_rest):
     """Sums, products, quotients and functions of the nodes, from 0 and from a speed above."""
-    rng = np.random.default_rng(3)
-    worst, lost = 0.0, 0
-    for number in range(60):
-        i, j = rng.integers(len(NODES), size=2)
-        expr, other = NODES[number % len(NODES)], NODES[j]
-        expr = (expr + 2 * other, expr * other, expr / (2 + other**2), sp.exp(-expr))[int(i) % 4]
-        low = float(rng.choice([0.0, rng.uniform(0.1, 1)]))
-        point = {a: float(rng.uniform(0.3, 2)), b: float(rng.uniform(0.3, 2))}
-        gained = sp.lambdify([v, start, a, b], gain(expr, v, start if low else sp.Integer(0)), "math")
-        plain = sp.lambdify([v, a, b], expr, "math")
-        for high in (low + step for step in SPEEDS):
-            true = exact(expr, point, low, high)
-            worst = max(worst, float(abs(gained(high, low, *point.values()) - true) / abs(true)))
-            lost += abs(plain(high, *point.values()) - plain(low, *point.values()) - true) > 1e-9 * abs(true)
-    assert worst < 1e-12  # terms of opposite signs may leave a hundredth of each of them
-    assert lost > 60  # as differences of values
+    expr = way.xreplace({a: node, b: other})
+    low = 0.0 if from_rest else 0.7
+    point = {a: first, b: second}
+    gained = sp.lambdify([v, start, a, b], gain(expr, v, sp.Integer(0) if from_rest else start), "math")
+    for high in (low + step for step in SPEEDS):
+        true = exact(expr, point, low, high)
+        parts = sum(abs(exact(part, point, low, high)) for part in (node, other))  # which may cancel, to any order
+        error = abs(gained(high, low, *point.values()) - true)
+        assert float(error) <= 1e-12 * float(abs(true)) + 1e-14 * float(parts)
+
+
+def test_a_difference_of_values_loses_them():
+    """The negative control."""
+    plain, point = sp.lambdify([v, a], sp.exp(-a * v), "math"), {a: 0.7}
+    true = exact(sp.exp(-a * v), point, 0.0, SPEEDS[0])
+    assert abs(plain(SPEEDS[0], 0.7) - plain(0.0, 0.7) - true) > 1e-5 * abs(true)
 
 
 def test_functions_without_a_rule_are_subtracted():

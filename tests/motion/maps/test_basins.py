@@ -27,7 +27,7 @@ def test_basins_of_rest_and_stick_slip(tmp_path):
     assert len((tmp_path / "basins.csv").read_text().splitlines()) == 1 + 20
     found.to_npz(tmp_path / "basins.npz")
     with np.load(tmp_path / "basins.npz", allow_pickle=False) as arrays:
-        assert (arrays["c"], arrays["motion"].shape) == (2.3, (4, 5))
+        assert (arrays["fixed_c"], arrays["motion"].shape) == (2.3, (4, 5))
     found.plot(tmp_path / "basins.svg")
     assert ">separatrix</text>" in (tmp_path / "basins.svg").read_text()
 

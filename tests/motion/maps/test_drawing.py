@@ -10,6 +10,7 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
+from stickslip_sym.motion.maps.axes import Axis
 
 SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}
 V, C = np.linspace(0.05, 0.95, 7), np.linspace(0.02, 6, 8)
@@ -73,6 +74,18 @@ def test_the_legend_names_the_curves_that_are_drawn():
         assert len(named) == len(drawn) == (3 if len(rows) > 1 else 0)
 
 
+def test_maps_are_drawn_into_axes_of_ones_own(tmp_path):
+    figure_module = pytest.importorskip("matplotlib.figure")
+    law, osc = ss.laws.exponential.typical(), paper_oscillator(2.3)
+    figure = figure_module.Figure()
+    left, right = figure.subplots(1, 2)
+    assert ss.motion_map(law, x=("V", V[:2]), y=("c", C[:2]), **SCENE).plot(ax=left) is figure
+    ss.basin_map(law, osc, x0=[0.0, 0.1], v0=[0.0, 0.1]).plot(tmp_path / "both.svg", ax=right)
+    text = (tmp_path / "both.svg").read_text()
+    assert ">belt speed V (m/s)</text>" in text
+    assert ">initial velocity v0 (m/s)</text>" in text
+
+
 def test_hatching_fills_its_cells_and_no_others():
     """Seeded motions on coarse grids, even, by ratios or neither: what is hatched is what has that colour."""
     to_rgb = pytest.importorskip("matplotlib.colors").to_rgb
@@ -83,7 +96,8 @@ def test_hatching_fills_its_cells_and_no_others():
         x0 = rng.choice([np.geomspace(0.01, 9, columns), np.linspace(-1, 2, columns)])
         v0 = np.cumsum(rng.uniform(0.1, 3, rows))
         motion = rng.choice(list(Motion), (rows, columns))
-        axes = dataclasses.replace(basins, x0=x0, v0=v0, motion=motion).plot().axes[0]
+        over = Axis("x0", x0, "m", ""), Axis("v0", v0, "m/s", "")
+        axes = dataclasses.replace(basins, axes=over, motion=motion).plot().axes[0]
         (mesh,) = (one for one in axes.collections if hasattr(one, "get_coordinates"))
         edges, colours = mesh.get_coordinates(), mesh.to_rgba(mesh.get_array())
         (left, low), (right, high) = edges[:-1, :-1].T, edges[1:, 1:].T

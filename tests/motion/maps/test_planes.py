@@ -35,9 +35,9 @@ def test_cells_are_what_simulation_gives(name):
 def test_cells_of_laws_in_pieces_are_what_simulation_gives():
     rng = np.random.default_rng(52)
     for law in laws_in_pieces(rng, 4):
-        found = ss.motion_map(law, x=V, y=N, c=rng.uniform(0.5, 3), m=1, k=100)
+        found = ss.motion_map(law, x=("V", V[1][::2]), y=("N", N[1][::2]), c=rng.uniform(0.5, 3), m=1, k=100)
         assert np.isin(found.reason, ALONE).mean() < 0.2
-        agree(law, found, some_cells(found, 2, seed=53))
+        agree(law, found, some_cells(found, 1, seed=53))
 
 
 def test_parameters_of_the_law_may_differ_from_cell_to_cell():
@@ -72,8 +72,8 @@ def test_a_cell_beside_a_threshold_is_not_decided():
 
 def test_the_least_squares_curve_of_measured_points_is_the_criterion():
     rng = np.random.default_rng(5)
-    for law in laws_in_pieces(rng, 12)[::4]:
-        V, N = np.sort(rng.uniform(0.05, 1.5, 3)), np.array([3.0, 9.81])
-        found = ss.motion_map(law, x=("V", V), y=("N", N), c=50, m=1, k=100)
-        expected = ss.pure_slip_damping(law, V=V, N=N[:, None], method="least_squares").value
-        assert found.thresholds["least_squares"] == pytest.approx(expected, rel=1e-11)
+    (law,) = laws_in_pieces(rng, 1)
+    V, N = np.sort(rng.uniform(0.05, 1.5, 2)), np.array([3.0, 9.81])
+    found = ss.motion_map(law, x=("V", V), y=("N", N), c=50, m=1, k=100)
+    expected = ss.pure_slip_damping(law, V=V, N=N[:, None], method="least_squares").value
+    assert found.thresholds["least_squares"] == pytest.approx(expected, rel=1e-11)

@@ -44,7 +44,7 @@ def made_up_map(rng, names):
     # A threshold broadcasts: along c it is one number for each cell of the other axis.
     flat = (1, shape[1]) if y.name == "c" else (shape[0], 1) if x.name == "c" else shape
     return ss.MotionMap(
-        x=x, y=y, law=LAW, fixed={"m": 1.0, "k": 100.0}, motion=any_of(rng, Motion, shape),
+        axes=(x, y), law=LAW, fixed={"m": 1.0, "k": 100.0}, motion=any_of(rng, Motion, shape),
         attractors={name: rng.random(shape) < 0.5 for name in ATTRACTORS}, reason=any_of(rng, Reason, shape),
         thresholds={name: rng.normal(size=flat) for name in CURVES}, notes={},
     )  # fmt: skip
@@ -97,16 +97,18 @@ def test_a_basins_files_are_what_its_starts_say(tmp_path):
     osc = paper_oscillator(3.0)
     osc = replace(osc, **{name: value * rng.uniform(0.9, 1.1) for name, value in asdict(osc).items()})
     x0, v0 = np.sort(rng.uniform(-2, -1, 4)), np.sort(rng.uniform(0, 1, 3))
-    found = ss.BasinMap(x0, v0, LAW, osc, any_of(rng, Motion, (3, 4)), ss.regime(LAW, osc), {}, 12, 0, {})
+    axes = Axis("x0", x0, "m", ""), Axis("v0", v0, "m/s", "")
+    motion = any_of(rng, Motion, (3, 4))
+    found = ss.BasinMap(axes, LAW, asdict(osc), motion, ss.regime(LAW, osc), {}, 12, 0, {})
     found.to_csv(tmp_path / "basins.csv")
     rows = [(float(row["x0"]), float(row["v0"]), row["motion"]) for row in rows_of(tmp_path / "basins.csv")]
     assert rows == [(x, v, found.motion[j, i].value) for (j, v), (i, x) in product(enumerate(v0), enumerate(x0))]
     found.to_npz(tmp_path / "basins.npz")
     with np.load(tmp_path / "basins.npz", allow_pickle=False) as arrays:
-        assert arrays["x0"].tolist() == x0.tolist()
-        assert arrays["v0"].tolist() == v0.tolist()
+        assert (arrays["x"].tolist(), arrays["y"].tolist()) == (x0.tolist(), v0.tolist())
+        assert (arrays["x_name"], arrays["y_unit"]) == ("x0", "m/s")
         assert arrays["motion"].tolist() == [[one.value for one in row] for row in found.motion]
-        assert {name: float(arrays[name]) for name in asdict(osc)} == asdict(osc)
+        assert {name: float(arrays[f"fixed_{name}"]) for name in asdict(osc)} == asdict(osc)
 
 
 def test_a_motions_columns_are_its_samples(tmp_path):

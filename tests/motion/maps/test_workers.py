@@ -126,6 +126,7 @@ def test_progress_counts_the_parts():
     assert counts == [(done, 4) for done in range(5)]
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("uncompiled")
 def test_time_that_is_left_goes_to_other_processes():
     with deadline.time_limit(100):

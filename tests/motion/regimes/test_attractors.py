@@ -8,7 +8,7 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.cli.map import report
-from stickslip_sym.motion.regimes.kinds import ATTRACTORS, AttractorKind
+from stickslip_sym.motion.regimes.attractors import ATTRACTORS, AttractorKind
 
 OVERTAKING = AttractorKind(
     "overtaking", ss.Motion.PURE_SLIP, "overtaking", "V", "#0072B2", "\\\\",
