@@ -183,3 +183,19 @@ def test_low_and_narrow_bumps_have_all_digits_asked_for(height, width, place):
     found = quadrature.damping(law, V=1, N=1, digits=6)
     assert abs(found / exact - 1) <= 1e-7  # the rounding to 6 digits, which mpmath takes as 7, is half of that
     assert Counted.calls < 20_000  # ten times as many where no digits are in hand
+
+
+@pytest.mark.parametrize(("sharpness", "V"), [("54", "8.12"), ("200", "0.6")])
+@pytest.mark.parametrize("digits", [8, 25])
+def test_a_narrow_peak_is_not_stepped_over(sharpness, V, digits):
+    """All degrees of a tanh-sinh rule may miss it, and agree; the reference integrates over log(v)."""
+    law = ss.FrictionLaw(f"exp(-({sharpness}*log(v))^2)")
+    with mpmath.workdps(40):
+        h, speed = mpmath.mpf(sharpness), mpmath.mpf(V)
+
+        def integrand(t):
+            u = mpmath.exp(t)
+            return mpmath.exp(-((h * t) ** 2)) * 5 * (speed - u) ** 3 / (2 * speed**5) * u
+
+        wanted = mpmath.quad(integrand, [k / h for k in range(-10, 11)])
+    assert abs(ss.quadrature.damping(law, V=V, N=1, digits=digits) / wanted - 1) < 10 ** (1 - digits)

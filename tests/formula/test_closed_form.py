@@ -139,6 +139,24 @@ def test_new_laws_get_their_closed_form():
     assert two.verdict.status is ss.Status.PROVED
 
 
+@pytest.mark.parametrize(
+    ("text", "status"),
+    [
+        ("mu_m + d/(1 + (v/w)^3)", ss.Status.PROVED),
+        ("mu_m + d/(1 + (v/w)^4)", ss.Status.PROVED),
+        ("mu_m + d/(1 + (v/w)^delta)", ss.Status.CHECKED),
+        pytest.param("mu_m + d*(1 + (v/w)^8)^(-1/8)", ss.Status.CHECKED, marks=pytest.mark.thorough),
+    ],
+)
+def test_powers_of_a_sum_have_closed_forms_and_all_digits(text, status):
+    form = ss.derive(ss.FrictionLaw(text))
+    assert form.verdict.status is status
+    values = {"mu_m": 0.2, "d": 0.3, "w": 0.4, "delta": 1.7, "N": 9.81}
+    values = {name: value for name, value in values.items() if name in form.arguments}
+    for V in (1e-9, 0.25, 0.28, 0.3, 0.35, 0.4, 5.0, 1e6):  # the transition is at V = w/2 to w
+        assert form(V=V, **values) == pytest.approx(float(form.evaluate(20, V=V, **values)), rel=1e-14)
+
+
 def test_no_closed_form_names_the_term():
     with pytest.raises(ss.NoClosedForm, match=r"the term d\*tanh\(exp\(v\)\) has no closed form.*Take"):
         ss.derive(ss.FrictionLaw("mu_0 + d*tanh(exp(v))"))

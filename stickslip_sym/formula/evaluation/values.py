@@ -47,6 +47,8 @@ _SAME = 2.0**-40  # by which it agrees: the rule may not resolve a narrow transi
 _LONGEST = 0.5  # such a panel: there the other end of a weight is far enough away
 _CLOSE, _STEEP = 2.0**-5, 8  # without a power series: the innermost panel, where p is this power of the variable
 _SPLITS = (1, 2, 4, 8, 16, 32)  # parts of a panel that are tried, for profiles with a narrow transition
+_PROBES = (*(k / 4 for k in range(-12, 8)), 4, 7)
+"""Binary exponents of the r at which that is judged: a transition lies anywhere in the panels of one octave."""
 _AGREED = 2.0**-62  # of two numbers of parts
 
 
@@ -184,7 +186,7 @@ class Values:
 
     def _parts(self) -> int:
         """Return into how many parts each panel is cut."""
-        probes = [arb(3).sqrt() * arb(2) ** k for k in (-2, 1, 4, 7)]
+        probes = [arb(3).sqrt() * arb(2) ** k for k in _PROBES]
         if self.reach < np.inf:
             probes = [arb(share * self.reach / 2) for share in _SHARES]
         for split, finer in pairwise(_SPLITS):

@@ -148,6 +148,29 @@ def _stretched(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     return sp.Add(*[c * w ** (n + 1 + q) / d * sp.lowergamma((n + 1 + q) / d, (u / w) ** d) for (n,), c in terms])
 
 
+def _binomial(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n (b + a u^d)^p, a and b positive, d > 0: each is b^p u^(n+1)/(n+1) 2F1(-p, q; 1 + q; -a u^d/b).
+
+    Here q = (n + 1)/d. What has elementary integrals is left to the other rules and to SymPy.
+    """
+    single = as_single(rest, u)
+    if single is None or not single[1].is_Pow:
+        return None
+    polynomial, (base, p) = single[0], single[1].as_base_exp()
+    b, power = base.as_independent(u, as_Add=True)
+    a, monomial = power.as_independent(u, as_Add=False)
+    of, d = monomial.as_base_exp()
+    if of != u or p.has(u) or d.has(u) or not (a.is_positive and b.is_positive and d.is_positive):
+        return None
+    if p.is_Integer and d.is_Integer:
+        return None
+    z = -a * u**d / b
+    terms = sp.Poly(polynomial * kernel, u).terms()
+    return b**p * sp.Add(*[
+        c * u ** (n + 1) / (n + 1) * sp.hyper((-p, (n + 1) / d), (1 + (n + 1) / d,), z) for (n,), c in terms
+    ])  # fmt: skip
+
+
 def _rational(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate rational functions whose denominator splits into factors of degree 1 and 2.
 
@@ -255,4 +278,5 @@ _RULES = {
     "incomplete gamma": _stretched,
     "Lerch transcendent": _exponential_tanh,
     "exponential integral": _exponential_over_linear,
+    "hypergeometric function of a power": _binomial,
 }

@@ -76,8 +76,6 @@ def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Pr
     parts = []
     for rest, constant in grouped(mu, symbols.v).items():
         split = pieces_of(rest)
-        if split is None:
-            raise NoClosedForm("two kinks stand in one product, and their order is not known")
         integrate = _by_antiderivatives if criterion.is_polynomial else _by_averages
         found = integrate(*split, criterion, seconds, progress)
         if isinstance(found, Nothing):
@@ -112,7 +110,7 @@ def _by_antiderivatives(
             return "hypergeometric series", average, []
         else:
             limit = 0.0 if _is_hopeless(piece) else seconds
-            searched = search.antiderivative(piece * kernel, symbols.v, limit, progress)
+            searched = search.antiderivative(piece, kernel, symbols.v, limit, progress)
             if isinstance(searched, Nothing):
                 return searched
             found = searched

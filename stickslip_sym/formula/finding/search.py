@@ -41,17 +41,25 @@ class Nothing:
     reason: str
 
 
-def antiderivative(f: Expr, x: Expr, seconds: float, progress: Callable[[str], None]) -> Found | Nothing:
-    """Return an antiderivative of f(x), or why none came in so many seconds."""
+def antiderivative(
+    f: Expr, polynomial: Expr, x: Expr, seconds: float, progress: Callable[[str], None]
+) -> Found | Nothing:
+    """Return an antiderivative of f(x) polynomial(x), or why none came in so many seconds.
+
+    SymPy is asked for f x^n, without the coefficients of the polynomial: with them it finds less, and some wrong.
+    """
     start = time.monotonic()
     if seconds > 0:
         progress(f"{_RULE} for at most {seconds:.0f} s: {f}")
-    result = _done(sp.Integral(f, x), seconds)
+    terms = sp.Poly(polynomial, x).terms()
+    result = _done(sp.Tuple(*[sp.Integral(f * x**n, x) for (n,), _ in terms]), seconds)
     if isinstance(result, Nothing):
         return Nothing(f"{_RULE} {result.reason}")
     if result.has(sp.Integral, sp.Piecewise, sp.oo, sp.zoo, sp.nan, sp.I):
         return Nothing(f"{_RULE} ended after {time.monotonic() - start:.1f} s without a usable result")
-    return Found(_RULE, result)
+    return Found(
+        _RULE, sp.Add(*[coefficient * value for (_, coefficient), value in zip(terms, result, strict=True)])
+    )
 
 
 def limit(expr: Expr, variable: Expr, place: Expr, seconds: float) -> Expr | None:
