@@ -91,14 +91,12 @@ def test_every_call_ends_soon_after_its_time_limit(call, seconds):
         if call != "simulation"
         else ss.laws.catalogue["arcsinh"].typical()
     )
-    if call.endswith("map"):  # what is compiled once for an installation counts in no limit
-        ss.motion_map(law, x=("V", [0.3, 0.5]), y=("c", [1.0]), N=9.81, m=1, k=100)
-        ss.basin_map(law, paper_oscillator(1.0), x0=[0.0], v0=[0.0, 0.1])
-    begin = time.process_time()
-    try:
-        found = CALLS[call](law, paper_oscillator(1.0), time_limit=seconds)
-    except (ss.OutOfTime, ss.NotConverged) as error:
-        found = str(error)
+    for _ in range(2):  # what is compiled once for an installation counts in no limit
+        begin = time.process_time()
+        try:
+            found = CALLS[call](law, paper_oscillator(1.0), time_limit=seconds)
+        except (ss.OutOfTime, ss.NotConverged) as error:
+            found = str(error)
     assert time.process_time() - begin < 5 * (1 + seconds)  # one where nothing else runs; far less than all of it
     if call == "motion_map":
         assert (found.reason == Reason.TIME).any()
