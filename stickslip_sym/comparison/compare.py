@@ -16,7 +16,7 @@ from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_dampi
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import duration, table
 
-__all__ = ["HEADER", "Answer", "Comparison", "Quantity", "answer", "compare"]
+__all__ = ["HEADER", "Answer", "Comparison", "Quantity", "compare"]
 
 Quantity = float | str | UFloat
 """A quantity of an operating point in SI units, perhaps with a standard error."""
@@ -162,11 +162,11 @@ def compare(
         find_method(name)
     with limited(time_limit):  # refuses what is no time: below, an error is a method's answer
         pass
-    answers = tuple(answer(law, point, name, rtol=rtol, time_limit=time_limit) for name in methods)
+    answers = tuple(_answer(law, point, name, rtol=rtol, time_limit=time_limit) for name in methods)
     return Comparison(law, dict(point), answers)
 
 
-def answer(
+def _answer(
     law: FrictionLaw, point: Mapping[str, Quantity], method: str, *, rtol: float | None, time_limit: float | None
 ) -> Answer:
     """Return what one method gives at an operating point, or why it gives nothing."""

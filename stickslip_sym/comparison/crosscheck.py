@@ -5,15 +5,15 @@ import textwrap
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import mpmath
 import numpy as np
 import sympy as sp
 
-from stickslip_sym.comparison.compare import answer
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Mpf
-from stickslip_sym.core.errors import NotConverged, StickSlipError
+from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion, harmonic
@@ -21,6 +21,7 @@ from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.slope_average import slope_average
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.samples import SampledCurve
+from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.tables import duration, table
 
 __all__ = ["Check", "crosscheck", "differences", "report", "scatter"]
@@ -32,6 +33,7 @@ _STIFFER = 1e4
 """Times the stiffness: N/(V sqrt(k m)) falls to a hundredth, where friction is weak."""
 _SHOWN = 1e-11
 """Relative error of the threshold in the table, of which twelve digits are shown: the last may be off."""
+_THRESHOLD_DIGITS = 12
 _RTOL = 1e-6  # of the thresholds that a difference is explained by
 _FEWEST = 5  # points of which one may be left out
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
@@ -71,47 +73,44 @@ def crosscheck(
     """
     V, N = point["V"], point["N"]
     numbers = {name: float(exact(value, name)) for name, value in point.items()}
-
-    def simulated() -> Mpf:
-        one = answer(law, numbers, "simulation", rtol=_SHOWN, time_limit=None)
-        if one.threshold is None:
-            raise NotConverged(one.reason)
-        return mpmath.mpf(one.threshold.value)
-
-    methods: dict[str, tuple[Callable[[], Mpf], int]] = {
-        f"quadrature, {digits} digits": (
-            lambda: quadrature.damping(law, criterion, V=V, N=N, digits=digits),
+    rows: list[tuple[str, Callable[[], Mpf], int]] = [
+        (
+            f"quadrature, {digits} digits",
+            partial(quadrature.damping, law, criterion, V=V, N=N, digits=digits),
             digits,
         ),
-        "event-driven threshold": (simulated, 12),
-    }
+        ("event-driven threshold", partial(_simulated, law, numbers, _SHOWN), _THRESHOLD_DIGITS),
+    ]
     if form is not None:
-        methods = {"closed form": (lambda: form.evaluate(digits, V=V, N=N), digits)} | methods
-    checks: list[Check] = []
+        rows.insert(0, ("closed form", partial(form.evaluate, digits, V=V, N=N), digits))
     error = None if law.curve is None else scatter(law, criterion, numbers["V"], numbers["N"])
-    reference = value = None
-    for method, (compute, known) in methods.items():
+    checks: list[Check] = []
+    values: list[Mpf] = []
+    for method, compute, known in rows:
         begin = time.perf_counter()
         try:
-            value = compute()
+            values.append(compute())
         except StickSlipError as reason:
             checks.append(Check(method, f"none: {reason}"))
             continue
-        seconds = time.perf_counter() - begin
-        reference = value if reference is None else reference
+        seconds, value, reference = time.perf_counter() - begin, values[-1], values[0]
         with mpmath.workdps(digits):
-            difference = abs(value - reference)
-            relative = float(difference / abs(reference)) if reference else float(difference)
+            difference = float(abs(value - reference) / (abs(reference) or 1))
         shown = known if error is None else min(known, _digits(value, error))
-        checks.append(Check(method, mpmath.nstr(value, shown), relative, seconds))
+        checks.append(Check(method, mpmath.nstr(value, shown), difference, seconds))
     last = checks[-1].difference
     if error:
         text = f"the points' scatter alone makes that +-{error:.1g} kg/s, one standard error (jackknife)"
         checks.append(Check("measured points", text))
-    if last is not None and last > _LARGE and reference and value is not None:
-        for text in differences(law, criterion, numbers, float(reference), float(value)):
+    if last is not None and last > _LARGE and values[0]:
+        for text in differences(law, criterion, numbers, float(values[0]), float(values[-1])):
             checks.append(Check("why the threshold differs", text))
     return checks
+
+
+def _simulated(law: FrictionLaw, point: Mapping[str, float], rtol: float) -> Mpf:
+    """Return the event-driven threshold."""
+    return mpmath.mpf(pure_slip_damping(law, **point, method="simulation", rtol=rtol).value)
 
 
 def _digits(value: Mpf, error: float) -> int:
@@ -147,8 +146,10 @@ def differences(
     """
 
     def simulated(law: FrictionLaw, changed: Mapping[str, float]) -> float | None:
-        one = answer(law, {**point, **changed}, "simulation", rtol=_RTOL, time_limit=None)
-        return None if one.threshold is None else float(one.threshold.value)
+        try:
+            return float(_simulated(law, {**point, **changed}, _RTOL))
+        except StickSlipError:
+            return None
 
     reasons = []
     weak = float(slope_average(law, harmonic)(V=point["V"], N=point["N"]))

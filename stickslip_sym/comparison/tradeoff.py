@@ -1,5 +1,7 @@
 """`tradeoff`: speed against accuracy, measured, of every method for a criterion, a threshold and a basin."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -74,7 +76,7 @@ class Row:
         """Whether the method gives a number."""
         return not math.isnan(self.seconds)
 
-    def dominates(self, other: "Row") -> bool:
+    def dominates(self, other: Row) -> bool:
         """Whether it is at least as fast and at least as accurate as another, and better in one of the two."""
         at_least = self.seconds <= other.seconds and self.error <= other.error
         return at_least and (self.seconds < other.seconds or self.error < other.error)
@@ -204,7 +206,7 @@ class Tradeoff(drawing.Drawn):
         tables = [markup.table(trade.header, trade.cells, caption=trade.title) for trade in self.trades.values()]
         return markup.block(drawing.picture(self.plot, repr(self)), *tables)
 
-    def _figure(self) -> "Figure":
+    def _figure(self) -> Figure:
         drawing.require_matplotlib()
         from matplotlib.figure import Figure
 
@@ -214,7 +216,7 @@ class Tradeoff(drawing.Drawn):
         return figure
 
 
-def draw(trade: Trade, ax: "Axes") -> None:
+def draw(trade: Trade, ax: Axes) -> None:
     """Draw error against time: filled what no other method dominates, and hollow what one does."""
     by, rows = trade.dominators, [row for row in trade.rows if row.found]
     families = list(dict.fromkeys(row.method for row in trade.rows))

@@ -19,7 +19,7 @@ class NoClosedForm(StickSlipError):
 
 
 class NoThreshold(StickSlipError):
-    """No damping c >= 0 separates stick-slip from slip in this scene."""
+    """No damping c >= 0 separates stick-slip from slip at this operating point."""
 
 
 class NotConverged(StickSlipError):

@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import inspect
 import subprocess
 import sys
 import tomllib
@@ -102,6 +103,12 @@ def test_every_public_name_is_there_whatever_was_imported_before():
     assert ss.__version__
     with pytest.raises(AttributeError, match="nonsense"):
         _ = ss.nonsense
+
+
+def test_signatures_of_public_functions_can_be_read():
+    functions = [value for name in ss.__all__ if inspect.isfunction(value := getattr(ss, name))]
+    assert len(functions) > 20
+    assert {one.__name__ for one in functions if len(str(inspect.signature(one))) > 600} == set()
 
 
 def test_every_law_of_the_catalogue_is_an_attribute():

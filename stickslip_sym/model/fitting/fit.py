@@ -1,5 +1,7 @@
 """`fit`: friction laws fitted to measurements, and ranked."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable
 
 from numpy.typing import ArrayLike

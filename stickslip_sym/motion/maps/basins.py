@@ -1,5 +1,7 @@
 """`basin_map`: which motion each initial condition leads to."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -71,7 +73,7 @@ class BasinMap(Table):
     notes: dict[tuple[int, int], str]
 
     @property
-    def columns(self) -> "dict[str, NDArray[np.generic]]":
+    def columns(self) -> dict[str, NDArray[np.generic]]:
         """The motion."""
         return {"motion": files.texts(self.motion)}
 
@@ -88,7 +90,7 @@ class BasinMap(Table):
         rows = [[motion.value, str(n), str(self.share.get(motion, ""))] for motion, n in self.count().items()]
         return ["motion", "initial conditions", "share of the box"], rows
 
-    def _draw(self, ax: "Axes") -> "list[Artist]":
+    def _draw(self, ax: Axes) -> list[Artist]:
         from matplotlib.lines import Line2D
 
         regions = {

@@ -1,5 +1,7 @@
 """`motion_map`: which motions exist, and which one the mass comes to, over a plane of two quantities."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -79,7 +81,7 @@ class MotionMap(Table):
     interrupted: bool = False
 
     @property
-    def columns(self) -> "dict[str, NDArray[np.generic]]":
+    def columns(self) -> dict[str, NDArray[np.generic]]:
         """The motion, the attractors, the reason and the thresholds."""
         return {
             "motion": files.texts(self.motion),
@@ -103,13 +105,13 @@ class MotionMap(Table):
     def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
         return ["motion", "cells"], [[motion.value, str(n)] for motion, n in self.count().items()]
 
-    def _draw(self, ax: "Axes") -> "list[Artist]":
+    def _draw(self, ax: Axes) -> list[Artist]:
         place, kinds = self.regions()
         handles = paint(ax, self.x.values, self.y.values, place, kinds)
         ax.set(xlabel=self.x.label, ylabel=self.y.label)
         return handles + self._draw_curves(ax)
 
-    def _draw_curves(self, axes: "Axes") -> "list[Artist]":
+    def _draw_curves(self, axes: Axes) -> list[Artist]:
         from matplotlib.lines import Line2D
 
         handles: list[Artist] = []

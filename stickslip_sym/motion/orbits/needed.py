@@ -45,7 +45,8 @@ _STRONG, _STIFF = 30.0, 1e-9  # eta from which halves are stiff, and the toleran
 _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
 _NEAR = 1e-2  # gap at which the tight tolerance is taken
 _SLOW = 0.5  # of the gap before, above which the tight steps are as good as they get
-_DONE = 1e-7  # gap after which the next secant is the last one: it leaves the square of that
+_SLOPED = 1e-4  # relative error of the slope by coarse steps
+_DONE, _FINEST = 1e-9, 1e-10  # gap after which the next secant is the last one; and where digits are wanted
 MOST_GAPS = 100  # dampings that are tried
 _PHASES = 64  # for the first guess
 _FALL = -2 * math.pi  # of the gap with zeta, where friction is weak
@@ -181,14 +182,15 @@ def improved(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta
         low = max(low, zeta)
     elif value <= 0.0:
         high = min(high, zeta)
+    done = _DONE if tight > _TIGHTEST else _FINEST
     how, error, ahead = SOUGHT, math.inf, zeta
     if math.isnan(value):
         how = LOST
-    elif not coarse and (abs(value) <= _DONE or _SLOW * abs(gap_before) < abs(value) <= _NEAR):
+    elif not coarse and (abs(value) <= done or _SLOW * abs(gap_before) < abs(value) <= _NEAR):
         loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
         off = abs(loose - value) + rounding + (0.0 if tight <= _TIGHT else _STEPPED)
-        if abs(value) <= _DONE:
-            off += value * value
+        if abs(value) <= done:
+            off += value * value + _SLOPED * abs(value)
             ahead = zeta - value / slope
         else:  # the gap is no more than what the steps are off
             off += abs(value)

@@ -199,7 +199,7 @@ def _tail(size: FloatArray) -> float:
     K = len(size) - 1
     last = float(size[(4 * K) // 5 :].max())
     before = float(size[(2 * K) // 5 : K // 2].max())
-    return last * min(1.0, last / before) if last else 0.0
+    return last * min(1.0, last / before) if before else last
 
 
 def _solved(orbit: _Orbit, rtol: float, most_work: float) -> tuple[_Orbit, float]:

@@ -1,5 +1,7 @@
 """Which motion an initial condition leads to."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from functools import cached_property, partial

@@ -1,5 +1,7 @@
 """`simulate`: the motion from one initial condition, or from many."""
 
+from __future__ import annotations
+
 from typing import overload
 
 import numpy as np

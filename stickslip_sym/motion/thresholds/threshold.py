@@ -1,5 +1,7 @@
 """`pure_slip_damping`: the damping that separates stick-slip from slip, by the cheapest method good enough."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -72,7 +74,7 @@ class Threshold:
     relative_error: Any
     points: OperatingPoints = field(repr=False, compare=False)
     used: Mapping[str, Method] = field(repr=False, compare=False)
-    theorems: "tuple[Theorem, ...]" = ()
+    theorems: tuple[Theorem, ...] = ()
     deserved: float | None = None
 
     @cached_property
@@ -155,12 +157,12 @@ class Threshold:
         return self.budget.uncertainty
 
     @property
-    def theorem(self) -> "Theorem | None":
+    def theorem(self) -> Theorem | None:
         """What was proved of one point, or None."""
         return self.theorems[0] if len(self.theorems) == 1 else None
 
     @property
-    def enclosure(self) -> "Enclosure | None":
+    def enclosure(self) -> Enclosure | None:
         """Two dampings between which the threshold of one point was proved to lie, or None."""
         return None if self.theorem is None else self.theorem.enclosure
 
