@@ -124,9 +124,10 @@ class Problem:
         varied = np.arange(len(start)) != fixed
         if not varied.any():
             return self._at(start)
-        everything = np.where(self._logarithmic, np.log(np.maximum(start, np.exp(-_LARGEST_LOGARITHM))), start)
         lowest = np.where(self._logarithmic, -_LARGEST_LOGARITHM, np.where(self.model.positive, 0.0, -np.inf))
         highest = np.where(self._logarithmic, _LARGEST_LOGARITHM, np.inf)
+        everything = np.where(self._logarithmic, np.log(np.maximum(start, np.exp(-_LARGEST_LOGARITHM))), start)
+        everything = np.clip(everything, lowest, highest)  # rounding may leave a start just outside
 
         def whole(x: FloatArray) -> FloatArray:
             values = everything.copy()

@@ -24,6 +24,8 @@ _MIXED = 0.1  # part in the direction without effect, over the largest: smaller 
 _ALIKE = 0.999  # correlation of two parameters that is worth a warning
 _UNLIKELY = 1e-3  # probability of what residuals show, if what is assumed of them holds, that is worth a warning
 _CORRELATED = 2.5  # standard deviations of the correlation of white noise, above which noise is correlated
+_ROUNDING = 1e-12  # of the largest mu: residuals as small are no noise
+_FEWEST = 8  # rows, up to which no correlation stands out
 _MOST_CORRELATED = 0.95  # beyond it the rows are too few to tell noise from a trend
 _RISEN = 0.75  # of the largest mu: a law with mu(0) = 0 has built up friction where it first reaches this
 
@@ -121,12 +123,13 @@ def _correlation(residuals: FloatArray, measured: Measurements, k: int) -> float
     The k parameters follow part of the noise, and make it seem less correlated by about (k + 3 r)/n.
     """
     count = len(residuals)
-    if measured.order is None or not np.any(residuals):
+    rounding = _ROUNDING * np.max(np.abs(measured.weights * measured.mu))
+    if measured.order is None or count <= _FEWEST or np.max(np.abs(residuals)) <= rounding:
         return 0.0
     e = residuals[np.argsort(measured.order)]
     lagged = float(np.sum(e[1:] * e[:-1]) / np.sum(e**2))
-    corrected = (lagged * count + k) / max(count - 3.0, 1.0)
-    return 0.0 if corrected <= _CORRELATED / np.sqrt(count) else min(corrected, _MOST_CORRELATED)
+    corrected, deviation = (lagged * count + k) / (count - 3), np.sqrt(count) / (count - 3)
+    return 0.0 if corrected <= _CORRELATED * deviation else min(corrected, _MOST_CORRELATED)
 
 
 def _undetermined(names: tuple[str, ...], p: FloatArray, derivatives: FloatArray) -> str | None:
@@ -189,12 +192,12 @@ def _loose(model: Parametric, p: FloatArray, covariance: FloatArray, held: BoolA
                 f"{name} = {p[i]:.3g} has a standard error of {errors[i]:.2g}: these measurements hardly "
                 f"determine it; fix it, {_fixed(name)}, or take a law without it"
             )
-    correlation = covariance / np.outer(errors, errors)
-    for i, j in combinations(range(len(p)), 2):
-        if abs(correlation[i, j]) > _ALIKE:
+    for i, j in combinations(np.flatnonzero(errors).tolist(), 2):
+        correlation = covariance[i, j] / errors[i] / errors[j]
+        if abs(correlation) > _ALIKE:
             sentences.append(
                 f"{model.names[i]} and {model.names[j]} are hardly told apart, correlation "
-                f"{correlation[i, j]:.4f}; fix one: {_fixed(model.names[j])}"
+                f"{correlation:.4f}; fix one: {_fixed(model.names[j])}"
             )
     return sentences
 

@@ -446,7 +446,8 @@ class Fits(_Report, Sequence[Fit]):
     def _parts(self) -> list[str | Rows]:
         rows = [
             [
-                fit.name, f"{fit.aicc - self.best.aicc:.1f}", f"{fit.weight:.3f}", f"{fit.sigma:.3g}",
+                fit.name, f"{fit.aicc - self.best.aicc:.1f}" if math.isfinite(fit.aicc) else "-",
+                f"{fit.weight:.3f}", f"{fit.sigma:.3g}",
                 fit.values_in_words(), f"{n} warning{'s' * (n > 1)}" if (n := len(fit.warnings)) else "",
             ]
             for fit in self._fits

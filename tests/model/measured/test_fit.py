@@ -4,6 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from sweeps import sweep
 
 import stickslip_sym as ss
@@ -279,6 +281,33 @@ def test_many_rows_are_fitted_as_few():
         assert best.values[name] == pytest.approx(float(value), abs=4 * best.standard_errors[name])
     again = ss.fit(v, mu, laws="stribeck").best
     assert again.values == best.values
+
+
+@st.composite
+def few_rows(draw):
+    """Rows of friction that is constant, none, straight, falling, random or along the motion, at any scale."""
+    count = draw(st.sampled_from([3, 4, 6, 12, 40]))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    share = rng.uniform(0, 1, count).round(draw(st.sampled_from([2, 16])))
+    constant = np.full(count, 0.3)
+    straight, falling = 0.5 - 0.1 * share, 0.2 + 0.3 * np.exp(-5 * share)
+    mu = draw(st.sampled_from([constant, 0 * constant, straight, falling, rng.uniform(0, 1, count), -straight]))
+    noise = draw(st.sampled_from([0, 0.01])) * rng.normal(size=count)
+    return draw(st.sampled_from([1e-3, 1, 50])) * share, mu + noise
+
+
+@given(few_rows(), st.sampled_from([None, 0.01, 1e-9, 10.0]), st.sampled_from(list(ss.laws)))
+def test_any_rows_are_fitted_or_refused(rows, sigma, law):
+    """And no number that is shown is none."""
+    laws = sorted({law, "coulomb"})
+    try:
+        fits = ss.fit(*rows, sigma, laws=laws)
+    except ss.InputError as error:
+        assert str(error).startswith("no law could be fitted")  # noqa: PT017  # else there is a fit
+        return
+    assert {*fits.rejected, *(fit.name for fit in fits)} == {*laws}
+    for text in (str(fits), fits.to_json(), *map(str, fits)):
+        assert "nan" not in text.lower()
 
 
 CURVE = ss.FrictionLaw.from_samples([0, 1, 2, 3], [0.5, 0.4, 0.3, 0.2])
