@@ -17,7 +17,7 @@ from sympy.printing.printer import Printer
 from stickslip_sym.core.aliases import Expr, Mpf
 
 __all__ = [
-    "CONSTANTS", "FUNCTIONS", "Constant", "Function", "Lerch", "NumberPower", "add_function", "arguments", "fold",
+    "CONSTANTS", "FUNCTIONS", "Constant", "Function", "Lerch", "NumberPower", "arguments", "fold",
     "in_laws", "is_analytic", "lerch", "power", "row",
 ]  # fmt: skip
 
@@ -351,11 +351,6 @@ CONSTANTS = {
     )
 }
 """Every constant by SymPy's."""
-
-
-def add_function(function: Function) -> None:
-    """Add a row to the table."""
-    FUNCTIONS[function.kind] = function
 
 
 def row(expr: Expr) -> Function | None:

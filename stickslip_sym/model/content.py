@@ -1,9 +1,8 @@
-"""A friction law as plain content that JSON holds, exact, and back: for files, and for other processes."""
+"""A friction law as plain content that JSON holds, exact, and back: for files."""
 
 import json
 import math
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any
 
 from stickslip_sym.core.errors import InputError
@@ -13,7 +12,7 @@ from stickslip_sym.model.law import FrictionLaw, Parameter
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.output.printing import text
 
-__all__ = ["law_in", "law_of_text", "law_out", "text_of_law"]
+__all__ = ["law_in", "law_out", "text_of_law"]
 
 
 def law_out(law: FrictionLaw) -> dict[str, object]:
@@ -106,11 +105,5 @@ def _errors_in(content: dict[str, Any], law: FrictionLaw) -> dict[str, UFloat]:
 
 
 def text_of_law(law: FrictionLaw) -> str:
-    """Return a law as one text, the same for the same law: compiled functions do not go between processes."""
+    """Return a law as one text, the same for the same law."""
     return json.dumps(law_out(law), sort_keys=True)
-
-
-@lru_cache(maxsize=16)
-def law_of_text(text: str) -> FrictionLaw:
-    """Return the law of such a text; the same object again, with all that it has compiled."""
-    return law_in(json.loads(text))

@@ -18,7 +18,6 @@ from stickslip_sym.core.aliases import Expr
 
 __all__ = ["Term", "expand_above", "grouped", "shapes_of", "speed_scales", "split_polynomial", "terms_of"]
 
-_OPERATORS = sp.Add | sp.Mul | sp.Pow
 _MOST_PIECES = (
     8  # of a function in pieces whose pieces are simplified; that of a table of measurements has up to 60
 )

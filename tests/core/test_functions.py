@@ -10,6 +10,7 @@ import stickslip_sym as ss
 from stickslip_sym.core import balls, functions
 from stickslip_sym.core.functions import FUNCTIONS, Function
 from stickslip_sym.model.expression.gain import gain
+from stickslip_sym.motion.thresholds.hypotheses import lipschitz_evidence
 from stickslip_sym.output import printing
 
 x = sp.Symbol("x", positive=True)
@@ -17,7 +18,8 @@ POINT = sp.Rational(37, 29)
 
 NEW = {
     "sinc": (
-        Function(sp.sinc, acb.sinc, in_laws=True, c="_sinc({})", python="np.sinc({}/np.pi)", octave="sinc({}/pi)"),
+        Function(sp.sinc, acb.sinc, analytic=True, bounded=True, in_laws=True,
+                 c="_sinc({})", python="np.sinc({}/np.pi)", octave="sinc({}/pi)"),
         mpmath.sinc,
     ),
     "acosh": (
@@ -49,6 +51,7 @@ def test_a_new_function_is_one_row(name, monkeypatch):
         taylor = mpmath.taylor(value, float(POINT), 5)
         assert [float(series[n]) for n in range(6)] == pytest.approx(list(map(float, taylor)), rel=1e-9, abs=1e-12)
     assert functions.row(row.kind(x)).call("c", "x")
+    assert lipschitz_evidence(bound)[0] == row.analytic  # so thresholds of such laws are proved, or not
 
 
 @pytest.mark.parametrize("kind", list(FUNCTIONS), ids=lambda kind: kind.__name__)

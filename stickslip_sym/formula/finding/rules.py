@@ -76,8 +76,6 @@ def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Pr
     parts = []
     for rest, constant in grouped(mu, symbols.v).items():
         split = pieces_of(rest)
-        if split is None:
-            raise NoClosedForm("two kinks stand in one product, and their order is not known")
         integrate = _by_antiderivatives if criterion.is_polynomial else _by_averages
         found = integrate(*split, criterion, seconds, progress)
         if isinstance(found, Nothing):

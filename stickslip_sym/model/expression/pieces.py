@@ -250,15 +250,10 @@ def _without_denominator(expr: Expr) -> Expr | None:
     return sp.expand(numerator if denominator.is_nonnegative else -numerator)
 
 
-def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]] | None:
-    """Return the smooth pieces of a term and the places between them; None if two kinks stand in one product."""
-    kinked = [node for node in term.atoms(sp.Piecewise) if node.has(symbols.v)]
-    if not kinked:
-        return [term], []
-    if len(kinked) > 1:
-        return None
-    (node,) = kinked
-    return [term.xreplace({node: branch}) for branch, _ in node.args], places(node)
+def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]]:
+    """Return the smooth pieces of a term, and the places between them."""
+    *cases, (last, _) = _cases(term)
+    return [*(piece for piece, _ in cases), last], [place for _, place in cases if place is not None]
 
 
 def places(expr: Expr) -> list[Expr]:
