@@ -83,8 +83,8 @@ def spread(batch: Callable[[slice], None], size: int, length: int, workers: int)
     Raises `InputError` for unusable workers.
     """
     parts = [slice(low, low + length) for low in range(0, size, length)]
-    count = min(_count(workers), len(parts)) if is_compiling() else 1
-    if count < 2:
+    count = min(_count(workers), len(parts))
+    if count < 2 or not is_compiling():
         for part in parts:
             batch(part)
         return

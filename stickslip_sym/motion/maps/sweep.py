@@ -8,7 +8,7 @@ that slip orbits need has an extremum (fold). Each is a root, and is found as on
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
@@ -244,8 +244,7 @@ class _Family:
 
         def excess(value: float) -> FloatArray:
             law, osc = self.point(value)
-            need = needed_damping(law, osc)
-            return np.asarray(need.at(need.folds) - 2 * osc.zeta)
+            return _folds_of(law, replace(osc, c=0.0)) - 2 * osc.zeta
 
         def of_one(place: int, value: float) -> float:
             return float(excess(value)[place])
@@ -259,6 +258,13 @@ class _Family:
                 yield _root("fold", partial(of_one, place), low, high)
         except (InputError, NotConverged):  # no law that is smooth
             yield Change("fold", (low + high) / 2, (high - low) / 2)
+
+
+@lru_cache(maxsize=64)  # along c the oscillators of a sweep share them
+def _folds_of(law: FrictionLaw, osc: Oscillator) -> FloatArray:
+    """Return the extrema of the damping that slip orbits need, over sqrt(k m)."""
+    need = needed_damping(law, osc)
+    return need.at(need.folds)
 
 
 def _root(kind: Kind, function: Callable[[float], float], low: float, high: float) -> Change:

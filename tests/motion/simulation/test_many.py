@@ -82,6 +82,7 @@ def test_limits_end_motions_as_they_are(law):
         ({"x0": [0.0, np.nan]}, "x0"),
         ({"x0": [0.0, 1.0], "method": "solve_ivp"}, "one initial condition"),
         ({"method": "euler"}, "no method 'euler'"),
+        ({"x0": [0.0, 1.0], "workers": 0}, "workers = 0 must be a number of threads"),
     ],
 )
 def test_what_is_not_taken(law, arguments, message):
