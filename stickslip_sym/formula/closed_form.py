@@ -320,7 +320,7 @@ def derive(
 
     The law is split into terms, and the profile of each is averaged once: by rules first, by SymPy's integrator
     last, in a process that is killed when its time is up. Antiderivatives are proved by differentiation, harmonic
-    averages by the differential equation that both sides satisfy. Every average, proved or not, is compared with
+    averages and series by the differential equation that both sides satisfy. Every average is compared with
     its definition at 12 seeded points over six decades.
 
     Parameters

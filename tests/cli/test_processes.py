@@ -22,6 +22,7 @@ def test_interrupt_ends_a_command(name, run, monkeypatch):
     assert (code, out, err.strip()) == (130, "", "interrupted")
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_full_disk_is_one_line(tmp_path):
     done = shell("$RUN laws > /dev/full", tmp_path)
@@ -46,6 +47,7 @@ def test_latex_to_standard_output_loses_nothing(sink, tmp_path):
     assert "event-driven threshold" in done.stdout
 
 
+@pytest.mark.thorough
 @needs_posix_shell
 def test_files_get_no_colours(tmp_path):
     """Neither help nor results, nor the progress on stderr."""

@@ -48,6 +48,7 @@ def test_from_a_file_to_a_page(name, tmp_path, monkeypatch, capsys):
     assert "0.4 m/s (default)" not in text
 
 
+@pytest.mark.thorough
 def test_through_measured_points(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "pin.csv").write_text("v,mu\n0,0.5\n0.1,0.45\n0.3,0.4\n0.6,0.38\n1.2,0.37\n")

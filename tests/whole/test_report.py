@@ -188,6 +188,7 @@ def test_the_same_figure_is_the_same_file():
     assert not any("opacity" in style for style in hatched)  # else the hatch is as pale as its face
 
 
+@pytest.mark.thorough
 def test_figures_say_what_becomes_of_the_motions():
     pytest.importorskip("matplotlib")
     drawn = {figure.number: figure.draw() for figure in FIGURES if figure.number in (4, 5)}

@@ -3,7 +3,8 @@
 With H[g] = 2/(pi V) * integral_0^pi g(V (1 - cos(theta))) cos(theta) dtheta the criterion is c = N H[mu]. A rule
 takes (rest, u, V) and returns H[rest], real for V > 0, or None where it does not apply. The weight of
 the slope is that of a Beta(3/2, 3/2) distribution, H[g] = -E[g'(2 V X)]: from its moments come the powers and
-the hypergeometric series, from residues the rational functions, and from Fourier coefficients the rest.
+the hypergeometric series, from residues the rational functions, and from Fourier coefficients the rest. The rule
+of hypergeometric series serves polynomial weights too, where no antiderivative is known.
 """
 
 from collections.abc import Callable
@@ -273,7 +274,7 @@ def _asinh(rest: Expr, u: Expr, V: Expr) -> Expr | None:
 
 
 def series_average(rest: Expr, u: Expr, V: Expr, criterion: Criterion = harmonic) -> Expr | None:
-    """Average u^q f, f a hypergeometric series in u^d, power by power: a series with the moments appended.
+    """Return the average of u^q f, f a hypergeometric series in u^d, a series with the weight's moments appended.
 
     f is exp(-k u^d), d = 1/2, 1 or 2 (the Gaussian is one 2F2), (1 + k u^d)^p, d a whole number, or erf(k u). For
     other d of the exponential such series are of no use: mpmath has no asymptotic series for 3F3 and above, and
