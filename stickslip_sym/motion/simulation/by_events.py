@@ -118,6 +118,8 @@ def _followed(
         tau, taken = tau + part.tau, taken + part.taken
         if part.end not in (End.MINIMUM, End.MAXIMUM, End.LEVEL):
             return part._replace(tau=tau, taken=taken, steps=steps)
+        if deadline.time_left() < 0:  # a motion that never comes to the belt's speed is one slip
+            return part._replace(end=End.STEPS, tau=tau, taken=taken, steps=steps)
         q, w = part.q, part.w
 
 
