@@ -25,6 +25,7 @@ def normal_form(expr: Expr) -> Expr:
     - ``a^x`` is exp(x*log(a)), and exp(p*log(x)) is x^p.
     - A product of an exponential and hyperbolic functions is a sum of exponentials.
     - tanh(log(x)) is (x^2 - 1)/(x^2 + 1), and log(b + a/v^p) a difference of logarithms without the quotient.
+    - ``1/(5*v + 5)`` is (1/5)/(v + 1).
     - No two kinks stand in one term.
     """
     return joined(fold(expr, _rebuilt))
@@ -63,6 +64,10 @@ def _power(base: Expr, exponent: Expr) -> Expr:
         reciprocal = _reciprocal_of_exponentials(base)
         if reciprocal is not None:
             return reduce(lambda a, b: sp.expand(a * b), [reciprocal] * int(-exponent))
+    if base.is_Add and exponent.is_Integer and exponent < 0:
+        whole = sp.Integer(base.primitive()[0].p)
+        if whole != 1:  # SymPy keeps 1/(5*(v + 1)), but takes 5*(v + 1) for 5*v + 5
+            return whole**exponent * sp.Add(*(term / whole for term in base.args)) ** exponent
     return power(base, exponent)
 
 

@@ -225,51 +225,49 @@ def _header(
 
     Without names, there are two columns, or as many as there are where columns may be `unnamed`.
     """
-    plain = [(number, _COMMENT.match(line), _COMMENT.sub("", line, count=1)) for number, line in rows[:_LOOKED_AT]]
-    counts = Counter(
-        len(cells) for _, comment, line in plain
-        if comment is None and sum(map(_is_number, cells := _split(line, separator))) > 1
-    )  # fmt: skip
-    width = counts.most_common(1)[0][0] if counts else 0
+    comments = [_COMMENT.match(line) is not None for _, line in rows[:_LOOKED_AT]]
+    lines = [_COMMENT.sub("", line, count=1) for _, line in rows[:_LOOKED_AT]]
+    numbers = [
+        cells for comment, line in zip(comments, lines, strict=True)
+        if not comment and sum(map(_is_number, cells := _split(line, separator))) > 1
+    ]  # fmt: skip
+    width = Counter(map(len, numbers)).most_common(1)[0][0] if numbers else 0
+    rows_of_cells = [_split(line, separator, width) for line in lines]
     named: int | None = None  # the last row above the numbers that names a speed and friction
     above: int | None = None  # the last that has a name for each column
     first: int | None = None  # the first of numbers
-    for i, (_, comment, line) in enumerate(plain):
-        cells = _split(line, separator, width)
-        has_numbers = any(map(_is_number, cells))
-        if not has_numbers:
-            named = i if is_header([Header.read(cell) for cell in cells]) else named
-            above = (
-                i if len(cells) == width > 1 or (separator != " " and len(cells) > 1 and above is None) else above
-            )
-        elif comment is None and (named is not None or (len(cells) == width > 1 and all(map(_is_number, cells)))):
+    for i, cells in enumerate(rows_of_cells):
+        if not any(map(_is_number, cells)):
+            if is_header([Header.read(cell) for cell in cells]):
+                named = i
+            if len(cells) == width > 1 or (separator != " " and len(cells) > 1 and above is None):
+                above = i
+        elif not comments[i] and (named is not None or (len(cells) == width > 1 and all(map(_is_number, cells)))):
             first = i
             break
     header = named if named is not None else above
-    if header is not None and named is None and _is_units(_split(plain[header][2], separator, width)) and header:
-        header -= 1
     if header is None:
-        headers = (
-            [Header("", "", ())] * width if unnamed else [Header(name, name, (name,)) for name in ("v", "mu")]
-        )
-        if first is None or len(headers) != width or (not unnamed and not all(row[1] for row in plain[:first])):
+        known = [Header("", "", ())] * width if unnamed else [Header(name, name, (name,)) for name in ("v", "mu")]
+        if first is None or len(known) != width or not (unnamed or all(comments[:first])):
             raise InputError(_no_header(rows, separator, name))
-        return plain[first][0], headers, name
-    number, _, line = plain[header]
-    headers = [Header.read(cell) for cell in _split(line, separator, width)]
+        return rows[first][0], known, name
+    if named is None and header and _is_units(rows_of_cells[header]):
+        header -= 1
+    headers = [Header.read(cell) for cell in rows_of_cells[header]]
+    where = f"{name}, line {rows[header][0]}"
     if separator == " " and width and len(headers) != width:
         raise InputError(
-            f"{name}, line {number}: {line.strip()[:80]!r} has {_columns(len(headers))}, parted by blanks, and "
-            f"the rows have {width}; part names of more words by two blanks, or all columns by tabs or semicolons"
+            f"{where}: {lines[header].strip()[:80]!r} has {_columns(len(headers))}, parted by blanks, and the "
+            f"rows have {width}; part names of more words by two blanks, or all columns by tabs or semicolons"
         )
-    below = number + 1
-    if header + 1 < len(plain) and plain[header + 1][1] is None:
-        units = _split(plain[header + 1][2], separator, width)
+    last = header
+    if header + 1 < len(lines) and not comments[header + 1]:
+        units = rows_of_cells[header + 1]
         if len(units) <= len(headers) and _is_units(units):
-            units += [""] * (len(headers) - len(units))
+            units = units + [""] * (len(headers) - len(units))
             headers = [one.in_unit(text) for one, text in zip(headers, units, strict=True)]
-            below = plain[header + 1][0] + 1
-    return below, headers, f"{name}, line {number}"
+            last = header + 1
+    return rows[last][0] + 1, headers, where
 
 
 def _is_units(cells: Sequence[str]) -> bool:

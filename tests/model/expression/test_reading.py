@@ -70,6 +70,7 @@ SAME = [
     ("exp(-p*log(1 + v))", "(1 + v)^(-p)"), ("2^(-v/w)", "exp(-v*log(2)/w)"), ("erfc(v)", "1 - erf(v)"),
     ("exp(-2*v)*cosh(v)", "(exp(-v) + exp(-3*v))/2"), ("log(1 + w/v)", "log(1 + v/w) - log(v) + log(w)"),
     ("tanh(log(v))", "(v^2 - 1)/(v^2 + 1)"), ("Min(1, w/v)", "Piecewise((1, v < w), w/v)"),
+    ("1/(5*v + 5)", "0.2/(1 + v)"),
 ]  # fmt: skip
 
 

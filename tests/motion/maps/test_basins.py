@@ -68,7 +68,13 @@ UNSETTLED = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", UNSETTLED)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if " up" in name or "P's" in name else pytest.mark.thorough)
+        for name in UNSETTLED
+    ],
+)
 def test_lines_of_many_starts_are_classified_as_each_would_be(name):
     """Where geometry does not settle them; a line of so many is followed together."""
     law, osc = UNSETTLED[name]

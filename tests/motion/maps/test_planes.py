@@ -32,9 +32,10 @@ def test_cells_are_what_simulation_gives(name):
     agree(found.law, found, some_cells(found, 2, seed=51))
 
 
-def test_cells_of_laws_in_pieces_are_what_simulation_gives():
+@pytest.mark.parametrize("count", [2, pytest.param(4, marks=pytest.mark.thorough)])
+def test_cells_of_laws_in_pieces_are_what_simulation_gives(count):
     rng = np.random.default_rng(52)
-    for law in laws_in_pieces(rng, 4):
+    for law in laws_in_pieces(rng, count):
         found = ss.motion_map(law, x=("V", V[1][::2]), y=("N", N[1][::2]), c=rng.uniform(0.5, 3), m=1, k=100)
         assert np.isin(found.reason, ALONE).mean() < 0.2
         agree(law, found, some_cells(found, 1, seed=53))
