@@ -121,7 +121,7 @@ class ClosedForm:
         evidence = dict.fromkeys(gate.evidence for gate in gates)
         return Verdict(status, "; ".join([f"{count} steps" if count != 1 else "1 step", *evidence]))
 
-    @property
+    @cached_property
     def conditions(self) -> tuple[Expr, ...]:
         """Relations between the law's parameters without which the criterion has no value."""
         relations = [
@@ -221,7 +221,8 @@ class ClosedForm:
         ------
         InputError
         """
-        self._require_conditions(dict(self.law.values) | values)
+        if self.conditions:
+            self._require_conditions(dict(self.law.values) | values)
         return self.average(on_invalid=on_invalid, **values)
 
     def _require_conditions(self, values: Mapping[str, Any]) -> None:
