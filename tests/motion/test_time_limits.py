@@ -55,7 +55,7 @@ def seeded_scenes(seed, count):
         yield ss.laws.catalogue[str(name)].typical(), osc
 
 
-@sweep("count", [4, 16], 4)
+@sweep("count", [2, 16], 2)
 def test_regimes_and_classification_agree_over_decades(count):
     for law, osc in seeded_scenes(1, count):
         found = ss.regime(law, osc, time_limit=60)

@@ -133,7 +133,6 @@ def test_masked_scenes_are_refused():
     ["mu_k", "mu_k - a*v", "mu_k + a*(cos(v) + v)", "mu_k*cos(a*v)"],
     "mu_k",
     "mu_k - a*v",
-    "mu_k*cos(a*v)",
 )
 def test_no_threshold_is_minus_zero(formula):
     rng = np.random.default_rng(5)
