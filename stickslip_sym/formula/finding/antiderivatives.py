@@ -56,7 +56,7 @@ def _function(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     for function, ladder in LADDERS.items():
         match = as_function(rest, u, function)
         if match is not None:
-            polynomial, argument, _, _ = match
+            polynomial, argument, *_ = match
             return climb(polynomial * kernel, ladder, argument, u)
     return None
 
@@ -124,13 +124,10 @@ def _log_of_polynomial(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
 
 def _gaussian(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     """Integrate u^n exp(-a u^2 + b u + c), a > 0."""
-    single = as_single(rest, u)
-    if single is None or not isinstance(single[1], sp.exp):
+    match = as_function(rest, u, sp.exp, degree=2)
+    if match is None:
         return None
-    polynomial, exponent = single[0], single[1].args[0]
-    if not exponent.is_polynomial(u) or sp.degree(exponent, u) != 2:
-        return None
-    a, b, c = sp.Poly(exponent, u).all_coeffs()
+    polynomial, _, a, b, c = match
     root = sp.sqrt(-a)
     argument = root * (u + b / (2 * a))
     factor = sp.exp(c - b**2 / (4 * a)) * sp.sqrt(sp.pi) / 2
@@ -149,9 +146,9 @@ def _stretched(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
 
 
 def _binomial(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
-    """Integrate u^n (b + a u^d)^p, a and b positive, d > 0: each is b^p u^(n+1)/(n+1) 2F1(-p, q; 1 + q; -a u^d/b).
+    """Integrate u^n (b + a u^d)^p, a and b positive, d > 0 free: b^p u^(n+1)/(n+1) 2F1(-p, q; 1 + q; -a u^d/b).
 
-    Here q = (n + 1)/d. What has elementary integrals is left to the other rules and to SymPy.
+    Here q = (n + 1)/d. Where d is a number, the average is a hypergeometric series in V, which is proved.
     """
     single = as_single(rest, u)
     if single is None or not single[1].is_Pow:
@@ -160,9 +157,9 @@ def _binomial(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
     b, power = base.as_independent(u, as_Add=True)
     a, monomial = power.as_independent(u, as_Add=False)
     of, d = monomial.as_base_exp()
-    if of != u or p.has(u) or d.has(u) or not (a.is_positive and b.is_positive and d.is_positive):
+    if of != u or p.has(u) or d.has(u) or d.is_number:
         return None
-    if p.is_Integer and d.is_Integer:
+    if not (a.is_positive and b.is_positive and d.is_positive):
         return None
     z = -a * u**d / b
     terms = sp.Poly(polynomial * kernel, u).terms()

@@ -221,13 +221,10 @@ def _atan(rest: Expr, u: Expr, V: Expr) -> Expr | None:
 
 def _log_of_quadratic(rest: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average u^n log(a u^2 + b u + c), complex roots: twice the real part of that of u + x + i y."""
-    single = as_single(rest, u)
-    if single is None or not isinstance(single[1], sp.log):
+    match = as_function(rest, u, sp.log, degree=2)
+    if match is None:
         return None
-    polynomial, base = single[0], single[1].args[0]
-    if not base.is_polynomial(u) or sp.degree(base, u) != 2:
-        return None
-    a, b, c = sp.Poly(base, u).all_coeffs()
+    polynomial, _, a, b, c = match
     x, square = b / (2 * a), minus_discriminant(b / a, c / a) / 4
     if not (a.is_positive and square.is_positive):
         return None

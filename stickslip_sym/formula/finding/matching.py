@@ -40,14 +40,15 @@ def as_linear(expr: Expr, u: Expr) -> tuple[Expr, Expr] | None:
     return rate, shift
 
 
-def as_function(rest: Expr, u: Expr, function: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
-    """Match polynomial * function(rate * u + shift); return polynomial, argument, rate, shift."""
+def as_function(rest: Expr, u: Expr, function: Expr, degree: int = 1) -> tuple[Expr, ...] | None:
+    """Match p(u) * function(polynomial of a degree); return p, the argument, its coefficients from the highest."""
     single = as_single(rest, u)
     if single is None or not isinstance(single[1], function):
         return None
     argument = single[1].args[0]
-    linear = as_linear(argument, u)
-    return None if linear is None else (single[0], argument, *linear)
+    if not argument.is_polynomial(u) or sp.degree(argument, u) != degree:
+        return None
+    return (single[0], argument, *sp.Poly(argument, u).all_coeffs())
 
 
 def as_power(rest: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr, Expr] | None:
