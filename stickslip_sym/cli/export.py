@@ -64,6 +64,7 @@ def run(given: Given) -> None:
         style = {"symbols": notation, "fragment": given["fragment"], "steps": given["steps"]}
     given.all_used()
     only_code = targets.keys() <= DESCRIPTIONS.keys()
+    unbound = _unbound(laws, given["all"]) if targets.keys() & DESCRIPTIONS.keys() else []
     forms: list[ClosedForm] = []
     missing: list[tuple[FrictionLaw, str, str]] = []
     averages: list[SlopeAverage] = []
@@ -79,13 +80,15 @@ def run(given: Given) -> None:
             averages.append(slope_average(law, criterion))
     if not forms and not only_code:
         raise NoClosedForm(f"none of the criteria has a closed form: {missing[0][2]}")
-    files.write_texts({path: _text(kind, forms, averages, missing, style) for kind, path in targets.items()})
-    what = "its fast function is written" if only_code else "only its fast function is written, to code"
-    if not averages or not targets.keys() & DESCRIPTIONS.keys():
-        what = "nothing is written of it but the reason"
+    coded: list[ClosedForm | SlopeAverage] = [*forms, *averages]
+    coded = [one for one in coded if one.law not in unbound]
+    files.write_texts({path: _text(kind, forms, coded, missing, style) for kind, path in targets.items()})
     for law, name, _ in missing:
+        what = "its fast function is written" if only_code else "only its fast function is written, to code"
+        if law in unbound or not targets.keys() & DESCRIPTIONS.keys():
+            what = "nothing is written of it but the reason"
         click.echo(f"no closed form: {law.name or law.text}, {name}; {what}", err=True)
-    counts = {kind: len(forms) + (len(averages) if kind in DESCRIPTIONS else 0) for kind in targets}
+    counts = {kind: len(coded if kind in DESCRIPTIONS else forms) for kind in targets}
     if given["json"]:
         content = [{"law": one.law.name, "criterion": one.criterion.name, "form": one} for one in forms]
         echo_json("export", criteria=content, files=targets)
@@ -126,8 +129,24 @@ def _check_notation(notation: dict[str, str], laws: "list[FrictionLaw]") -> None
         notation_of([*every, *law.parameters], notation)
 
 
+def _unbound(laws: "list[FrictionLaw]", every: bool) -> "list[FrictionLaw]":
+    """Return the laws that need values before they can be code: said, and left out, of all; else refused."""
+    from stickslip_sym.formula.code.writer import require_shapes
+
+    unbound = []
+    for law in laws:
+        try:
+            require_shapes(law)
+        except InputError as failure:
+            if not every:
+                raise
+            click.echo(f"no code: {failure}", err=True)
+            unbound.append(law)
+    return unbound
+
+
 def _text(
-    kind: str, forms: "list[ClosedForm]", averages: "list[SlopeAverage]",
+    kind: str, forms: "list[ClosedForm]", coded: "list[ClosedForm | SlopeAverage]",
     missing: "list[tuple[FrictionLaw, str, str]]", style: dict[str, object],
 ) -> str:  # fmt: skip
     from stickslip_sym.formula.export import export as write
@@ -137,4 +156,4 @@ def _text(
         return write.export_latex(forms, missing=missing, **style)  # type: ignore[arg-type]
     if kind == "save":
         return text_of(forms)
-    return write.export_code([*forms, *averages], kind)
+    return write.export_code(coded, kind)

@@ -283,3 +283,19 @@ def test_every_command_has_json_and_help_of_its_options(name):
     assert all(one.help for one in options)
     files = [one for one in options if type(one.type).__name__ == "_File"]
     assert bool(files) == ("overwrite" in {one.name for one in options})
+
+
+def test_code_needs_the_values_of_shapes(run, tmp_path, monkeypatch):
+    """One law is refused before it is derived; of the whole catalogue it is left out by name."""
+    code, _, err = run("export", "stribeck", "--c", "a.c", "--latex", "a.tex")
+    assert code == 2
+    assert "delta of the law stribeck is a shape" in err
+    assert list(tmp_path.iterdir()) == []
+    few = {name: ss.laws.catalogue[name] for name in ("linear", "stribeck")}
+    monkeypatch.setattr(type(ss.laws), "values", lambda self: few.values(), raising=False)
+    code, out, err = run("export", "--all", "--c", "a.c", "--latex", "a.tex")
+    assert (code, out) == (0, "latex: 2 criteria in a.tex\nc: 1 criterion in a.c\n")
+    assert err.count("no code: delta of the law stribeck") == 1
+    text = (tmp_path / "a.c").read_text(encoding="utf-8")
+    assert "ClosedForm: linear, least_squares, PROVED" in text
+    assert "stribeck" not in text

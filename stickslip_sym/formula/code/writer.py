@@ -15,7 +15,7 @@ from stickslip_sym.formula.evaluation.branches import Table
 from stickslip_sym.formula.evaluation.evaluator import Evaluator, TermFunction
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["code"]
+__all__ = ["code", "require_shapes"]
 
 
 class Fast(Protocol):
@@ -42,16 +42,29 @@ def code(criteria: Mapping[str, tuple[Fast, str]], language: str) -> str:
     return written.head("\n   ".join(function.about for function in functions), body) + body
 
 
-def _function(name: str, average: Fast, about: str, language: Language) -> WrittenFunction:
-    law = average.law
-    fixed = {symbol for term in average.evaluator.terms for meaning in term.term.shapes.values()
-             for symbol in meaning.free_symbols}  # fmt: skip
-    missing = sorted(str(symbol) for symbol in fixed if str(symbol) not in law.values)
+def require_shapes(law: FrictionLaw) -> None:
+    """Refuse a law whose profiles have shapes without values, for their branches cannot be written as code.
+
+    Raises
+    ------
+    InputError
+    """
+    missing = sorted(str(symbol) for symbol in _in_shapes(law) if str(symbol) not in law.values)
     if missing:
         raise InputError(
             f"{', '.join(missing)} of the law {law.name or law.text} is a shape of a profile, whose branches are "
             f"made when it has a value; bind it first: law.bind({missing[0]}=...)"
         )
+
+
+def _in_shapes(law: FrictionLaw) -> set[Expr]:
+    return {symbol for term in law.terms for meaning in term.shapes.values() for symbol in meaning.free_symbols}
+
+
+def _function(name: str, average: Fast, about: str, language: Language) -> WrittenFunction:
+    law = average.law
+    require_shapes(law)
+    fixed = _in_shapes(law)
     free = {key: symbol for key, symbol in average.arguments.items() if symbol not in fixed}
     names = {symbol: language.argument.format(index=i) for i, symbol in enumerate(free.values(), language.first)}
     names |= {symbol: language.number(float(law.values[str(symbol)])) for symbol in fixed}
