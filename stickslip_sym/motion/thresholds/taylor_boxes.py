@@ -16,7 +16,6 @@ __all__ = ["Field", "Flow", "Undecided", "flow"]
 
 _RADII = tuple(2.0**-i for i in range(-1, 9))  # over the largest sensible one, tried for the polydisc
 _SHARE = 0.25  # of the time rho that a step takes: with it a term gains two bits
-_LEAST_SHARE = 1e-4
 
 
 class Undecided(Exception):
