@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any
 
-from stickslip_sym import Derivation
+from stickslip_sym.formula.derivation import Derivation
 
 __all__ = ["CHAPTERS", "chapter"]
 

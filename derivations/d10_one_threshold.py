@@ -29,8 +29,8 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym import Derivation
 from stickslip_sym.core.symbols import N, V, c, k, m, mu, x
+from stickslip_sym.formula.derivation import Derivation
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

@@ -9,8 +9,8 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym import Derivation
 from stickslip_sym.core.symbols import N, V, a, b, c, t, u
+from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import Antiderivative
 
 

@@ -10,8 +10,8 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym import Derivation
 from stickslip_sym.core.symbols import N, V, a, b, c, mu, u
+from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import ChangeOfVariable
 
 

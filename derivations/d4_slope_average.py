@@ -10,8 +10,9 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym import Derivation, criteria
+from stickslip_sym import criteria
 from stickslip_sym.core.symbols import N, V, c, mu, s, u
+from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable
 
 

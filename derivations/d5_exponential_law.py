@@ -6,8 +6,9 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym import Derivation, FrictionLaw, laws
+from stickslip_sym import FrictionLaw, laws
 from stickslip_sym.core.symbols import N, V, c, mu, u, v
+from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import Antiderivative
 
 

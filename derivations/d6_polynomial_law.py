@@ -7,8 +7,9 @@ import sympy as sp
 
 from derivations import paper
 from derivations.d5_exponential_law import integrate_law
-from stickslip_sym import Derivation, laws
+from stickslip_sym import laws
 from stickslip_sym.core.symbols import V, c
+from stickslip_sym.formula.derivation import Derivation
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

@@ -10,8 +10,9 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym import Derivation, laws
+from stickslip_sym import laws
 from stickslip_sym.core.symbols import QUANTITIES, N, V, c, mu, s, u
+from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import ChangeOfVariable
 from stickslip_sym.model.expression.units import parse_unit, with_units
 

@@ -15,8 +15,9 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym import Derivation, laws
+from stickslip_sym import laws
 from stickslip_sym.core.symbols import N, V, c, k, m, mu, theta, u, v
+from stickslip_sym.formula.derivation import Derivation
 
 eta = sp.Symbol("eta", positive=True)
 chat0, chat1, chat2, W = sp.symbols("chat_0 chat_1 chat_2 W", real=True)

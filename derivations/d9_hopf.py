@@ -12,8 +12,8 @@ import sympy as sp
 
 from derivations import paper
 from derivations.d8_second_order import take_polynomial_law
-from stickslip_sym import Derivation
 from stickslip_sym.core.symbols import N, V, c, k, m, mu, theta, v
+from stickslip_sym.formula.derivation import Derivation
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

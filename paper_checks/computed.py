@@ -9,21 +9,21 @@ import sympy as sp
 from scipy.interpolate import BPoly, PPoly
 
 from stickslip_sym import (
-    ClosedForm,
     FrictionLaw,
     NoClosedForm,
     NotConverged,
     Oscillator,
     Phase,
-    Trajectory,
     derive,
     laws,
     simulate,
     stick_slip_cycle,
     symbols,
 )
+from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.motion.orbits.cycles import NeededDamping, needed_damping
+from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 

@@ -9,15 +9,9 @@ import numpy as np
 from paper_checks.computed import law as paper_law
 from paper_checks.computed import oscillator, threshold
 from paper_checks.looks import LEFT_OUT, PAPER
-from stickslip_sym import (
-    FrictionLaw,
-    LimitCycle,
-    Oscillator,
-    Phase,
-    Trajectory,
-    limit_cycles,
-    simulate,
-)
+from stickslip_sym import FrictionLaw, Oscillator, Phase, limit_cycles, simulate
+from stickslip_sym.motion.orbits.cycles import LimitCycle
+from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.output.drawing import BLUE, ORANGE, finish, new_figure, panel_letters
 
 __all__ = ["histories", "phase_plots"]

@@ -14,10 +14,12 @@ from derivations import chapter, paper
 from paper_checks.computed import LAWS, law, oscillator
 from paper_checks.conftest import Find
 from paper_checks.printed import acceleration, displacement, kinetic, relative
-from stickslip_sym import Derivation, Phase, Status, Trajectory, simulate
+from stickslip_sym import Phase, Status, simulate
 from stickslip_sym.core.symbols import N, V, c, k, m, u, v
+from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.proving import Verdict, prove_positive
+from stickslip_sym.motion.simulation.trajectory import Trajectory
 
 DAMPINGS = (0.0, 1.0, 2.0)
 FORCE_TOLERANCE = 1e-9  # of the friction force, relative to mu_s N; the integration runs at 1e-12

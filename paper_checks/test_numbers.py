@@ -12,8 +12,9 @@ from scipy.optimize import brentq
 from derivations import chapter
 from paper_checks.computed import law, oscillator, threshold
 from paper_checks.conftest import Find
-from stickslip_sym import Status, Threshold, peak_velocity, pure_slip_damping
+from stickslip_sym import Status, peak_velocity, pure_slip_damping
 from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
+from stickslip_sym.motion.thresholds.threshold import Threshold
 
 SCAN_STEP = 0.001  # kg/s
 AGREE = 1e-8  # kg/s between thresholds by simulation and by collocation, which share no code

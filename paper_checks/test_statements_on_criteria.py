@@ -26,10 +26,12 @@ from paper_checks.computed import (
 from paper_checks.conftest import Find
 from paper_checks.proved import agrees, apart, enclosed, returns_undamped
 from paper_checks.wording import by_law, formula, percent
-from stickslip_sym import Phase, Regime, Status, Trajectory, laws, regime, simulate, slope_average
+from stickslip_sym import Phase, Status, laws, regime, simulate, slope_average
 from stickslip_sym.core.symbols import V, k, m, v
 from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.formula.proof.proving import prove_positive
+from stickslip_sym.motion.regimes.regime import Regime
+from stickslip_sym.motion.simulation.trajectory import Trajectory
 
 NONE = 1e-6  # relative change that the error of the computation explains
 SLIGHT = 0.01  # relative error of a criterion that no figure of the paper shows

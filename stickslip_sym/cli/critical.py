@@ -1,9 +1,7 @@
 """``stickslip critical``: values of one quantity at which the damping just suffices, or margins of all."""
 
-import click
-
 from stickslip_sym.cli.options import DAMPING, JSON, LAW, METHOD, POINT, RANGE, Given, command, option, time_limit
-from stickslip_sym.cli.output import echo_json, point_of
+from stickslip_sym.cli.output import echo_found
 from stickslip_sym.cli.reading import point
 from stickslip_sym.core.errors import InputError
 
@@ -38,16 +36,11 @@ def run(given: Given) -> None:
         found = margins(
             at.law, Oscillator(**at.numbers), errors=at.texts, method=method, rtol=rtol, time_limit=limit
         )
-        if given["json"]:
-            echo_json("critical", **point_of(at), of="all", margins=found)
-        else:
-            click.echo(f"{at}\n\n{found}")
+        echo_found(given, at, found, of="all", margins=found)
         return
     at.exact("critical --of " + of)
     ends = given["within"]
     given.all_used()
     values = critical(at.law, of, **at.numbers, method=method, rtol=rtol, within=ends, time_limit=limit)
-    if given["json"]:
-        echo_json("critical", **point_of(at), of=of, values=values)
-    else:
-        click.echo(f"{at}\n\n" + ("\n".join(map(str, values)) or f"there is no such value of {of}"))
+    text = "\n".join(map(str, values)) or f"there is no such value of {of}"
+    echo_found(given, at, text, of=of, values=values)

@@ -9,7 +9,7 @@ import click
 
 from stickslip_sym.cli.numbers import check_size
 from stickslip_sym.cli.options import DAMPING, JSON, LAW, POINT, Given, command, file_option, option, time_limit
-from stickslip_sym.cli.output import counted, echo_json, point_of
+from stickslip_sym.cli.output import counted, echo_found
 from stickslip_sym.cli.reading import assignments, point
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError
@@ -59,10 +59,7 @@ def run(given: Given) -> None:
         found = motion_map(
             at.law, x=axes[0], y=axes[1], **at.numbers, workers=workers, progress=progress, time_limit=limit
         )
-    if given["json"]:
-        echo_json("map", **point_of(at), x=found.x, y=found.y, map=found)
-    else:
-        click.echo(f"{at}\n\n{report(found)}")
+    echo_found(given, at, report(found), x=found.x, y=found.y, map=found)
     writers: tuple[Callable[[Path], object], ...] = found.to_csv, found.to_npz, found.plot
     for write, path in zip(writers, files, strict=True):
         if path is not None:

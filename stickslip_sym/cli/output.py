@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stickslip_sym.cli.options import Given
 from stickslip_sym.cli.reading import UNITS, Point
 from stickslip_sym.cli.words import in_options
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 """What stands for an object of JSON."""
 
-__all__ = ["Json", "as_json", "counted", "echo_json", "law_of", "point_of", "progress_bar"]
+__all__ = ["Json", "as_json", "counted", "echo_found", "echo_json", "law_of", "point_of", "progress_bar"]
 
 _FORMAT = 2
 _ATTRIBUTES = {
@@ -79,6 +80,14 @@ def echo_json(command: str, **content: object) -> None:
 
     head = {"format": _FORMAT, "version": __version__, "command": command}
     click.echo(json.dumps(head | as_json(content), indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def echo_found(given: Given, at: Point, text: object, **content: object) -> None:
+    """Print a law, an operating point and what was found there: its text, or with ``--json`` its content."""
+    if given["json"]:
+        echo_json(given.command, **point_of(at), **content)
+    else:
+        click.echo(f"{at}\n\n{text}")
 
 
 def as_json(value: Any) -> Any:

@@ -202,12 +202,9 @@ def measurements(option: Callable[[str], Any], file: Path) -> "Measurements":
 
 def reading_of(option: Callable[[str], Any]) -> dict[str, Any]:
     """Return how options say that a file of measurements is read, as arguments of `read_measurements`."""
-    return {
-        "columns": assignments(option("column"), '--column mu="Friction Factor"'),
-        "radius": option("radius"),
-        "speeds": option("speeds"),
-        "leave_out": option("leave_out"),
-        "keep_outliers": option("keep_outliers"),
+    columns = assignments(option("column"), '--column mu="Friction Factor"')
+    return {"columns": columns} | {
+        name: option(name) for name in ("radius", "speeds", "leave_out", "keep_outliers")
     }
 
 

@@ -4,8 +4,6 @@ import math
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-import click
-
 from stickslip_sym.cli.options import (
     DAMPING,
     JSON,
@@ -18,7 +16,7 @@ from stickslip_sym.cli.options import (
     option,
     time_limit,
 )
-from stickslip_sym.cli.output import echo_json, point_of
+from stickslip_sym.cli.output import echo_found
 from stickslip_sym.cli.reading import point
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.output.tables import table
@@ -62,10 +60,7 @@ def run(given: Given) -> None:
     t_end = _PERIODS * 2 * math.pi / osc.omega if t_end is None else t_end
     motion = simulate(at.law, osc, t_end=t_end, x0=x0, v0=v0, rtol=rtol, method=method, time_limit=limit)
     end = _end(at.law, osc, motion, x0, v0, _LONGEST if limit is None else min(_LONGEST, limit))
-    if given["json"]:
-        echo_json("simulate", **point_of(at), motion=motion, in_the_end=end, periods=_periods(motion))
-    else:
-        click.echo(f"{at}\n\n{_report(motion, end)}")
+    echo_found(given, at, _report(motion, end), motion=motion, in_the_end=end, periods=_periods(motion))
     if csv is not None:
         motion.to_csv(csv)
     if plot is not None:

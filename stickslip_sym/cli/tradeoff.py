@@ -2,8 +2,6 @@
 
 from typing import Any
 
-import click
-
 from stickslip_sym.cli.options import (
     CRITERION,
     DAMPING,
@@ -17,7 +15,7 @@ from stickslip_sym.cli.options import (
     option,
     time_limit,
 )  # fmt: skip
-from stickslip_sym.cli.output import echo_json, point_of
+from stickslip_sym.cli.output import echo_found
 from stickslip_sym.cli.reading import point
 
 _SECONDS = 600.0
@@ -57,9 +55,6 @@ def run(given: Given) -> None:
     given.all_used()
     quantities: dict[str, Any] = dict(at.texts)
     found = tradeoff(at.law, of=kinds, time_limit=limit, **more, **box, **quantities)
-    if given["json"]:
-        echo_json("tradeoff", **point_of(at), **more, trades=found.trades, refused=found.refused)
-    else:
-        click.echo(f"{at}\n\n{found}")
+    echo_found(given, at, found, **more, trades=found.trades, refused=found.refused)
     if plot is not None:
         found.plot(plot)

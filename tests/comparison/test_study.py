@@ -9,6 +9,7 @@ from pages import XHTML, browse, check_well_formed, require_browser
 
 import stickslip_sym as ss
 from stickslip_sym.comparison.study import study as studies
+from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import browser
 
 PARTS = ["headline", "verdict", "thresholds", "law", "sensitivities", "margins", "formulas", "assumed", "versions"]
@@ -180,7 +181,7 @@ addEventListener("message", event => {
 
 def test_what_users_write_stays_text(monkeypatch):
     """Names, sources, meanings, notes and headers of files, with markup, TeX, controls and half a character."""
-    measured = ss.Measurements.of([0.01, 0.5, 1.0], [0.5, 0.4, 0.3])
+    measured = Measurements.of([0.01, 0.5, 1.0], [0.5, 0.4, 0.3])
     object.__setattr__(measured, "understood", EVIL)
     law = ss.FrictionLaw(
         "a - b*v",

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import stickslip_sym as ss
 from stickslip_sym.criteria import enclosure
+from stickslip_sym.criteria.enclosure import Enclosure
 
 s = ss.symbols.s
 CRITERIA = [
@@ -85,7 +86,7 @@ def test_digits_are_those_that_both_ends_share():
     for _ in range(300):
         middle = Fraction(rng.randint(1, 10**12), 10 ** rng.randint(0, 20)) * rng.choice([-1, 1])
         radius = abs(middle) * Fraction(rng.randint(1, 999), 10 ** rng.randint(3, 30))
-        enclosure = ss.Enclosure(middle - radius, middle + radius)
+        enclosure = Enclosure(middle - radius, middle + radius)
         shown = str(enclosure)
         if shown.endswith("[...]"):
             text = shown.removesuffix("[...]")

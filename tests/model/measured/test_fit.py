@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from sweeps import sweep
 
 import stickslip_sym as ss
+from stickslip_sym.model.measured.measurements import Measurements
 
 TRUE = {"mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
 NOISE = 0.01
@@ -317,7 +318,7 @@ CURVE = ss.FrictionLaw.from_samples([0, 1, 2, 3], [0.5, 0.4, 0.3, 0.2])
     ("arguments", "message"),
     [
         (([1, 2],), "mu is missing"),
-        ((ss.Measurements.of([1, 2], [1, 1]), [1, 1]), "given twice"),
+        ((Measurements.of([1, 2], [1, 1]), [1, 1]), "given twice"),
         (([1, 2], [1, 1], None, []), "there is no law to fit"),
         (([1, 2], [1, 1], None, 3.0), "'float' object is not iterable|a law is a name"),
         (([1, 2], [1, 1], None, [3.0]), "a law is a name, a formula or a FrictionLaw, got float"),

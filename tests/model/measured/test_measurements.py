@@ -10,6 +10,7 @@ from sweeps import sweep
 from sympy import Rational
 
 import stickslip_sym as ss
+from stickslip_sym.model.measured.measurements import Measurements
 
 SPEED_UNITS = {"m/s": 1, "mm/s": 1000, "cm/s": 100, "um/s": 10**6, "m/min": 60, "km/h": Fraction(18, 5),
                "in/s": 1 / Fraction("0.0254"), "mm s^-1": 1000, "m·s⁻¹": 1, "mm/min": 60000, "nm/s": 10**9,
@@ -331,7 +332,7 @@ def test_repeated_speeds_are_kept_for_a_fit_and_averaged_for_a_curve(tmp_path):
 
 
 def test_a_mean_is_weighted_where_sigma_is_known():
-    means = ss.Measurements.of([1, 1, 2], [0.2, 0.5, 0.3], [0.1, 0.2, 0.1]).averaged()
+    means = Measurements.of([1, 1, 2], [0.2, 0.5, 0.3], [0.1, 0.2, 0.1]).averaged()
     assert means.mu == pytest.approx([(0.2 * 100 + 0.5 * 25) / 125, 0.3])
     assert means.sigma == pytest.approx([125**-0.5, 0.1])
 
@@ -434,4 +435,4 @@ def test_what_is_not_understood_is_refused_with_its_place(tmp_path, text, messag
 )
 def test_arrays_that_are_no_measurements_are_refused(arguments, message):
     with pytest.raises(ss.InputError, match=message):
-        ss.Measurements.of(*arguments)
+        Measurements.of(*arguments)

@@ -15,7 +15,9 @@ from scenes import paper_oscillator
 import stickslip_sym as ss
 from stickslip_sym import Motion
 from stickslip_sym.motion.maps.axes import Axis
+from stickslip_sym.motion.maps.basins import BasinMap
 from stickslip_sym.motion.maps.cells import Reason
+from stickslip_sym.motion.maps.motions import MotionMap
 
 LAW = ss.laws.exponential.typical()
 ATTRACTORS = ("stick_slip", "rest", "pure_slip")
@@ -43,7 +45,7 @@ def made_up_map(rng, names):
     )
     # A threshold broadcasts: along c it is one number for each cell of the other axis.
     flat = (1, shape[1]) if y.name == "c" else (shape[0], 1) if x.name == "c" else shape
-    return ss.MotionMap(
+    return MotionMap(
         axes=(x, y), law=LAW, fixed={"m": 1.0, "k": 100.0}, motion=any_of(rng, Motion, shape),
         attractors={name: rng.random(shape) < 0.5 for name in ATTRACTORS}, reason=any_of(rng, Reason, shape),
         thresholds={name: rng.normal(size=flat) for name in CURVES}, notes={},
@@ -99,7 +101,7 @@ def test_a_basins_files_are_what_its_starts_say(tmp_path):
     x0, v0 = np.sort(rng.uniform(-2, -1, 4)), np.sort(rng.uniform(0, 1, 3))
     axes = Axis("x0", x0, "m", ""), Axis("v0", v0, "m/s", "")
     motion = any_of(rng, Motion, (3, 4))
-    found = ss.BasinMap(axes, LAW, asdict(osc), motion, ss.regime(LAW, osc), {}, 12, 0, {})
+    found = BasinMap(axes, LAW, asdict(osc), motion, ss.regime(LAW, osc), {}, 12, 0, {})
     found.to_csv(tmp_path / "basins.csv")
     rows = [(float(row["x0"]), float(row["v0"]), row["motion"]) for row in rows_of(tmp_path / "basins.csv")]
     assert rows == [(x, v, found.motion[j, i].value) for (j, v), (i, x) in product(enumerate(v0), enumerate(x0))]

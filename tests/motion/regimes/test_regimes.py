@@ -9,6 +9,9 @@ from scenes import TWO, paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
+from stickslip_sym.motion.orbits.cycles import LimitCycle
+from stickslip_sym.motion.regimes.regime import Rest
+from stickslip_sym.motion.simulation.cycle import StickSlipCycle
 
 KINKED = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.25)")
 STATIC = ss.FrictionLaw("0.2 + 0.3*exp(-3*v)", static="1")
@@ -17,7 +20,7 @@ WEAK = {"m": 1.0, "k": 1e6}
 
 
 def names(found):
-    kinds = {ss.Rest: "rest", ss.LimitCycle: "pure slip", ss.StickSlipCycle: "stick-slip"}
+    kinds = {Rest: "rest", LimitCycle: "pure slip", StickSlipCycle: "stick-slip"}
     return [kinds[type(attractor)] for attractor in found.attractors]
 
 

@@ -12,7 +12,8 @@ from numpy.polynomial.legendre import leggauss
 from scenes import paper_oscillator
 
 import stickslip_sym as ss
-from stickslip_sym import EventKind, Outcome, Phase
+from stickslip_sym import Outcome, Phase
+from stickslip_sym.motion.simulation.trajectory import EventKind
 
 SAMPLE = list(motions.scenes(8, seed=6))
 IMPLICIT = 1e-7  # of w between the steps of the implicit method, whose interpolant is of order 3

@@ -8,7 +8,8 @@ import pytest
 from scenes import paper_oscillator
 
 import stickslip_sym as ss
-from stickslip_sym import EventKind, Outcome, Phase
+from stickslip_sym import Outcome, Phase
+from stickslip_sym.motion.simulation.trajectory import EventKind
 
 EVENT_TIMES = 1e-11  # relative, at rtol = 1e-12
 

@@ -6,7 +6,8 @@ from motions import scenes
 from scenes import paper_oscillator
 
 import stickslip_sym as ss
-from stickslip_sym import EventKind, Outcome
+from stickslip_sym import Outcome
+from stickslip_sym.motion.simulation.trajectory import EventKind
 from stickslip_sym.motion.slip import Dimensionless
 
 EXACT = 1e-9  # relative to the motion's size; a hundred steps at rtol = 1e-12, and grazes

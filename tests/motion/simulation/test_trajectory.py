@@ -9,8 +9,8 @@ import pytest
 from scenes import paper_oscillator
 
 import stickslip_sym as ss
-from stickslip_sym import EventKind, Outcome, Phase
-from stickslip_sym.motion.simulation.trajectory import State
+from stickslip_sym import Outcome, Phase
+from stickslip_sym.motion.simulation.trajectory import EventKind, State
 
 
 @pytest.fixture(scope="module")
