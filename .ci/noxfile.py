@@ -33,10 +33,8 @@ assert metadata("stickslip_sym")["Version"] == ss.__version__
 def lint(session):
     """Run ruff, mypy and the contracts on the direction of imports."""
     session.install("-e", ".[test]")
-    session.run("ruff", "check", ".")
-    session.run("ruff", "format", "--check", ".")
-    session.run("mypy")
-    session.run("lint-imports")
+    for command in ("ruff check .", "ruff format --check .", "mypy", "lint-imports"):
+        session.run(*command.split())
 
 
 @nox.session(python=PYTHONS)
