@@ -17,7 +17,7 @@ def results() -> dict[str, list[str]]:
             if isinstance(one, type) and one.__module__ == module.__name__:
                 classes[name] = one
     found: dict[str, list[str]] = {}
-    todo = [getattr(ss, name) for name in ss.__all__]
+    todo = [getattr(ss, name) for name in vars(ss)["__all__"]]
     for one in todo:  # it grows
         members = vars(one).values() if isinstance(one, type) else [one]
         functions = [getattr(member, "fget", None) or getattr(member, "func", member) for member in members]
