@@ -13,6 +13,7 @@ ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 PYTHONS = [line.split()[-1] for line in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", line)]
 
+nox.options.envdir = str(ROOT / "build" / "nox")
 nox.options.sessions = ["lint", "tests"]
 nox.options.default_venv_backend = "venv"
 nox.options.error_on_missing_interpreters = True
@@ -32,6 +33,7 @@ assert metadata("stickslip_sym")["Version"] == ss.__version__
 @nox.session
 def lint(session):
     """Run ruff, mypy and the contracts on the direction of imports."""
+    session.chdir(ROOT)
     session.install("-e", ".[test]")
     for command in ("ruff check .", "ruff format --check .", "mypy", "lint-imports"):
         session.run(*command.split())
@@ -40,6 +42,7 @@ def lint(session):
 @nox.session(python=PYTHONS)
 def tests(session):
     """Run the tests on each Python that the project declares; one that is missing is a failure."""
+    session.chdir(ROOT)
     session.install("-e", ".[test]")
     session.run("python", "-m", "pip", "list")
     session.run("pytest", "-ra", *session.posargs)
@@ -48,6 +51,7 @@ def tests(session):
 @nox.session
 def lowest(session):
     """Run the tests with the lowest versions that pyproject.toml allows; old ones warn of newer neighbours."""
+    session.chdir(ROOT)
     extras = PROJECT["optional-dependencies"]
     wanted = sorted({*PROJECT["dependencies"], *extras["plot"], *extras["test"]})
     session.install("-e", ".", *(requirement.replace(">=", "==") for requirement in wanted))
@@ -58,6 +62,7 @@ def lowest(session):
 @nox.session
 def package(session):
     """Build the sdist, from it the wheel; use the wheel where nothing else is; test the unpacked sdist."""
+    session.chdir(ROOT)
     session.install("build", "twine")
     folder = Path(session.create_tmp())
     session.run("python", "-m", "build", "--outdir", str(folder), ".")
@@ -78,6 +83,7 @@ def package(session):
 @nox.session
 def documentation(session):
     """Build the documentation in `build/documentation`; a warning is an error."""
+    session.chdir(ROOT)
     session.install("-e", ".[plot,docs]")
     session.run("python", "-W", "error", ".ci/docs")
 
@@ -85,6 +91,7 @@ def documentation(session):
 @nox.session
 def mutants(session):
     """Mutate the functions that arguments name, as in ``-- "stickslip_sym.core.*"``, and list what survives."""
+    session.chdir(ROOT)
     session.install("-e", ".[test]", "mutmut")
     session.run("mutmut", "run", *session.posargs)
     session.run("mutmut", "results")
