@@ -1,7 +1,7 @@
 """``stickslip export``: criteria as LaTeX, Python, C or Octave, or exactly, several at once or none at all."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -147,13 +147,13 @@ def _unbound(laws: "list[FrictionLaw]", every: bool) -> "list[FrictionLaw]":
 
 def _text(
     kind: str, forms: "list[ClosedForm]", coded: "list[ClosedForm | SlopeAverage]",
-    missing: "list[tuple[FrictionLaw, str, str]]", style: dict[str, object],
+    missing: "list[tuple[FrictionLaw, str, str]]", style: dict[str, Any],
 ) -> str:  # fmt: skip
     from stickslip_sym.formula.export import export as write
     from stickslip_sym.formula.files import text_of
 
     if kind == "latex":
-        return write.export_latex(forms, missing=missing, **style)  # type: ignore[arg-type]
+        return write.export_latex(forms, missing=missing, **style)
     if kind == "save":
         return text_of(forms)
     return write.export_code(coded, kind)

@@ -95,10 +95,12 @@ class Criterion:
         """The power of 1 + s like which the weight vanishes at s = -1, where the slip speed is 0."""
         if not self.is_polynomial:
             return sp.Rational(1, 2)
-        polynomial, order = sp.Poly(self.weight, symbols.s), 0
-        while polynomial.eval(-1) == 0:
-            polynomial, order = polynomial.exquo(sp.Poly(1 + symbols.s, symbols.s)), order + 1
-        return sp.Integer(order)
+        return sp.Integer(min(power for (power,) in self.from_rest.monoms()))
+
+    @property
+    def from_rest(self) -> sp.Poly:
+        """A polynomial weight in powers of p = 1 + s, the slip speed over V, with `symbols.s` for p."""
+        return sp.Poly(self.weight, symbols.s).compose(sp.Poly(symbols.s - 1, symbols.s))
 
     @property
     def kernel(self) -> Expr:

@@ -673,7 +673,7 @@ def _from_rest(criterion: Criterion) -> Expr:
     """Return w(s) in the symbol s for 1 + s, without the 1."""
     s = symbols.s
     if criterion.is_polynomial:
-        return sp.expand(criterion.weight.subs(s, s - 1))  # type: ignore[union-attr]
+        return criterion.from_rest.as_expr()
     return 2 / sp.pi * sp.sqrt(s * (2 - s))
 
 

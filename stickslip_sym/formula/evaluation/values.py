@@ -275,9 +275,7 @@ def _weight(criterion: Criterion, p: arb, q: arb) -> arb:
 @lru_cache(maxsize=16)
 def _shifted(criterion: Criterion) -> arb_poly:
     """Return a weight that is a polynomial in powers of p = 1 + s."""
-    assert criterion.weight is not None
-    polynomial = sp.Poly(criterion.weight.subs(symbols.s, symbols.s - 1), symbols.s)
-    return arb_poly([arb(rational(c)) for c in reversed(polynomial.all_coeffs())])
+    return arb_poly([arb(rational(c)) for c in reversed(criterion.from_rest.all_coeffs())])
 
 
 def mean_power(criterion: Criterion, exponent: fmpq) -> arb:

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.formula.finding.matching import (
@@ -344,8 +343,7 @@ def _parts(criterion: Criterion) -> list[_Part]:
 
         return _Part((sp.Integer(j),), (sp.Integer(j + 1),), value)
 
-    from_rest = sp.Poly(criterion.weight.subs(symbols.s, symbols.s - 1), symbols.s)  # type: ignore[union-attr]
-    return [of_power(j, w) for (j,), w in from_rest.terms()]
+    return [of_power(j, w) for (j,), w in criterion.from_rest.terms()]
 
 
 def kinked_polynomial_average(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) -> Expr | None:

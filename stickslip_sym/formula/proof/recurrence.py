@@ -197,8 +197,7 @@ def _ratio(criterion: Criterion, n: Expr) -> tuple[Expr, Expr]:
     """Return b_(n+1)/b_n as a fraction of polynomials in n."""
     if not criterion.is_polynomial:
         return (n + 1) * (2 * n + 1), n * (n + 2)
-    from_rest = sp.Poly(criterion.weight.subs(symbols.s, symbols.s - 1), symbols.s)  # type: ignore[union-attr]
-    moment = sp.Add(*[w * 2**j / (n + j) for (j,), w in from_rest.terms()])  # <(1 + s)^(n-1)> over 2^n
+    moment = sp.Add(*[w * 2**j / (n + j) for (j,), w in criterion.from_rest.terms()])  # <(1 + s)^(n-1)> over 2^n
     above, below = sp.fraction(sp.cancel(2 * (n + 1) * moment.subs(n, n + 1) / (n * moment)))
     return above, below
 
