@@ -80,9 +80,10 @@ def _forget_what_is_older() -> None:
     """Remove kept machine code that is older than a file of what it may call: numba looks at its own file only."""
     from numba.core.caching import FunctionCache
 
+    kept: Any = FunctionCache
     newest = max(os.path.getmtime(inspect.getfile(part)) for part in _marked)
     for part in _marked:
-        for index in Path(FunctionCache(part).cache_path).glob(f"*.{part.__name__}-*.nbi"):
+        for index in Path(kept(part).cache_path).glob(f"*.{part.__name__}-*.nbi"):
             if index.stat().st_mtime < newest:
                 index.unlink(missing_ok=True)
 
