@@ -40,6 +40,6 @@ def run(given: Given) -> None:
     at.exact("critical --of " + of)
     within = given["within"]
     given.all_used()
-    values = ss.critical(at.law, of, **at.numbers, within=within, **how)
+    values = ss.critical(at.law, of, **how | at.numbers, within=within)
     text = "\n".join(map(str, values)) or f"there is no such value of {of}"
     echo_found(given, at, text, of=of, values=values)
