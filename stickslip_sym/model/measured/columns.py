@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["EXPECTED", "Column", "Header", "choose_columns", "is_header", "read_unit"]
+__all__ = ["EXPECTED", "Column", "choose_columns", "is_header", "read_unit"]
 
 EXPECTED = "v [m/s],mu or v [mm/s];F_t [N];F_n [N];sigma_mu"
 KINDS = {
@@ -154,32 +154,30 @@ def _name_and_unit(text: str) -> tuple[str, str]:
 
 
 @dataclass(frozen=True)
-class Header:
-    """A column's name.
+class Column:
+    """A column by its header.
 
     - `text`: as written, and `name`, without its unit.
-    - `meanings`: what the column may hold, of `KINDS`; empty where the name is not understood.
+    - `meanings`: what it may hold, of `KINDS`; empty where the name is not understood.
     - `unit_text`: the unit as written; empty where there is none.
+    - `position`: from 0, and `size`, that of the unit in SI units, of one that is read.
     """
 
     text: str
     name: str
     meanings: tuple[str, ...]
     unit_text: str = ""
+    position: int = 0
+    size: Fraction = Fraction(1)
 
     @classmethod
-    def read(cls, text: str) -> "Header":
-        """Return what a cell of a header says."""
-        text = " ".join(text.split())
+    def read(cls, text: str, unit: str = "") -> "Column":
+        """Return what a cell of a header says, and the cell below it of a row of units."""
+        text, unit = " ".join(text.split()), unit.strip().strip("[]()").strip()
         name, unit_text = _name_and_unit(text)
+        if unit and not unit_text:
+            text, unit_text = f"{text} [{unit}]", unit
         return cls(text, name, _meanings(name), unit_text or ("rpm" if _words(name) == ["rpm"] else ""))
-
-    def in_unit(self, text: str) -> "Header":
-        """Return the name with a unit from the line below it."""
-        text = text.strip().strip("[]()").strip()
-        if self.unit_text or not text:
-            return self
-        return replace(self, text=f"{self.text} [{text}]", unit_text=text)
 
     @property
     def unit(self) -> Unit | None:
@@ -195,16 +193,8 @@ class Header:
 
 def is_header(cells: Sequence[str]) -> bool:
     """Return whether names hold both a speed and friction, in whatever units."""
-    named = {meaning for cell in cells for meaning in Header.read(cell).meanings}
+    named = {meaning for cell in cells for meaning in Column.read(cell).meanings}
     return "v" in named and bool(named & {"mu", "F_t"})
-
-
-class Column(NamedTuple):
-    """A column that is read: its position from 0, its name, and the size of its unit in SI units."""
-
-    position: int
-    header: Header
-    size: Fraction
 
 
 def _refuse(where: str, *rules: tuple[object, str]) -> None:
@@ -215,7 +205,7 @@ def _refuse(where: str, *rules: tuple[object, str]) -> None:
 
 
 def choose_columns(
-    headers: Sequence[Header], line: str, chosen: Mapping[str, str | int], radius: Fraction | None
+    headers: Sequence[Column], line: str, chosen: Mapping[str, str | int], radius: Fraction | None
 ) -> dict[str, Column]:
     """Return which column holds which quantity.
 
@@ -236,20 +226,21 @@ def choose_columns(
         if has_mu and meanings != ("mu",):  # forces beside mu are not needed
             meanings = tuple(one for one in header.possible or meanings if one in ("v", "sigma_mu", "n"))
         if meanings:
-            column = _column(i, replace(header, meanings=meanings), line, columns, radius)
-            columns[column.header.possible[0]] = column
+            column = replace(header, meanings=meanings, position=i)
+            _check(column, line, columns, radius)
+            size = Fraction(1) if column.unit is None else column.unit.size
+            turns = column.unit is not None and column.unit.kind == "rotation"
+            columns[column.possible[0]] = replace(column, size=size * (radius or 1) if turns else size)
     _check_complete(columns, headers, line)
-    turns = columns["v"].header.unit
-    _refuse(
-        line,
-        (radius is not None and (turns is None or turns.kind != "rotation"),
-         f"radius = {float(radius or 0):g} m is for a rotational speed; here v is a speed already"),
-    )  # fmt: skip
+    unit = columns["v"].unit
+    if radius is not None and (unit is None or unit.kind != "rotation"):
+        words = f"radius = {float(radius):g} m is for a rotational speed; here v is a speed already"
+        raise InputError(f"{line}: {words}")
     kept = ("v", "mu", "sigma_mu", "n") if "mu" in columns else ("v", "F_t", "F_n", "sigma_mu", "sigma_F_t", "n")
     return {quantity: columns[quantity] for quantity in kept if quantity in columns}
 
 
-def _choose(headers: list[Header], line: str, quantity: str, text: str) -> None:
+def _choose(headers: list[Column], line: str, quantity: str, text: str) -> None:
     """Make the column that the user chose for a quantity the only one of it."""
     if quantity not in KINDS:
         raise InputError(f"a column holds {', '.join(KINDS)}, got {quantity!r}")
@@ -273,32 +264,27 @@ def _choose(headers: list[Header], line: str, quantity: str, text: str) -> None:
     headers[matches[0]] = replace(own, meanings=(quantity,), unit_text=unit_text or own.unit_text)
 
 
-def _column(
-    position: int, header: Header, line: str, columns: Mapping[str, Column], radius: Fraction | None
-) -> Column:
-    """Return a column that is understood, or refuse its name, its unit, or that another one holds the same."""
-    unit, meanings, shown = header.unit, header.possible, _quoted(header.unit_text)
-    example = _EXAMPLES[KINDS[header.meanings[0]][0]]
-    choice = _choice((meanings or header.meanings)[0], header.text)
+def _check(column: Column, line: str, columns: Mapping[str, Column], radius: Fraction | None) -> None:
+    """Refuse a column that is understood for its unit, for two meanings, or as another one holds the same."""
+    unit, meanings, shown = column.unit, column.possible, _quoted(column.unit_text)
+    example = _EXAMPLES[KINDS[column.meanings[0]][0]]
+    choice = _choice((meanings or column.meanings)[0], column.text)
     other = columns.get(meanings[0]) if meanings else None
-    twice = f"column {other.position + 1}, {_quoted(other.header.text)}, is {meanings[0]} too" if other else ""
-    turns = unit is not None and unit.kind == "rotation"
+    twice = f"column {other.position + 1}, {_quoted(other.text)}, is {meanings[0]} too" if other else ""
     _refuse(
-        f"{line}, column {position + 1}, {_quoted(header.text)}",
-        (header.unit_text and unit is None, f"the unit {shown} is not known here; write one {example}"),
+        f"{line}, column {column.position + 1}, {_quoted(column.text)}",
+        (column.unit_text and unit is None, f"the unit {shown} is not known here; write one {example}"),
         (not meanings, f"{shown} is no unit {example}; check both"),
-        ("v" in meanings and unit is None and header.text.strip("\"' ") not in ("v", ""),  # V may be volts
+        ("v" in meanings and unit is None and column.text.strip("\"' ") not in ("v", ""),  # V may be volts
          "a speed without a unit; write v [m/s], or v [mm/s], whichever it is"),
-        (turns and radius is None, f"{header.unit_text} is a rotational speed; give the radius of the track in m, "
-         "like radius=0.03"),
+        (unit is not None and unit.kind == "rotation" and radius is None,
+         f"{column.unit_text} is a rotational speed; give the radius of the track in m, like radius=0.03"),
         (len(meanings) > 1, f"this may be {' or '.join(meanings)}; {choice}"),
         (other, f"{twice}; {choice}"),
     )  # fmt: skip
-    size = Fraction(1) if unit is None else unit.size
-    return Column(position, header, size * radius if turns and radius is not None else size)
 
 
-def _check_complete(columns: Mapping[str, Column], headers: Sequence[Header], line: str) -> None:
+def _check_complete(columns: Mapping[str, Column], headers: Sequence[Column], line: str) -> None:
     """Refuse a table that lacks a quantity, with what is understood, or whose forces do not go together."""
     forces = {"F_t", "F_n"} & columns.keys()
     missing = "the slip speed" if "v" not in columns else "F_n" if "F_t" in forces else "mu, or F_t and F_n"
@@ -312,7 +298,7 @@ def _check_complete(columns: Mapping[str, Column], headers: Sequence[Header], li
         f"{_quoted(torque)} is a torque: divide it by its lever arm for F_t [N]" if torque else "",
         f"{wanted}, or write a header like {EXPECTED}",
     ]
-    bare = {name for name, column in columns.items() if column.header.unit is None}
+    bare = {name for name, column in columns.items() if column.unit is None}
     by_force = "mu" not in columns
     _refuse(
         line,

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -64,7 +63,6 @@ class Measurements:
     order: IntArray | None = None
     counts: FloatArray | None = None
     source: str = ""
-    _exact: tuple[tuple[Fraction, ...], tuple[Fraction, ...]] | None = None
 
     @classmethod
     def of(cls, v: ArrayLike, mu: ArrayLike, sigma: ArrayLike | None = None) -> "Measurements":
@@ -132,9 +130,7 @@ class Measurements:
             scatter = float(np.sqrt(np.sum((self.mu - mean[index]) ** 2) / (len(self) - len(speeds))))
             said = f"scatter {scatter:.2g} about the means"
         understood = f"{self.understood}; averaged at {len(speeds)} speeds, {said}"
-        return Measurements(
-            speeds, mean, scatter / np.sqrt(total), understood, self.name, source=self.source, _exact=self._means()
-        )
+        return Measurements(speeds, mean, scatter / np.sqrt(total), understood, self.name, source=self.source)
 
     def binned(self, count: int) -> "Measurements":
         """Return the means of `count` bins of speed, with as many rows in each as nearly as can be.
@@ -148,22 +144,13 @@ class Measurements:
             raise InputError(f"{count} bins of {len(self.v)} rows; take 1 to {len(self.v)}")
         bins = np.repeat(np.arange(count), [len(rows) for rows in np.array_split(self.v, count)])
         speed = np.bincount(bins, self.v) / np.bincount(bins)
-        return replace(self, v=speed[bins], _exact=None).averaged()
+        return replace(self, v=speed[bins]).averaged()
 
-    def points(self) -> tuple[list[Number], list[Number]]:
-        """Return speeds, each once and ascending, and mean coefficients, exact where the file had decimal text."""
+    def points(self) -> tuple[list[str], list[str]]:
+        """Return speeds, each once and ascending, and mean coefficients: the decimals that a file has."""
         means = self.averaged()
-        if means._exact is not None:
-            return list(means._exact[0]), list(means._exact[1])
-        return means.v.tolist(), means.mu.tolist()
-
-    def _means(self) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]] | None:
-        if self._exact is None or self.sigma is not None:  # weights are no decimal text
-            return None
-        rows: dict[Fraction, list[Fraction]] = {}
-        for speed, coefficient in zip(*self._exact, strict=True):
-            rows.setdefault(speed, []).append(coefficient)
-        return tuple(rows), tuple(sum(row, Fraction(0)) / len(row) for row in rows.values())
+        text = repr if means is self else "{:.15g}".format  # rounding is not in the mean of decimals
+        return [text(v) for v in means.v.tolist()], [text(mu) for mu in means.mu.tolist()]
 
 
 def read_measurements(
@@ -263,7 +250,6 @@ def read_measurements(
         order,
         None if counts is None else counts[order],
         f"{path.name}, {date:%Y-%m-%d}",
-        (tuple(v[order]), tuple(mu[order])) if v.dtype == object else None,
     )
 
 
@@ -331,7 +317,7 @@ def _fold(table: Table) -> tuple[Column, Column, Column | None, list[str]]:
     table.require(small, friction, rule, "with abs(mu) above 5")
     v, mu = table.numbers("v"), per_load(friction)
     fast = np.abs(v.astype(float)) > _FASTEST
-    if fast.any() and not table.columns["v"].header.unit_text:
+    if fast.any() and not table.columns["v"].unit_text:
         row = int(np.argmax(fast))
         raise InputError(
             f"{table.place(row, 'v')}: got v = {table.cells['v'][row]}; without a unit a speed is in m/s; write "
@@ -368,7 +354,7 @@ def _turns(table: Table, v: Column, mu: Column, friction: str) -> tuple[IntArray
 def _understood(table: Table, count: int, notes: list[str]) -> str:
     columns = table.columns
     mu = "F_t/F_n" if "F_t" in columns else f"column {columns['mu'].position + 1}"
-    words = [f"{count} row{'s' * (count != 1)}", f"v in {columns['v'].header.unit_text or 'm/s'}", f"mu from {mu}"]
+    words = [f"{count} row{'s' * (count != 1)}", f"v in {columns['v'].unit_text or 'm/s'}", f"mu from {mu}"]
     words += [f"{name} from column {columns[key].position + 1}" for key, name in _SIGMAS.items() if key in columns]
     words += notes
     if table.unread:

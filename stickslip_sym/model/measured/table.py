@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.measured.columns import EXPECTED, Column, Header, choose_columns, is_header, read_unit
+from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
 from stickslip_sym.output.files import require_name
 
 __all__ = ["Table", "read_table"]
@@ -189,7 +189,7 @@ def _separator(lines: Sequence[str]) -> str:
 
 def _header(
     rows: Sequence[tuple[int, str]], separator: str, name: str, *, unnamed: bool
-) -> tuple[int, list[Header], str]:
+) -> tuple[int, list[Column], str]:
     """Return the line from which on there are numbers, the names of the columns, and where these stand.
 
     The header is the last row above the numbers that names a speed and friction, else the last that has a name
@@ -218,17 +218,17 @@ def _header(
     if header is None:
         if first is None or not (unnamed or (width == 2 and not any(plain[:first]))):
             raise InputError(_no_header(rows, separator, name))
-        known = [Header("", "", ())] * width if unnamed else [Header(one, one, (one,)) for one in ("v", "mu")]
+        known = [Column("", "", ())] * width if unnamed else [Column(one, one, (one,)) for one in ("v", "mu")]
         return rows[first][0], known, name
-    headers = [Header.read(cell) for cell in table[header]]
+    below = units + [""] * len(table[header])
+    headers = [Column.read(cell, unit) for cell, unit in zip(table[header], below, strict=False)]
     where = f"{name}, line {rows[header][0]}"
     if separator == " " and width and len(headers) != width:
         raise InputError(
             f"{where}: {lines[header].strip()[:80]!r} has {_columns(len(headers))}, parted by blanks, and the "
             f"rows have {width}; part names of more words by two blanks, or all columns by tabs or semicolons"
         )
-    named_units = zip(headers, units + [""] * len(headers), strict=False)
-    return rows[header + bool(units)][0] + 1, [one.in_unit(text) for one, text in named_units], where
+    return rows[header + bool(units)][0] + 1, headers, where
 
 
 def _no_header(rows: Sequence[tuple[int, str]], separator: str, name: str) -> str:
@@ -269,7 +269,7 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], count: int, separ
         wrong += [i for i in read if not _NUMBERS[sign].fullmatch(row[i])]
         if wrong:
             i, rule = wrong[0], "a finite number is needed, like 0.35"
-            named = f", {table.columns[read[i]].header.text!r}" if i in read else ""
+            named = f", {table.columns[read[i]].text!r}" if i in read else ""
             table.fault(line, f"{where}{i + 1}{named}", repr(row[i][:40]), rule, "without a number")
             continue
         table.lines.append(line)
