@@ -53,9 +53,9 @@ class Point:
     @property
     def numbers(self) -> dict[str, float]:
         """The quantities without their errors."""
-        from stickslip_sym.core.uncertain import nominal_text
+        from stickslip_sym.core.uncertain import split
 
-        return {name: read_number(nominal_text(text, name), name) for name, text in self.texts.items()}
+        return {name: read_number(split(text, name)[0], name) for name, text in self.texts.items()}
 
     def exact(self, command: str) -> "Point":
         """Return the point, for a command that computes without standard errors.
@@ -230,6 +230,6 @@ def criteria_of(name: str) -> "list[Criterion]":
 
 
 def _is_number(text: str, name: str) -> bool:
-    from stickslip_sym.core.uncertain import nominal_text
+    from stickslip_sym.core.uncertain import split
 
-    return str(nominal_text(text, name)) == text
+    return bool(split(text, name)[0] == text)
