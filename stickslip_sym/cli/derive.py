@@ -93,11 +93,11 @@ def derived(
 
 def _lines(form: "ClosedForm") -> list[str]:
     """Return what is printed of a form, its formula no longer than a few screens."""
-    from stickslip_sym.output import lines, printing
+    from stickslip_sym.output import abbreviation, printing
 
     if form.law.curve is not None:
         shown = f"  c = average of the {form.law.curve} (--json and --save have it exactly)"
-    elif len(shown := lines.formula("c", form.expr)) > _LONGEST:
+    elif len(shown := abbreviation.formula("c", form.expr)) > _LONGEST:
         size = len(printing.text(form.expr))
         shown = f"{shown[:_LONGEST]}... ({size} characters; --latex and --save write it whole)"
     return [repr(form), "", shown, "", form.verdict.evidence]

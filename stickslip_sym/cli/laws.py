@@ -17,7 +17,7 @@ def run(given: Given) -> None:
 
     Example: stickslip laws hyperbolic
     """
-    from stickslip_sym.output.lines import formula
+    from stickslip_sym.output.abbreviation import formula
 
     name = given["law"]
     laws = list(ss.laws.values()) if name is None else [ss.laws.find(name)]
