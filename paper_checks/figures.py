@@ -95,11 +95,13 @@ FIGURES = (
     ),
     PaperFigure(
         8, "Phase plots at the points A and B, exponential law",
-        f"c = 2 kg/s at two belt speeds. {_STICK}", _STATES, ("F8",), partial(phase_plots, "exponential", (("point A", 2.0, 0.5), ("point B", 2.0, 0.8))),
+        f"c = 2 kg/s at two belt speeds. {_STICK}", _STATES, ("F8",),
+        partial(phase_plots, "exponential", (("point A", 2.0, 0.5), ("point B", 2.0, 0.8))),
     ),
     PaperFigure(
         9, "Phase plots at the points C and D, polynomial law",
-        f"c = 2 kg/s at two belt speeds. {_STICK}", _STATES, ("F9",), partial(phase_plots, "polynomial", (("point C", 2.0, 0.5), ("point D", 2.0, 0.8))),
+        f"c = 2 kg/s at two belt speeds. {_STICK}", _STATES, ("F9",),
+        partial(phase_plots, "polynomial", (("point C", 2.0, 0.5), ("point D", 2.0, 0.8))),
     ),
     PaperFigure(
         10, "Pure-slip damping for three values of the lowest friction coefficient", "The criteria (17) and (18).",
