@@ -6,6 +6,7 @@ on a grid, and every change of sign of threshold minus c, and every extremum tha
 
 import math
 from collections.abc import Iterator, Mapping
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ import sympy as sp
 from scipy.optimize import brentq, minimize_scalar
 
 from stickslip_sym.core import deadline, symbols
-from stickslip_sym.core.aliases import FloatArray, Rational
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
 from stickslip_sym.core.numbers import real
 from stickslip_sym.criteria.criterion import Criterion, harmonic
@@ -22,12 +23,10 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.margins.value import Critical
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.thresholds.averages import slope_mean
-from stickslip_sym.motion.thresholds.box_scene import BoxScene
-from stickslip_sym.motion.thresholds.box_transit import Transit, transit
-from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
+from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
 from stickslip_sym.motion.thresholds.methods import Computed, Method, best_of, find_method, methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
-from stickslip_sym.motion.thresholds.proof import Search
+from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 
 __all__ = ["Along"]
 
@@ -348,14 +347,14 @@ class Along:
         """Enclose a value: where the threshold grows with it, the slip returns above it, so minus it is sought."""
         sign = -1 if one.sensitivity["c"] > 0 else 1
 
-        def decision(x: Rational, bits: int) -> Transit:
+        def decision(x: Fraction, bits: int) -> Transit:
             points = self.at(str(sign * x))
-            scene = BoxScene(points.law, **points.exact_row(0))
-            checked_hypotheses(scene)
-            return transit(scene, sp.Rational(self.c), bits)
+            point = ExactPoint(points.law, **points.exact_row(0))
+            checked_hypotheses(point)
+            return transit(point, Fraction(self.c), bits)
 
         found = Search(decision, self.of).around(sign * one.value, one.relative_error or rtol, rtol)
-        enclosure = Enclosure.of(*sorted(sign * sp.Rational(end) for end in (found.low, found.high)))
+        enclosure = found if sign > 0 else Enclosure(-found.high, -found.low)
         middle = float(enclosure)
         error = float(enclosure.radius) / abs(middle)
         return Critical(self.of, middle, one.unit, "proof", error, one.sensitivity, enclosure)

@@ -37,6 +37,7 @@ __all__ = [
 ROUNDING = 1e-14
 _REFERENCE = 1e-8  # relative error of the threshold from which the error of an average is taken
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
+_GUESS = 1e-9  # tolerance of the simulation that says where a proof has to look
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
 
@@ -359,13 +360,17 @@ def _by_simulation(points: OperatingPoints, rtol: float) -> Computed:
 
 def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
     """Return the middle of the dampings between which the threshold was proved to lie."""
-    from stickslip_sym.motion.thresholds.proof import theorems
+    from stickslip_sym.motion.thresholds.boxes import ExactPoint
+    from stickslip_sym.motion.thresholds.theorem import prove_threshold
 
-    found = tuple(theorems(points, rtol))
+    found = []
+    for row in range(len(points)):
+        guess, error = grazing_damping(points.law, points.oscillator(row), rtol=_GUESS)
+        found.append(prove_threshold(ExactPoint(points.law, **points.exact_row(row)), guess, error, rtol))
     enclosures = [theorem.enclosure for theorem in found]
     value = np.array([float(enclosure) for enclosure in enclosures])
     error = np.array([float(one.radius / abs(one.mid)) for one in enclosures])
-    return Computed(value, error, theorems=found)
+    return Computed(value, error, theorems=tuple(found))
 
 
 _table: dict[str, Method] = {
