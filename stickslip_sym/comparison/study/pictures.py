@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -11,17 +11,17 @@ from stickslip_sym.core.errors import NotConverged, NoThreshold
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.fitting.curve import draw_law
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.regimes.drawing import phase_plane
 from stickslip_sym.motion.simulation.trajectory import Phase
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
 
-if TYPE_CHECKING:
-    from stickslip_sym.comparison.study.study import Study
-
 __all__ = ["Plane", "pictures", "plane"]
 
 Look = dict[str, Any]
+Study: TypeAlias = Any
+"""A `Study`, which asks for its pictures and so cannot be imported."""
 _SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
 _BAND = 1.96  # standard errors, 95 % of a normal distribution
 _POINTS = 33  # of a curve over belt speed
@@ -78,7 +78,7 @@ def _exact(law: FrictionLaw, V: FloatArray, given: Mapping[str, float | UFloat])
     return np.array([found.value, np.broadcast_to(spread, V.shape)])
 
 
-def pictures(study: "Study") -> Iterator[tuple[str, str, str, str]]:
+def pictures(study: Study) -> Iterator[tuple[str, str, str, str]]:
     """Yield name, data URI, alternative text and caption of each figure whose part could be computed.
 
     Raises `InputError` if matplotlib is not installed.
@@ -91,7 +91,7 @@ def pictures(study: "Study") -> Iterator[tuple[str, str, str, str]]:
                 yield name, svg_uri(figure), alt, caption
 
 
-def _law(ax: Any, study: "Study") -> None:
+def _law(ax: Any, study: Study) -> None:
     law, V, measured = study.law, study.oscillator.V, study.measured
     top = max(2.2 * V, 0.0 if measured is None else float(measured.v[-1]))
     top = top if law.v_max is None else min(top, float(law.v_max))
@@ -102,10 +102,9 @@ def _law(ax: Any, study: "Study") -> None:
     ax.set(xlim=(0, top))
 
 
-def _plane(ax: Any, study: "Study") -> None:
-    found, osc = study.plane, study.oscillator
-    if found is None:
-        return
+def _plane(ax: Any, study: Study) -> None:
+    found: Plane = study.plane
+    osc: Oscillator = study.oscillator
     rest, exact = found.averages["equilibrium"], found.exact
     # Opaque: an SVG gives a hatch the opacity of its face.
     both: Look = {"facecolor": "#fcf0e8", "edgecolor": ORANGE, "hatch": "////", "linewidth": 0}
@@ -135,9 +134,7 @@ def _plane(ax: Any, study: "Study") -> None:
     ax.set_ylim(min(0.0, 1.2 * osc.c), _HEIGHT * highest)
 
 
-def _time(ax: Any, study: "Study") -> None:
-    if study.motion is None:
-        return
+def _time(ax: Any, study: Study) -> None:
     end = study.motion.stretches[-1].end
     t = np.linspace(0, end, _MANY)
     state = study.motion.at(t)
@@ -153,7 +150,7 @@ def _time(ax: Any, study: "Study") -> None:
     ax.set_ylim(low - 0.22 * (high - low), high)  # for the legend
 
 
-def _phase_plane(ax: Any, study: "Study") -> None:
+def _phase_plane(ax: Any, study: Study) -> None:
     handles = phase_plane(ax, study.regime)
     if study.motion is not None:
         state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
