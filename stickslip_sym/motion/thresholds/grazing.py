@@ -76,12 +76,11 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     return by | {"m": by_impedance / osc.m, "k": by_impedance / osc.k}
 
 
-def _stretched(pieces: Pieces) -> Pieces:
+def _stretched(pieces: Pieces) -> list[tuple[float, ...]]:
     """Return the polynomials of w f'(w) - f(w) for those of f: how a rise over V changes with V, times V."""
     rows = []
-    for origin, scale, row in zip(pieces.origin, pieces.scale, pieces.rows, strict=True):
+    for low, origin, scale, *row in pieces:
         slope = [(k + 1) * c for k, c in enumerate(row[1:])] + [0.0]
-        rows.append(
-            tuple(origin * scale * s + (k - 1) * c for k, (s, c) in enumerate(zip(slope, row, strict=True)))
-        )
-    return pieces._replace(rows=rows)
+        row = [origin * scale * s + (k - 1) * c for k, (s, c) in enumerate(zip(slope, row, strict=True))]
+        rows.append((low, origin, scale, *row))
+    return rows

@@ -244,8 +244,8 @@ def pure_slip_damping(
         mu is a straight line, which all methods treat exactly.
     method : str, Criterion or Method
         "auto" asks one method after another, the cheapest there first, and gives the first value that knows its
-        own error to be at most `rtol`: "second_order", "simulation" or "orbit". Without m and k it gives "harmonic",
-        the limit of weak friction. Otherwise one method: "equilibrium", "least_squares", "harmonic",
+        own error to be at most `rtol`: "second_order", "simulation" or "orbit". Without m and k it gives
+        "harmonic", the limit of weak friction. Otherwise one method: "equilibrium", "least_squares", "harmonic",
         "second_order", "orbit", "simulation", the average by a criterion of one's own, or "proof", which encloses
         the threshold, with every error bounded.
     rtol : float, optional
