@@ -230,7 +230,7 @@ def _of_complex_logarithm(
     u: Expr,
     V: Expr,
 ) -> Expr:
-    """Average by the Fourier coefficients of log(u + z), z = x + i y, y > 0: -(z + V - r)^k/(k V^k), r^2 = z (z + 2 V).
+    """Average by the Fourier coefficients of log(u + x + i y), y > 0: -(z + V - r)^k/(k V^k), r^2 = z (z + 2 V).
 
     Of the zeroth, of z + V + r, `mean` gives the part that is needed, of the others' powers, without -, `share`.
     """

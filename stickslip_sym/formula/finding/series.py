@@ -82,9 +82,9 @@ def series_average(polynomial: Expr, factors: Expr, u: Expr, V: Expr, criterion:
 def _series(factors: Expr, u: Expr, criterion: Criterion) -> _Series | None:
     """Write exp(-k u^d), (1 + k u^d)^p or erf(k u) as a series.
 
-    So for d = 1/2, 1, 2 of the exponential, and whole numbers d of the binomial, under a polynomial weight any d > 0.
-    For other d of the exponential such series are of no use: mpmath has no asymptotic series for 3F3 and above, and
-    for d = a/b with b > 1 the parts cancel about 0.43 (2 V/w)^d digits.
+    For d = 1/2, 1, 2 of the exponential, and whole numbers d of the binomial, under a polynomial weight any
+    d > 0. For other d of the exponential such series are of no use: mpmath has no asymptotic series for 3F3 and
+    above, and for d = a/b with b > 1 the parts cancel about 0.43 (2 V/w)^d digits.
     """
     if (stretched := as_stretched(factors, u)) is not None:
         front, q, k, d = stretched
