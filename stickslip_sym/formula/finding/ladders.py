@@ -65,11 +65,11 @@ def _sech_ladder(x: Expr, n: int, j: int) -> Expr:
     return ((n - 2) * _sech_ladder(x, n - 2, j) - _sech_ladder(x, n - 2, j - 2) / (n - 2)) / (n - 1)
 
 
-LADDERS: dict[type[Expr], Callable[[Expr, int, int], Expr | None]] = {
+LADDERS: dict[type[Expr], Callable[[Expr, int, int], Expr]] = {
     sp.exp: lambda x, n, j: sp.exp(x),
-    sp.sin: lambda x, n, j: sp.sin(x - j * sp.pi / 2) if n == 1 else None,
-    sp.cos: lambda x, n, j: sp.cos(x - j * sp.pi / 2) if n == 1 else None,
+    sp.sin: lambda x, n, j: sp.sin(x - j * sp.pi / 2),
+    sp.cos: lambda x, n, j: sp.cos(x - j * sp.pi / 2),
     sp.tanh: _tanh_ladder,
     sp.sech: _sech_ladder,
 }
-"""The j-th integral of the n-th power of a function."""
+"""The j-th integral of a function; of hyperbolic ones, of the n-th power."""
