@@ -19,10 +19,10 @@ from paper_checks.claims import CLAIMS, Outcome
 from paper_checks.figures import FIGURES
 from paper_checks.findings import Finding, collect, summary
 from paper_checks.report import Report, as_json
-from paper_checks.report_page import page as page_of
+from paper_checks.report import page as page_of
 from paper_checks.terminal import verdicts
 from stickslip_sym import InputError
-from stickslip_sym.comparison.tradeoff import Row
+from stickslip_sym.comparison.trade import Row
 from stickslip_sym.output.drawing import svg
 from stickslip_sym.output.markup import element, prose
 from stickslip_sym.output.page.render import versions
@@ -36,13 +36,13 @@ import sys
 from functools import partial
 import pytest
 from paper_checks import figure_thresholds, report
-from stickslip_sym.comparison import candidates
+from stickslip_sym.comparison import tradeoff
 # The report's measurements at fewer places, which changes none of its parts.
 figure_thresholds._SCANNED = ()
-report.SPEEDS = candidates.SPEEDS = candidates.SPEEDS[[10]]
+report.SPEEDS = tradeoff.SPEEDS = tradeoff.SPEEDS[[10]]
 report.LAWS = report.LAWS[:1]
-candidates.SCAN_STEP = 0.01
-candidates.Scan = partial(candidates.Scan, step=1e-3, band=1e-3)
+tradeoff.SCAN_STEP = 0.01
+tradeoff.Scan = partial(tradeoff.Scan, step=1e-3, band=1e-3)
 sys.exit(pytest.main(sys.argv[1:]))
 """
 
@@ -64,7 +64,7 @@ def run_checks(*arguments, **environment):
 def test_a_report_of_a_run(tmp_path):
     """One report, drawn once, is looked at from all sides."""
     pytest.importorskip("matplotlib")
-    chosen = " or ".join(f"test_{id}_" for id in CHECKED)
+    chosen = " or ".join(CHECKED)
     folder = tmp_path / "new"
     done = run_checks("-k", chosen, "--report", str(folder), "--color=yes", COLUMNS="80", TERM="xterm")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -265,7 +265,7 @@ def test_numbers_of_laws_have_their_names():
 @pytest.mark.thorough
 def test_a_report_that_cannot_be_written_is_refused_at_once(tmp_path):
     (tmp_path / "file").write_text("")
-    done = run_checks("--report", str(tmp_path / "file"), "-k", "test_N1_")
+    done = run_checks("--report", str(tmp_path / "file"), "-k", "N1")
     assert done.returncode == pytest.ExitCode.USAGE_ERROR
     assert "give a folder that can be made" in done.stderr
 
