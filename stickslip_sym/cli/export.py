@@ -20,21 +20,21 @@ from stickslip_sym.cli.options import (
 from stickslip_sym.cli.output import echo_json
 from stickslip_sym.cli.reading import assignments, criteria_of, law_described
 from stickslip_sym.core.errors import InputError, NoClosedForm
-from stickslip_sym.formula.code.languages import DESCRIPTIONS
+from stickslip_sym.formula.code.languages import LANGUAGES
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.closed_form import ClosedForm
     from stickslip_sym.formula.slope_average import SlopeAverage
     from stickslip_sym.model.law import FrictionLaw
 
-_KINDS = ("latex", *DESCRIPTIONS, "save")
+_KINDS = ("latex", *LANGUAGES, "save")
 
 
 @command(
     "export", click.Argument(["laws"], nargs=-1, **{**LAW_NAMES, "metavar": "LAW..."}),
     option("--all", is_flag=True, help="Every law of the catalogue."), DESCRIPTION, CRITERIA,
     file_option("--latex", "A LaTeX document."),
-    *(file_option(f"--{name}", text) for name, text in DESCRIPTIONS.items()),
+    *(file_option(f"--{name}", language.description) for name, language in LANGUAGES.items()),
     file_option("--save", "Exact, for stickslip_sym.load."),
     option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
     option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
@@ -63,8 +63,8 @@ def run(given: Given) -> None:
         _check_notation(notation, laws)
         style = {"symbols": notation, "fragment": given["fragment"], "steps": given["steps"]}
     given.all_used()
-    only_code = targets.keys() <= DESCRIPTIONS.keys()
-    unbound = _unbound(laws, given["all"]) if targets.keys() & DESCRIPTIONS.keys() else []
+    only_code = targets.keys() <= LANGUAGES.keys()
+    unbound = _unbound(laws, given["all"]) if targets.keys() & LANGUAGES.keys() else []
     forms: list[ClosedForm] = []
     missing: list[tuple[FrictionLaw, str, str]] = []
     averages: list[SlopeAverage] = []
@@ -85,10 +85,10 @@ def run(given: Given) -> None:
     files.write_texts({path: _text(kind, forms, coded, missing, style) for kind, path in targets.items()})
     for law, name, _ in missing:
         what = "its fast function is written" if only_code else "only its fast function is written, to code"
-        if law in unbound or not targets.keys() & DESCRIPTIONS.keys():
+        if law in unbound or not targets.keys() & LANGUAGES.keys():
             what = "nothing is written of it but the reason"
         click.echo(f"no closed form: {law.name or law.text}, {name}; {what}", err=True)
-    counts = {kind: len(coded if kind in DESCRIPTIONS else forms) for kind in targets}
+    counts = {kind: len(coded if kind in LANGUAGES else forms) for kind in targets}
     if given["json"]:
         content = [{"law": one.law.name, "criterion": one.criterion.name, "form": one} for one in forms]
         echo_json("export", criteria=content, files=targets)

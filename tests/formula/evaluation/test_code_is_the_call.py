@@ -10,6 +10,7 @@ import pytest
 from forms import some
 
 import stickslip_sym as ss
+from stickslip_sym.formula.evaluation.branches import Table
 
 LAWS = {
     "1/(1 + exp((v - v_0)/w))": {"v_0": 0.1, "w": 0.02},
@@ -102,6 +103,30 @@ def test_code_equals_the_call(seed, tmp_path):
         assert np.isfinite(expected[written]).all(), where
         # What a call takes from balls, near the end of a law, code leaves out.
         assert written.sum() >= np.isfinite(expected).sum() - 2, where
+
+
+ANDERSSON = [("andersson", "least_squares")]  # its transition is far narrower than its scale
+
+
+@pytest.mark.parametrize(
+    ("name", "criterion"),
+    some([(name, criterion) for name in ss.laws for criterion in ss.criteria.catalogue], *ANDERSSON),
+)
+def test_what_is_written_is_checked(name, criterion):
+    """The verdict is that of the branches which the text holds, each against an enclosure of the definition."""
+    text = ss.slope_average(ss.laws[name].typical(), criterion).code("python")
+    assert "As written CHECKED" in text or "As written PROVED: a constant law" in text
+
+
+def test_a_wrong_coefficient_in_a_text_refutes_it():
+    average = ss.slope_average(ss.laws.tanh.typical())
+    term = average.evaluator.terms[-1]
+    table = next(branch for branch in term.branches().branches if isinstance(branch, Table))
+    table.rows[:, 3] *= 1 + 1e-13
+    try:
+        assert "As written REFUTED" in average.code("c")
+    finally:
+        table.rows[:, 3] /= 1 + 1e-13
 
 
 def test_a_divergent_average_is_refused():
