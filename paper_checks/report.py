@@ -12,8 +12,8 @@ from paper_checks.computed import LAWS, law, oscillator
 from paper_checks.figures import FIGURES
 from paper_checks.findings import SHORT, Finding, summary
 from paper_checks.formulas import EQUATIONS
-from stickslip_sym.comparison.candidates import SPEEDS
-from stickslip_sym.comparison.tradeoff import Row, tradeoff
+from stickslip_sym.comparison.trade import Row
+from stickslip_sym.comparison.tradeoff import SPEEDS, tradeoff
 from stickslip_sym.output.drawing import svg_uri
 from stickslip_sym.output.page.render import now, versions
 

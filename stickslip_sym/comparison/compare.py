@@ -16,13 +16,10 @@ from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_dampi
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import duration, table
 
-__all__ = ["HEADER", "Answer", "Comparison", "Quantity", "compare"]
+__all__ = ["HEADER", "Answer", "Comparison", "compare"]
 
 Quantity = float | str | UFloat
 """A quantity of an operating point in SI units, perhaps with a standard error."""
-
-_RTOL = 1e-10
-"""Asked of the methods that can be made more accurate; the others have the error that they have."""
 HEADER = ("method", "c in kg/s", "relative error", "status", "time")
 
 
@@ -49,12 +46,11 @@ class Answer:
     @property
     def cells(self) -> list[str]:
         """The row of a table: method, damping, relative error, status and time, as text."""
-        if self.threshold is None:
+        found = self.threshold
+        if found is None:
             return [self.method, f"none: {self.reason}", "", "", ""]
-        error = self.threshold.relative_error
-        stated = "unknown" if error is None else f"{error:.1e}"
-        value = f"{self.threshold.value:.12g}"
-        return [self.method, value, stated, str(self.threshold.status), duration(self.seconds)]
+        error = "unknown" if found.relative_error is None else f"{found.relative_error:.1e}"
+        return [self.method, f"{found.value:.12g}", error, str(found.status), duration(self.seconds)]
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,11 +75,10 @@ class Comparison:
 
     def __getitem__(self, method: str) -> Answer:
         """Return what a method gives, by its name."""
-        for one in self.answers:
-            if one.method == method:
-                return one
-        methods = ", ".join(one.method for one in self.answers)
-        raise InputError(f"{method!r} was not compared; there are: {methods}")
+        by_name = {one.method: one for one in self.answers}
+        if method not in by_name:
+            raise InputError(f"{method!r} was not compared; there are: {', '.join(by_name)}")
+        return by_name[method]
 
     def __str__(self) -> str:
         return table(HEADER, [one.cells for one in self.answers])
@@ -101,7 +96,7 @@ def compare(
     osc: Oscillator | None = None,
     *,
     methods: Sequence[str] | None = None,
-    rtol: float = _RTOL,
+    rtol: float = 1e-10,
     time_limit: float | None = None,
     **point: Quantity,
 ) -> Comparison:
@@ -152,27 +147,20 @@ def compare(
         raise InputError("the operating point is wanted once: give an Oscillator, or V=, N=, m= and k=")
     if osc is not None:
         point = {name: getattr(osc, name) for name in "VNmk"}
-    if not set(point) <= set("VNmk"):
-        raise InputError(
-            f"an operating point has V, N, m and k, not {', '.join(sorted(set(point) - set('VNmk')))}"
-        )
+    if unknown := sorted(point.keys() - set("VNmk")):
+        raise InputError(f"an operating point has V, N, m and k, not {', '.join(unknown)}")
     if methods is None:
         methods = [name for name, method in every_method().items() if "m" in point or not method.oscillator]
     for name in methods:
         find_method(name)
     with limited(time_limit):  # refuses what is no time: below, an error is a method's answer
         pass
-    answers = tuple(_answer(law, point, name, rtol=rtol, time_limit=time_limit) for name in methods)
-    return Comparison(law, dict(point), answers)
-
-
-def _answer(
-    law: FrictionLaw, point: Mapping[str, Quantity], method: str, *, rtol: float | None, time_limit: float | None
-) -> Answer:
-    """Return what one method gives at an operating point, or why it gives nothing."""
-    begin = time.perf_counter()
-    try:
-        found = pure_slip_damping(law, **point, method=method, rtol=rtol, time_limit=time_limit)
-    except StickSlipError as error:
-        return Answer(method, None, str(error), time.perf_counter() - begin)
-    return Answer(method, found, "", time.perf_counter() - begin)
+    answers = []
+    for name in methods:
+        threshold, reason, begin = None, "", time.perf_counter()
+        try:
+            threshold = pure_slip_damping(law, **point, method=name, rtol=rtol, time_limit=time_limit)
+        except StickSlipError as error:
+            reason = str(error)
+        answers.append(Answer(name, threshold, reason, time.perf_counter() - begin))
+    return Comparison(law, dict(point), tuple(answers))

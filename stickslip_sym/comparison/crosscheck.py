@@ -3,7 +3,7 @@
 import math
 import textwrap
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -27,30 +27,19 @@ from stickslip_sym.output.tables import duration, table
 __all__ = ["Check", "crosscheck", "differences", "report", "scatter"]
 
 _WIDTH = 100  # characters of a line of text
-_LARGE = 0.05
-"""Relative difference of a criterion from the threshold from which on its reason is looked for."""
-_STIFFER = 1e4
-"""Times the stiffness: N/(V sqrt(k m)) falls to a hundredth, where friction is weak."""
-_SHOWN = 1e-11
-"""Relative error of the threshold in the table, of which twelve digits are shown: the last may be off."""
-_THRESHOLD_DIGITS = 12
+_LARGE = 0.05  # relative difference of two values from which on its reason is named
+_STIFFER = 1e4  # times the stiffness: N/(V sqrt(k m)) falls to a hundredth, where friction is weak
+_SHOWN, _DIGITS = 1e-11, 12  # relative error of the threshold in the table, and digits of it: the last may be off
 _RTOL = 1e-6  # of the thresholds that a difference is explained by
 _FEWEST = 5  # points of which one may be left out
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+_ANGLES = (np.arange(2**15) + 0.5) * np.pi / 2**15
 
 
 @dataclass(frozen=True)
 class Check:
-    """One row of the table.
+    """One row of the table: a value in kg/s with the digits that it has, or why there is none.
 
-    Attributes
-    ----------
-    method : str
-    value : str
-        In kg/s, with as many digits as the method gives; or why there is none.
-    difference : float or None
-        Relative to the first method that has a value; None where there is none.
-    seconds : float
+    The difference is relative to the first method that has a value; None where there is no number.
     """
 
     method: str
@@ -62,31 +51,22 @@ class Check:
 def crosscheck(
     law: FrictionLaw, criterion: Criterion, point: Mapping[str, Number], form: ClosedForm | None, digits: int = 50
 ) -> list[Check]:
-    """Compute a closed form, the quadrature of its definition, and the event-driven threshold.
+    """Compute a closed form, if there is one, the quadrature of its definition, and the simulated threshold.
 
-    - `law`: with all parameters bound.
-    - `point`: V, N, m and k in SI units.
-    - `form`: of this law and criterion; None where there is none, and quadrature is the reference.
-    - `digits`: of the closed form and of the quadrature.
-
-    A method that has no value at this operating point says why in its place.
+    The law has all parameters bound; the point is V, N, m and k in SI units. A value of measured points has the
+    digits that its standard error leaves. Where criterion and threshold differ much, the reasons come below.
     """
-    V, N = point["V"], point["N"]
     numbers = {name: float(exact(value, name)) for name, value in point.items()}
-    rows: list[tuple[str, Callable[[], Mpf], int]] = [
-        (
-            f"quadrature, {digits} digits",
-            partial(quadrature.damping, law, criterion, V=V, N=N, digits=digits),
-            digits,
-        ),
-        ("event-driven threshold", partial(_simulated, law, numbers, _SHOWN), _THRESHOLD_DIGITS),
+    at = {name: point[name] for name in "VN"}
+    methods = [
+        (f"quadrature, {digits} digits", partial(quadrature.damping, law, criterion, **at, digits=digits), digits),
+        ("event-driven threshold", partial(_simulated, law, numbers, _SHOWN), _DIGITS),
     ]
     if form is not None:
-        rows.insert(0, ("closed form", partial(form.evaluate, digits, V=V, N=N), digits))
-    error = None if law.curve is None else scatter(law, criterion, numbers["V"], numbers["N"])
-    checks: list[Check] = []
-    values: list[Mpf] = []
-    for method, compute, known in rows:
+        methods.insert(0, ("closed form", partial(form.evaluate, digits, **at), digits))
+    error = scatter(law, criterion, numbers["V"], numbers["N"])
+    checks, values = list[Check](), list[Mpf]()
+    for method, compute, shown in methods:
         begin = time.perf_counter()
         try:
             values.append(compute())
@@ -94,30 +74,23 @@ def crosscheck(
             checks.append(Check(method, f"none: {reason}"))
             continue
         seconds, value, reference = time.perf_counter() - begin, values[-1], values[0]
+        if error and value:
+            shown = min(shown, max(2, 2 + int(mpmath.floor(mpmath.log10(abs(value) / error)))))
         with mpmath.workdps(digits):
             difference = float(abs(value - reference) / (abs(reference) or 1))
-        shown = known if error is None else min(known, _digits(value, error))
         checks.append(Check(method, mpmath.nstr(value, shown), difference, seconds))
-    last = checks[-1].difference
+    apart = checks[-1].difference or 0.0
     if error:
         text = f"the points' scatter alone makes that +-{error:.1g} kg/s, one standard error (jackknife)"
         checks.append(Check("measured points", text))
-    if last is not None and last > _LARGE and values[0]:
-        for text in differences(law, criterion, numbers, float(values[0]), float(values[-1])):
-            checks.append(Check("why the threshold differs", text))
+    if apart > _LARGE and values[0]:
+        reasons = differences(law, criterion, numbers, float(values[0]), float(values[-1]))
+        checks += [Check("why the threshold differs", text) for text in reasons]
     return checks
 
 
 def _simulated(law: FrictionLaw, point: Mapping[str, float], rtol: float) -> Mpf:
-    """Return the event-driven threshold."""
     return mpmath.mpf(pure_slip_damping(law, **point, method="simulation", rtol=rtol).value)
-
-
-def _digits(value: Mpf, error: float) -> int:
-    """Return the digits of a value that its standard error leaves, and one more."""
-    if not value or not error:
-        return 17
-    return max(2, 2 + int(mpmath.floor(mpmath.log10(abs(value) / error))))
 
 
 def report(checks: list[Check]) -> str:
@@ -138,21 +111,16 @@ def report(checks: list[Check]) -> str:
 def differences(
     law: FrictionLaw, criterion: Criterion, point: Mapping[str, float], value: float, threshold: float
 ) -> list[str]:
-    """Return what a criterion and the event-driven threshold differ by, part by part, each computed.
+    """Return why a criterion and the simulated threshold, both in kg/s, differ: each reason computed."""
 
-    - `law`: with all parameters bound.
-    - `point`: V, N, m and k in SI units.
-    - `value, threshold`: the criterion and the threshold, in kg/s.
-    """
-
-    def simulated(law: FrictionLaw, changed: Mapping[str, float]) -> float | None:
+    def simulated(law: FrictionLaw, **changed: float) -> float:
         try:
             return float(_simulated(law, {**point, **changed}, _RTOL))
         except StickSlipError:
-            return None
+            return math.nan  # which explains nothing, as no comparison below holds
 
-    reasons = []
     weak = float(slope_average(law, harmonic)(V=point["V"], N=point["N"]))
+    reasons = []
     if criterion != harmonic and abs(weak - value) > _LARGE * abs(value):
         reasons.append(
             f"the weight: for weak friction the threshold is the harmonic average, {weak:.4g} kg/s, and the "
@@ -160,16 +128,14 @@ def differences(
         )
     if law.static is not None:
         names = {name for name, parameter in law.parameters.items() if law.expr.has(parameter.symbol)}
-        plain = FrictionLaw(law.expr).bind(**{name: law.values[name] for name in names})
-        without = simulated(plain, {})
-        if without is not None and abs(without - threshold) > _LARGE * abs(threshold):
+        without = simulated(FrictionLaw(law.expr).bind(**{name: law.values[name] for name in names}))
+        if abs(without - threshold) > _LARGE * abs(threshold):
             reasons.append(
                 "the static coefficient, which no slope average sees: without it the threshold is "
                 f"{without:.4g} kg/s"
             )
-    stiff = simulated(law, {"k": point["k"] * _STIFFER})
-    closer = stiff is not None and abs(stiff - weak) < abs(threshold - weak) / 3
-    if stiff is not None and closer and abs(threshold - stiff) > _LARGE * abs(threshold):
+    stiff = simulated(law, k=point["k"] * _STIFFER)
+    if abs(stiff - weak) < abs(threshold - weak) / 3 and abs(threshold - stiff) > _LARGE * abs(threshold):
         eta = point["N"] / (point["V"] * math.sqrt(point["k"] * point["m"]))
         reasons.append(
             f"friction that is not weak: N/(V sqrt(k m)) = {eta:.3g}; at a hundredth of that (k times 10^4) "
@@ -181,33 +147,24 @@ def differences(
 def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float:
     """Return the standard error of a criterion of measured points, in kg/s: the jackknife over the points.
 
-    Each point but the first and the last is left out in turn; 0 for fewer than five points.
+    Each point but the first and the last is left out in turn. The averages are by a midpoint rule in phi with
+    v = V(1 - cos(phi)), where all weights are smooth. It is 0 for fewer than five points, and for a formula.
     """
-    assert law.curve is not None
+    if law.curve is None:
+        return 0.0
     curve, end = law.curve, law.curve.end
     v, mu = list(curve.places), [cubic[0] for cubic in curve.cubics]
     if end is not None:
         v, mu = [*v, end], [*mu, exact(float(law.mu(float(end))), "mu")]
     if len(v) < _FEWEST:
         return 0.0
+    speeds, weights = np.array(V), np.array(1.0)
+    if criterion.weight is not None:
+        speeds = V * (1 - np.cos(_ANGLES))
+        weight = sp.lambdify(symbols.s, criterion.weight, "numpy")(-np.cos(_ANGLES))
+        weights = weight * np.sin(_ANGLES) * np.pi / _ANGLES.size
     values = []
     for i in range(1, len(v) - 1):
         other = SampledCurve.through([*v[:i], *v[i + 1 :]], [*mu[:i], *mu[i + 1 :]], extrapolate=end is None)
-        values.append(_gauss(other, criterion, V, N))
+        values.append(N * np.sum(weights * other.function("numpy", derivative=True)(speeds)))
     return math.sqrt((len(values) - 1) * float(np.var(values)))
-
-
-def _gauss(curve: SampledCurve, criterion: Criterion, V: float, N: float) -> float:
-    """Return a criterion by Gauss-Legendre rules between the points, in phi with v = V(1 - cos(phi)).
-
-    In phi the integrand is smooth for every weight; a standard error wants no more digits.
-    """
-    slope = curve.function("numpy", derivative=True)
-    if criterion.weight is None:
-        return -N * float(slope(V))
-    inside = [float(place) for place in curve.places if 0 < place < 2 * V]
-    ends = np.arccos(1 - np.array([0.0, *inside, 2 * V]) / V)
-    phi = (ends[:-1, None] * (1 - _NODES) + ends[1:, None] * (1 + _NODES)) / 2
-    weight = sp.lambdify(symbols.s, criterion.weight, "numpy")(-np.cos(phi))
-    integrand = weight * np.sin(phi) * slope(V * (1 - np.cos(phi)))
-    return -N * float(((ends[1:] - ends[:-1]) / 2) @ (integrand @ _WEIGHTS))

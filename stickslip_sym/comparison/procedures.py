@@ -22,8 +22,7 @@ __all__ = ["Scan", "comes_to_rest", "comes_to_rest_smoothed", "pure_slip_by_bise
 _ITERATIONS = 3  # of the friction force in a Newmark step; it changes by 1e-4 relative in one
 _ROUND = 1.5 * 2 * math.pi  # time in 1/omega within which a slip comes back to the belt's speed, if it does
 _WIDEST = 1e3  # times sqrt(k m): no damping beyond is tried
-_PERIODS = 80  # natural periods of a run, the last fifth of which tells whether the mass is at rest
-_LAST = 0.2
+_PERIODS, _LAST = 80, 0.2  # natural periods of a run, and the part of it at the end that decides about rest
 _QUIET = 0.1  # largest speed at rest, over the belt's
 _WIDTH = 0.01  # of the smoothed sign of the slip speed, over the belt's
 _LEAST = 1e-2  # absolute tolerance in units of V and V/omega, over the relative one
@@ -51,7 +50,7 @@ def pure_slip_by_scan(law: FrictionLaw, osc: Oscillator, scan: Scan) -> float:
     """
     returns = _returns(law, osc, scan)
     first_free = int(np.argmin(returns))
-    if returns[first_free] or returns[first_free:].any():
+    if returns[first_free:].any():
         raise NoThreshold("no damping of the scan separates stick-slip from slip; scan another range")
     return float(scan.dampings[first_free])
 
@@ -60,10 +59,9 @@ def _returns(law: FrictionLaw, osc: Oscillator, scan: Scan) -> BoolArray:
     m, k, V, N, mu_s = osc.m, osc.k, osc.V, osc.N, law.mu(0.0)
     c, h = scan.dampings, scan.step
     x, v, a = np.zeros_like(c), np.full_like(c, V), np.zeros_like(c)
-    away = np.zeros(c.shape, dtype=bool)
-    returned = np.zeros(c.shape, dtype=bool)
+    away, returned = np.zeros(c.shape, dtype=bool), np.zeros(c.shape, dtype=bool)
     effective = m + c * h / 2 + k * h * h / 4  # average acceleration: gamma = 1/2, beta = 1/4
-    duration = mu_s * N / (k * V) + 1.5 * 2 * np.pi / osc.omega
+    duration = mu_s * N / (k * V) + _ROUND / osc.omega
     for _ in range(int(duration / h)):
         check_time()
         stick = (np.abs(v - V) <= scan.band) & (np.abs(c * v + k * x) <= mu_s * N)
@@ -85,17 +83,15 @@ def _returns(law: FrictionLaw, osc: Oscillator, scan: Scan) -> BoolArray:
 
 
 def pure_slip_by_bisection(law: FrictionLaw, osc: Oscillator, rtol: float) -> float:
-    """Return the damping above which the slip from P does not come back to the belt's speed.
-
-    A range of dampings is halved until it is as narrow as `rtol`, the tolerance of the runs.
+    """Return the damping above which the slip from P does not come back, to `rtol`, the tolerance of the runs.
 
     Raises `NoThreshold` if the slip comes back at no damping, or at every one.
     """
-    t_end = _ROUND / osc.omega
 
     def comes_back(c: float) -> bool:
         check_time()
         x = (float(law.mu(0.0)) * osc.N - c * osc.V) / osc.k
+        t_end = _ROUND / osc.omega
         run = slip_by_solve_ivp(law, replace(osc, c=c), 0.0, x, osc.V, 1, t_end, rtol, **_DEFAULTS)
         return bool(run.t_events[0].size)
 
@@ -114,8 +110,7 @@ def pure_slip_by_bisection(law: FrictionLaw, osc: Oscillator, rtol: float) -> fl
 
 def comes_to_rest(law: FrictionLaw, osc: Oscillator, x0: float, v0: float, rtol: float) -> bool:
     """Return whether a motion comes to rest, by slip up to the belt's speed and stick in closed form."""
-    t_end = _PERIODS * 2 * math.pi / osc.omega
-    run = simulate_by_solve_ivp(law, osc, x0, v0, t_end, rtol, **_DEFAULTS)
+    run = simulate_by_solve_ivp(law, osc, x0, v0, _PERIODS * 2 * math.pi / osc.omega, rtol, **_DEFAULTS)
     return _is_quiet(run.t, run.v, osc)
 
 
@@ -131,8 +126,7 @@ def comes_to_rest_smoothed(law: FrictionLaw, osc: Oscillator, x0: float, v0: flo
         friction = math.tanh(speed / (_WIDTH * osc.V)) * osc.N * (mu(abs(speed)) if speed else at_rest)
         return y[1], (friction - osc.c * y[1] - osc.k * y[0]) / osc.m
 
-    t_end = _PERIODS * 2 * math.pi / osc.omega
-    atol = _LEAST * rtol * np.array([osc.V / osc.omega, osc.V])
+    t_end, atol = _PERIODS * 2 * math.pi / osc.omega, _LEAST * rtol * np.array([osc.V / osc.omega, osc.V])
     run = solve_ivp(rates, (0.0, t_end), (x0, v0), method="LSODA", rtol=rtol, atol=atol)
     return _is_quiet(run.t, run.y[1], osc)
 

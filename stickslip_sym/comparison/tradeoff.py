@@ -1,244 +1,71 @@
-"""`tradeoff`: speed against accuracy, measured, of every method for a criterion, a threshold and a basin."""
+"""`tradeoff`: speed against accuracy, measured, of every method for a criterion, a threshold and a basin.
 
-from __future__ import annotations
+One more method is one `Candidate` of the number that it is for.
+"""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from time import process_time
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
 
+import mpmath
 import numpy as np
+import sympy as sp
+from flint import arb
 
-from stickslip_sym.comparison.candidates import Candidate, Problem, of_criterion, of_share, of_threshold
-from stickslip_sym.core import deadline
-from stickslip_sym.core.errors import InputError, NotConverged, StickSlipError
+from stickslip_sym.comparison.procedures import (
+    Scan,
+    comes_to_rest,
+    comes_to_rest_smoothed,
+    pure_slip_by_bisection,
+    pure_slip_by_scan,
+)
+from stickslip_sym.comparison.trade import Candidate, Trade, Tradeoff, measured
+from stickslip_sym.core import deadline, symbols
+from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
+from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, suggestion
+from stickslip_sym.core.status import Status
+from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import Criterion, find
-from stickslip_sym.formula.closed_form import derive
+from stickslip_sym.formula.closed_form import ClosedForm, derive
+from stickslip_sym.formula.evaluation.values import slope_of
+from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.operating_point import LOW_SPEED, PAPER
 from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.maps.basins import basin_map
+from stickslip_sym.motion.maps.shares import motions_by_side
+from stickslip_sym.motion.motion import MOTIONS, Motion
+from stickslip_sym.motion.regimes.classification import classify
+from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
-from stickslip_sym.output import drawing, markup
-from stickslip_sym.output.tables import duration, table, wrapped
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-__all__ = ["KINDS", "Row", "Trade", "Tradeoff", "dominators", "draw", "measure", "tradeoff"]
+__all__ = ["KINDS", "SPEEDS", "tradeoff"]
 
 KINDS = ("criterion", "threshold", "basin")
-_REACH = 4 / 3  # of the box of initial conditions where none is given: in V/omega to both sides of 0, and in V
+Ends = tuple[float, float]
 _DERIVING = 120.0  # seconds of the search for a closed form
-_LEAST, _ENOUGH = 3, 0.02  # repetitions of a measurement, and seconds that they take together, at least
-_WIDTH, _HEIGHT = 7.2, 3.5  # inches, of a panel of the picture
-_SMALLEST = 1e-51  # error of a method whose own is less
-_ROUNDING = 2.0**-52
-_TITLE = 95  # characters of a line above a panel
-_MARGIN = 12  # times the longest time, for the labels to its right
-_COLORS = ("tab:blue", "tab:red", "tab:green", "tab:purple", "tab:orange", "tab:brown", "tab:olive", "tab:cyan")
-
-
-@dataclass(frozen=True)
-class Row:
-    """One method at one tolerance, measured.
-
-    Attributes
-    ----------
-    method : str
-    setting : str
-        Its tolerance, number of nodes, digits or initial conditions; empty where there is nothing to set.
-    seconds : float
-        Time of the processor, to one number; NaN where the method gives none.
-    error : float
-        Relative; NaN where the method gives no number.
-    further : mapping
-        What else is known: of a threshold its status and largest error over belt speeds, of a share its value
-        and standard error.
-    """
-
-    method: str
-    setting: str = ""
-    seconds: float = math.nan
-    error: float = math.nan
-    further: Mapping[str, float | str] = field(default_factory=dict)
-
-    @property
-    def name(self) -> str:
-        """The method, and after a comma its setting."""
-        return ", ".join(filter(None, (self.method, self.setting)))
-
-    @property
-    def found(self) -> bool:
-        """Whether the method gives a number."""
-        return not math.isnan(self.seconds)
-
-    def dominates(self, other: Row) -> bool:
-        """Whether it is at least as fast and at least as accurate as another, and better in one of the two."""
-        at_least = self.seconds <= other.seconds and self.error <= other.error
-        return at_least and (self.seconds < other.seconds or self.error < other.error)
-
-
-@dataclass(frozen=True)
-class Trade:
-    """The methods for one number, measured at one operating point.
-
-    Attributes
-    ----------
-    number : str
-        What kind of number: "value" of a criterion, "threshold" or "share" of a basin.
-    title : str
-        Which number it is, and at which operating point.
-    rows : tuple of Row
-    point : mapping
-        Name to number, in SI units.
-    box : mapping
-        From and to, of the initial displacements x0 and velocities v0.
-    columns : mapping of str to str
-        Titles of what else is known of every row, by its key.
-    """
-
-    number: str
-    title: str
-    rows: tuple[Row, ...]
-    point: Mapping[str, float] = field(default_factory=dict)
-    box: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    columns: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def dominators(self) -> dict[str, tuple[str, ...]]:
-        """For each method which ones dominate it: at least as fast and as accurate, and better in one of the two.
-
-        Named are those that are not dominated themselves.
-        """
-        return dominators(self.rows)
-
-    @property
-    def header(self) -> list[str]:
-        """Titles of the table's columns."""
-        return ["method", f"time a {self.number}", "relative error", *self.columns.values(), "dominated by"]
-
-    @property
-    def cells(self) -> list[list[str]]:
-        """The table's cells as text, a line for each row."""
-        by = self.dominators
-        return [
-            [
-                row.name,
-                duration(row.seconds) if row.found else "no number",
-                f"{row.error:.1e}" if row.found else "",
-                *(_further(key, row.further.get(key, "")) for key in self.columns),
-                "; ".join(by[row.name]),
-            ]
-            for row in self.rows
-        ]
-
-    def __str__(self) -> str:
-        return f"{self.title}\n\n{table(self.header, self.cells)}"
-
-
-def _further(key: str, value: float | str) -> str:
-    if isinstance(value, str):
-        return value
-    return "not measured" if math.isnan(value) else f"{value:.11g}" if key == "share" else f"{value:.2g}"
-
-
-def dominators(rows: Iterable[Row]) -> dict[str, tuple[str, ...]]:
-    """Return for each row which ones dominate it, of those that none dominates.
-
-    They suffice: what is dominated at all is dominated by one of them.
-    """
-    rows = list(rows)
-    front = [row for row in rows if not any(other.dominates(row) for other in rows)]
-    return {row.name: tuple(other.name for other in front if other.dominates(row)) for row in rows}
-
-
-def measure(problem: Problem) -> Trade:
-    """Measure the time and the error of every candidate; one that fails, or is left when time is up, has none."""
-    rows = tuple(_measured(problem, candidate) for candidate in problem.candidates)
-    return Trade(problem.number, problem.title, rows, problem.point, problem.box, problem.columns)
-
-
-def _measured(problem: Problem, candidate: Candidate) -> Row:
-    times: list[float] = []
-    least, enough = (_LEAST, _ENOUGH) if candidate.repeated else (1, 0.0)
-    try:
-        with np.errstate(all="ignore"):
-            while len(times) < least or sum(times) < enough:
-                deadline.check_time()
-                begin = process_time()
-                result = candidate.compute()
-                times.append(process_time() - begin)
-    except (ArithmeticError, NameError, StickSlipError):  # NumPy has no polylog, and lambdify prints it
-        return Row(candidate.method, candidate.setting)
-    further = problem.further(candidate, result)
-    return Row(candidate.method, candidate.setting, min(times) / candidate.count, problem.error(result), further)
-
-
-@dataclass(frozen=True, repr=False)
-class Tradeoff(drawing.Drawn):
-    """What each method for a number costs, and how far it is off, from one run.
-
-    Attributes
-    ----------
-    trades : dict of str to Trade
-        By kind: "criterion", "threshold" and "basin", as far as they were asked for and measured. Each has `rows`,
-        with `seconds` and relative `error`, and `dominators`.
-    refused : dict of str to str
-        Of the others that were asked for, why there is none.
-    """
-
-    trades: dict[str, Trade]
-    refused: dict[str, str] = field(default_factory=dict)
-
-    def __str__(self) -> str:
-        none = [f"{kind}: none: {reason}" for kind, reason in self.refused.items()]
-        return "\n\n".join([*map(str, self.trades.values()), *none])
-
-    def __repr__(self) -> str:
-        counts = ", ".join(f"{len(trade.rows)} methods for a {kind}" for kind, trade in self.trades.items())
-        return f"Tradeoff: {counts or 'nothing'}"
-
-    def _repr_html_(self) -> str:
-        tables = [markup.table(trade.header, trade.cells, caption=trade.title) for trade in self.trades.values()]
-        return markup.block(drawing.picture(self.plot, repr(self)), *tables)
-
-    def _figure(self) -> Figure:
-        drawing.require_matplotlib()
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(_WIDTH, _HEIGHT * max(1, len(self.trades))), layout="constrained")
-        for panel, trade in enumerate(self.trades.values(), 1):
-            draw(trade, figure.add_subplot(len(self.trades), 1, panel))
-        return figure
-
-
-def draw(trade: Trade, ax: Axes) -> None:
-    """Draw error against time: filled what no other method dominates, and hollow what one does."""
-    by, rows = trade.dominators, [row for row in trade.rows if row.found]
-    families = list(dict.fromkeys(row.method for row in trade.rows))
-    labels, named = [], set()
-    for row in rows:
-        color = _COLORS[families.index(row.method) % len(_COLORS)]
-        place = row.seconds, max(row.error, _SMALLEST)
-        ax.plot(*place, "o", color=color, markerfacecolor="white" if by[row.name] else color)
-        labels.append((row.setting or row.method if row.method in named else row.name, place, color))
-        named.add(row.method)
-    front = sorted((row.seconds, max(row.error, _SMALLEST)) for row in rows if not by[row.name])
-    ends = zip(*front, strict=True) if front else ((), ())
-    ax.plot(*ends, drawstyle="steps-post", color="0.75", lw=1, zorder=0)
-    ax.set(xscale="log", yscale="log", xlabel=f"time for one {trade.number} (s)", ylabel="relative error")
-    ax.set_title("\n".join(wrapped(trade.title, _TITLE)), fontsize=8)
-    ax.margins(0.08, 0.12)
-    left, right = ax.get_xlim()
-    ax.set_xlim(left, right * _MARGIN)
-    ax.axhline(_ROUNDING, color="0.8", lw=0.8, ls=":", zorder=0)
-    ax.minorticks_off()
-    ax.grid(alpha=0.25)
-    drawing.label(ax, labels)
+GAUSS_NODES = (2, 4, 8, 16, 32)
+DIGITS = (15, 30, 50)
+_REFERENCE_DIGITS = 70
+_ARRAY = 100_000  # elements over which the time of an array function is averaged
+SPEEDS = np.linspace(0.05, 1.0, 20)
+"""Belt speeds in m/s over which the largest error of a threshold is taken, those without a threshold left out."""
+BISECTED = (1e-3, 1e-6, 1e-9)
+"""Tolerances of ``scipy.integrate.solve_ivp`` for a threshold, whose own is the first."""
+SCAN_STEP = 0.001  # kg/s, the paper's
+_FINE = 1e-11  # relative error that methods are asked for; a simulation states 1e-12 at best, and is refused there
+_REACH = 4 / 3  # of the box of initial conditions where none is given: in V/omega to both sides of 0, and in V
+SIMULATED = (50, 200, 800)
+"""Numbers of initial conditions that are simulated."""
+WRITTEN = 50
+"""Number that runs of SciPy take: each takes some ten times as long."""
+TOLERANCES = (1e-3, 1e-6)
+"""Of these runs; the first is SciPy's own."""
+_SEED = 1  # of the initial conditions
 
 
 def tradeoff(
@@ -297,59 +124,242 @@ def tradeoff(
     """
     law = as_law(law)
     kinds = [of] if isinstance(of, str) else list(of) if isinstance(of, Sequence) else []
+    known = ", ".join(KINDS)
     if not kinds:
-        raise InputError(f"of = {of!r} names nothing to measure; there are: {', '.join(KINDS)}")
+        raise InputError(f"of = {of!r} names nothing to measure; there are: {known}")
     for kind in kinds:
         if kind not in KINDS:
-            known = ", ".join(KINDS)
             raise InputError(f"there is no trade of {kind!r}{suggestion(kind, list(KINDS))}; there are: {known}")
     if law.missing:
         raise InputError(f"the law has no value for {', '.join(law.missing)}; bind it first")
     chosen = find(criterion)
     given = {name: value for name, value in {"V": V, "N": N, "m": m, "k": k}.items() if value is not None}
-    low, paper = {**PAPER, "V": LOW_SPEED, **given}, {**PAPER, **given}
-    numbers = {name: float(exact(value, name)) for name, value in paper.items()}
+    numbers = {name: float(exact(value, name)) for name, value in (PAPER | given).items()}
     damping = None if c is None else float(exact(c, "c"))
-    problems: dict[str, Callable[[], Problem]] = {
-        "criterion": lambda: of_criterion(derive(law, chosen, time_limit=_left()), low),
-        "threshold": lambda: of_threshold(law, numbers),
-        "basin": lambda: of_share(*_with_box(law, numbers, damping, x0, v0)),
+    trades: dict[str, Callable[[], Trade]] = {
+        "criterion": lambda: _criterion(law, chosen, {**PAPER, "V": LOW_SPEED, **given}),
+        "threshold": lambda: _threshold(law, numbers),
+        "basin": lambda: _share(law, numbers, damping, x0, v0),
     }
     found, first = Tradeoff({}), None
     with deadline.time_limit(time_limit):
         for kind in kinds:
             try:
-                trade = measure(problems[kind]())
+                found.trades[kind] = trades[kind]()
             except StickSlipError as error:
                 first = first or error
                 found.refused[kind] = str(error)
-            else:
-                found.trades[kind] = trade
     if first is not None and not found.trades:
         raise first
     return found
 
 
-def _left() -> float:
-    return max(0.0, min(_DERIVING, deadline.time_left()))
+def _title(of: str, law: FrictionLaw, point: Mapping[str, object]) -> str:
+    numbers = [f"{name} = {value} {symbols.QUANTITIES[name].unit}" for name, value in point.items()]
+    return ", ".join([f"{of} {law.name or 'the law'}", *numbers])
 
 
-def _with_box(
-    law: FrictionLaw,
-    point: Mapping[str, float],
-    c: float | None,
-    x0: tuple[float, float] | None,
-    v0: tuple[float, float] | None,
-) -> tuple[FrictionLaw, Oscillator, tuple[float, float], tuple[float, float]]:
-    """Return law, oscillator and box, with the damping and the box that were not given."""
-    if c is None:
-        ends = [float(pure_slip_damping(law, **point, method=method).value) for method in ("equilibrium", "auto")]
-        if not ends[0] < ends[1]:
-            raise NotConverged(
-                f"rest is stable from {ends[0]:.4g} kg/s on, and the threshold is {ends[1]:.4g} kg/s: rest and "
-                "stick-slip coexist at no damping; give c, and a box where some motions come to rest"
-            )
-        c = sum(ends) / 2
-    osc = Oscillator(c=c, **point)
+# -- the value of a criterion ------------------------------------------------------------------------
+
+
+def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Number]) -> Trade:
+    """Measure the methods for the value of a criterion, held against the closed form in 70 digits.
+
+    They are plain ``lambdify`` of the formula, the stable function, a Gauss rule with n nodes,
+    ``scipy.integrate.quad``, and mpmath at 15, 30 and 50 digits.
+    """
+    form = derive(law, criterion, time_limit=max(0.0, min(_DERIVING, deadline.time_left())))
+    # Floats are what every method gets, so that none is blamed for the rounding of the input.
+    numbers: dict[str, Any] = {name: float(exact(point[name], name)) for name in "VN"}
+    at = {name: point[name] for name in "VN"}
+    trade = Trade("value", _title(f"{criterion.name} of", law, at), (), point=dict(numbers))
+    numbers |= {name: float(value) for name, value in law.values.items()}
+    right = form.evaluate(_REFERENCE_DIGITS, **numbers)
+    if right == 0:
+        raise InputError("the criterion is 0 at this operating point: nothing has a relative error")
+
+    def judge(_: Candidate, result: Any) -> tuple[float, Mapping[str, float | str]]:
+        value = result if isinstance(result, mpmath.mpf) else mpmath.mpf(float(np.ravel(result)[0]))
+        with mpmath.workdps(_REFERENCE_DIGITS):
+            return float(abs(value - right) / abs(right)), {}
+
+    many = numbers | {"V": np.full(_ARRAY, numbers["V"])}
+    plain = function_of(list(form.arguments.values()), form.expr, "numpy")
+    candidates = [
+        Candidate("plain lambdify", "array", partial(plain, *(many[name] for name in form.arguments)), _ARRAY),
+        Candidate("stable function", "array", partial(form, **many), _ARRAY),
+        Candidate("stable function", "one value", partial(form, **numbers)),
+    ]
+    if criterion.weight is not None and not jumps(law.expr):  # a rule for the slope misses a jump
+        from scipy.integrate import quad
+
+        integrand = _integrand(form, numbers["V"], numbers["N"])
+        candidates += [Candidate("Gauss rule", f"{n} nodes", _gauss_rule(integrand, n)) for n in GAUSS_NODES]
+        by_quad = partial(quad, integrand, 0, np.pi / 2, epsabs=0, epsrel=1e-13, full_output=1)
+        candidates.append(Candidate("scipy.integrate.quad", "", lambda: by_quad()[0]))
+    candidates += [
+        Candidate("mpmath", f"{digits} digits", partial(form.evaluate, digits, **numbers)) for digits in DIGITS
+    ]
+    return measured(trade, candidates, judge)
+
+
+def _integrand(form: ClosedForm, V: float, N: float) -> Callable[[FloatArray], FloatArray]:
+    """Return that of `gauss`, over an angle."""
+    terms = sp.symbols("m p q", positive=True, cls=sp.Dummy)
+    weight = function_of(terms, gauss.angle_weight(form.criterion, *terms), "numpy")
+    point = form.law.point
+    slope = function_of([*point, symbols.v], slope_of(form.law.expr), "numpy")
+    parameters = [float(value) for value in point.values()]
+
+    def integrand(angle: FloatArray) -> FloatArray:
+        sine, cosine = np.sin(angle), np.cos(angle)
+        share: FloatArray = weight((2 * sine * cosine) ** 2, 2 * sine * sine, 2 * cosine * cosine)
+        rise: FloatArray = slope(*parameters, 2 * V * sine * sine)
+        return -N * share * rise
+
+    return integrand
+
+
+def _gauss_rule(integrand: Callable[[FloatArray], FloatArray], n: int) -> Callable[[], float]:
+    pairs = [arb.legendre_p_root(n, k, weight=True) for k in range(n)]  # NumPy's weights are off by some units
+    x, w = np.array([[float(node), float(weight)] for node, weight in pairs]).T
+    angles, weights = (1 + x) * np.pi / 4, w * np.pi / 4
+    return lambda: math.fsum(weights * integrand(angles))
+
+
+# -- the threshold -----------------------------------------------------------------------------------
+
+
+def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
+    """Measure the methods for a threshold, held against the grazing orbit to 1e-11.
+
+    They are the package's, with their largest errors over `SPEEDS`; and at the operating point only the paper's
+    scan of Newmark runs up to twice the threshold in steps of 0.001 kg/s, and bisection by
+    ``scipy.integrate.solve_ivp``.
+    """
+    known = methods()
+
+    def by(name: str, V: float) -> Any:
+        """Return the threshold by a method; averages of slopes are not made to look for their error."""
+        method = known[name]
+        numbers = {**point, "V": V} if method.oscillator else {"V": V, "N": point["N"]}
+        return pure_slip_damping(law, **numbers, method=method, rtol=_FINE if method.converges else 1.0)
+
+    right = by("orbit", point["V"]).value
+    if not right > 0:
+        raise NoThreshold(f"the threshold is {right:.3g} kg/s here: nothing has a relative error")
+    references = {}
+    for speed in SPEEDS.tolist():
+        try:
+            references[speed] = by("orbit", speed).value
+        except (NoThreshold, NotConverged):
+            continue
+        except OutOfTime:
+            break
+
+    def error(result: Any, reference: float) -> float:
+        """Return the error against the orbit; the orbit's own is its estimate, and that of a proof its bound."""
+        own = result.method == "orbit" or result.status is Status.PROVED
+        return float(result.relative_error) if own else abs(result.value / reference - 1)
+
+    def judge(candidate: Candidate, result: Any) -> tuple[float, Mapping[str, float | str]]:
+        if isinstance(result, float):
+            return abs(result / right - 1), {"largest": math.nan, "status": "ESTIMATED"}
+        try:
+            errors = [error(by(candidate.method, V), there) for V, there in references.items() if there > 0]
+        except (OutOfTime, NotConverged, NoThreshold):
+            errors = []
+        largest = max(errors, default=math.nan)
+        return error(result, right), {"largest": largest, "status": str(result.status)}
+
+    osc = Oscillator(**point)
+    scan = partial(pure_slip_by_scan, law, osc, Scan(np.arange(0.0, 2 * right, SCAN_STEP)))
+    candidates = [Candidate(name, "", partial(by, name, point["V"])) for name in known]
+    candidates.append(Candidate("Newmark scan", "", scan, repeated=False))
+    for rtol in BISECTED:
+        bisection = partial(pure_slip_by_bisection, law, osc, rtol)
+        candidates.append(Candidate("solve_ivp and bisection", f"rtol {rtol:.0e}", bisection, repeated=False))
+    columns = {"largest": "largest error up to V = 1 m/s", "status": "status"}
+    title = _title("threshold of", law, {name: f"{value:g}" for name, value in point.items()})
+    return measured(Trade("threshold", title, (), point, columns=columns), candidates, judge)
+
+
+# -- the share of initial conditions -----------------------------------------------------------------
+
+
+def _share(
+    law: FrictionLaw, point: Mapping[str, float], c: float | None, x0: Ends | None, v0: Ends | None
+) -> Trade:
+    """Measure the methods for the share of a box of initial conditions that come to rest, held against its area.
+
+    They are the area inside the separatrices; seeded samples, by event-driven simulation; and fewer, by runs of
+    ``scipy.integrate.solve_ivp`` over 80 natural periods, once with events and stick, once with the sign of the
+    slip speed smoothed over a hundredth of the belt's speed. The error of a sample is the root of the sum of two
+    squares: of the standard error of its size, and of the share that is wrong of these very initial conditions.
+
+    Raises `InputError` where geometry does not settle the basins, or no motion comes to rest.
+    """
+    osc = Oscillator(c=_between_thresholds(law, point) if c is None else c, **point)
     reach = _REACH * osc.V
-    return law, osc, x0 or (-reach / osc.omega, reach / osc.omega), v0 or (0.0, reach)
+    x0, v0 = x0 or (-reach / osc.omega, reach / osc.omega), v0 or (0.0, reach)
+    geometry = partial(basin_map, law, osc, x0=x0, v0=v0)
+    basins = geometry()
+    right = basins.share.get(Motion.REST)
+    if right is None or right.counted or not right.value > right.error:
+        settled = right is None or right.value == 0
+        reason = "no initial condition comes to rest" if settled else "its basins are not settled"
+        raise InputError(f"{reason} in this box: nothing has a relative error; try another c or box")
+
+    def rests(x: float, v: float) -> bool:
+        return classify(law, osc, x0=x, v0=v) is Motion.REST
+
+    rng = np.random.default_rng(_SEED)
+    initial = np.column_stack([rng.uniform(*ends, max(SIMULATED)) for ends in (x0, v0)])
+    rest, truth = MOTIONS.index(Motion.REST), []
+    for x, v in initial:
+        side = int(motions_by_side(basins.regime, np.array([x]), np.array([v]))[0, 0])
+        truth.append(rests(x, v) if side < 0 else side == rest)
+
+    def sampled(decide: Callable[[float, float], bool], count: int) -> list[bool]:
+        found = []
+        for x, v in initial[:count].tolist():
+            deadline.check_time()
+            found.append(decide(x, v))
+        return found
+
+    def judge(_: Candidate, result: Any) -> tuple[float, Mapping[str, float | str]]:
+        if not isinstance(result, list):
+            share = float(result.share[Motion.REST].value)
+            return float(right.error / right.value), {"share": share, "standard error": 0.0}
+        share, spread = float(np.mean(result)), math.sqrt(right.value * (1 - right.value) / len(result))
+        wrong = share - float(np.mean(truth[: len(result)]))
+        return math.hypot(wrong, spread) / right.value, {"share": share, "standard error": spread}
+
+    deciders = [("simulation", "", rests, count) for count in SIMULATED] + [
+        (f"solve_ivp {name}", f"rtol {rtol:.0e}, ", partial(decide, law, osc, rtol=rtol), WRITTEN)
+        for name, decide in (("with events", comes_to_rest), ("smoothed", comes_to_rest_smoothed))
+        for rtol in TOLERANCES
+    ]
+    candidates = [Candidate("geometry", "", geometry)] + [
+        Candidate(name, f"{setting}{count} samples", partial(sampled, decide, count), repeated=False)
+        for name, setting, decide, count in deciders
+    ]
+    numbers = {name: getattr(osc, name) for name in "VNmkc"}
+    shown = ", ".join(f"{name} = {value:g}" for name, value in numbers.items())
+    box = f"x0 = {x0[0]:g} to {x0[1]:g} m, v0 = {v0[0]:g} to {v0[1]:g} m/s"
+    title = f"share of initial conditions that come to rest, {law.name or 'the law'}, {shown}, {box}"
+    columns = {"share": "share", "standard error": "standard error"}
+    return measured(Trade("share", title, (), numbers, {"x0": x0, "v0": v0}, columns), candidates, judge)
+
+
+def _between_thresholds(law: FrictionLaw, point: Mapping[str, float]) -> float:
+    """Return the damping halfway from that where rest becomes stable to the threshold."""
+    stable, threshold = (
+        float(pure_slip_damping(law, **point, method=method).value) for method in ("equilibrium", "auto")
+    )
+    if not stable < threshold:
+        raise NotConverged(
+            f"rest is stable from {stable:.4g} kg/s on, and the threshold is {threshold:.4g} kg/s: rest and "
+            "stick-slip coexist at no damping; give c, and a box where some motions come to rest"
+        )
+    return (stable + threshold) / 2

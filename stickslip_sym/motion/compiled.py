@@ -1,8 +1,9 @@
 """Functions that run as plain Python, or compiled by numba where many runs are asked for.
 
 A function marked `compilable` is written in the subset of Python that numba compiles: floats, tuples and lists, no
-objects. A single run calls it as it is; for many, `compiled` returns it as machine code, kept on disk from one
-session to the next. Without numba, the extra `fast`, it returns the function itself.
+objects. A single run calls it as it is; for many, `compiled` returns it as machine code. Each is compiled once and
+kept on disk, so what several call costs no more than what one does. Without numba, the extra `fast`, `compiled`
+returns the function itself.
 """
 
 import inspect
@@ -21,13 +22,13 @@ __all__ = ["compilable", "compiled", "is_compiling"]
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _PATIENCE = 1.0  # seconds, after which a compilation is announced
 _log = logging.getLogger("stickslip_sym")
-_marked: list[Callable[..., Any]] = []
-_registered: list[Callable[..., Any]] = []
+_marked = dict[Callable[..., Any], bool]()
+"""Functions that compiled ones may call, and whether numba knows that."""
 
 
 def compilable(function: _Function) -> _Function:
     """Mark a function that compiled functions may call."""
-    _marked.append(function)
+    _marked[function] = False
     return function
 
 
@@ -52,10 +53,11 @@ def compiled(function: _Function) -> _Function:
     import numba
     from numba.extending import register_jitable
 
-    while _marked:
-        _registered.append(register_jitable(_marked.pop()))
+    for part in [part for part, is_known in _marked.items() if not is_known]:
+        register_jitable(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)(part)
+        _marked[part] = True
     machine_code: Any = numba.njit(cache=True, nogil=True)(function)
-    _forget_what_is_older(function, Path(machine_code._cache.cache_path))
+    _forget_what_is_older()
     ready = False
 
     def call(*arguments: Any) -> Any:
@@ -74,12 +76,16 @@ def compiled(function: _Function) -> _Function:
     return call  # type: ignore[return-value]
 
 
-def _forget_what_is_older(function: Callable[..., Any], folder: Path) -> None:
-    """Remove kept machine code of a function that is older than a file of what it may call."""
-    newest = max(os.path.getmtime(inspect.getfile(part)) for part in _registered)
-    for index in folder.glob(f"*.{function.__name__}-*.nbi"):
-        if index.stat().st_mtime < newest:
-            index.unlink(missing_ok=True)
+def _forget_what_is_older() -> None:
+    """Remove kept machine code that is older than a file of what it may call: numba looks at its own file only."""
+    from numba.core.caching import FunctionCache
+
+    kept: Any = FunctionCache
+    newest = max(os.path.getmtime(inspect.getfile(part)) for part in _marked)
+    for part in _marked:
+        for index in Path(kept(part).cache_path).glob(f"*.{part.__name__}-*.nbi"):
+            if index.stat().st_mtime < newest:
+                index.unlink(missing_ok=True)
 
 
 def _say(line: str) -> None:

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import stickslip_sym as ss
 from stickslip_sym.cli.output import as_json
-from stickslip_sym.comparison import candidates, procedures, tradeoff
-from stickslip_sym.comparison.tradeoff import Row, Trade, dominators
+from stickslip_sym.comparison import procedures, tradeoff
+from stickslip_sym.comparison.trade import Row, Trade, dominators, draw
 from stickslip_sym.core import deadline
 from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
 from stickslip_sym.output import drawing
@@ -45,7 +45,7 @@ def test_errors_and_times_of_a_criterion(measured):
     assert rows["Gauss rule, 2 nodes"].error > 1e-3
     assert rows["Gauss rule, 32 nodes"].error < DOUBLE
     assert rows["scipy.integrate.quad"].error < 4 * DOUBLE
-    for digits in candidates.DIGITS:
+    for digits in tradeoff.DIGITS:
         assert rows[f"mpmath, {digits} digits"].error < 10.0 ** (1 - digits)
     assert all(row.seconds > 0 for row in rows.values())
     assert rows["stable function, array"].seconds < rows["stable function, one value"].seconds
@@ -85,8 +85,8 @@ def test_methods_that_are_left_when_time_is_up_have_no_number(monkeypatch):
     """Time is up with the first initial condition that SciPy takes."""
     over = []
     monkeypatch.setattr(deadline, "time_left", lambda: -1.0 if over else 100.0)
-    monkeypatch.setattr(candidates, "SIMULATED", (5,))
-    monkeypatch.setattr(candidates, "comes_to_rest", lambda *_, **__: over.append(True) or True)
+    monkeypatch.setattr(tradeoff, "SIMULATED", (5,))
+    monkeypatch.setattr(tradeoff, "comes_to_rest", lambda *_, **__: over.append(True) or True)
     trade = ss.tradeoff(BISTABLE, of="basin", **BOX | {"x0": None, "v0": None}).trades["basin"]
     assert [row.found for row in trade.rows] == [True, True, False, False, False, False]
     assert all(trade.dominators[row.name] == () for row in trade.rows if not row.found)
@@ -108,9 +108,9 @@ def test_picture_and_notebook(measured, tmp_path):
 
 
 def test_thresholds_by_every_method_and_by_the_procedure_of_the_paper(monkeypatch):
-    monkeypatch.setattr(candidates, "SPEEDS", np.array([0.2, 0.5, 0.95]))  # the last has no threshold
-    monkeypatch.setattr(candidates, "BISECTED", (1e-3, 1e-6))
-    monkeypatch.setattr(candidates, "Scan", partial(procedures.Scan, step=5e-4, band=5e-4))
+    monkeypatch.setattr(tradeoff, "SPEEDS", np.array([0.2, 0.5, 0.95]))  # the last has no threshold
+    monkeypatch.setattr(tradeoff, "BISECTED", (1e-3, 1e-6))
+    monkeypatch.setattr(tradeoff, "Scan", partial(procedures.Scan, step=5e-4, band=5e-4))
     trade = ss.tradeoff(ss.laws.polynomial.typical(), of="threshold").trades["threshold"]
     found = by_name(trade)
     errors = [found[name].error for name in ("equilibrium", "least_squares", "harmonic", "second_order", "orbit")]
@@ -133,11 +133,11 @@ def test_thresholds_by_every_method_and_by_the_procedure_of_the_paper(monkeypatc
 @pytest.mark.parametrize("wrong", [False, True])
 def test_the_error_of_a_share_has_two_parts(monkeypatch, wrong):
     """The simulation decides every sample as the areas say, so only their number is left; wrong ones count too."""
-    monkeypatch.setattr(candidates, "SIMULATED", (10, 20))
-    monkeypatch.setattr(candidates, "WRITTEN", 10 if wrong else 2)
+    monkeypatch.setattr(tradeoff, "SIMULATED", (10, 20))
+    monkeypatch.setattr(tradeoff, "WRITTEN", 10 if wrong else 2)
     if wrong:
-        monkeypatch.setattr(candidates, "comes_to_rest", lambda *_, **__: False)
-        monkeypatch.setattr(candidates, "comes_to_rest_smoothed", lambda *_, **__: True)
+        monkeypatch.setattr(tradeoff, "comes_to_rest", lambda *_, **__: False)
+        monkeypatch.setattr(tradeoff, "comes_to_rest_smoothed", lambda *_, **__: True)
     trade = ss.tradeoff(BISTABLE, of="basin", **BOX).trades["basin"]
     found = by_name(trade)
     geometry = found.pop("geometry")
@@ -253,7 +253,7 @@ def test_text_json_and_picture_say_what_was_measured(rows):
         last = cells[-1].split("; ") if trade.dominators[row.name] else []
         assert set("".join(last).replace(" ", "")) == set("".join(trade.dominators[row.name]).replace(" ", ""))
     figure = pytest.importorskip("matplotlib.figure").Figure()
-    tradeoff.draw(trade, axes := figure.add_subplot())
+    draw(trade, axes := figure.add_subplot())
     drawn = sorted(
         (float(line.get_xdata()[0]), float(line.get_ydata()[0]), line.get_markerfacecolor() == "white")
         for line in axes.lines if line.get_marker() == "o"

@@ -22,7 +22,7 @@ from paper_checks.report import Report, as_json
 from paper_checks.report_page import page as page_of
 from paper_checks.terminal import verdicts
 from stickslip_sym import InputError
-from stickslip_sym.comparison.tradeoff import Row
+from stickslip_sym.comparison.trade import Row
 from stickslip_sym.output.drawing import svg
 from stickslip_sym.output.markup import element, prose
 from stickslip_sym.output.page.render import versions
@@ -36,13 +36,13 @@ import sys
 from functools import partial
 import pytest
 from paper_checks import figure_thresholds, report
-from stickslip_sym.comparison import candidates
+from stickslip_sym.comparison import tradeoff
 # The report's measurements at fewer places, which changes none of its parts.
 figure_thresholds._SCANNED = ()
-report.SPEEDS = candidates.SPEEDS = candidates.SPEEDS[[10]]
+report.SPEEDS = tradeoff.SPEEDS = tradeoff.SPEEDS[[10]]
 report.LAWS = report.LAWS[:1]
-candidates.SCAN_STEP = 0.01
-candidates.Scan = partial(candidates.Scan, step=1e-3, band=1e-3)
+tradeoff.SCAN_STEP = 0.01
+tradeoff.Scan = partial(tradeoff.Scan, step=1e-3, band=1e-3)
 sys.exit(pytest.main(sys.argv[1:]))
 """
 

@@ -237,8 +237,8 @@ def _follow_motions(
         u = 1.0 - side * w
         row = (tau, q, u, q_min, q_max, u_min, u_max, first)
         for k in range(8):
-            numbers[k, i] = row[k]
-        counts[0, i], counts[1, i], counts[2, i], counts[3, i] = end, phase, changes, sticks
+            numbers[i, k] = row[k]
+        counts[i, 0], counts[i, 1], counts[i, 2], counts[i, 3] = end, phase, changes, sticks
 
 
 def _up_to_P(
@@ -249,7 +249,7 @@ def _up_to_P(
     Returns the rows tau, q, u, the extremes of q and u, and when it first stuck; and the rows of why it ended, its
       phase, and how many changes of phase and how many sticks there were.
     """
-    numbers, counts = np.empty((8, q.size)), np.empty((4, q.size), dtype=np.int64)
+    numbers, counts = np.empty((q.size, 8)), np.empty((q.size, 4), dtype=np.int64)
     table, fast = system.table, is_compiling()
     rise = table.at(system.V, arrays=fast)
     source = (0.0, 0.0, 0.0, rise.pieces, np.zeros(len(rise.jumps)))
@@ -259,8 +259,8 @@ def _up_to_P(
         arrays = [column[some] if fast else column[some].tolist() for column in (q, u)]
         run(
             rise, system.eta, system.zeta, table.static, table.onset, *arrays, horizon, rtol,
-            most if time_left() > 0 else 0, source, numbers[:, some], counts[:, some],
+            most if time_left() > 0 else 0, source, numbers[some], counts[some],
         )  # fmt: skip
 
     spread(batch, q.size, _BATCH, workers)
-    return numbers, counts
+    return numbers.T, counts.T
