@@ -892,7 +892,7 @@ class Dimensionless:
         most: int = _MOST_STEPS,
         workers: int = 1,
     ) -> Slips:
-        """Follow many slips, compiled where numba is there; arguments as for `slip`, nothing is refused.
+        """Follow many slips, compiled where numba is there and they are no few; as for `slip`, nothing is refused.
 
         - `q`, `w`, `side`: an entry for each slip.
         - `eta`, `zeta`: likewise, where they are not this system's.
@@ -904,12 +904,12 @@ class Dimensionless:
         eta = np.full(size, self.eta) if eta is None else eta
         zeta = np.full(size, self.zeta) if zeta is None else zeta
         push = eta * (side * self.table.static - self.table.onset)
-        fast = is_compiling()
+        fast = (size > _FEW or compiled.cache_info().currsize > 0) and is_compiling()
         rise = self.table.at(self.V, arrays=fast)
         chosen = self.no_wedge if wedge is None else wedge
         source = (*chosen[:3], rise.pieces if wedge is None else chosen.pieces, np.asarray(chosen.shifts))
         ends, found = np.empty(size, dtype=np.int64), np.empty((size, 5))
-        run = compiled(_follow_all)
+        run: Callable[..., None] = compiled(_follow_all) if fast else _follow_all
         end_tau = self.horizon if horizon is None else horizon
         columns = [np.ascontiguousarray(column, dtype=np.float64) for column in (eta, zeta, push, side, q, w)]
 
@@ -926,4 +926,5 @@ class Dimensionless:
 
 
 _MANY, _SOME = 3000, 100  # states, for which loading compiled code is no loss; and where there is some already
+_FEW = 8  # slips, up to which plain Python is as fast as loading compiled code, where there is none already
 _BATCH = 4000  # slips between two looks at the time limit, some hundredths of a second compiled

@@ -13,7 +13,7 @@ from stickslip_sym.model.fitting.result import Fit
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.regimes.drawing import phase_plane
+from stickslip_sym.motion.regimes.drawing import phase_plane_of
 from stickslip_sym.motion.regimes.regime import Regime
 from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
@@ -165,11 +165,9 @@ def _stretches(ax: Any, motion: Trajectory, period: float) -> None:
 
 def draw_phase_plane(ax: Any, regime: Regime, motion: Trajectory | None) -> None:
     """Draw attractors and separatrices, and a motion among them."""
-    handles = phase_plane(ax, regime)
+    handles = phase_plane_of(ax, regime)
     if motion is not None:
         state = motion.at(np.linspace(0, motion.stretches[-1].end, _MANY))
-        (handles["motion over time"],) = ax.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0)
+        handles += ax.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0, label="motion over time")
     finish(ax)
-    ax.legend(
-        handles.values(), handles.keys(), loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7.5
-    )
+    ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7.5)

@@ -43,10 +43,15 @@ def average(points: OperatingPoints, criterion: Criterion) -> FloatArray:
     return np.atleast_1d(compiled(V=points.V, N=points.N, **values))
 
 
+@lru_cache(maxsize=128)  # to find them takes longer than an average of a measured law
+def _has_kinks(law: FrictionLaw) -> bool:
+    return bool(law.kinks())
+
+
 def slope_mean(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray:
     """Return a criterion's average of -mu', in s/m, at belt speeds V, by Gauss rules where mu is smooth."""
     if not law.expr.has(symbols.v):
         return np.zeros_like(V)
-    if law.kinks():
+    if _has_kinks(law):
         return average(OperatingPoints(law, V, np.ones_like(V), None, None, V.shape), criterion)
     return -slopes(law)(V) if criterion.weight is None else averages(law, V, criteria=[criterion])[0]
