@@ -1,31 +1,23 @@
 """``stickslip derive``: a law's criteria in closed form, with a table that cross-checks each."""
 
-import contextlib
-import sys
-from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Union
 
 import click
 
-from stickslip_sym.cli.options import CRITERIA, JSON, LAW, POINT, Given, command, file_option, option, time_limit
-from stickslip_sym.cli.output import echo_json, point_of, progress_bar
+import stickslip_sym as ss
+from stickslip_sym.cli.options import CRITERIA, LAW, POINT, Given, command, file_option, option, time_limit
+from stickslip_sym.cli.output import Json, echo_json, point_of, progress_bar
 from stickslip_sym.cli.reading import criteria_of, point
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, NoClosedForm
 
 if TYPE_CHECKING:
-    from stickslip_sym.comparison.crosscheck import Check
-    from stickslip_sym.criteria.criterion import Criterion
     from stickslip_sym.formula.closed_form import ClosedForm
-    from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["SECONDS", "Form", "derived"]
+__all__ = ["SECONDS", "derived"]
 
-Form = Union["ClosedForm", NoClosedForm]  # a text has no |
-"""The closed form of a criterion, or why there is none."""
 SECONDS = 120.0  # of the search for one closed form
 _LONGEST = 4000  # characters of a formula on the screen
-_CURVE = "  c = average of the {} (--json and --save have it exactly)"
 
 
 @command(
@@ -33,15 +25,15 @@ _CURVE = "  c = average of the {} (--json and --save have it exactly)"
     option("--steps", is_flag=True, help="Print every step of the derivation."),
     file_option("--latex", "Write the formula as LaTeX."),
     file_option("--save", "Keep the form, for stickslip_sym.load."),
-    time_limit("Seconds for each criterion (120).", SECONDS), JSON,
+    time_limit("Seconds for each criterion (120).", SECONDS),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Derive the closed form of a criterion, prove it, and cross-check its value.
 
     Example: stickslip derive "mu_m + (mu_s - mu_m)*exp(-alpha*v)" -p mu_s=0.5 -p mu_m=0.2 -p alpha=3
     """
-    from stickslip_sym.comparison.crosscheck import crosscheck
-    from stickslip_sym.model.oscillator import Oscillator
+    from stickslip_sym.comparison.crosscheck import crosscheck, report
+    from stickslip_sym.model.negative import warn_where_negative
     from stickslip_sym.output import files
 
     chosen = criteria_of(given["criterion"])
@@ -52,71 +44,63 @@ def run(given: Given) -> None:
     law, limit = at.law, given["time_limit"]
     given.all_used()
     # What the table cannot be computed for is refused before anything is derived or written.
-    Oscillator(**at.numbers)
+    ss.Oscillator(**at.numbers)
     for criterion in chosen:
         law.require_speed(at.numbers["V"] * (1 if criterion.weight is None else 2))
     if not law.missing:
-        from stickslip_sym.model.negative import warn_where_negative
-
         warn_where_negative(law, at.numbers["V"])
-    results = [(criterion, derived(law, criterion, limit)) for criterion in chosen]
-    forms = [form for _, form in results if not isinstance(form, NoClosedForm)]
+    derivations = [(criterion, derived(law, criterion, limit)) for criterion in chosen]
+    forms = [form for _, form in derivations if not isinstance(form, NoClosedForm)]
     if latex is not None and forms:
         files.write_text(latex, "\n".join(_latex(form, steps) for form in forms))
     if save is not None and forms:
-        from stickslip_sym.formula.files import save as save_form
-
-        save_form(forms[0], save)
-    checks = [
-        [] if law.missing else crosscheck(law, one, at.texts, None if isinstance(form, NoClosedForm) else form)
-        for one, form in results
-    ]
+        ss.save(forms[0], save)
+    rows, texts = list[Json](), [str(at)]
+    for criterion, form in derivations:
+        found = None if isinstance(form, NoClosedForm) else form
+        checks = [] if law.missing else crosscheck(law, criterion, at.texts, found)
+        rows.append({"criterion": criterion.name, "form": form, "checks": checks})
+        lines = [f"no closed form: {law.name or 'the law'}, {criterion.name}"] if found is None else _lines(found)
+        if steps and found is not None:
+            rows[-1]["steps"] = found.derivation.steps
+            lines += ["", found.derivation.text()]
+        texts.append("\n".join([*lines, *(["", in_options(report(checks))] if checks else [])]))
     if given["json"]:
-        rows = [
-            {"criterion": criterion.name, "form": form, "checks": rows}
-            | ({"steps": form.derivation.steps} if steps and not isinstance(form, NoClosedForm) else {})
-            for (criterion, form), rows in zip(results, checks, strict=True)
-        ]
         echo_json("derive", **point_of(at), criteria=rows)
     else:
-        click.echo(str(at))
-        for (criterion, form), found in zip(results, checks, strict=True):
-            click.echo(f"\n{_report(law, criterion, form, found, steps)}")
+        click.echo("\n\n".join(texts))
     if law.missing and forms:
         names = ", ".join(law.missing)
         click.echo(f"\nno value for {names}: give -p {law.missing[0]}=... for a table of values", err=True)
-    for _, form in results:
+    for _, form in derivations:
         if isinstance(form, NoClosedForm):
             raise form
 
 
-def derived(law: "FrictionLaw", criterion: "Criterion", seconds: float = SECONDS) -> Form:
-    """Return the closed form, or the `NoClosedForm` that says why there is none."""
-    from stickslip_sym.formula.closed_form import derive
+def derived(
+    law: ss.FrictionLaw, criterion: ss.Criterion, seconds: float = SECONDS
+) -> Union["ClosedForm", NoClosedForm]:
+    """Return the closed form of a criterion, or why there is none; a terminal shows what is being done."""
+    from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    with _progress(seconds) as say:
+    step = TextColumn("{task.description}", markup=False)
+    with progress_bar(SpinnerColumn(), step, TimeElapsedColumn(), f"of at most {seconds:.0f} s") as update:
         try:
-            return derive(law, criterion, time_limit=seconds, progress=say)
+            return ss.derive(law, criterion, time_limit=seconds, progress=lambda text: update(description=text))
         except NoClosedForm as error:
             return error
 
 
-def _report(law: "FrictionLaw", criterion: "Criterion", form: Form, checks: "list[Check]", steps: bool) -> str:
-    from stickslip_sym.comparison.crosscheck import report
-    from stickslip_sym.output import printing
-    from stickslip_sym.output.lines import formula
+def _lines(form: "ClosedForm") -> list[str]:
+    """Return what is printed of a form, its formula no longer than a few screens."""
+    from stickslip_sym.output import abbreviation, printing
 
-    if isinstance(form, NoClosedForm):
-        lines = [f"no closed form: {law.name or 'the law'}, {criterion.name}"]
-    else:
-        shown = formula("c", form.expr) if form.law.curve is None else _CURVE.format(form.law.curve)
-        if len(shown) > _LONGEST:
-            size = len(printing.text(form.expr))
-            shown = f"{shown[:_LONGEST]}... ({size} characters; --latex and --save write it whole)"
-        lines = [repr(form), "", shown, "", form.verdict.evidence]
-        if steps:
-            lines += ["", form.derivation.text()]
-    return "\n".join(lines + (["", in_options(report(checks))] if checks else []))
+    if form.law.curve is not None:
+        shown = f"  c = average of the {form.law.curve} (--json and --save have it exactly)"
+    elif len(shown := abbreviation.formula("c", form.expr)) > _LONGEST:
+        size = len(printing.text(form.expr))
+        shown = f"{shown[:_LONGEST]}... ({size} characters; --latex and --save write it whole)"
+    return [repr(form), "", shown, "", form.verdict.evidence]
 
 
 def _latex(form: "ClosedForm", steps: bool) -> str:
@@ -126,22 +110,3 @@ def _latex(form: "ClosedForm", steps: bool) -> str:
     label = f"eq:{key(form.law.name)}-{form.criterion.name}"
     content = f"% {' '.join(repr(form).split())}\n{displayed('c', printing.latex(form.expr), label=label)}\n"
     return content + ("\n" + str(form.derivation.latex()) if steps else "")
-
-
-@contextlib.contextmanager
-def _progress(seconds: float) -> Iterator[Callable[[str], None]]:
-    """Show on a terminal what is being done, and how long it may still take; elsewhere show nothing."""
-    if not sys.stderr.isatty():
-        yield lambda text: None
-        return
-    from rich.progress import ProgressColumn, SpinnerColumn, Task, TextColumn
-    from rich.table import Column
-    from rich.text import Text
-
-    class TimeLeft(ProgressColumn):
-        def render(self, task: Task) -> Text:
-            return Text(f"at most {max(seconds - (task.elapsed or 0.0), 0.0):.0f} s left")
-
-    words = TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, ratio=1))
-    with progress_bar(SpinnerColumn(), words, TimeLeft()) as update:
-        yield lambda text: update(description=text)

@@ -7,14 +7,13 @@ import click
 
 from stickslip_sym.cli.options import (
     FILE_OF_MEASUREMENTS,
-    JSON,
     LAW_NAMES,
     Given,
     command,
     file_option,
     option,
 )  # fmt: skip
-from stickslip_sym.cli.output import counted, echo_json
+from stickslip_sym.cli.output import counted, echo_all
 from stickslip_sym.cli.reading import assignments, measurements
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError
@@ -30,7 +29,7 @@ __all__ = ["laws_to_fit"]
     option("--unit", metavar="NAME=UNIT", multiple=True, help="Unit of a formula's parameter."),
     FILE_OF_MEASUREMENTS,
     option("--profile", is_flag=True, help="Intervals of the best law from the sum of squares itself."),
-    file_option("--plot", "Draw the best fit of the one file (SVG, PNG or PDF).", draws=True), JSON,
+    file_option("--plot", "Draw the best fit of the one file (SVG, PNG or PDF).", draws=True),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Fit friction laws to measurements, and rank them.
@@ -63,8 +62,7 @@ def run(given: Given) -> None:
         if plot is not None:
             fits.plot(plot)
     if given["json"]:
-        whole = {"files": dict(zip(map(str, files), contents, strict=True))}
-        echo_json("fit", **(contents[0] if len(files) == 1 else whole))
+        echo_all("fit", contents, files)
 
 
 def laws_to_fit(texts: tuple[str, ...], fixed: dict[str, str], given: Given) -> list[Any]:

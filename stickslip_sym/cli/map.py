@@ -1,23 +1,30 @@
 """``stickslip map``: the motions over a plane of two quantities."""
 
-from collections.abc import Callable
 from itertools import product
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+import numpy as np
 
-from stickslip_sym.cli.numbers import check_size
-from stickslip_sym.cli.options import DAMPING, JSON, LAW, POINT, Given, command, file_option, option, time_limit
+import stickslip_sym as ss
+from stickslip_sym.cli.options import (
+    DAMPING,
+    LAW,
+    POINT,
+    Given,
+    command,
+    file_option,
+    option,
+    read_number,
+    time_limit,
+)
 from stickslip_sym.cli.output import counted, echo_found
 from stickslip_sym.cli.reading import assignments, point
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
-    from stickslip_sym.core.aliases import FloatArray
-    from stickslip_sym.model.law import FrictionLaw
     from stickslip_sym.motion.maps.motions import MotionMap
 
 __all__ = ["read_axis", "report"]
@@ -36,51 +43,43 @@ _WIDTH, _HEIGHT = 60, 20  # of the picture in text
     file_option("--csv", "Write a line for each cell."),
     file_option("--npz", "Write NumPy arrays."),
     option("--workers", metavar="N", type=int, default=1, help="Processes; -1 for all processors."),
-    time_limit("Seconds; the cells that are left then are undecided."), JSON,
+    time_limit("Seconds; the cells that are left then are undecided."),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Map the motions that exist, and the three thresholds, over a plane.
 
     Example: stickslip map exponential --x V=0.01:1:100 --y c=0:6:100 --plot map.png
     """
-    from stickslip_sym.motion.maps.motions import motion_map
-
-    axes = read_axis("--x", given["x"]), read_axis("--y", given["y"])
-    names = [quantity for quantity, _ in axes]
+    x, y = read_axis("--x", given["x"]), read_axis("--y", given["y"])
+    names = x[0], y[0]
     for name in assignments(given["parameter"]):
         if name in names:
             raise InputError(f"{name} is an axis, and given by -p too; leave one of the two out")
     at = point(given, without=names).exact("map")
     limit, workers = given["time_limit"], given["workers"]
-    files = given["csv"], given["npz"], given["plot"]
+    csv, npz, plot = given["csv"], given["npz"], given["plot"]
     given.all_used()
-    _warn_at_corners(at.law, axes, at.numbers)
+    _warn_at_corners(at.law, (x, y), at.numbers)
     with counted("lines of cells") as progress:
-        found = motion_map(
-            at.law, x=axes[0], y=axes[1], **at.numbers, workers=workers, progress=progress, time_limit=limit
-        )
+        found = ss.motion_map(at.law, x=x, y=y, **at.numbers, workers=workers, progress=progress, time_limit=limit)
     echo_found(given, at, report(found), x=found.x, y=found.y, map=found)
-    writers: tuple[Callable[[Path], object], ...] = found.to_csv, found.to_npz, found.plot
-    for write, path in zip(writers, files, strict=True):
-        if path is not None:
-            write(path)
+    if csv is not None:
+        found.to_csv(csv)
+    if npz is not None:
+        found.to_npz(npz)
+    if plot is not None:
+        found.plot(plot)
     if found.interrupted:
         raise click.Abort
 
 
-def read_axis(option: str, text: str) -> "tuple[str, FloatArray]":
+def read_axis(option: str, text: str) -> tuple[str, FloatArray]:
     """Read NAME=START:STOP:COUNT."""
-    import numpy as np
-
-    from stickslip_sym.core.numbers import exact
-
     name, equals, range_text = text.partition("=")
     parts = range_text.split(":")
     if not equals or len(parts) != 3:
         raise InputError(f"{option} {text[:60]!r} is not {_AXIS}; write for example {option} V=0.01:1:100")
-    start, stop = exact(parts[0], f"the start of {name}"), exact(parts[1], f"the stop of {name}")
-    for value in (start, stop):
-        check_size(name, value)
+    start, stop = read_number(parts[0], f"the start of {name}"), read_number(parts[1], f"the stop of {name}")
     count = int(parts[2]) if parts[2].isdecimal() and len(parts[2]) <= 7 else 0
     if not 1 <= count <= _MOST_VALUES:
         raise InputError(f"{option}: the count {parts[2][:30]!r} is no whole number from 1 to {_MOST_VALUES}")
@@ -88,11 +87,11 @@ def read_axis(option: str, text: str) -> "tuple[str, FloatArray]":
         raise InputError(
             f"{option} {text[:60]!r}: the start must lie below the stop, or equal it with a count of 1"
         )
-    return name.strip(), np.linspace(float(start), float(stop), count)
+    return name.strip(), np.linspace(start, stop, count)
 
 
 def _warn_at_corners(
-    law: "FrictionLaw", axes: "tuple[tuple[str, FloatArray], ...]", point: dict[str, float]
+    law: ss.FrictionLaw, axes: tuple[tuple[str, FloatArray], ...], point: dict[str, float]
 ) -> None:
     """Warn of a negative coefficient at a corner of the plane; one warning is enough."""
     from stickslip_sym.model.negative import warn_where_negative
@@ -106,40 +105,31 @@ def _warn_at_corners(
 
 def report(found: "MotionMap") -> str:
     """Return a picture of the map in letters, and the number of cells of each kind."""
-    import numpy as np
-
-    place, kinds = found.regions()
+    region, kinds = found.regions()
     rows, columns = (
         np.linspace(0, size - 1, min(size, most)).round().astype(int)
-        for size, most in zip(place.shape, (_HEIGHT, _WIDTH), strict=True)
+        for size, most in zip(region.shape, (_HEIGHT, _WIDTH), strict=True)
     )
-    picture = ["".join(kinds[place[row, column]].letter for column in columns) for row in rows[::-1]]
-    edge = f"{found.y.name} = {found.y.values[0]:g} to {found.y.values[-1]:g} upwards"
-    below = f"{found.x.name} = {found.x.values[0]:g} to {found.x.values[-1]:g} to the right"
-    cells = place.size
-    counts = [
-        [kind.letter, kind.name, str(n), f"{100 * n / cells:.1f} %"]
-        for i, kind in enumerate(kinds)
-        if (n := int((place == i).sum()))
-    ]
-    reasons = [
-        [reason.value, str(n)]
-        for reason in dict.fromkeys(found.reason.ravel().tolist())
-        if (n := int((found.reason == reason).sum()))
-    ]
+    letters = np.array([kind.letter for kind in kinds])[region[np.ix_(rows[::-1], columns)]]
+    x, y = (f"{axis.name} = {axis.values[0]:g} to {axis.values[-1]:g}" for axis in (found.x, found.y))
+    reasons = found.reason.ravel().tolist()
+    tables = {
+        ("", "attractors", "cells", ""): [
+            [kind.letter, kind.name, str(n), f"{100 * n / region.size:.1f} %"]
+            for kind, n in zip(kinds, np.bincount(region.ravel(), minlength=len(kinds)), strict=True)
+        ],
+        ("from x = 0 with the belt's speed", "cells"): [
+            [motion.value, str(n)] for motion, n in found.count().items()
+        ],
+        ("decided", "cells"): [[one.value, str(reasons.count(one))] for one in dict.fromkeys(reasons)],
+    }
     parts = [
-        "\n".join([*picture, f"{edge}, {below}"]),
-        table(["", "attractors", "cells", ""], counts),
-        table(
-            ["from x = 0 with the belt's speed", "cells"], [[m.value, str(n)] for m, n in found.count().items()]
-        ),
-        table(["decided", "cells"], reasons),
+        "\n".join([*map("".join, letters), f"{y} upwards, {x} to the right"]),
+        *map(table, tables, tables.values()),
     ]
     if found.notes:
         (row, column), text = next(iter(found.notes.items()))
         where = f"{found.x.name} = {found.x.values[column]:g}, {found.y.name} = {found.y.values[row]:g}"
-        many = (
-            f"{len(found.notes)} cells have a note; the first" if len(found.notes) > 1 else "one cell has a note"
-        )
-        parts.append(f"{many}, at {where}: {in_options(text)}")
+        many = f"{len(found.notes)} cells have a note; the first"
+        parts.append(f"{'one cell has a note' if len(found.notes) == 1 else many}, at {where}: {text}")
     return "\n\n".join(parts)

@@ -4,35 +4,38 @@ A command is a function of `Given`, which notes what is read of it: `Given.all_u
 nothing here, so that none is dropped without a word.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 from click.core import ParameterSource
 
-from stickslip_sym.cli.numbers import read_number
+import stickslip_sym as ss
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import fraction
 from stickslip_sym.model.operating_point import PAPER
 
 __all__ = [
-    "CRITERIA", "CRITERION", "DAMPING", "DESCRIPTION", "FILE_OF_MEASUREMENTS", "JSON", "LAW", "LAW_NAMES",
-    "METHOD", "NUMBER", "POINT", "RANGE", "Given", "command", "file_option", "option", "time_limit",
+    "CRITERIA", "CRITERION", "DAMPING", "DESCRIPTION", "FILE_OF_MEASUREMENTS", "LAW", "LAW_NAMES", "METHOD",
+    "NUMBER", "POINT", "RANGE", "Given", "command", "file_option", "option", "read_number", "time_limit",
 ]  # fmt: skip
 
-_BELONGS = {
-    "name": "it belongs to a formula or to measured points",
-    "source": "it belongs to a formula or to measured points",
-    "unit": "it belongs to the parameters of a formula or of --static",
-    "extrapolate": "it belongs to --from-csv: a formula holds at all speeds",
-    **dict.fromkeys(
-        ("column", "radius", "speeds", "leave_out", "keep_outliers"), "it belongs to a file of measurements"
-    ),
-    "x0": "it belongs to --basins or --all", "v0": "it belongs to --basins or --all",
-    "c": "the damping has no part in this",
-    **dict.fromkeys(("fragment", "steps", "symbol"), "it belongs to --latex FILE"),
-}  # fmt: skip
+_LARGEST = 10**20
+"""Of a number in SI units, and its inverse the smallest: beyond, no table could be computed in doubles."""
 _PICTURES = (".svg", ".png", ".pdf")
+_FORMULA = "it belongs to a formula or to measured points"
+_MEASURED = "it belongs to a file of measurements"
+_BOX = "it belongs to --basins or --all"
+_LATEX = "it belongs to --latex FILE"
+_BELONGS = {
+    "name": _FORMULA, "source": _FORMULA, "unit": "it belongs to the parameters of a formula or of --static",
+    "extrapolate": "it belongs to --from-csv: a formula holds at all speeds",
+    "column": _MEASURED, "radius": _MEASURED, "speeds": _MEASURED, "leave_out": _MEASURED,
+    "keep_outliers": _MEASURED, "x0": _BOX, "v0": _BOX, "c": "the damping has no part in this",
+    "fragment": _LATEX, "steps": _LATEX, "symbol": _LATEX,
+}  # fmt: skip
 
 
 class Given:
@@ -53,37 +56,29 @@ class Given:
         self._read.add(name)
         return self._context.params.get(name)
 
-    def has(self, name: str) -> bool:
-        """Return whether an option stands on the command line."""
-        return self._context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-
     def all_used(self) -> None:
-        """Refuse options that were given and have not been read; commands ask before they begin to compute.
-
-        Raises `InputError` for the first of them.
-        """
+        """Refuse options that were given and have not been read; commands ask before they begin to compute."""
         for parameter in self._context.command.params:
-            if parameter.name not in self._read and self.has(str(parameter.name)):
-                option = max(parameter.opts, key=len)
-                reason = _BELONGS.get(str(parameter.name), "it has no part in what was asked for")
-                raise InputError(f"{option} does nothing here: {reason}; leave it out")
+            name = str(parameter.name)
+            stands = self._context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+            if stands and name not in self._read:
+                reason = _BELONGS.get(name, "it has no part in what was asked for")
+                raise InputError(f"{max(parameter.opts, key=len)} does nothing here: {reason}; leave it out")
 
 
 def command(name: str, *parameters: click.Parameter | Sequence[click.Parameter]) -> Callable[..., click.Command]:
     """Return a decorator that makes a command of a function of `Given`; its docstring is the help."""
     flat: list[click.Parameter] = []
-    for one in parameters:
+    for one in (*parameters, _JSON):
         flat += [one] if isinstance(one, click.Parameter) else one
-    if any(isinstance(one.type, _File) for one in flat):
+    if any(isinstance(one.type, _Written) for one in flat):
         flat.append(_OVERWRITE)
 
     def made(function: Callable[[Given], None]) -> click.Command:
-        return _Command(
-            name,
-            params=flat,
-            help=function.__doc__,
-            callback=lambda **_: function(Given(click.get_current_context())),
-        )
+        def callback(**_: object) -> None:
+            function(Given(click.get_current_context()))
+
+        return _Command(name, params=flat, help=function.__doc__, callback=callback)
 
     return made
 
@@ -101,103 +96,66 @@ class _Command(click.Command):
         return super().parse_args(ctx, args)
 
 
-class _Number(click.ParamType[float]):
-    """A number of a possible size, as people write one: 0.5, 1e-3 or 1/3."""
+class _Read(click.ParamType[Any]):
+    """The type of an option whose text is read by a function of the text and the option."""
 
-    name = "number"
+    name = "text"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Return the number."""
-        return (
-            value if isinstance(value, float) else read_number(value, str(param.name) if param else "the number")
+    def __init__(self, read: Callable[[str, click.Parameter], Any]) -> None:
+        self._of_text = read
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return what is read of a text; a default that is none stays."""
+        return self._of_text(value, param) if isinstance(value, str) and param is not None else value
+
+
+class _Written(_Read):
+    """The type of an option that names a file to write."""
+
+
+def read_number(text: Any, name: str) -> float:
+    """Read a number as people write one, such as 0.5, 1e-3 or 1/3, of a size that an operating point may have."""
+    value = fraction(text, name)
+    size = abs(value)
+    if size == 0 or 1 <= size * _LARGEST <= _LARGEST**2:
+        return float(value)
+    if size > 1:
+        reason = "beyond what double precision can hold" if float(size) == float("inf") else "too large"
+    else:
+        reason = "below what double precision can hold" if float(size) == 0 else "too small"
+    raise InputError(f"{name} is {reason}; give a size from {1 / _LARGEST:g} to {_LARGEST:g} in SI units")
+
+
+def _read_range(text: str, option: click.Parameter, *, half: bool) -> tuple[float | None, ...]:
+    """Read LOW:HIGH; where `half` is true either may be left out."""
+    name, ends = option.opts[0], text.split(":")
+    if len(ends) != 2 or (not half and not all(ends)):
+        raise InputError(f"{name} {text[:60]!r} is not LOW:HIGH; write for example {name} 0.1:10")
+    return tuple(read_number(end, name) if end else None for end in ends)
+
+
+def _read_file(text: str, option: click.Parameter, *, endings: Sequence[str]) -> Path:
+    """Read the name of a file to write, and refuse it before the work where it cannot be written."""
+    from stickslip_sym.output import drawing, files
+
+    path, name = Path(text), max(option.opts, key=len)
+    if not path.parent.is_dir():
+        raise InputError(f"cannot write {text!r}: there is no folder {str(path.parent)!r}; make it first")
+    if endings and path.suffix.lower() not in endings:
+        raise InputError(f"{name} {path}: its ending is none of {', '.join(endings)}")
+    if endings == _PICTURES:
+        drawing.require_matplotlib()
+    if not click.get_current_context().params.get("overwrite") and files.is_kept(path):
+        raise InputError(
+            f"{text!r} exists, and {name} writes: name another file, or add --overwrite to replace it"
         )
+    return path
 
 
-class _Range(click.ParamType[tuple[float | None, float | None]]):
-    """LOW:HIGH; where `half` is true either may be left out."""
-
-    name = "range"
-
-    def __init__(self, *, half: bool = False) -> None:
-        self.half = half
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float | None, float | None]:
-        """Return both ends."""
-        if isinstance(value, tuple):
-            return value
-        option = param.opts[0] if param else "the range"
-        low, colon, high = value.partition(":")
-        if not colon or (not self.half and not (low and high)):
-            raise InputError(f"{option} {value[:60]!r} is not LOW:HIGH; write for example {option} 0.1:10")
-        first, last = (read_number(end, option) if end else None for end in (low, high))
-        return first, last
-
-
-NUMBER = _Number()
+NUMBER = _Read(lambda text, option: read_number(text, str(option.name)))
 """The type of an option that takes a number."""
-RANGE = _Range()
+RANGE = _Read(partial(_read_range, half=False))
 """The type of an option that takes LOW:HIGH."""
-
-
-class _File(click.ParamType[Path]):
-    """The name of a file to write, refused before the work where it cannot be written."""
-
-    name = "file"
-
-    def __init__(self, endings: Sequence[str], *, draws: bool) -> None:
-        self.endings, self.draws = endings, draws
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Return the path."""
-        from stickslip_sym.output.files import is_kept
-
-        path, option = Path(value), max(param.opts, key=len) if param else "the option"
-        if not path.parent.is_dir():
-            raise InputError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}; make it first")
-        if self.endings and path.suffix.lower() not in self.endings:
-            raise InputError(f"{option} {path}: its ending is none of {', '.join(self.endings)}")
-        if self.draws:
-            from stickslip_sym.output.drawing import require_matplotlib
-
-            require_matplotlib()
-        if ctx is not None and not ctx.params.get("overwrite") and is_kept(path):
-            raise InputError(
-                f"{str(path)!r} exists, and {option} writes: name another file, or add --overwrite to replace it"
-            )
-        return path
-
-
-def file_option(
-    name: str, text: str, *, draws: bool = False, endings: Sequence[str] = (), default: str | None = None
-) -> click.Option:
-    """Return an option that takes the name of a file to write, that of a picture if it draws."""
-    kind = _File(_PICTURES if draws else endings, draws=draws)
-    names = [name, "-o"] if name == "--output" else [name]
-    return click.Option(names, type=kind, metavar="FILE", help=text, default=default)
-
-
-def _complete(names: Callable[[], Sequence[str]]) -> Callable[..., list[str]]:
-    return lambda context, parameter, begun: [name for name in names() if name.startswith(begun)]
-
-
-def _laws() -> list[str]:
-    from stickslip_sym import laws
-
-    return list(laws.catalogue)
-
-
-def _criteria() -> list[str]:
-    from stickslip_sym import criteria
-
-    return list(criteria.catalogue)
-
-
-def _methods() -> list[str]:
-    from stickslip_sym.motion.thresholds.methods import methods
-
-    return [*methods(), "auto"]
 
 
 def option(*names: str, **more: Any) -> click.Option:
@@ -207,8 +165,32 @@ def option(*names: str, **more: Any) -> click.Option:
     return click.Option(list(names), **more)
 
 
-_OVERWRITE = click.Option(["--overwrite"], is_flag=True, is_eager=True, help="Let files be replaced.")
-JSON = click.Option(["--json"], is_flag=True, help="Print JSON instead of text.")
+def file_option(
+    name: str, text: str, *, draws: bool = False, endings: Sequence[str] = (), default: str | None = None
+) -> click.Option:
+    """Return an option that takes the name of a file to write, that of a picture if it draws."""
+    kind = _Written(partial(_read_file, endings=_PICTURES if draws else endings))
+    short = ["-o"] if name == "--output" else []
+    return option(name, *short, type=kind, metavar="FILE", help=text, default=default)
+
+
+def time_limit(text: str = "Seconds of computation.", default: float | None = None) -> click.Option:
+    """Return the option that limits the time."""
+    return option("--time-limit", metavar="S", type=NUMBER, default=default, help=text)
+
+
+def _complete(names: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
+    return lambda context, parameter, begun: [name for name in names() if name.startswith(begun)]
+
+
+def _methods() -> list[str]:
+    from stickslip_sym.motion.thresholds.methods import methods
+
+    return [*methods(), "auto"]
+
+
+_OVERWRITE = option("--overwrite", is_flag=True, is_eager=True, help="Let files be replaced.")
+_JSON = option("--json", is_flag=True, help="Print JSON instead of text.")
 DESCRIPTION = [
     option("--static", metavar="MU", help="Static coefficient above mu(0+): a number or a formula."),
     option("--name", metavar="NAME", help="Name of a formula or of points."),
@@ -220,12 +202,15 @@ FILE_OF_MEASUREMENTS = [
         "--column", metavar="QUANTITY=NAME", multiple=True, help="Column of v, mu, F_t or F_n by name or number."
     ),
     option("--radius", metavar="M", help="Radius of the track, where the speed is in rpm."),
-    option("--speeds", metavar="LOW:HIGH", type=_Range(half=True), help="Read rows of these speeds in m/s only."),
+    option(
+        "--speeds", metavar="LOW:HIGH", type=_Read(partial(_read_range, half=True)),
+        help="Read rows of these speeds in m/s only.",
+    ),
     option("--leave-out", is_flag=True, help="Leave out rows that are no measurements, and count them."),
     option("--keep-outliers", is_flag=True, help="Keep rows off a smooth curve, which are refused otherwise."),
-]
+]  # fmt: skip
 """How a file of measurements is read."""
-LAW_NAMES: dict[str, Any] = {"metavar": "LAW", "shell_complete": _complete(_laws)}
+LAW_NAMES: dict[str, Any] = {"metavar": "LAW", "shell_complete": _complete(lambda: ss.laws.catalogue)}
 """What an argument or an option has that takes the name of a law, or a formula."""
 LAW = [
     click.Argument(["law"], required=False, **LAW_NAMES),
@@ -246,12 +231,12 @@ POINT = [
 ]
 DAMPING = option("-c", "c", metavar="KG/S", help="Damping.")
 CRITERION = option(
-    "--criterion", metavar="NAME", default="least_squares", shell_complete=_complete(_criteria),
-    help="least_squares, harmonic or equilibrium.",
+    "--criterion", metavar="NAME", default="least_squares", help="least_squares, harmonic or equilibrium.",
+    shell_complete=_complete(lambda: ss.criteria.catalogue),
 )  # fmt: skip
 CRITERIA = option(
     "--criterion", metavar="NAME", default="least_squares", help="least_squares, harmonic, equilibrium, or all.",
-    shell_complete=_complete(lambda: [*_criteria(), "all"]),
+    shell_complete=_complete(lambda: [*ss.criteria.catalogue, "all"]),
 )  # fmt: skip
 METHOD = [
     option(
@@ -259,8 +244,3 @@ METHOD = [
     ),
     option("--rtol", metavar="X", type=NUMBER, help="Relative error that is good enough (0.001)."),
 ]
-
-
-def time_limit(text: str = "Seconds of computation.", default: float | None = None) -> click.Option:
-    """Return the option that limits the time."""
-    return option("--time-limit", metavar="S", type=NUMBER, default=default, help=text)

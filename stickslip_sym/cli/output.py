@@ -19,19 +19,23 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import stickslip_sym as ss
 from stickslip_sym.cli.options import Given
-from stickslip_sym.cli.reading import UNITS, Point
+from stickslip_sym.cli.reading import Point
 from stickslip_sym.cli.words import in_options
+from stickslip_sym.core import symbols
+from stickslip_sym.core.uncertain import UFloat, separated
+from stickslip_sym.core.version import __version__
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn
 
-    from stickslip_sym.model.law import FrictionLaw
-
 Json = dict[str, Any]
 """What stands for an object of JSON."""
 
-__all__ = ["Json", "as_json", "counted", "echo_found", "echo_json", "law_of", "point_of", "progress_bar"]
+__all__ = [
+    "Json", "as_json", "counted", "echo_all", "echo_found", "echo_json", "law_of", "point_of", "progress_bar",
+]  # fmt: skip
 
 _FORMAT = 2
 _ATTRIBUTES = {
@@ -53,7 +57,7 @@ _ATTRIBUTES = {
 
 
 @contextmanager
-def progress_bar(*columns: "ProgressColumn") -> Iterator[Callable[..., None]]:
+def progress_bar(*columns: "ProgressColumn | str") -> Iterator[Callable[..., None]]:
     """Show columns of rich on a terminal, and yield what updates them; elsewhere show nothing."""
     from rich.console import Console
     from rich.progress import Progress
@@ -68,18 +72,26 @@ def progress_bar(*columns: "ProgressColumn") -> Iterator[Callable[..., None]]:
 @contextmanager
 def counted(what: str) -> Iterator[Callable[[int, int], None]]:
     """Show on a terminal how many of something are done; elsewhere show nothing."""
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
 
-    with progress_bar(TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()) as update:
+    with progress_bar(what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()) as update:
         yield lambda done, total: update(completed=done, total=total)
 
 
 def echo_json(command: str, **content: object) -> None:
     """Print the object of a command; results in it become what `as_json` makes of them."""
-    from stickslip_sym.core.version import __version__
-
     head = {"format": _FORMAT, "version": __version__, "command": command}
     click.echo(json.dumps(head | as_json(content), indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def echo_all(command: str, contents: Sequence[Json], names: Sequence[object] = ()) -> None:
+    """Print what was found at one point, or at several, as JSON; of files by their names."""
+    if len(contents) == 1:
+        echo_json(command, **contents[0])
+    elif names:
+        echo_json(command, files=dict(zip(map(str, names), contents, strict=True)))
+    else:
+        echo_json(command, points=contents)
 
 
 def echo_found(given: Given, at: Point, text: object, **content: object) -> None:
@@ -87,7 +99,7 @@ def echo_found(given: Given, at: Point, text: object, **content: object) -> None
     if given["json"]:
         echo_json(given.command, **point_of(at), **content)
     else:
-        click.echo(f"{at}\n\n{text}")
+        click.echo(f"{at}\n\n{in_options(str(text))}")
 
 
 def as_json(value: Any) -> Any:
@@ -114,33 +126,33 @@ def as_json(value: Any) -> Any:
     return {name: as_json(getattr(value, name)) for name in names or [one.name for one in fields(value)]}
 
 
+def _error(errors: Mapping[str, UFloat], name: str) -> Json:
+    return {"standard_error": float(errors[name].std_dev) if name in errors else None}
+
+
 def point_of(point: Point) -> Json:
     """Return the law and the operating point with which every answer begins."""
-    from stickslip_sym.core.uncertain import separated
-
     _, errors = separated(point.texts)
     quantities = {
         name: {
-            "value": value, "unit": UNITS[name], "text": point.texts[name], "default": name in point.defaults,
-            "standard_error": float(errors[name].std_dev) if name in errors else None,
+            "value": value, "unit": symbols.QUANTITIES[name].unit, "text": point.texts[name],
+            "default": name in point.defaults, **_error(errors, name),
         }
         for name, value in point.numbers.items()
     }  # fmt: skip
     return {"law": law_of(point.law, point.typical), "operating_point": quantities}
 
 
-def law_of(law: "FrictionLaw", typical: Sequence[str] = ()) -> Json:
+def law_of(law: ss.FrictionLaw, typical: Sequence[str] = ()) -> Json:
     """Return a law: its name, its formula, and its parameters with their values, some of them typical ones."""
     parameters = {
         name: {
             "value": float(law.values[name]) if name in law.values else None,
-            "text": str(law.values[name]) if name in law.values else None,
-            "standard_error": float(law.uncertain[name].std_dev) if name in law.uncertain else None,
+            "text": str(law.values[name]) if name in law.values else None, **_error(law.uncertain, name),
             "default": name in typical, "typical": parameter.typical, "unit": parameter.unit,
             "meaning": parameter.meaning,
         }
         for name, parameter in law.parameters.items()
     }  # fmt: skip
-    static = None if law.static is None else as_json(law.static)
-    content = {"name": law.name, "formula": law.text, "static": static, "parameters": parameters}
+    content = {"name": law.name, "formula": law.text, "static": as_json(law.static), "parameters": parameters}
     return content | {"validity": law.validity, "source": law.source}

@@ -1,4 +1,4 @@
-"""The law and the operating point that options make, and the numbers in them."""
+"""The law and the operating point that options make."""
 
 import tomllib
 from collections.abc import Callable, Sequence
@@ -8,22 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip_sym.cli.numbers import read_number
-from stickslip_sym.cli.options import Given
+import stickslip_sym as ss
+from stickslip_sym.cli.options import Given, read_number
+from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.uncertain import split
 from stickslip_sym.model.operating_point import PAPER
 
 if TYPE_CHECKING:
-    from stickslip_sym.criteria.criterion import Criterion
-    from stickslip_sym.model.law import FrictionLaw
     from stickslip_sym.model.measured.measurements import Measurements
 
 __all__ = [
-    "UNITS", "Point", "assignments", "criteria_of", "law_described", "measurements", "point", "points",
-    "reading_of",
+    "Point", "assignments", "criteria_of", "law_described", "measurements", "point", "points", "reading_of",
 ]  # fmt: skip
-
-UNITS = {"V": "m/s", "N": "N", "m": "kg", "k": "N/m", "c": "kg/s"}
 
 
 @dataclass(frozen=True)
@@ -44,7 +41,7 @@ class Point:
         Where it was read.
     """
 
-    law: "FrictionLaw"
+    law: ss.FrictionLaw
     typical: tuple[str, ...]
     texts: dict[str, str]
     defaults: tuple[str, ...]
@@ -53,45 +50,34 @@ class Point:
     @property
     def numbers(self) -> dict[str, float]:
         """The quantities without their errors."""
-        from stickslip_sym.core.uncertain import nominal_text
-
-        return {name: read_number(nominal_text(text, name), name) for name, text in self.texts.items()}
+        return {name: read_number(split(text, name)[0], name) for name, text in self.texts.items()}
 
     def exact(self, command: str) -> "Point":
-        """Return the point, for a command that computes without standard errors.
-
-        Raises `InputError` if anything has one.
-        """
-        for name, text in self.texts.items():
-            if not _is_number(text, name):
-                raise InputError(
-                    f"{command} takes no standard errors: leave +/- out of -{name}; damping takes them"
-                )
-        if self.law.uncertain:
-            name = next(iter(self.law.uncertain))
-            raise InputError(f"{command} takes no standard errors: leave +/- out of -p {name}; damping takes them")
+        """Return the point, for a command that computes without standard errors, or refuse the first of them."""
+        quantities = [f"-{name}" for name, text in self.texts.items() if split(text, name)[0] != text]
+        for option in [*quantities, *(f"-p {name}" for name in self.law.uncertain)]:
+            raise InputError(f"{command} takes no standard errors: leave +/- out of {option}; damping takes them")
         return self
 
     def __str__(self) -> str:
-        law, lines = self.law, []
-        shown = law.text if law.curve is None else str(law.curve)
-        lines.append(f"{law.name}: mu(v) = {shown}" if law.name else f"mu(v) = {shown}")
+        law = self.law
         parameters = []
         for name, value in law.values.items():
             unit = law.parameters[name].unit
-            given = law.uncertain.get(name, f"{float(value):.12g}")
+            shown = law.uncertain.get(name, f"{float(value):.12g}")
             mark = " (typical)" if name in self.typical else ""
-            parameters.append(f"{name} = {given}{'' if unit in (None, '1') else f' {unit}'}{mark}")
-        parameters += [f"{name} = ?" for name in law.missing]
-        if parameters:
-            lines.append(", ".join(parameters))
-        marks = {name: " (default)" if name in self.defaults else "" for name in self.texts}
-        lines.append(", ".join(f"{name} = {text} {UNITS[name]}{marks[name]}" for name, text in self.texts.items()))
-        return "\n".join(lines)
+            parameters.append(f"{name} = {shown}{'' if unit in (None, '1') else f' {unit}'}{mark}")
+        quantities = [
+            f"{name} = {text} {symbols.QUANTITIES[name].unit}{' (default)' if name in self.defaults else ''}"
+            for name, text in self.texts.items()
+        ]
+        formula = f"{f'{law.name}: ' if law.name else ''}mu(v) = {law.text if law.curve is None else law.curve}"
+        lines = [parameters + [f"{name} = ?" for name in law.missing], quantities]
+        return "\n".join([formula, *(", ".join(line) for line in lines if line)])
 
 
 def points(
-    given: Given, *, c: str | None = None, without: Sequence[str] = (), law: "FrictionLaw | None" = None
+    given: Given, *, c: str | None = None, without: Sequence[str] = (), law: ss.FrictionLaw | None = None
 ) -> list[Point]:
     """Read the law and the operating point, one for each ``--point``, which options on the command line override.
 
@@ -101,30 +87,23 @@ def points(
     - `without`: quantities that are not given here, as they are sought for or an axis.
     - `law`: one that is fitted, so that none is read.
     """
-    wanted: dict[str, str | None] = {**PAPER, "c": c}
-    files = given["point"]
-    for name in without:
-        wanted.pop(name, None)
+    wanted = {name: default for name, default in {**PAPER, "c": c}.items() if name not in without}
     found = []
-    for file in files or (None,):
+    for file in given["point"] or (None,):
         content = {} if file is None else _toml(file)
-        texts, defaults = {}, []
-        for name, default in wanted.items():
-            text = given[name]
-            text = content.pop(name, None) if text is None else text
-            if text is None and default is not None:
-                defaults.append(name)
-            if (text := default if text is None else text) is not None:
-                texts[name] = str(text)
-        friction = law
-        typical: tuple[str, ...] = ()
+        texts: dict[str, Any] = {name: given[name] for name in wanted}
+        texts = {name: content.get(name) if text is None else text for name, text in texts.items()}
+        defaults = tuple(name for name, text in texts.items() if text is None and wanted[name] is not None)
+        texts |= {name: wanted[name] for name in defaults}
+        friction, typical = law, tuple[str, ...]()
         if friction is None:
-            friction = law_described(given.__getitem__, given["law"] or content.pop("law", None))
-            values = {name: str(value) for name, value in content.pop("parameters", {}).items()}
+            described = law_described(given.__getitem__, given["law"] or content.get("law"))
+            values = {name: str(value) for name, value in content.get("parameters", {}).items()}
             values |= assignments(given["parameter"])
-            friction = friction.typical(**values)
+            friction = described.typical(**values)
             typical = tuple(name for name in friction.values if name not in values)
-        found.append(Point(friction, typical, texts, tuple(defaults), file))
+        texts = {name: str(text) for name, text in texts.items() if text is not None}
+        found.append(Point(friction, typical, texts, defaults, file))
         _ = found[-1].numbers  # refuses what is no number
     return found
 
@@ -139,6 +118,7 @@ def point(given: Given, **more: Any) -> Point:
 
 def _toml(file: Path) -> dict[str, Any]:
     """Read a file of values; numbers stay the text that they are."""
+    known = ("V", "N", "m", "k", "c")
     try:
         content = tomllib.loads(file.read_text(encoding="utf-8"), parse_float=str)
     except OSError as error:
@@ -147,9 +127,9 @@ def _toml(file: Path) -> dict[str, Any]:
         raise InputError(
             f"{file}: {error}; write lines such as V = 0.5, and parameters below [parameters]"
         ) from None
-    if unknown := content.keys() - {"law", "parameters", *UNITS}:
+    if unknown := content.keys() - {"law", "parameters", *known}:
         raise InputError(
-            f"{file}: there is no {min(unknown)}; a point has law, {', '.join(UNITS)} and [parameters]"
+            f"{file}: there is no {min(unknown)}; a point has law, {', '.join(known)} and [parameters]"
         )
     if not isinstance(content.get("parameters", {}), dict):
         raise InputError(
@@ -158,16 +138,12 @@ def _toml(file: Path) -> dict[str, Any]:
     return content
 
 
-def law_described(option: Callable[[str], Any], text: str | None) -> "FrictionLaw":
+def law_described(option: Callable[[str], Any], text: str | None) -> ss.FrictionLaw:
     """Return a law: of the catalogue by its name, from a formula, or through the points of a file.
 
-    - `option`: returns the value of an option by its name.
-
-    Raises `InputError` if it is given twice or not at all.
+    `option` returns the value of an option by its name; those that describe no law of this kind are not read.
     """
     from stickslip_sym.model.expression.parsing import NAME
-    from stickslip_sym.model.law import FrictionLaw
-    from stickslip_sym.model.laws import laws
 
     file, static = option("from_csv"), option("static")
     if file is not None:
@@ -175,29 +151,24 @@ def law_described(option: Callable[[str], Any], text: str | None) -> "FrictionLa
             raise InputError(f"the law is given twice, as {text!r} and by --from-csv; give it once")
         measured = measurements(option, file)
         click.echo(measured.averaged().understood, err=True)  # beside JSON, not in it
-        law = FrictionLaw.from_csv(
+        law = ss.FrictionLaw.from_csv(
             measured, extrapolate=option("extrapolate"), source=option("source"), name=option("name")
         )
     elif text is None:
         raise InputError("no law: give a name (see: stickslip laws), a formula in v, or --from-csv FILE")
     elif NAME.fullmatch(text):
-        law = laws.find(text)
+        law = ss.laws.find(text)
     else:
         units = assignments(option("unit") or (), "--unit alpha=s/m")
-        return FrictionLaw(text, static=static, units=units, name=option("name"), source=option("source"))
+        return ss.FrictionLaw(text, static=static, units=units, name=option("name"), source=option("source"))
     if static is not None:
         law = law.with_static(static, units=assignments(option("unit") or (), "--unit alpha=s/m"))
     return law
 
 
 def measurements(option: Callable[[str], Any], file: Path) -> "Measurements":
-    """Return the measurements in a file, read as options say.
-
-    Raises `InputError` for what is not understood.
-    """
-    from stickslip_sym.model.measured.measurements import read_measurements
-
-    return read_measurements(file, **reading_of(option))
+    """Return the measurements in a file, read as options say."""
+    return ss.read_measurements(file, **reading_of(option))
 
 
 def reading_of(option: Callable[[str], Any]) -> dict[str, Any]:
@@ -222,14 +193,6 @@ def assignments(texts: Sequence[str], example: str = "-p alpha=3") -> dict[str, 
     return values
 
 
-def criteria_of(name: str) -> "list[Criterion]":
+def criteria_of(name: str) -> list[ss.Criterion]:
     """Return the criterion of a name, or every one for "all"."""
-    from stickslip_sym import criteria
-
-    return list(criteria.catalogue.values()) if name == "all" else [criteria.find(name)]
-
-
-def _is_number(text: str, name: str) -> bool:
-    from stickslip_sym.core.uncertain import nominal_text
-
-    return str(nominal_text(text, name)) == text
+    return list(ss.criteria.catalogue.values()) if name == "all" else [ss.criteria.find(name)]

@@ -4,9 +4,9 @@ import math
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import stickslip_sym as ss
 from stickslip_sym.cli.options import (
     DAMPING,
-    JSON,
     LAW,
     NUMBER,
     POINT,
@@ -18,12 +18,9 @@ from stickslip_sym.cli.options import (
 )
 from stickslip_sym.cli.output import echo_found
 from stickslip_sym.cli.reading import point
-from stickslip_sym.cli.words import in_options
 from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
-    from stickslip_sym.model.law import FrictionLaw
-    from stickslip_sym.model.oscillator import Oscillator
     from stickslip_sym.motion.simulation.trajectory import Trajectory
 
 _MOST_ROWS = 40  # of the table; the rest is in the file that --csv writes
@@ -40,75 +37,59 @@ _LONGEST = 5.0  # seconds, to find where the motion leads
     option("--method", metavar="NAME", default="events", help="events, or solve_ivp of SciPy (events)."),
     time_limit(),
     file_option("--plot", "Draw the motion (SVG, PNG or PDF).", draws=True),
-    file_option("--csv", "Write the samples."), JSON,
+    file_option("--csv", "Write the samples."),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Simulate the mass, and print its events, what motion it is, and its periods.
 
     Example: stickslip simulate exponential -V 0.5 -N 9.81 -m 1 -k 100 -c 1 --t-end 5 --plot motion.png
     """
+    from stickslip_sym.core.deadline import time_limit as limited
     from stickslip_sym.model.negative import warn_where_negative
-    from stickslip_sym.model.oscillator import Oscillator
-    from stickslip_sym.motion.simulation.simulate import simulate
+    from stickslip_sym.motion.simulation.trajectory import EventKind
 
     at = point(given, c="0").exact("simulate")
-    x0, v0, t_end, rtol, limit = (given[name] for name in ("x0", "v0", "t_end", "rtol", "time_limit"))
-    csv, plot, method = given["csv"], given["plot"], given["method"]
+    initial = {"x0": given["x0"], "v0": given["v0"]}
+    t_end, limit, csv, plot = given["t_end"], given["time_limit"], given["csv"], given["plot"]
+    how = {"rtol": given["rtol"], "method": given["method"], "time_limit": limit}
     given.all_used()
-    osc = Oscillator(**at.numbers)
+    osc = ss.Oscillator(**at.numbers)
     warn_where_negative(at.law, osc.V)
     t_end = _PERIODS * 2 * math.pi / osc.omega if t_end is None else t_end
-    motion = simulate(at.law, osc, t_end=t_end, x0=x0, v0=v0, rtol=rtol, method=method, time_limit=limit)
-    end = _end(at.law, osc, motion, x0, v0, _LONGEST if limit is None else min(_LONGEST, limit))
-    echo_found(given, at, _report(motion, end), motion=motion, in_the_end=end, periods=_periods(motion))
+    motion = ss.simulate(at.law, osc, t_end=t_end, **initial, **how)
+    end = None
+    if motion.motion not in (ss.Motion.REST, ss.Motion.STICK_SLIP, ss.Motion.PURE_SLIP, ss.Motion.UNBOUNDED):
+        try:
+            with limited(_LONGEST if limit is None else min(_LONGEST, limit)):
+                end = ss.classify(at.law, osc, **initial).value
+        except ss.StickSlipError as error:
+            end = f"not found: {error}"
+    onsets = [event.t for event in motion.events if event.kind is EventKind.SLIPS]
+    periods = [after - before for before, after in pairwise(onsets)]
+    echo_found(given, at, _report(motion, end, periods), motion=motion, in_the_end=end, periods=periods)
     if csv is not None:
         motion.to_csv(csv)
     if plot is not None:
         motion.plot(plot)
 
 
-def _end(
-    law: "FrictionLaw", osc: "Oscillator", motion: "Trajectory", x0: float, v0: float | None, seconds: float
-) -> str | None:
-    """Return to which motion this one leads, or that it was not found; None where the motion shows it."""
-    from stickslip_sym.core.deadline import time_limit as limited
-    from stickslip_sym.core.errors import StickSlipError
-    from stickslip_sym.motion.motion import Motion
-    from stickslip_sym.motion.regimes.classification import classify
-
-    if motion.motion in (Motion.REST, Motion.STICK_SLIP, Motion.PURE_SLIP, Motion.UNBOUNDED):
-        return None
-    try:
-        with limited(seconds):
-            return classify(law, osc, x0=x0, v0=v0).value
-    except StickSlipError as error:
-        return f"not found: {error}"
-
-
-def _report(motion: "Trajectory", end: str | None) -> str:
+def _report(motion: "Trajectory", end: str | None, periods: list[float]) -> str:
     """Return the events as a table, and the motion in a few lines."""
     rows = [
         [f"{event.t:.9g}", f"{event.x:.9g}", f"{event.v:.9g}", event.kind.value, event.begins.value]
         for event in motion.events[:_MOST_ROWS]
     ]
-    lines = [table(["t in s", "x in m", "v in m/s", "event", "phase that begins"], rows)]
-    if (more := len(motion.events) - _MOST_ROWS) > 0:
-        lines.append(f"and {more} more events")
-    lines += ["", f"motion: {motion.summary}" + ("" if end is None else f"; in the end: {end}")]
-    lines.append(f"outcome: {motion.outcome.value}, at t = {motion.t[-1]:.9g} s, {len(motion.events)} events")
-    lines += [in_options(motion.note)] if motion.note else []
-    periods = _periods(motion)
+    more = len(motion.events) - _MOST_ROWS
+    lines = [
+        table(["t in s", "x in m", "v in m/s", "event", "phase that begins"], rows),
+        f"and {more} more events\n" if more > 0 else "",
+        f"motion: {motion.summary}" + ("" if end is None else f"; in the end: {end}"),
+        f"outcome: {motion.outcome.value}, at t = {motion.t[-1]:.9g} s, {len(motion.events)} events",
+        *([motion.note] if motion.note else []),
+    ]
     if periods:
         changes = f", the one before {periods[-2]:.12g} s" if len(periods) > 1 else ""
         lines.append(f"periods from slip to slip: {len(periods)}, the last {periods[-1]:.12g} s{changes}")
     else:
         lines.append("periods: fewer than two slips from stick")
     return "\n".join(lines)
-
-
-def _periods(motion: "Trajectory") -> list[float]:
-    """Return the times from one slip that follows stick to the next."""
-    from stickslip_sym.motion.simulation.trajectory import EventKind
-
-    onsets = [event.t for event in motion.events if event.kind is EventKind.SLIPS]
-    return [after - before for before, after in pairwise(onsets)]

@@ -10,7 +10,6 @@ import click
 from stickslip_sym.cli.fit import laws_to_fit
 from stickslip_sym.cli.options import (
     DAMPING,
-    JSON,
     LAW,
     POINT,
     Given,
@@ -19,7 +18,7 @@ from stickslip_sym.cli.options import (
     option,
     time_limit,
 )  # fmt: skip
-from stickslip_sym.cli.output import counted, echo_json, point_of
+from stickslip_sym.cli.output import counted, echo_all, point_of
 from stickslip_sym.cli.reading import (
     Point,
     assignments,
@@ -43,7 +42,7 @@ _PAGE = "study.html"
     option("--fit", type=Path, metavar="FILE", help="Measured friction to fit LAW, or the catalogue, to."),
     file_option("--output", f"The page ({_PAGE}).", endings=(".html", ".htm", ".xhtml"), default=_PAGE),
     file_option("--pdf", "Print the page too, by chromium or chrome.", endings=(".pdf",)),
-    time_limit("Seconds for each part (20)."), JSON,
+    time_limit("Seconds for each part (20)."),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Write one page on one operating point: law, thresholds, motions, uncertainty, margins, formulas.
@@ -85,7 +84,7 @@ def run(given: Given) -> None:
         if paper is not None:
             click.echo(f"{paper}: the same, printed")
     if given["json"]:
-        echo_json("study", **(contents[0] if len(contents) == 1 else {"points": contents}))
+        echo_all("study", contents)
 
 
 def _described(given: Given) -> "tuple[Fits | None, Measurements | None, list[Point]]":

@@ -2,10 +2,10 @@
 
 from typing import Any
 
+import stickslip_sym as ss
 from stickslip_sym.cli.options import (
     CRITERION,
     DAMPING,
-    JSON,
     LAW,
     POINT,
     RANGE,
@@ -14,11 +14,9 @@ from stickslip_sym.cli.options import (
     file_option,
     option,
     time_limit,
-)  # fmt: skip
+)
 from stickslip_sym.cli.output import echo_found
 from stickslip_sym.cli.reading import point
-
-_SECONDS = 600.0
 
 
 @command(
@@ -30,7 +28,7 @@ _SECONDS = 600.0
     option("--x0", metavar="FROM:TO", type=RANGE, help="Initial displacements, in m."),
     option("--v0", metavar="FROM:TO", type=RANGE, help="Initial velocities, in m/s."),
     file_option("--plot", "Draw error against time (SVG, PNG or PDF).", draws=True),
-    time_limit("Seconds; methods that are left then have no number (600).", _SECONDS), JSON,
+    time_limit("Seconds; methods that are left then have no number (600).", 600.0),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Measure what each method for a number costs, how far it is off, and which other method dominates it.
@@ -39,22 +37,22 @@ def run(given: Given) -> None:
 
     Example: stickslip tradeoff exponential --all --plot trade.svg
     """
-    from stickslip_sym.comparison.tradeoff import KINDS, tradeoff
     from stickslip_sym.model.negative import warn_where_negative
 
-    asked = (not (given["thresholds"] or given["basins"]), given["thresholds"], given["basins"])
-    kinds = [kind for kind, wanted in zip(KINDS, asked, strict=True) if wanted or given["all"]]
+    thresholds, basins, every = given["thresholds"], given["basins"], given["all"]
+    asked = {"criterion": not (thresholds or basins), "threshold": thresholds, "basin": basins}
+    kinds = [kind for kind, wanted in asked.items() if wanted or every]
     at = point(given, without=() if "basin" in kinds else ("c",)).exact("tradeoff")
     if "V" in at.defaults:  # each number has a default of its own
         del at.texts["V"]
     elif not at.law.missing:
         warn_where_negative(at.law, at.numbers["V"])
-    more: dict[str, Any] = {"criterion": given["criterion"]} if "criterion" in kinds else {}
+    more = {"criterion": given["criterion"]} if "criterion" in kinds else {}
     box: dict[str, Any] = {name: given[name] for name in ("x0", "v0")} if "basin" in kinds else {}
     limit, plot = given["time_limit"], given["plot"]
     given.all_used()
     quantities: dict[str, Any] = dict(at.texts)
-    found = tradeoff(at.law, of=kinds, time_limit=limit, **more, **box, **quantities)
+    found = ss.tradeoff(at.law, of=kinds, time_limit=limit, **more, **box, **quantities)
     echo_found(given, at, found, **more, trades=found.trades, refused=found.refused)
     if plot is not None:
         found.plot(plot)

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import reduce
-from typing import Any, Protocol, TypeAlias, TypeVar, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 import mpmath
 import sympy as sp
@@ -21,7 +21,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, FUNCTIONS, Function, fold, row
 
 __all__ = [
-    "BallFunction", "ball", "ball_function", "ball_value", "holds_at", "number_at", "rational", "series_function",
+    "BallFunction", "ball", "ball_function", "ball_value", "chosen", "number_at", "rational", "series_function",
     "working_precision",
 ]  # fmt: skip
 
@@ -29,7 +29,11 @@ Z = TypeVar("Z", acb, arb_series)
 BallFunction = Callable[[acb, bool], acb]
 """A function of a ball; the flag asks for a ball that is not finite where it is not analytic."""
 Otherwise = Callable[[Expr, list[acb]], acb]
-"""From a function that has no ball here, and the balls of its arguments, to a ball around its value."""
+"""From a function that has no finite ball, and the balls of its arguments, to a ball around its value."""
+Point: TypeAlias = Mapping[Expr, Expr | acb]
+"""Numbers or balls for symbols."""
+_Part: TypeAlias = acb | Callable[..., Any]
+"""A ball where no variable stands in an expression, else a function of the variable and of the flag."""
 
 _LARGEST_POWER = 64  # of an integer exponent that is multiplied out; a power by logarithm fails around 0
 _NUMBER_BITS = 4000  # of a number that is no rational one: beyond the digits of any answer
@@ -39,10 +43,7 @@ _NOWHERE = acb("nan")
 
 @contextmanager
 def working_precision(bits: int, terms: int | None = None) -> Iterator[None]:
-    """Compute with so many bits, and terms of a power series, inside the block, and as before after it.
-
-    Other threads wait.
-    """
+    """Compute with so many bits, and terms of a power series, inside the block; other threads wait."""
     with _lock:
         before = ctx.prec, ctx.cap
         ctx.prec, ctx.cap = bits, ctx.cap if terms is None else terms
@@ -66,44 +67,22 @@ def ball(value: Expr) -> acb:
     return acb(arb(((-1) ** sign * int(mantissa), exponent), arb((1, unit))))
 
 
-def ball_value(expr: Expr, point: Mapping[Expr, Expr | acb], otherwise: Otherwise | None = None) -> acb:
+def ball_value(expr: Expr, point: Point, otherwise: Otherwise | None = None) -> acb:
     """Return a ball around the value of an expression at values of its symbols.
 
-    Parameters
-    ----------
-    expr : sympy.Expr
-    point : mapping
-        Numbers for its symbols, or balls.
-    otherwise : callable, optional
-        Takes a function that is not among those enclosed, or has no finite ball there, and the balls of its
-        arguments; returns a ball in its place.
-
-    Raises
-    ------
-    InputError
-        For a function that is not in the table, unless `otherwise` takes it.
+    A function that is not in the table is refused, unless `otherwise` encloses it.
     """
-    return cast(acb, fold(_chosen(expr, point), _Translation(_Balls, _balls_of(point), otherwise)))
+    return cast(acb, fold(chosen(expr, point), _Balls(point, otherwise=otherwise)))
 
 
-def ball_function(expr: Expr, variable: Expr, point: Mapping[Expr, Expr | acb]) -> BallFunction:
-    """Return an expression as a function of one symbol, the others being numbers.
-
-    It holds constants of the present working precision.
-
-    Raises
-    ------
-    InputError
-        For a function that is not in the table.
-    """
-    return _moving(expr, _Translation(_Balls, _balls_of(point) | {variable: lambda z, analytic: z}))
+def ball_function(expr: Expr, variable: Expr, point: Point) -> BallFunction:
+    """Return an expression as a function of one symbol; it holds constants of the present working precision."""
+    return _Balls(point, variable).function(expr)
 
 
-def series_function(
-    expr: Expr, variable: Expr, point: Mapping[Expr, Expr | acb]
-) -> Callable[[arb_series], arb_series]:
+def series_function(expr: Expr, variable: Expr, point: Point) -> Callable[[arb_series], arb_series]:
     """Return an expression as a function of a power series, with balls for coefficients; as `ball_function`."""
-    function = _moving(expr, _Translation(_Series, _balls_of(point) | {variable: lambda z, analytic: z}))
+    function = _Series(point, variable).function(expr)
 
     def of_series(series: arb_series) -> arb_series:
         value = function(series, False)
@@ -112,97 +91,23 @@ def series_function(
     return of_series
 
 
-def _balls_of(point: Mapping[Expr, Expr | acb]) -> "dict[Expr, _Part]":
-    return {symbol: value if isinstance(value, acb) else ball(value) for symbol, value in point.items()}
-
-
-def _moving(expr: Expr, translation: "_Translation") -> Callable[..., Any]:
-    value = fold(expr, translation)
-    if callable(value):
-        return value
-    constant = translation.arithmetic.constant(value)
-    return lambda z, analytic: constant
-
-
-_Part: TypeAlias = acb | Callable[..., Any]
-"""A ball where no variable stands in an expression, else a function of the variable and of the flag."""
-
-
-class _Arithmetic(Protocol):
-    """The numbers that an expression is translated into."""
-
-    @staticmethod
-    def constant(value: acb) -> Any:
-        """Return a ball as such a number."""
-
-    @staticmethod
-    def power(base: Any, exponent: acb, analytic: bool) -> Any:
-        """Return a power that is no small whole number."""
-
-    @staticmethod
-    def apply(function: Function, arguments: list[Any], analytic: bool) -> Any:
-        """Return the value of a function of the table."""
-
-
 class _Balls:
-    @staticmethod
-    def constant(value: acb) -> acb:
-        return value
-
-    @staticmethod
-    def power(base: acb, exponent: acb, analytic: bool) -> acb:
-        """Return z^p: by the logarithm, and for p > 0 around 0, where there is none, within the largest size."""
-        if not analytic and exponent.real > 0 and exponent.imag == 0 and base.contains(0):
-            largest = arb(base.abs_upper())
-            size = largest**exponent.real if largest > 0 else arb(0)
-            around = arb(0, size.abs_upper())
-            return acb(around, around)
-        return base.pow(exponent, analytic)
-
-    @staticmethod
-    def apply(function: Function, arguments: list[acb], analytic: bool) -> acb:
-        if function.ball is None:
-            raise _not_enclosed(function.name)
-        return _NOWHERE if analytic and function.cut(*arguments) else function.ball(*arguments)
-
-
-class _Series:
-    @staticmethod
-    def constant(value: acb) -> arb:
-        # A number, which joins any series: a series of it would keep for good the number of terms of the moment.
-        return value.real
-
-    @staticmethod
-    def power(base: arb_series, exponent: acb, analytic: bool) -> arb_series:
-        del analytic
-        return (base.log() * exponent.real).exp()
-
-    @staticmethod
-    def apply(function: Function, arguments: list[arb_series], analytic: bool) -> arb_series:
-        del analytic
-        (inner,) = arguments
-        if function.series is not None:
-            return function.series(inner)
-        x = sp.Dummy()
-        slope = series_function(function.kind(x).diff(x), x, {})(inner) * inner.derivative()
-        onset = _Balls.apply(function, [acb(inner[0])], False)
-        return slope.integral() + onset.real
-
-
-def _not_enclosed(name: str) -> InputError:
-    return InputError(f"{name} is not among the functions that are enclosed")
-
-
-class _Translation:
     """The algebra of balls, and of functions of a variable with values in them.
 
     A part of an expression without the variable is computed once; any other becomes a function.
     """
 
-    def __init__(
-        self, arithmetic: type[_Arithmetic], values: Mapping[Expr, _Part], otherwise: Otherwise | None = None
-    ) -> None:
-        self.arithmetic, self.values, self.otherwise = arithmetic, values, otherwise
+    def __init__(self, point: Point, variable: Expr = None, otherwise: Otherwise | None = None) -> None:
+        self.values: dict[Expr, _Part] = {
+            symbol: value if isinstance(value, acb) else ball(value) for symbol, value in point.items()
+        }
+        if variable is not None:
+            self.values[variable] = lambda z, analytic: z
+        self.otherwise = otherwise
+
+    def function(self, expr: Expr) -> Callable[..., Any]:
+        """Return an expression as a function of the variable and of the flag."""
+        return self._moving(fold(expr, self))
 
     def __call__(self, node: Expr, parts: list[_Part]) -> _Part:
         if node.is_Number:
@@ -214,35 +119,39 @@ class _Translation:
         if node.is_Add or node.is_Mul:
             return self._joined(operator.add if node.is_Add else operator.mul, parts)
         if node.is_Pow and len(parts) == 2:
-            return self._raised(node, *parts)
-        if isinstance(node, sp.hyper):
-            return self._hypergeometric(node, parts)
-        if (function := row(node)) is None:
-            if self.otherwise is not None and isinstance(node, sp.Function):
-                return self.otherwise(node, cast(list[acb], parts))
-            raise _not_enclosed(type(node).__name__)
-        if self.otherwise is None or any(map(callable, parts)):
-            return self._applied(function, parts)
-        value = function.ball(*parts) if function.ball else _NOWHERE
-        return value if value.is_finite() else self.otherwise(node, cast(list[acb], parts))
+            return self._raised(node.exp, *parts)
+        return self._applied(node, parts)
 
-    def _applied(self, function: Function, parts: list[_Part]) -> _Part:
-        if not any(map(callable, parts)):
-            return _Balls.apply(function, cast(list[acb], parts), False)
-        apply, moving = self.arithmetic.apply, [self._function(part) for part in parts]
-        return lambda z, analytic: apply(function, [part(z, analytic) for part in moving], analytic)
+    # What follows is computed of balls here, and of power series in the class below.
 
-    def _hypergeometric(self, node: Expr, parts: list[_Part]) -> acb:
-        top, balls = len(node.args[0]), cast(list[acb], parts)
-        if any(map(callable, parts)):
-            raise _not_enclosed("hyper")
-        value = balls[-1].hypgeom([*balls[:top]], [*balls[top:-1]])
-        return value if self.otherwise is None or value.is_finite() else self.otherwise(node, balls)
+    @staticmethod
+    def constant(value: acb) -> Any:
+        """Return a ball as a number of the arithmetic."""
+        return value
 
-    def _function(self, part: _Part) -> Callable[..., Any]:
+    @staticmethod
+    def power(base: Any, exponent: acb, analytic: bool) -> Any:
+        """Return z^p: by the logarithm, and for p > 0 around 0, where there is none, within the largest size."""
+        if not analytic and exponent.real > 0 and exponent.imag == 0 and base.contains(0):
+            largest = arb(base.abs_upper())
+            size = largest**exponent.real if largest > 0 else arb(0)
+            around = arb(0, size.abs_upper())
+            return acb(around, around)
+        return base.pow(exponent, analytic)
+
+    @staticmethod
+    def apply(function: Function, arguments: list[Any], analytic: bool) -> Any:
+        """Return the value of a function of the table."""
+        if function.ball is None:
+            raise _not_enclosed(function.name)
+        return _NOWHERE if analytic and function.cut(*arguments) else function.ball(*arguments)
+
+    # -- nodes ---------------------------------------------------------------------------------------
+
+    def _moving(self, part: _Part) -> Callable[..., Any]:
         if callable(part):
             return part
-        constant = self.arithmetic.constant(part)
+        constant = self.constant(part)
         return lambda z, analytic: constant
 
     def _joined(self, join: Callable[[Any, Any], Any], parts: list[_Part]) -> _Part:
@@ -252,31 +161,78 @@ class _Translation:
         if not moving:
             return reduce(join, fixed)
         if fixed:
-            moving.append(self._function(reduce(join, fixed)))
+            moving.append(self._moving(reduce(join, fixed)))
         return lambda z, analytic: reduce(join, [part(z, analytic) for part in moving])
 
-    def _raised(self, node: Expr, base: _Part, exponent: _Part) -> _Part:
-        if node.exp.is_Integer and abs(node.exp) <= _LARGEST_POWER:
-            count = int(node.exp)
+    def _raised(self, written: Expr, base: _Part, exponent: _Part) -> _Part:
+        if written.is_Integer and abs(written) <= _LARGEST_POWER:
+            count = int(written)
             if callable(base):
                 return lambda z, analytic: _whole_power(base(z, analytic), count)
             return acb(_whole_power(base, count))
         if callable(exponent):
-            logarithm = self._applied(FUNCTIONS[sp.log], [base])
-            return self._applied(FUNCTIONS[sp.exp], [self._joined(operator.mul, [exponent, logarithm])])
-        power = self.arithmetic.power
+            logarithm = self._called(FUNCTIONS[sp.log], [base])
+            return self._called(FUNCTIONS[sp.exp], [self._joined(operator.mul, [exponent, logarithm])])
         if callable(base):
-            return lambda z, analytic: power(base(z, analytic), exponent, analytic)
-        return base.pow(exponent) if base != 0 else _Balls.power(base, exponent, False)
+            return lambda z, analytic: self.power(base(z, analytic), exponent, analytic)
+        return cast(acb, _Balls.power(base, exponent, False))
+
+    def _called(self, function: Function, parts: list[_Part]) -> _Part:
+        if not any(map(callable, parts)):
+            return cast(acb, _Balls.apply(function, parts, False))
+        moving = [self._moving(part) for part in parts]
+        return lambda z, analytic: self.apply(function, [part(z, analytic) for part in moving], analytic)
+
+    def _applied(self, node: Expr, parts: list[_Part]) -> _Part:
+        function, balls = row(node), cast(list[acb], parts)
+        if self.otherwise is None and function is not None and function.ball is not None:
+            return self._called(function, parts)
+        value = _NOWHERE
+        if isinstance(node, sp.hyper) and not any(map(callable, parts)):
+            top = len(node.args[0])
+            value = balls[-1].hypgeom([*balls[:top]], [*balls[top:-1]])
+        elif self.otherwise is None or not isinstance(node, sp.Function):
+            raise _not_enclosed(type(node).__name__)
+        elif function is not None and function.ball is not None:
+            value = function.ball(*balls)
+        return value if self.otherwise is None or value.is_finite() else self.otherwise(node, balls)
+
+
+class _Series(_Balls):
+    """The algebra of balls, and of functions of a power series."""
+
+    @staticmethod
+    def constant(value: acb) -> arb:
+        """Return a number, which joins any series: a series of it would keep its number of terms for good."""
+        return value.real
+
+    @staticmethod
+    def power(base: arb_series, exponent: acb, analytic: bool) -> arb_series:
+        """Return a power by the logarithm."""
+        return (base.log() * exponent.real).exp()
+
+    @staticmethod
+    def apply(function: Function, arguments: list[arb_series], analytic: bool) -> arb_series:
+        """Return the function of a series, by the integral of its derivative where the table has no rule."""
+        (inner,) = arguments
+        if function.series is not None:
+            return function.series(inner)
+        x = sp.Dummy()
+        slope = series_function(function.kind(x).diff(x), x, {})(inner) * inner.derivative()
+        onset: acb = _Balls.apply(function, [acb(inner[0])], False)
+        return slope.integral() + onset.real
+
+
+def _not_enclosed(name: str) -> InputError:
+    return InputError(f"{name} is not among the functions that are enclosed")
 
 
 def _whole_power(z: Z, exponent: int) -> Z:
     """Multiply out: Arb's own power of a ball around 0 is not a number."""
-    power = reduce(operator.mul, [z] * abs(exponent)) if abs(exponent) < 4 else _squared_up(z, abs(exponent))
-    return power if exponent > 0 else 1 / power
-
-
-def _squared_up(z: Z, exponent: int) -> Z:
+    if exponent < 0:
+        return 1 / _whole_power(z, -exponent)
+    if exponent == 1:
+        return z
     half = _whole_power(z, exponent // 2)
     return half * half * z if exponent % 2 else half * half
 
@@ -287,14 +243,11 @@ def _squared_up(z: Z, exponent: int) -> Z:
 def number_at(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
     """Return the value of a real expression as a SymPy number, without ever expanding a power of long fractions.
 
-    Returns
-    -------
-    sympy.Rational or sympy.Float
-        Exact where sums, products, whole powers, Abs, Min, Max and pieces suffice, else to 4000 bits; NaN where
-        there is no finite real value.
+    It is exact where sums, products, whole powers, Abs, Min, Max and pieces suffice, else a Float of 4000 bits;
+    NaN where there is no finite real value.
     """
-    exact = fold(expr, _Rationals(point)) if not expr.has(sp.Piecewise) else None
-    if exact is not None:
+    expr = chosen(expr, point)
+    if (exact := fold(expr, _rationals(point))) is not None:
         return exact
     with working_precision(_NUMBER_BITS + 64):
         value = ball_value(expr, point)
@@ -305,46 +258,43 @@ def number_at(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
         return sp.Float(mpmath.ldexp(int(mantissa), int(power)), precision=_NUMBER_BITS)
 
 
-class _Rationals:
-    """The algebra of exact rationals, and of None for what is none or takes a longer computation."""
+def _rationals(point: Mapping[Expr, Expr]) -> Callable[[Expr, list[Expr]], Expr]:
+    """Return the algebra of exact rationals, and of None for what is none or takes a longer computation."""
 
-    def __init__(self, point: Mapping[Expr, Expr]) -> None:
-        self.point = point
-
-    def __call__(self, node: Expr, parts: list[Expr | None]) -> Expr | None:
+    def value(node: Expr, parts: list[Expr]) -> Expr:
         if not parts:
-            value = self.point.get(node, node)
-            return value if value.is_Rational else None
-        numbers = [part for part in parts if part is not None]
-        if len(numbers) < len(parts):
+            number = point.get(node, node)
+        elif None in parts:
             return None
-        if node.is_Add or node.is_Mul or isinstance(node, sp.Min | sp.Max | sp.Abs | sp.sign):
-            return node.func(*numbers)
-        if node.is_Pow and len(numbers) == 2 and numbers[1].is_Integer and abs(numbers[1]) <= _LARGEST_POWER:
-            value = numbers[0] ** numbers[1]
-            return value if value.is_Rational else None
-        return None
+        elif node.is_Add or node.is_Mul or isinstance(node, sp.Abs | sp.sign):
+            return node.func(*parts)
+        elif node.is_Pow and len(parts) == 2 and parts[1].is_Integer and abs(parts[1]) <= _LARGEST_POWER:
+            number = parts[0] ** parts[1]
+        else:
+            return None
+        return number if number.is_Rational else None
+
+    return value
 
 
-def holds_at(condition: Expr, point: Mapping[Expr, Expr]) -> bool:
-    """Return whether a condition on real numbers holds at values of its symbols."""
-    if condition in (sp.true, sp.false):
-        return bool(condition)
-    if isinstance(condition, sp.And | sp.Or):
-        return (all if isinstance(condition, sp.And) else any)(holds_at(part, point) for part in condition.args)
-    left, right = (number_at(side, point) for side in condition.args)
-    return bool(condition.func(left, right))
-
-
-def _chosen(expr: Expr, point: Mapping[Expr, Any]) -> Expr:
-    """Return an expression with each kink replaced by what holds at a point."""
+def chosen(expr: Expr, point: Point) -> Expr:
+    """Return an expression with each kink replaced by what holds at a point; its other symbols stay."""
     nodes = expr.atoms(sp.Piecewise, sp.Min, sp.Max)
     return expr.xreplace({node: _decided(node, point) for node in nodes}) if nodes else expr
 
 
-def _decided(node: Expr, point: Mapping[Expr, Any]) -> Expr:
+def _decided(node: Expr, point: Point) -> Expr:
     if isinstance(node, sp.Piecewise):
-        return next(_chosen(part, point) for part, holds in node.args if holds_at(holds, point))
+        return next(chosen(part, point) for part, holds in node.args if _holds(holds, point))
     values = {argument: number_at(argument, point) for argument in node.args}
     best = node.func(*values.values())
-    return next(_chosen(argument, point) for argument, value in values.items() if value == best)
+    return next(chosen(argument, point) for argument, value in values.items() if value == best)
+
+
+def _holds(condition: Expr, point: Point) -> bool:
+    if condition in (sp.true, sp.false):
+        return bool(condition)
+    if isinstance(condition, sp.And | sp.Or):
+        return (all if isinstance(condition, sp.And) else any)(_holds(part, point) for part in condition.args)
+    left, right = (number_at(side, point) for side in condition.args)
+    return bool(condition.func(left, right))

@@ -15,6 +15,7 @@ from sympy.codegen.cfunctions import expm1, log1p
 from sympy.printing.printer import Printer
 
 from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.numbers import to_mpf
 
 __all__ = [
     "CONSTANTS", "FUNCTIONS", "Constant", "Function", "Lerch", "NumberPower", "arguments", "fold",
@@ -26,60 +27,43 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Function:
-    r"""A function, and all that is known of it.
-
-    Its derivative is SymPy's, `kind.fdiff`.
-
-    Attributes
-    ----------
-    kind : type
-        SymPy's class.
-    ball : callable or None
-        From balls of the arguments to a ball around the value, in Arb.
-    cut : callable
-        Whether a ball of the argument meets a branch cut. A pole needs no cut: no ball around it is finite.
-    series : callable or None
-        From a power series to that of the function; None where the integral of its derivative has to do.
-    gain : callable or None
-        From the argument x, its value a at another point, and x - a: f(x) - f(a), without cancellation where the
-        two are close; None where the difference is taken as it stands.
-    inverse : type or None
-        SymPy's class of the inverse, of a function that rises from any value to any higher one.
-    analytic : bool
-        Whether it is analytic at every real argument.
-    bounded : bool
-        Whether its size has a bound over all real arguments.
-    in_laws : bool
-        Whether the formula of a friction law may have it.
-    aliases : tuple of str
-        Other names that are read.
-    latex : str or None
-        Its name in LaTeX; by default ``\operatorname{name}``, None where it is printed in a way of its own.
-    indexed, squared : bool
-        Whether LaTeX writes the first argument as an index, and powers on the name.
-    c, python : str or None
-        A call in C99, and in Python with NumPy as np: the name, or text with ``{}`` for the argument. None where
-        the language has no such function.
-    octave : str or None
-        The same in Octave; by default that of C.
-    """
+    """A function, and all that is known of it. Its derivative is SymPy's, `kind.fdiff`."""
 
     kind: type[Expr]
+    """SymPy's class."""
     ball: Callable[..., acb] | None
+    """From balls of the arguments to a ball around the value, in Arb."""
     cut: Callable[..., bool] = lambda *z: False
+    """Whether a ball of the argument meets a branch cut. A pole needs none: no ball around it is finite."""
     series: Callable[[arb_series], arb_series] | None = None
+    """From a power series to that of the function; None where the integral of its derivative has to do."""
     gain: Callable[[Expr, Expr, Expr], Expr] | None = None
+    """From the argument x, its value a at another point, and x - a: f(x) - f(a), without cancellation where the
+    two are close; None where the difference is taken as it stands."""
     inverse: type[Expr] | None = None
+    """SymPy's class of the inverse, of a function that rises from any value to any higher one."""
     analytic: bool = False
+    """Whether it is analytic at every real argument."""
     bounded: bool = False
+    """Whether its size has a bound over all real arguments."""
     in_laws: bool = False
+    """Whether the formula of a friction law may have it."""
     aliases: tuple[str, ...] = ()
+    """Other names that are read."""
     latex: str | None = ""
+    r"""Its name in LaTeX; by default ``\operatorname{name}``, None where it is printed in a way of its own."""
     indexed: bool = False
+    """Whether LaTeX writes the first argument as an index."""
     squared: bool = False
+    """Whether LaTeX writes powers on the name."""
+    meaning: str = ""
+    """What a document says of it, in LaTeX, of a function that not every reader knows."""
     c: str | None = None
+    """A call in C99: the name, or text with ``{}`` for the argument; None where it has no such function."""
     python: str | None = None
+    """The same in Python with NumPy as np."""
     octave: str | None = None
+    """The same in Octave; by default that of C."""
 
     @property
     def name(self) -> str:
@@ -161,11 +145,9 @@ class NumberPower(sp.Function):  # type: ignore[misc]  # SymPy is untyped
     is_positive = True
 
     def _eval_evalf(self, prec: int) -> Expr:
-        base, exponent = self.args
         with mpmath.workprec(prec + 10):
-            value = mpmath.mpf(int(base.p)) / int(base.q)
-            value **= mpmath.mpf(int(exponent.p)) / int(exponent.q)
-        return sp.Float._new(value._mpf_, prec)
+            base, exponent = map(to_mpf, self.args)
+            return sp.Float._new((base**exponent)._mpf_, prec)
 
     def _printed(self, printer: Printer) -> str:
         """Print it as the power of two symbols would be, the numbers in their place."""
@@ -175,6 +157,9 @@ class NumberPower(sp.Function):  # type: ignore[misc]  # SymPy is untyped
     _sympystr = _latex = _numpycode = _pythoncode = _mpmathcode = _printed
 
 
+_LARGEST_ROOT = 64  # of a rational number that SymPy simplifies: as (1/4)^(3/2) = 1/8
+
+
 def power(base: Expr, exponent: Expr) -> Expr:
     """Return a power, its rational factor kept as it is written where SymPy would expand it."""
     number, rest = base.as_coeff_Mul(rational=True) if not base.is_Rational else (base, sp.S.One)
@@ -182,9 +167,7 @@ def power(base: Expr, exponent: Expr) -> Expr:
     return base**exponent if harmless else NumberPower(number, exponent) * rest**exponent
 
 
-_LARGEST_ROOT = 64  # of a rational number that SymPy simplifies: as (1/4)^(3/2) = 1/8
-
-# -- where branch cuts lie -------------------------------------------------------------------------
+# -- where branch cuts lie, and differences without cancellation -----------------------------------
 
 
 def _below_zero(z: acb) -> bool:
@@ -192,7 +175,7 @@ def _below_zero(z: acb) -> bool:
 
 
 def _below_one(z: acb) -> bool:
-    return bool(z.imag.contains(0) and not z.real > 1)
+    return _below_zero(z - 1)
 
 
 def _outside_real_unit(z: acb) -> bool:
@@ -206,9 +189,6 @@ def _outside_imaginary_unit(z: acb) -> bool:
 def _anywhere(*z: acb) -> bool:
     """Say that a function may not be analytic, as nothing is known of it."""
     return True
-
-
-# -- differences without cancellation --------------------------------------------------------------
 
 
 def _gain_of_asinh(x: Expr, a: Expr, gain: Expr) -> Expr:
@@ -263,61 +243,70 @@ _ROWS = (
     ),
     Function(
         sp.coth, acb.coth, series=lambda z: 1 + 2 / ((2 * z).exp() - 1),
-        latex=r"\coth", squared=True, c="(1.0/tanh({}))", python="(1.0/np.tanh({}))",
+        gain=lambda x, a, gain: -sp.sinh(gain) / (sp.sinh(x) * sp.sinh(a)),
+        in_laws=True, latex=r"\coth", squared=True, c="(1.0/tanh({}))", python="(1.0/np.tanh({}))",
     ),
     Function(sp.csch, acb.csch, c="(1.0/sinh({}))", python="(1.0/np.sinh({}))"),
     Function(
-        # Arb's own is not finite on wide balls.
-        sp.asinh, lambda z: (z + (z * z + 1).sqrt()).log(), _outside_imaginary_unit,
+        sp.asinh, lambda z: (z + (z * z + 1).sqrt()).log(), _outside_imaginary_unit,  # Arb's: NaN on wide balls
         series=lambda z: (z + (z * z + 1).sqrt()).log(), gain=_gain_of_asinh,
         inverse=sp.sinh, analytic=True, in_laws=True, aliases=("arcsinh", "arsinh"),
-        latex=r"\operatorname{arsinh}", c="asinh", python="np.arcsinh",
+        latex=r"\operatorname{arsinh}", meaning=r"$\operatorname{arsinh}$ is the inverse hyperbolic sine",
+        c="asinh", python="np.arcsinh",
     ),
+    Function(sp.acosh, acb.acosh, _below_one, latex=r"\operatorname{arcosh}", c="acosh", python="np.arccosh"),
     Function(
-        sp.acosh, acb.acosh, _below_one,
-        latex=r"\operatorname{arcosh}", c="acosh", python="np.arccosh",
-    ),
-    Function(
-        sp.atanh, acb.atanh, _outside_real_unit,
-        latex=r"\operatorname{artanh}", c="atanh", python="np.arctanh",
+        sp.atanh, acb.atanh, _outside_real_unit, latex=r"\operatorname{artanh}", c="atanh", python="np.arctanh",
     ),
     Function(
         sp.atan, acb.atan, _outside_imaginary_unit, arb_series.atan,
-        gain=lambda x, a, gain: sp.atan2(gain, 1 + x * a),
-        analytic=True, bounded=True, in_laws=True, aliases=("arctan",), latex=r"\arctan",
-        c="atan", python="np.arctan",
+        gain=lambda x, a, gain: sp.atan2(gain, 1 + x * a), analytic=True, bounded=True, in_laws=True,
+        aliases=("arctan",), latex=r"\arctan", c="atan", python="np.arctan",
     ),
-    Function(
-        sp.asin, acb.asin, _outside_real_unit,
-        latex=r"\arcsin", c="asin", python="np.arcsin",
-    ),
-    Function(
-        sp.acos, acb.acos, _outside_real_unit,
-        latex=r"\arccos", c="acos", python="np.arccos",
-    ),
+    Function(sp.asin, acb.asin, _outside_real_unit, latex=r"\arcsin", c="asin", python="np.arcsin"),
+    Function(sp.acos, acb.acos, _outside_real_unit, latex=r"\arccos", c="acos", python="np.arccos"),
     Function(
         sp.erf, acb.erf, series=arb_series.erf, analytic=True, bounded=True, in_laws=True,
-        c="erf", python="_erf",
+        meaning=r"$\operatorname{erf}$ is the error function", c="erf", python="_erf",
     ),
     Function(sp.erfc, acb.erfc, series=arb_series.erfc, analytic=True, bounded=True, c="erfc", python="_erfc"),
     Function(sp.erfi, acb.erfi, series=arb_series.erfi, analytic=True),
     Function(expm1, acb.expm1, c="expm1", python="np.expm1"),
     Function(log1p, acb.log1p, lambda z: _below_zero(1 + z), c="log1p", python="np.log1p"),
-    Function(sp.besseli, lambda order, z: z.bessel_i(order), _anywhere, latex="I", indexed=True),
+    Function(
+        sp.besseli, lambda order, z: z.bessel_i(order), _anywhere, latex="I", indexed=True,
+        meaning="$I_n$ is the modified Bessel function of the first kind",
+    ),
     Function(sp.besselj, lambda order, z: z.bessel_j(order), _anywhere, latex="J", indexed=True),
     Function(sp.besselk, lambda order, z: z.bessel_k(order), _anywhere, latex="K", indexed=True),
     Function(sp.bessely, lambda order, z: z.bessel_y(order), _anywhere, latex="Y", indexed=True),
     Function(sp.gamma, acb.gamma, latex=r"\Gamma"),
-    Function(sp.lowergamma, lambda s, z: z.gamma_lower(s), _anywhere, latex=r"\gamma"),
+    Function(
+        sp.lowergamma, lambda s, z: z.gamma_lower(s), _anywhere, latex=r"\gamma",
+        meaning=r"$\gamma(s, x)$ is the lower incomplete gamma function",
+    ),
     Function(sp.uppergamma, lambda s, z: z.gamma_upper(s), _anywhere, latex=r"\Gamma"),
     Function(sp.beta, None, _anywhere, latex=r"\mathrm{B}"),
     Function(sp.expint, lambda s, z: z.expint(s), _anywhere, latex="E", indexed=True),
-    Function(sp.polylog, lambda s, z: z.polylog(s), _anywhere, latex=r"\operatorname{Li}", indexed=True),
+    Function(
+        sp.polylog, lambda s, z: z.polylog(s), _anywhere, latex=r"\operatorname{Li}", indexed=True,
+        meaning=r"$\operatorname{Li}_n$ is the polylogarithm",
+    ),
     Function(sp.zeta, acb.zeta, _anywhere, latex=r"\zeta"),
-    Function(sp.dirichlet_eta, acb.dirichlet_eta, _anywhere, latex=r"\eta"),
+    Function(
+        sp.dirichlet_eta, acb.dirichlet_eta, _anywhere, latex=r"\eta",
+        meaning=r"$\eta$ is Dirichlet's eta function",
+    ),
+    Function(sp.hyper, None, latex=None, meaning="${}_pF_q$ is the generalised hypergeometric function"),
     Function(sp.elliptic_k, acb.elliptic_k, _anywhere, latex="K"),
-    Function(sp.elliptic_e, acb.elliptic_e, _anywhere, latex="E"),
-    Function(sp.elliptic_pi, acb.elliptic_pi, _anywhere, latex=r"\Pi"),
+    Function(
+        sp.elliptic_e, acb.elliptic_e, _anywhere, latex="E",
+        meaning="$E(m)$ is the complete elliptic integral of the second kind of the parameter $m$",
+    ),
+    Function(
+        sp.elliptic_pi, acb.elliptic_pi, _anywhere, latex=r"\Pi",
+        meaning=r"$\Pi(n, m)$ is the one of the third kind, of the characteristic $n$",
+    ),
     Function(Lerch, lambda z, s, a: z.lerch_phi(s, a), _anywhere, latex=r"\Phi"),
     Function(sp.Ei, acb.ei, _anywhere),
     Function(sp.Si, acb.si, _anywhere),
@@ -367,8 +356,7 @@ def is_analytic(expr: Expr) -> bool:
 
 def in_laws() -> dict[str, Function]:
     """Return the functions that a friction law may have, by every name that is read."""
-    rows = [function for function in FUNCTIONS.values() if function.in_laws]
-    return {name: function for function in rows for name in (function.name, *function.aliases)}
+    return {name: row for row in FUNCTIONS.values() if row.in_laws for name in (row.name, *row.aliases)}
 
 
 def arguments(expr: Expr) -> Sequence[Expr]:
@@ -383,11 +371,7 @@ def arguments(expr: Expr) -> Sequence[Expr]:
 def fold(expr: Expr, combine: Callable[[Expr, list[T]], T]) -> T:
     """Return what an expression is in an algebra: a node from its arguments, each distinct node once.
 
-    Parameters
-    ----------
-    expr : sympy.Expr
-    combine : callable
-        From a node, and what its `arguments` are, to what the node is; an atom has none.
+    `combine` takes a node, and what its `arguments` are, to what the node is; an atom has none.
     """
     seen: dict[Expr, T] = {}
 

@@ -8,13 +8,23 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, Literal
 
+import numpy as np
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.functions import lerch
 
 __all__ = ["Backend", "function_of"]
 
 Backend = Literal["numpy", "math", "mpmath"]
+
+_MODULES: dict[Backend, list[Any]] = {
+    "math": ["math"],
+    "mpmath": [{"Lerch": lerch}, "mpmath"],
+    "numpy": [{"expm1": np.expm1}, "scipy", "numpy"],  # SciPy's expm1 takes no extended precision
+}
+_LONGEST = 2**62  # whole numbers above make NumPy leave its own types for Python's objects
+_DIGITS = 20  # of a number as text: enough that reading it back gives the nearest double
 
 
 def function_of(arguments: Sequence[Expr], expr: Expr | Sequence[Expr], backend: Backend) -> Callable[..., Any]:
@@ -27,29 +37,17 @@ def function_of(arguments: Sequence[Expr], expr: Expr | Sequence[Expr], backend:
 
 @lru_cache(maxsize=1024)
 def _compiled(arguments: tuple[Expr, ...], expr: Expr | tuple[Expr, ...], backend: Backend) -> Callable[..., Any]:
-    from stickslip_sym.core.functions import lerch
-
-    modules: list[Any] = ["math"]
     several = isinstance(expr, tuple)
     parts = [sp.sympify(part) for part in (expr if several else (expr,))]
-    if backend == "mpmath":
-        modules = [{"Lerch": lerch}, "mpmath"]
     if backend == "numpy":
-        import numpy as np  # here: a formula is derived without it
-
         parts = [_in_floats(part) for part in parts]
-        modules = [{"expm1": np.expm1}, "scipy", "numpy"]  # SciPy's expm1 takes no extended precision
     compiled: Callable[..., Any] = sp.lambdify(
-        list(arguments), parts if several else parts[0], modules=modules, dummify=True, cse=several
+        list(arguments), parts if several else parts[0], modules=_MODULES[backend], dummify=True, cse=several
     )
     return compiled
-
-
-_LONGEST = 2**62  # whole numbers above make NumPy leave its own types for Python's objects
-_DIGITS = 20  # of a number as text: enough that reading it back gives the nearest double
 
 
 def _in_floats(expr: Expr) -> Expr:
     """Replace the numbers in an expression that NumPy's integers do not hold."""
     long = [number for number in expr.atoms(sp.Rational) if max(abs(number.p), number.q) > _LONGEST]
-    return expr.xreplace({number: sp.Float(number, _DIGITS) for number in long}) if long else expr
+    return expr.xreplace({number: sp.Float(number, _DIGITS) for number in long})

@@ -6,12 +6,13 @@ carries a standard error, and not before.
 
 import math
 import re
+import warnings
 from collections.abc import Mapping
 from typing import Any, Protocol, runtime_checkable
 
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["UFloat", "nominal_text", "separated", "split", "spread", "with_error"]
+__all__ = ["UFloat", "separated", "split", "spread", "with_error"]
 
 _WITH_ERROR = re.compile(r"\+/-|±|\(")
 _CORRELATION_DIGITS = 9  # of correlations that count as equal: files keep them to rounding
@@ -34,26 +35,14 @@ class UFloat(Protocol):
 def split(value: Any, name: str) -> tuple[Any, UFloat | None]:
     """Return a number without its standard error, and with it; None where it has none.
 
-    Parameters
-    ----------
-    value : number, text or uncertainties.UFloat
-        Text with "+/-", "±" or brackets is read by `uncertainties.ufloat_fromstr`; its number is then the decimal
-        that it says. Anything else passes through.
-    name : str
-        What the number is, for the message.
-
-    Raises
-    ------
-    InputError
-        For text that cannot be read so, or a number or a standard error that is negative or not finite.
+    Text with "+/-", "±" or brackets is read; its number is the decimal that it says. `name` is for the message.
     """
-    if isinstance(value, str):
-        if not _WITH_ERROR.search(value):
-            return value, None
-        read = _from_text(value, name)
-        number: Any = repr(read.nominal_value)
-    elif isinstance(value, UFloat):
+    number: Any
+    if isinstance(value, UFloat):
         read, number = value, value.nominal_value
+    elif isinstance(value, str) and _WITH_ERROR.search(value):
+        read = _from_text(value, name)
+        number = repr(read.nominal_value)
     else:
         return value, None
     if not (math.isfinite(read.nominal_value) and math.isfinite(read.std_dev)):
@@ -61,14 +50,23 @@ def split(value: Any, name: str) -> tuple[Any, UFloat | None]:
     return number, read if read.std_dev > 0 else None
 
 
-def separated(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, UFloat]]:
-    """Return numbers by name without their standard errors, and those that have one with it.
+def _from_text(text: str, name: str) -> UFloat:
+    import uncertainties
+    from uncertainties.core import NegativeStdDev
 
-    Raises
-    ------
-    InputError
-        As `split`.
-    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of a standard error that is 0, which is none here
+            read: UFloat = uncertainties.ufloat_fromstr(text)
+    except NegativeStdDev:
+        raise InputError(f"{name} = {text[:60]!r} has a negative standard error; {_EXAMPLES}") from None
+    except (ValueError, OverflowError):
+        raise InputError(f"{name} = {text[:60]!r} is not a number with a standard error; {_EXAMPLES}") from None
+    return read
+
+
+def separated(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, UFloat]]:
+    """Return numbers by name without their standard errors, and those that have one with it."""
     pairs = {name: split(value, name) for name, value in values.items()}
     numbers = {name: number for name, (number, _) in pairs.items()}
     return numbers, {name: read for name, (_, read) in pairs.items() if read is not None}
@@ -85,11 +83,6 @@ def spread(values: Mapping[str, UFloat]) -> tuple[object, ...]:
     return tuple(names), tuple(values[name].std_dev for name in names), tuple(correlations.ravel().tolist())
 
 
-def nominal_text(text: str, name: str) -> str:
-    """Return the number in a text without its standard error, as text."""
-    return str(split(text, name)[0])
-
-
 def with_error(value: float, error: float) -> str:
     """Return a number with its standard error as text, to two digits of that."""
     if not error > 0 or not math.isfinite(error):
@@ -97,20 +90,3 @@ def with_error(value: float, error: float) -> str:
     from uncertainties import ufloat
 
     return f"{ufloat(value, error):.2u}".replace("+/-", " +/- ")
-
-
-def _from_text(text: str, name: str) -> UFloat:
-    import warnings
-
-    import uncertainties
-    from uncertainties.core import NegativeStdDev
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # of a standard error that is 0, which is none here
-            read: UFloat = uncertainties.ufloat_fromstr(text)
-    except NegativeStdDev:
-        raise InputError(f"{name} = {text[:60]!r} has a negative standard error; {_EXAMPLES}") from None
-    except (ValueError, OverflowError):
-        raise InputError(f"{name} = {text[:60]!r} is not a number with a standard error; {_EXAMPLES}") from None
-    return read

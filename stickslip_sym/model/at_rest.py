@@ -1,4 +1,9 @@
-"""Coefficients of friction near v = 0: their limits at rest, and how much they rise from there."""
+"""Coefficients of friction near v = 0: their limits at rest, and how much they rise from there.
+
+Where the belt hardly moves, mu(v) and mu(0+) agree to most of their digits, and their difference is what drives
+the mass. Identities such as exp(a) - exp(b) = exp(b) expm1(a - b), which stand in the table of functions, say it
+as products, which lose none.
+"""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -8,57 +13,26 @@ from typing import Any
 import mpmath
 import numpy as np
 import sympy as sp
+from sympy.codegen.cfunctions import expm1, log1p
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
+from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import number_at
+from stickslip_sym.core.functions import fold, row
 from stickslip_sym.core.lambdify import Backend, function_of
 from stickslip_sym.core.numbers import to_mpf
-from stickslip_sym.model.expression.gain import gain
-from stickslip_sym.model.expression.pieces import at_rest, branch_from
+from stickslip_sym.model.expression.pieces import branch_from, kinked
 
-__all__ = ["Rising", "function_at", "limit_at_rest", "reals", "rises_of", "symbolic_limit_at_rest"]
+__all__ = ["Rising", "function_at", "gain", "limit_at_rest", "reals", "rises_of", "symbolic_limit_at_rest"]
 
 Rising = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) of an array of slip speeds in m/s, NaN where mu has no value."""
 
 _DIGITS = 50  # of mu where a piece begins, whose difference from mu(0+) may be small
 _LARGE = 0.02  # a difference of coefficients that has lost few digits
+_LONGEST = 16  # terms of a^n - b^n as a sum; for larger n it is the exponential of a logarithm
 _START = sp.Dummy("start", positive=True)
 """The slip speed where a piece begins."""
-
-
-def limit_at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> float:
-    """Return the limit of an expression as v falls to 0, at values of its parameters; NaN where none is found."""
-    lowest = branch_from(expr, values, sp.Integer(0))
-    value = number_at(lowest, {**values, symbols.v: sp.Integer(0)})
-    if value is sp.nan:
-        # Values of exponents decide the limit of v^p/v; those of other parameters stay out of the algebra.
-        limit = symbolic_limit_at_rest(lowest.replace(sp.Pow, lambda base, power: base ** _valued(power, values)))
-        value = limit if limit.has(sp.nan) or limit.is_infinite else number_at(limit, values)
-    return math.nan if value.has(sp.zoo) else float(value)
-
-
-def _valued(power: Expr, values: Mapping[Expr, Expr]) -> Expr:
-    return power if power.has(symbols.v) else number_at(power, values)
-
-
-@lru_cache(maxsize=256)
-def symbolic_limit_at_rest(expr: Expr) -> Expr:
-    """Return the limit of an expression in v and parameters as v falls to 0; `sympy.nan` if none is found.
-
-    Where it depends on the sign of a place, it is a Piecewise.
-    """
-    lowest = at_rest(expr)
-    for node in lowest.atoms(sp.Piecewise):
-        cases = [(symbolic_limit_at_rest(lowest.xreplace({node: part})), holds) for part, holds in node.args]
-        return sp.nan if any(part is sp.nan for part, _ in cases) else sp.Piecewise(*cases)
-    # SymPy says in these ways that it finds no limit.
-    try:
-        limit = sp.limit(lowest, symbols.v, 0, "+")
-    except (ArithmeticError, NotImplementedError, TypeError, ValueError):
-        return sp.nan
-    return sp.nan if limit.has(symbols.v, sp.Limit, sp.AccumBounds, sp.I, sp.nan) else limit
 
 
 def function_at(expr: Expr, values: Mapping[Expr, Expr], backend: Backend) -> Callable[[Any], Any]:
@@ -66,18 +40,10 @@ def function_at(expr: Expr, values: Mapping[Expr, Expr], backend: Backend) -> Ca
 
     Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
     """
-    compiled, ordered = function_of([*values, symbols.v], expr, backend), values.values()
-    if backend != "mpmath":
-        return partial(compiled, *map(float, ordered))
-    rounded: dict[int, list[Any]] = {}  # by working precision
-
-    def at_precision(v: Mpf) -> Mpf:
-        precision = mpmath.mp.prec
-        if precision not in rounded:
-            rounded[precision] = [to_mpf(value) for value in ordered]
-        return compiled(*rounded[precision], v)
-
-    return at_precision
+    compiled = function_of([*values, symbols.v], expr, backend)
+    if backend == "mpmath":  # rounded to the precision at a call
+        return lambda v: compiled(*map(to_mpf, values.values()), v)
+    return partial(compiled, *map(float, values.values()))
 
 
 def reals(values: Any) -> FloatArray:
@@ -87,13 +53,53 @@ def reals(values: Any) -> FloatArray:
     return np.asarray(values, dtype=np.float64)
 
 
+# -- limits ----------------------------------------------------------------------------------------
+
+
+def limit_at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> float:
+    """Return the limit of an expression as v falls to 0, at values of its parameters; NaN where none is found."""
+    lowest = branch_from(expr, values, sp.Integer(0))
+    value = number_at(lowest, {**values, symbols.v: sp.Integer(0)})
+    if value is sp.nan:
+        # Values of exponents decide the limit of v^p/v; those of other parameters stay out of the algebra.
+        bound = lowest.replace(sp.Pow, lambda b, p: b ** (p if p.has(symbols.v) else number_at(p, values)))
+        limit = symbolic_limit_at_rest(bound)
+        value = limit if limit.has(sp.nan) or limit.is_infinite else number_at(limit, values)
+    return math.nan if value.has(sp.zoo) else float(value)
+
+
+@lru_cache(maxsize=256)
+def symbolic_limit_at_rest(expr: Expr) -> Expr:
+    """Return the limit of an expression in v and parameters as v falls to 0; `sympy.nan` if none is found.
+
+    Where it depends on the sign of a place, it is a Piecewise.
+    """
+    for node in kinked(expr):
+        cases = []
+        for part, condition in node.args:
+            if (holds := condition.xreplace({symbols.v: sp.Integer(0)})) != sp.false:
+                cases.append((symbolic_limit_at_rest(expr.xreplace({node: part})), holds))
+            if holds == sp.true:
+                break
+        return sp.nan if any(limit is sp.nan for limit, _ in cases) else sp.Piecewise(*cases)
+    # SymPy says in these ways that it finds no limit.
+    try:
+        limit = sp.limit(expr, symbols.v, 0, "+")
+    except (ArithmeticError, NotImplementedError, TypeError, ValueError):
+        return sp.nan
+    return sp.nan if limit.has(symbols.v, sp.Limit, sp.AccumBounds, sp.I, sp.nan) else limit
+
+
+# -- rises -----------------------------------------------------------------------------------------
+
+
 def rises_of(expr: Expr, values: Mapping[Expr, Expr], kinks: Sequence[Expr]) -> list[tuple[float, Rising]]:
     """Return where each smooth piece of a coefficient begins, ascending from 0, and mu(v) - mu(0+) on it.
 
     The difference has the digits that are lost when two coefficients that are close are subtracted.
     """
     starts = [sp.Integer(0), *kinks]
-    pieces = [branch_from(expr, values, start) for start in starts] if kinks else [expr]
+    pieces = [branch_from(expr, values, start) for start in starts]
     return [
         (float(start), _rise(values, pieces[0], piece, start)) for piece, start in zip(pieces, starts, strict=True)
     ]
@@ -125,3 +131,61 @@ def _between(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr
             return float(function_at(piece, values, "mpmath")(to_mpf(start)) - low)
         except (ArithmeticError, TypeError, ValueError):
             return np.nan
+
+
+class _NoValue(Exception):
+    """A part has no finite value at the start."""
+
+
+def gain(expr: Expr, variable: Expr, start: Expr) -> Expr | None:
+    """Return expr(variable) - expr(start), without pieces, in a form that does not cancel where the two are close.
+
+    It is None where a part of the expression has no finite value at `start`. A function that has no rule in the
+    table is subtracted as it stands, unless it is 0 at `start`.
+    """
+
+    def gained(node: Expr, parts: list[tuple[Expr, Expr]]) -> tuple[Expr, Expr]:
+        """Return the value of a node at the start, and its gain, from those of its arguments."""
+        if not node.has(variable):
+            return node, sp.S.Zero
+        if node == variable:
+            return start, node - start
+        low = node.subs(variable, start)
+        if low.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+            raise _NoValue
+        if node.is_Add:
+            return low, sp.Add(*(rise for _, rise in parts))
+        if node.is_Mul:
+            rises = [
+                sp.Mul(*(before for before, _ in parts[:i]), rise, *node.args[i + 1 :])
+                for i, (_, rise) in enumerate(parts)
+            ]
+            return low, sp.Add(*rises)
+        if node.is_Pow and len(parts) == 2:
+            return low, _of_power(node, low, *parts)
+        known = row(node)
+        if known is None or known.gain is None:
+            return low, node - low
+        ((before, rise),) = parts
+        return low, known.gain(node.exp if node.is_Pow else node.args[0], before, rise)
+
+    try:
+        return fold(expr, gained)[1]
+    except _NoValue:
+        return None
+
+
+def _of_power(node: Expr, low: Expr, base: tuple[Expr, Expr], exponent: tuple[Expr, Expr]) -> Expr:
+    """Return the gain of a power from its value at the start, and the values and gains of its two parts."""
+    (base_low, base_rise), (power, power_rise) = base, exponent
+    if power_rise != 0:  # that of p log(b) is (p_0 + rise of p) (rise of log b) + (rise of p) log(b_0)
+        if base_low == 0:
+            raise _NoValue
+        return low * expm1(node.exp * log1p(base_rise / base_low) + power_rise * sp.log(base_low))
+    if base_low == 0:
+        return node - low
+    if power.is_Integer and abs(power) <= _LONGEST:
+        count = abs(int(power))
+        terms = sp.Add(*(node.base**i * base_low ** (count - 1 - i) for i in range(count)))
+        return base_rise * terms if power > 0 else -base_rise * terms / (node.base**count * base_low**count)
+    return low * expm1(power * log1p(base_rise / base_low))

@@ -3,7 +3,6 @@
 import copy
 import math
 from collections.abc import Callable, Iterable, Mapping
-from fractions import Fraction
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self, SupportsFloat
@@ -17,7 +16,7 @@ from stickslip_sym.core.aliases import Expr, FloatArray, Rational
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import Backend
-from stickslip_sym.core.numbers import Number, fractions_of, real, suggestion
+from stickslip_sym.core.numbers import Number, exact, real, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.model.at_rest import (
     Rising,
@@ -108,7 +107,7 @@ class FrictionLaw:
         self.curve: SampledCurve | None = None
         self.name, self.source, self.validity = name, source, validity
         self.static = None if static is None else read_static(static, table)
-        self._values: dict[str, Fraction] = {}
+        self._values: dict[str, Rational] = {}
         self._uncertain: dict[str, UFloat] = {}
         self._parameters = self._used(table)
         for unused in described.keys() - self._parameters.keys():
@@ -268,8 +267,7 @@ class FrictionLaw:
     @property
     def values(self) -> Mapping[str, Rational]:
         """The bound values by name, exact; read-only."""
-        exact = {key: sp.Rational(*value.as_integer_ratio()) for key, value in self._values.items()}
-        return MappingProxyType(exact)
+        return MappingProxyType(self._values)
 
     @property
     def uncertain(self) -> Mapping[str, UFloat]:
@@ -295,7 +293,7 @@ class FrictionLaw:
         (0.5, 0.02)
         """
         numbers, errors = separated(values)
-        read = fractions_of(numbers)
+        read = {name: exact(value, name) for name, value in numbers.items()}
         for key, value in read.items():
             if key not in self.parameters:
                 known = ", ".join(self.parameters) or "none"

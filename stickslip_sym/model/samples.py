@@ -107,7 +107,7 @@ class SampledCurve:
             sp.Add(*[coefficient * (symbols.v - place) ** j for j, coefficient in enumerate(cubic)])
             for place, cubic in zip(self.places, self.cubics, strict=True)
         ]
-        return piecewise(list(zip(formulas, self.places[1:], strict=False)), formulas[-1])
+        return piecewise(list(zip(formulas, [*self.places[1:], None], strict=True)))
 
     def __str__(self) -> str:
         last = self.places[-1] if self.end is None else self.end

@@ -1,5 +1,6 @@
-"""Long formulas made readable: what stands in them repeatedly, or is wide, gets a letter."""
+"""Long formulas made readable, as LaTeX and as lines of text: what stands in them repeatedly gets a letter."""
 
+from collections import Counter
 from collections.abc import Mapping
 
 import sympy as sp
@@ -8,61 +9,99 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.output.layout import LINE, displayed, width
 from stickslip_sym.output.notation import look, notation_of
 from stickslip_sym.output.printing import latex
+from stickslip_sym.output.tables import WIDTH, wrapped
+from stickslip_sym.output.text_printer import terms, text
 
-__all__ = ["abbreviated", "equation", "letter"]
+__all__ = ["equation", "formula"]
 
-_REPEATED = 2  # times that a root stands in a long formula, from which on it gets a name
 _LETTERS = "qphrwgz"
+_BLOCK = 40  # characters from which on what stands repeatedly gets a letter, roots always
+_LONG = 400  # characters of a formula as text from which on it is broken
+_INDENT = "  "
+Definitions = list[tuple[Expr, Expr]]
 
 
 def equation(
     left: str, right: Expr, names: Mapping[str, str], *, relation: str = "=", label: str = "", tag: str = ""
 ) -> str:
-    """Return a displayed equation with a side that is LaTeX already, and the definitions that follow it."""
-    expr, definitions, known = abbreviated(right, names)
-    shown = displayed(left, latex(expr, known), relation=relation, label=label, tag=tag)
+    """Return a displayed equation with a side that is LaTeX already, and the definitions that follow it.
+
+    In a formula that is wider than a line wide denominators, which cannot be broken, get letters too.
+    """
+    known, definitions = dict(names), Definitions()
+    if width(latex(right, names)) > LINE:
+        right, definitions = _repeated(right)
+        for power in sorted(right.atoms(sp.Pow), key=sp.default_sort_key):
+            if power.base.is_Add and power.exp.is_negative and width(latex(power.base, names)) > LINE / 2:
+                symbol = sp.Dummy("denominator", positive=True)
+                right = right.xreplace({power: symbol**power.exp})
+                definitions.append((symbol, power.base))
+        right, definitions = _with_letters(right, definitions, names)
+        known |= notation_of(symbol.name for symbol, _ in definitions)
+    shown = displayed(left, latex(right, known), relation=relation, label=label, tag=tag)
     where = [displayed(known[symbol.name], latex(value, known)) for symbol, value in definitions]
     return "\n".join([shown, "where", *where]) if where else shown
 
 
-def abbreviated(expr: Expr, names: Mapping[str, str]) -> tuple[Expr, list[tuple[Expr, Expr]], dict[str, str]]:
-    """Give names to roots that stand repeatedly in a formula of several lines, and to wide denominators.
+def formula(left: str, expr: Expr) -> str:
+    """Return an equation as indented text: ``left = expr``; blanks and line ends mean nothing.
 
-    Returns the shorter formula, the new symbols with their definitions, and the LaTeX of all symbols.
+    A long formula has a line for each term of its outermost sum, and more where a term is wider than a page.
     """
-    if width(latex(expr, names)) <= LINE:
-        return expr, [], dict(names)
-    definitions: list[tuple[Expr, Expr]] = []
+    if len(text(expr)) <= _LONG:
+        return f"{_INDENT}{left} = {text(expr)}"
+    expr, definitions = _with_letters(*_repeated(expr), {})
+    lines = _broken(left, expr) + (["where"] if definitions else [])
+    for symbol, value in definitions:
+        lines += _broken(symbol.name, value)
+    return "\n".join(f"{_INDENT}{line}" for line in lines)
+
+
+def _broken(left: str, expr: Expr) -> list[str]:
+    if len(whole := f"{left} = {text(expr)}") <= WIDTH - len(_INDENT):
+        return [whole]
+    lines = [f"{left} ="]
+    for term in terms(expr):
+        first, *rest = wrapped(term, WIDTH - 4 * len(_INDENT))
+        lines += [f"{_INDENT}{first}", *(f"{3 * _INDENT}{line}" for line in rest)]
+    return lines
+
+
+def _repeated(expr: Expr) -> tuple[Expr, Definitions]:
+    """Give symbols to what stands repeatedly: the simplest roots first, then the longest other parts."""
+    definitions = Definitions()
     while True:
-        roots: dict[Expr, int] = {}
-        for node in sp.preorder_traversal(expr):
-            if node.is_Pow and node.base.is_Add and sp.denom(node.exp) == 2:
-                roots[node.base] = roots.get(node.base, 0) + 1
-        often = [base for base, count in roots.items() if count >= _REPEATED]
-        if not often:
-            break
-        base = min(often, key=lambda base: (base.count_ops(), sp.default_sort_key(base)))
-        symbol = sp.Dummy(f"root{len(definitions)}", positive=True)
-        expr = expr.xreplace(
-            {p: symbol ** (2 * p.exp) for p in expr.atoms(sp.Pow) if p.base == base and sp.denom(p.exp) == 2}
-        )
-        definitions.append((symbol, sp.sqrt(base)))
-    for power in sorted(expr.atoms(sp.Pow), key=sp.default_sort_key):
-        if power.base.is_Add and power.exp.is_negative and width(latex(power.base, names)) > LINE / 2:
-            symbol = sp.Dummy("denominator", positive=True)
-            expr = expr.xreplace({power: symbol**power.exp})
-            definitions.append((symbol, power.base))
-    initial = letter(expr, names)
+        nodes = [node for node in sp.preorder_traversal(expr) if isinstance(node, sp.Expr) and node.args]
+        roots = Counter(node.base for node in nodes if _is_root(node))
+        bases = [base for base, count in roots.items() if count > 1]
+        blocks = [node for node, count in Counter(nodes).items() if count > 1]
+        if bases:
+            base = min(bases, key=lambda base: (base.count_ops(), sp.default_sort_key(base)))
+            symbol = sp.Dummy("root", positive=True)
+            powers = {node for node in nodes if _is_root(node) and node.base == base}
+            definitions.append((symbol, sp.sqrt(base)))
+            expr = expr.xreplace({power: symbol ** (2 * power.exp) for power in powers})
+            continue
+        size, _, block = max(((len(shown := text(node)), shown, node) for node in blocks), default=(0, "", None))
+        if size < _BLOCK:
+            return expr, definitions
+        definitions.append((sp.Dummy("block"), block))
+        expr = expr.xreplace({block: definitions[-1][0]})
+
+
+def _is_root(node: Expr) -> bool:
+    return bool(node.is_Pow and node.base.is_Add and sp.denom(node.exp) == 2)
+
+
+def _with_letters(expr: Expr, definitions: Definitions, names: Mapping[str, str]) -> tuple[Expr, Definitions]:
+    """Call the symbols by a letter that begins no other name here, neither as it is given nor as it is printed."""
+    own = {symbol for symbol, _ in definitions}
+    others = set().union(expr.free_symbols, *(value.free_symbols for _, value in definitions)) - own
+    written = [*names, *names.values(), *(symbol.name for symbol in others)]
+    free = (one for one in _LETTERS if not any(look(name).startswith(one) for name in written))
+    letter = next(free, "Q")
     new = {
-        symbol: sp.Symbol(initial if len(definitions) == 1 else f"{initial}_{number}", positive=True)
+        symbol: sp.Symbol(letter if len(definitions) == 1 else f"{letter}_{number}", positive=symbol.is_positive)
         for number, (symbol, _) in enumerate(definitions, 1)
     }
-    known = dict(names) | notation_of(symbol.name for symbol in new.values())
-    return expr.xreplace(new), [(new[symbol], value.xreplace(new)) for symbol, value in definitions], known
-
-
-def letter(expr: Expr, names: Mapping[str, str]) -> str:
-    """Return a letter that begins no name here, neither as it is given nor as it is printed."""
-    written = [*names, *names.values(), *(symbol.name for symbol in expr.atoms(sp.Symbol))]
-    free = (one for one in _LETTERS if not any(look(name).startswith(one) for name in written))
-    return next(free, "Q")
+    return expr.xreplace(new), [(new[symbol], value.xreplace(new)) for symbol, value in definitions]

@@ -1,29 +1,95 @@
-"""SymPy's printer for LaTeX, with sums, products and functions as a person writes them.
+r"""SymPy's printer for LaTeX, with sums, products and functions as a person writes them.
 
 Long sums stand beside their fraction, not on it, exponents and arguments have slashes, and brackets grow from ( )
 to [ ] to { }. What is printed must be read in one way only: after a slash stands one factor, and nothing after it.
+What stands in a product, over or under a slash, or behind a minus gets brackets by how it was printed, not by what
+kind of expression it is: a power may have become a quotient, and a sum may be one factor alone.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from enum import IntEnum
 from typing import Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 from sympy.printing.conventions import requires_partial
 from sympy.printing.latex import LatexPrinter
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import CONSTANTS, Constant, Function, row
-from stickslip_sym.output.brackets import Binding, binding, bracketed, held, length
 from stickslip_sym.output.notation import latex_name, look, told_apart
 from stickslip_sym.output.text_printer import Readable, decimal, factors, is_decimal, spellings
 
 __all__ = ["latex"]
 
 _SHORT_SUM = 30  # characters of LaTeX without braces and styles, of a sum that may stand on a fraction
-_SHORT = 48  # of one that may stand there alone
+_SHORT = 48  # of one that may stand there alone, and that one pair of brackets holds in a line
 _NAMED = CONSTANTS.keys() - {sp.E, sp.I}  # E and I are printed in ways of their own
 _NUMBER, _FORCE, _SYMBOL, _SPEED, _SUM, _EXP, _FUNCTION, _OTHER = range(8)
+_TOKEN = re.compile(r"\\[A-Za-z]+|\\.|\s+|.", re.S)
+_OPENING = frozenset({"{", "(", "[", r"\{", r"\left", r"\begin"})
+_CLOSING = frozenset({"}", ")", "]", r"\}", r"\right", r"\end"})
+_TALL = re.compile(r"\\frac|\\int|\\sum|\\left|\\bigg|\\begin")
+_OPERATORS = (r"{\mathrm{d}", r"{\partial")  # what stands on the fraction of a derivative
+
+
+class Binding(IntEnum):
+    """What a text is read as, from the loosest to the tightest."""
+
+    CASES = 0
+    """A choice, whose brace on the left nothing closes on the right."""
+    SUM = 1
+    OPEN = 2
+    """An integral or a derivative, whose end is where its term ends."""
+    QUOTIENT = 3
+    """With a slash: what follows would be taken for a part of the denominator."""
+    PRODUCT = 4
+    FACTOR = 5
+
+
+_KINDS = {
+    r"\begin": Binding.CASES, **dict.fromkeys("+-=<>,;", Binding.SUM), r"\int": Binding.OPEN,
+    "/": Binding.QUOTIENT, r"\,": Binding.PRODUCT, r"\cdot": Binding.PRODUCT,
+}  # fmt: skip
+
+
+def binding(latex: str) -> Binding:
+    """Return what a text is read as."""
+    found, depth = Binding.FACTOR, 0
+    for token in _TOKEN.finditer(latex):
+        text = token[0]
+        if depth == 0:
+            kind = Binding.PRODUCT if text.isspace() else _KINDS.get(text, Binding.FACTOR)
+            if text == r"\frac" and latex.startswith(_OPERATORS, token.end()):
+                kind = Binding.OPEN
+            found = min(found, kind)
+        depth += (text in _OPENING) - (text in _CLOSING)
+    return found
+
+
+def held(latex: str, least: Binding) -> str:
+    """Return a text, in brackets if it holds together less tightly than is needed."""
+    return bracketed(latex) if binding(latex) < least else latex
+
+
+def bracketed(inner: str) -> str:
+    """Return a formula in brackets that differ from those inside, as high as it is."""
+    opening, closing = (r"\{", r"\}") if "[" in inner else ("[", "]") if "(" in inner else ("(", ")")
+    if _TALL.search(inner):
+        # Lines may break between brackets of a given size, not between \left and \right.
+        sizes = (r"\left", r"\right") if _length(inner) < _SHORT else (r"\biggl", r"\biggr")
+    elif opening != "(" or r"\sqrt" in inner:
+        sizes = (r"\bigl", r"\bigr")
+    else:
+        sizes = ("", "")
+    return f"{sizes[0]}{opening}{inner}{sizes[1]}{closing}"
+
+
+def _length(latex: str) -> int:
+    """Return about how many characters a formula shows."""
+    return len(re.sub(r"\\(mathrm|operatorname|left|right|[bB]igg?[lr])|[{}_^ ]", "", latex))
 
 
 class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
@@ -31,10 +97,8 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def __init__(self, names: Mapping[str, str], dummies: Mapping[Expr, str], *, slashes: bool) -> None:
         super().__init__({"diff_operator": "rd"})
-        self.dummies = dummies
-        self._names_of = names
+        self.dummies, self._names_of, self._slashes = dummies, names, slashes
         self._taken = frozenset(map(look, names.values()))
-        self._slashes = slashes
 
     @contextmanager
     def _flat(self) -> Iterator[None]:
@@ -59,7 +123,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             return self._called(CONSTANTS[expr])
         function = row(expr) if isinstance(expr, sp.Function) else None
         if function is not None and function.latex is not None:
-            return self._print_function(function, expr, **options)
+            return self._print_function(function, *expr.args)
         return str(super()._print(expr, **options))
 
     def _called(self, head: Function | Constant) -> str:
@@ -76,44 +140,37 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             (choice for choice in choices if look(choice) not in others), f"\\operatorname{{sympy.{word}}}"
         )
 
-    def _print_Exp1(self, expr: Expr, exp: str | None = None) -> str:
-        del expr, exp
+    def _print_Exp1(self, _: Expr) -> str:
         return r"\exp(1)" if "e" in self._taken else r"\mathrm{e}"
 
-    def _print_ImaginaryUnit(self, expr: Expr) -> str:
-        del expr
+    def _print_ImaginaryUnit(self, _: Expr) -> str:
         return r"\sqrt{-1}" if "i" in self._taken else r"\mathrm{i}"
 
-    # -- sums ----------------------------------------------------------------------------------------
+    # -- sums and products -----------------------------------------------------------------------------
 
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
-        terms = self._as_ordered_terms(expr, order=order)
         # Polynomials first; what decays comes after them.
-        terms = sorted(terms, key=lambda term: bool(term.atoms(sp.Function, sp.exp)))
+        terms = sorted(
+            self._as_ordered_terms(expr, order=order), key=lambda term: bool(term.atoms(sp.Function, sp.exp))
+        )
         first = next((term for term in terms if not term.could_extract_minus_sign()), terms[0])
         if len(terms) == 2:  # 1 + v/v_s
             first = next((term for term in terms if term.is_Rational and term > 0), first)
         terms.remove(first)
         # The brace of a choice would take in the terms after it.
-        first_printed, *others = (held(self._print(term), Binding.SUM) for term in [first, *terms])
-        parts = [first_printed]
+        text, *others = (held(self._print(term), Binding.SUM) for term in [first, *terms])
         for printed in others:
-            parts += ["-", printed[1:]] if printed.startswith("-") else ["+", printed]
-        return " ".join(parts)
-
-    # -- products ------------------------------------------------------------------------------------
+            text += f" - {printed[1:]}" if printed.startswith("-") else f" + {printed}"
+        return text
 
     def _print_Mul(self, expr: Expr) -> str:
         number, parts = sp.Integer(1), []
         for factor in factors(expr):
-            if factor.is_Rational:
-                number *= factor
-                continue
-            if factor.is_Add:
-                content, primitive = factor.primitive()
-                if content.is_Integer:  # 2 (a - b), where SymPy multiplies out
-                    number, factor = number * content, primitive
-            parts.append(factor)
+            content, primitive = factor.primitive() if factor.is_Add else (factor, sp.S.One)
+            if content.is_Rational and (content.is_Integer or not factor.is_Add):  # 2 (a - b), not 2 a - 2 b
+                number, factor = number * content, primitive
+            if factor is not sp.S.One:
+                parts.append(factor)
         for position, factor in enumerate(parts):
             if number < 0 and factor.is_Add and factor.has(sp.Function) and -1 in factor.args:
                 number, parts[position] = -number, -factor  # not -(tanh(x) - 1)
@@ -127,42 +184,41 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         return f"-{fraction}" if expr < 0 else fraction
 
     def _product(self, number: Expr, parts: list[Expr]) -> str:
-        top = [factor for factor in parts if not _is_below(factor)]
-        below = [sp.Pow(factor.base, -factor.exp, evaluate=False) if factor.exp != -1 else factor.base
-                 for factor in parts if _is_below(factor)]  # fmt: skip
-        top, below = (sorted(part, key=self._place) for part in (top, below))
+        top = sorted((factor for factor in parts if not _is_below(factor)), key=self._place)
+        below = [
+            sp.Pow(factor.base, -factor.exp, evaluate=False) if factor.exp != -1 else factor.base
+            for factor in parts
+            if _is_below(factor)
+        ]
         above, under = (number, sp.S.One) if is_decimal(number) else (sp.Integer(number.p), sp.Integer(number.q))
         if not below and under == 1:
             return self._row(above, top)
         with self._flat():
-            denominator = self._row(under, below)
+            denominator = self._row(under, sorted(below, key=self._place))
         if self._slashes:
             numerator = held(self._row(above, top), Binding.PRODUCT)
             return f"{numerator}/{held(denominator, Binding.FACTOR)}"
         head = [factor for factor in top if self._place(factor)[0] <= _SPEED or self._is_short(factor)]
         tail = [factor for factor in top if factor not in head]
-        if not head and above == 1 and len(tail) == 1 and length(self._print(tail[0])) < _SHORT:
+        if not head and above == 1 and len(tail) == 1 and _length(self._print(tail[0])) < _SHORT:
             head, tail = tail, []
         with self._flat():
             fraction = f"\\frac{{{self._row(above, head)}}}{{{denominator}}}"
         return self._row(1, tail, fraction) if tail else fraction
 
     def _is_short(self, factor: Expr) -> bool:
-        return bool(factor.is_Add) and len(factor.args) <= 2 and length(self._print(factor)) < _SHORT_SUM
+        return bool(factor.is_Add) and len(factor.args) <= 2 and _length(self._print(factor)) < _SHORT_SUM
 
     def _row(self, number: Expr, parts: list[Expr], fraction: str = "") -> str:
-        """Return factors beside each other, after a fraction; a sum that stands alone has no brackets."""
-        if not fraction and not parts:
-            return str(self._print(sp.sympify(number)))
-        if not fraction and number == 1 and len(parts) == 1:
-            return str(self._print(parts[0]))
-        texts = [fraction] if fraction else [] if number == 1 else [self._print(sp.sympify(number))]
+        """Return factors beside each other, after a fraction; what stands alone has no brackets."""
+        first = [] if number == 1 and (fraction or parts) else [sp.sympify(number)]
+        if not fraction and len(first) + len(parts) == 1:
+            return str(self._print([*first, *parts][0]))
+        texts = [fraction] if fraction else [self._print(one) for one in first]
         for position, factor in enumerate(parts):
             printed = self._print(factor)
-            last = position == len(parts) - 1
-            if (kind := binding(printed)) in (Binding.CASES, Binding.SUM, Binding.QUOTIENT) or (
-                kind is Binding.OPEN and not last
-            ):
+            is_last = position == len(parts) - 1
+            if (kind := binding(printed)) < Binding.PRODUCT and not (kind is Binding.OPEN and is_last):
                 printed = bracketed(printed)
             if printed.startswith((r"\mathrm{e}^", "{}_")) and texts:
                 printed = f"\\,{printed}"
@@ -183,11 +239,8 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             return (kind, f"{not greek}{name}")
         if base.is_Add:
             return (_SUM, f"{len(base.args):04}{base.has(sp.Pow)}{base}")
-        if isinstance(base, sp.exp):
-            return (_EXP, str(base))
-        if isinstance(base, sp.Function) and not isinstance(base, sp.Piecewise):
-            return (_FUNCTION, str(base))
-        return (_OTHER if isinstance(base, sp.Integral) else _SUM, str(base))
+        kinds = {sp.exp: _EXP, sp.Piecewise: _SUM, sp.Function: _FUNCTION, sp.Integral: _OTHER, sp.Expr: _SUM}
+        return (next(kind for cls, kind in kinds.items() if isinstance(base, cls)), str(base))
 
     # -- powers and functions ------------------------------------------------------------------------
 
@@ -207,38 +260,32 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         printed = self._print(base)
         if "^" not in printed and (base.is_Symbol or base.is_NumberSymbol):
             return f"{{{printed}}}{raised}" if "'" in printed else f"{held(printed, Binding.FACTOR)}{raised}"
-        if base.is_Integer and base >= 0:
-            return f"{printed}{raised}"
-        return f"{bracketed(printed)}{raised}"
+        return f"{printed if base.is_Integer and base >= 0 else bracketed(printed)}{raised}"
 
-    def _print_exp(self, expr: Expr, exp: str | None = None) -> str:
+    def _print_NumberPower(self, expr: Expr) -> str:
+        return self._print_Pow(sp.Pow(*expr.args, evaluate=False))
+
+    def _print_exp(self, expr: Expr) -> str:
         argument = expr.args[0]
         with self._flat():
             printed = self._print(argument)
         # Beside a symbol e, what stands upright is not enough to tell them apart.
         powers = any(not power.exp.is_number for power in argument.atoms(sp.Pow))
         deep = "e" in self._taken or argument.has(sp.Add) or powers
-        result = f"\\exp{bracketed(printed)}" if deep else f"\\mathrm{{e}}^{{{printed}}}"
-        return result if exp is None else f"{bracketed(result)}^{{{exp}}}"
+        return f"\\exp{bracketed(printed)}" if deep else f"\\mathrm{{e}}^{{{printed}}}"
 
-    def _print_function(self, function: Function, expr: Expr, exp: str | None = None) -> str:
-        name, arguments = self._called(function), expr.args
+    def _print_function(self, function: Function, *arguments: Expr) -> str:
+        name = self._called(function)
         if function.indexed:
-            index, *arguments = expr.args
+            index, *rest = arguments
             with self._flat():
-                name = f"{name}_{{{self._print(index)}}}"
-        result = self._applied(name, *arguments)
-        return result if exp is None else f"{bracketed(result)}^{{{exp}}}"
-
-    def _print_NumberPower(self, expr: Expr, exp: str | None = None) -> str:
-        del exp
-        return self._print_Pow(sp.Pow(*expr.args, evaluate=False))
+                return self._applied(f"{name}_{{{self._print(index)}}}", *rest)
+        return self._applied(name, *arguments)
 
     def _print_Function(self, expr: Expr, exp: str | None = None) -> str:
-        if not isinstance(expr, sp.core.function.AppliedUndef):
+        if not isinstance(expr, AppliedUndef):
             return str(super()._print_Function(expr, exp))
-        result = self._applied(self._print(sp.Symbol(type(expr).__name__)), *expr.args)
-        return result if exp is None else f"{bracketed(result)}^{{{exp}}}"
+        return self._applied(self._print(sp.Symbol(type(expr).__name__)), *expr.args)
 
     def _applied(self, name: str, *arguments: Expr) -> str:
         with self._flat():
@@ -248,12 +295,12 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         if primed := self._primed(expr):
             return primed
         sign = r"\partial" if requires_partial(expr.expr) else r"\mathrm{d}"
-        order = sum(count for _, count in expr.variable_count)
-        over = f"{sign}^{{{order}}}" if order != 1 else sign
-        below = " ".join(
-            f"{sign} {self._print(variable)}" + (f"^{{{count}}}" if count != 1 else "")
-            for variable, count in expr.variable_count
-        )
+
+        def power(count: int) -> str:
+            return f"^{{{count}}}" if count != 1 else ""
+
+        over = sign + power(sum(count for _, count in expr.variable_count))
+        below = " ".join(f"{sign} {self._print(one)}{power(count)}" for one, count in expr.variable_count)
         return f"\\frac{{{over}}}{{{below}}} {held(self._print(expr.expr), Binding.FACTOR)}"
 
     def _print_Integral(self, expr: Expr) -> str:
@@ -262,15 +309,12 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         variable, *ends = expr.limits[0]
         printed = self._print(expr.function)
         sign = "-" if printed.startswith("-") and not expr.function.is_Add else ""
-        if expr.function.is_Add:
-            printed = bracketed(printed)
+        printed = bracketed(printed) if expr.function.is_Add else printed.removeprefix(sign)
         with self._flat():
             low, high = map(self._print, ends)
-        differential = f"\\,\\mathrm{{d}}{self._print(variable)}"
-        return f"{sign}\\int_{{{low}}}^{{{high}}} {printed.removeprefix(sign)} {differential}"
+        return f"{sign}\\int_{{{low}}}^{{{high}}} {printed} \\,\\mathrm{{d}}{self._print(variable)}"
 
-    def _print_hyper(self, expr: Expr, exp: str | None = None) -> str:
-        del exp
+    def _print_hyper(self, expr: Expr) -> str:
         with self._flat():
             rows = [", ".join(self._print(argument) for argument in group) for group in expr.args[:2]]
             inside = "; ".join([*rows, self._print(expr.args[2])])

@@ -7,16 +7,7 @@ from collections.abc import Sequence
 __all__ = ["WIDTH", "duration", "table", "wrapped"]
 
 WIDTH = 115  # characters of a line
-# Where a line may end, the best place first, what stands there between its parts, and whether it is one only
-# outside of brackets: never inside ** or a number.
-_FACTOR = r"(?=/|\*(?!\*))"
-_BREAKS = (
-    (r"(?<=,) ", " ", True),
-    (r" (?=[+-] )", " ", True),
-    (rf"(?<=\)){_FACTOR}", "", True),
-    (r"(?<![+-]) ", " ", False),
-    (rf"(?<=[^*/ ]){_FACTOR}", "", False),
-)
+_FACTOR = re.compile(r"(?<!\*)(?=/|\*(?!\*))")  # where a long product may end a line: never inside **
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -39,30 +30,16 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def wrapped(text: str, width: int) -> list[str]:
-    """Break a text at commas, else before terms and bracketed factors, else at spaces, else before factors.
-
-    A line is longer than the width only where one word is.
-    """
-    lines = [""]
-    _fill(lines, text, "", width, _BREAKS)
-    return lines if lines[0] or len(lines) == 1 else lines[1:]
-
-
-def _fill(lines: list[str], text: str, joint: str, width: int, breaks: Sequence[tuple[str, str, bool]]) -> None:
-    """Go on with a text in the last line, and in new ones."""
-    if len(lines[-1]) + len(joint) + len(text) <= width:
-        lines[-1] += joint + text
-    elif len(text) <= width or not breaks:
-        lines.append(text)
-    else:
-        place, between, outside = breaks[0]
-        start = 0
-        for found in [*re.finditer(place, text), None]:
-            before = text[: found.start() if found else None]
-            if found and outside and before.count("(") > before.count(")"):
-                continue
-            _fill(lines, before[start:], joint, width, breaks[1:])
-            joint, start = between, found.end() if found else 0
+    """Break a text at blanks, but not behind a sign; words that are longer than a line also before factors."""
+    lines: list[str] = []
+    for word in re.split(r"(?<![+-]) ", text):
+        for number, part in enumerate([word] if len(word) <= width else _FACTOR.split(word)):
+            joint = "" if number else " "
+            if lines and len(lines[-1]) + len(joint) + len(part) <= width:
+                lines[-1] += joint + part
+            else:
+                lines.append(part)
+    return lines
 
 
 def duration(seconds: float) -> str:

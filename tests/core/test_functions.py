@@ -9,7 +9,7 @@ from flint import acb, arb_series
 import stickslip_sym as ss
 from stickslip_sym.core import balls, functions
 from stickslip_sym.core.functions import FUNCTIONS, Function
-from stickslip_sym.model.expression.gain import gain
+from stickslip_sym.model.at_rest import gain
 from stickslip_sym.motion.thresholds.hypotheses import lipschitz_evidence
 from stickslip_sym.output import printing
 

@@ -7,11 +7,10 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeVar
 
-import sympy as sp
-
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import FUNCTIONS
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.formula.zeros import zeros
@@ -33,17 +32,6 @@ _PREAMBLE = r"""\documentclass[10pt]{article}
 """
 _FRAGMENT = r"% A fragment for \input; it needs \usepackage{amsmath}." + "\n"
 _QUADRATURE = "its value by quadrature serves"
-_SPECIAL = {
-    sp.besseli: "$I_n$ is the modified Bessel function of the first kind",
-    sp.erf: r"$\operatorname{erf}$ is the error function",
-    sp.lowergamma: r"$\gamma(s, x)$ is the lower incomplete gamma function",
-    sp.polylog: r"$\operatorname{Li}_n$ is the polylogarithm",
-    sp.dirichlet_eta: r"$\eta$ is Dirichlet's eta function",
-    sp.hyper: "${}_pF_q$ is the generalised hypergeometric function",
-    sp.elliptic_e: "$E(m)$ is the complete elliptic integral of the second kind of the parameter $m$",
-    sp.elliptic_pi: r"$\Pi(n, m)$ is the one of the third kind, of the characteristic $n$",
-    sp.asinh: r"$\operatorname{arsinh}$ is the inverse hyperbolic sine",
-}
 _GROWS, _TENDS = r"\sim", r"\to"
 
 
@@ -181,7 +169,7 @@ def _criterion(form: ClosedForm, mark: str, names: dict[str, str], steps: bool) 
     lines.append(f"% exact: c = {printing.text(form.expr)}")
     label = f"eq:{mark}-{criterion.label}"
     lines.append(equation(names["c"], form.expr, names, label=label))
-    lines += [f"Here {meaning}." for kind, meaning in _SPECIAL.items() if form.expr.has(kind)]
+    lines += [f"Here {row.meaning}." for row in FUNCTIONS.values() if row.meaning and form.expr.has(row.kind)]
     lines += [*_ends(form, names), *_zeros(form, names)]
     lines.append(f"Verification: {form.verdict.status.value}; {prose(form.verdict.evidence)}.")
     yield "\n".join(lines)

@@ -7,75 +7,66 @@ functions) knows one kind of kink only, one in a term, and knows exactly where i
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from itertools import pairwise
+from typing import TypeAlias
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.balls import holds_at
+from stickslip_sym.core.balls import chosen
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import power, row
 
 __all__ = [
-    "Bound", "absolute", "at_rest", "branch_from", "in_pieces", "joined", "jumps", "larger", "pieces_of",
-    "piecewise", "places", "sign", "smaller",
+    "Bound", "absolute", "bound_of", "branch_from", "in_pieces", "joined", "jumps", "kinked", "larger",
+    "pieces_of", "piecewise", "places", "sign", "smaller",
 ]  # fmt: skip
 
+Cases: TypeAlias = list[tuple[Expr, Expr | None]]
+"""Smooth pieces of an expression in order, and the place where each ends; None is beyond every place."""
 
 _MOST_UNORDERED = 6  # arguments of a Max whose order is unknown: SymPy compares all pairs of them, at length
-MOST_PIECES = 64
+_MOST_PIECES = 64
 _UNKNOWN_ORDER = "Min and Max of parameters of unknown order stand in each other; say which is larger"
 
 
-def piecewise(branches: Sequence[tuple[Expr, Expr]], last: Expr) -> Expr:
-    """Return the law that is piece i for v < place i (and not in an earlier piece), else `last`.
+# -- the pieces of an expression -------------------------------------------------------------------
 
-    A piece may have kinks itself: its own pieces then hold up to its place.
-    """
-    if any(place.has(symbols.v) for _, place in branches):
-        raise InputError("the places of a Piecewise are parameters or numbers; they cannot depend on v")
-    pairs: list[tuple[Expr, Expr]] = []
-    for piece, end in [*branches, (last, None)]:
-        for branch, inner in _cases(piece):
+
+def kinked(expr: Expr) -> list[Expr]:
+    """Return the nodes of an expression that are in pieces of v."""
+    return [node for node in sp.ordered(expr.atoms(sp.Piecewise)) if node.has(symbols.v)]
+
+
+def _ends(node: Expr) -> Cases:
+    """Return the branches of a Piecewise, and where each ends, from its conditions v < place."""
+    # SymPy may turn v < place round into place > v, and joins the conditions of pieces that became equal by Or.
+    relations = (sp.StrictLessThan, sp.StrictGreaterThan)
+    return [
+        (branch, None if holds == sp.true else sp.Max(*(one.gts for one in holds.atoms(*relations))))
+        for branch, holds in node.args
+    ]
+
+
+def _cases(expr: Expr) -> Cases:
+    """Return the smooth pieces of an expression with any number of kinks."""
+    if not (nodes := kinked(expr)):
+        return [(expr, None)]
+    cases: Cases = []
+    for branch, end in _ends(nodes[0]):
+        for part, inner in _cases(expr.xreplace({nodes[0]: branch})):
             place = _nearer(end, inner)
-            if pairs and pairs[-1][0] == branch:
-                # SymPy would join the two conditions by Or; one place keeps every condition of the one form.
-                before = pairs.pop()[1]
-                place = None if place is None else larger(before, place)
-            pairs.append((branch, place))
-    if len(pairs) > MOST_PIECES:
-        raise InputError(f"the kinks of the law part it into more than {MOST_PIECES} pieces")
-    try:
-        conditions = [True if place is None else symbols.v < place for _, place in pairs]
-    except TypeError:
-        raise InputError("the places of a Piecewise are real numbers") from None
-    return sp.Piecewise(*[(branch, holds) for (branch, _), holds in zip(pairs, conditions, strict=True)])
+            if not (cases and _is_empty(cases[-1][1], place)):
+                cases.append((part, place))
+        _check_count(cases)
+    return cases
 
 
 def _nearer(first: Expr | None, second: Expr | None) -> Expr | None:
-    """Return the smaller of two places; None is beyond every place."""
     if first is None or second is None:
         return second if first is None else first
     return smaller(first, second)
-
-
-def _cases(expr: Expr) -> list[tuple[Expr, Expr | None]]:
-    """Return the smooth pieces of an expression with any number of kinks, and the place where each ends."""
-    nodes = _kinked(expr)
-    if not nodes:
-        return [(expr, None)]
-    node = nodes[0]
-    found: list[tuple[Expr, Expr | None]] = []
-    for branch, condition in node.args:
-        end = None if condition == sp.true else _end(condition)
-        for part, inner in _cases(expr.xreplace({node: branch})):
-            place = _nearer(end, inner)
-            if not (found and _is_empty(found[-1][1], place)):
-                found.append((part, place))
-        if len(found) > MOST_PIECES:
-            raise InputError(f"the kinks of the law part it into more than {MOST_PIECES} pieces")
-    return found
 
 
 def _is_empty(before: Expr | None, place: Expr | None) -> bool:
@@ -83,24 +74,81 @@ def _is_empty(before: Expr | None, place: Expr | None) -> bool:
     return before is None or (place is not None and bool((place - before).is_nonpositive))
 
 
-def _kinked(expr: Expr) -> list[Expr]:
-    return [node for node in sp.ordered(expr.atoms(sp.Piecewise)) if node.has(symbols.v)]
+def _check_count(cases: Cases) -> None:
+    if len(cases) > _MOST_PIECES:
+        raise InputError(f"the kinks of the law part it into more than {_MOST_PIECES} pieces")
 
 
-def _end(condition: Expr) -> Expr:
-    """Return the place of a condition v < place; SymPy joins those of equal pieces by Or."""
-    relations = condition.atoms(sp.StrictLessThan, sp.StrictGreaterThan)
-    return sp.Max(*(relation.gts for relation in relations))
+def piecewise(cases: Cases) -> Expr:
+    """Return the law that is piece i for v < place i, and not in an earlier piece.
+
+    A piece may have kinks itself: its own pieces then hold up to its place.
+    """
+    if any(place is not None and place.has(symbols.v) for _, place in cases):
+        raise InputError("the places of a Piecewise are parameters or numbers; they cannot depend on v")
+    pairs: Cases = []
+    for piece, end in cases:
+        for branch, inner in _cases(piece):
+            place = _nearer(end, inner)
+            if pairs and pairs[-1][0] == branch:
+                # SymPy would join the two conditions by Or; one place keeps every condition of the one form.
+                before = pairs.pop()[1]
+                place = None if place is None else larger(before, place)
+            pairs.append((branch, place))
+    _check_count(pairs)
+    try:
+        return sp.Piecewise(*((branch, True if place is None else symbols.v < place) for branch, place in pairs))
+    except TypeError:
+        raise InputError("the places of a Piecewise are real numbers") from None
 
 
 def joined(expr: Expr) -> Expr:
     """Return an expression in which no two kinks stand in one term: their pieces are multiplied out."""
-    if len(_kinked(expr)) < 2:
+    if len(kinked(expr)) < 2:
         return expr
-    if expr.is_Add:
-        return sp.Add(*map(joined, expr.args))
-    *cases, (last, _) = _cases(expr)
-    return piecewise([(branch, place) for branch, place in cases if place is not None], last)
+    return sp.Add(*map(joined, expr.args)) if expr.is_Add else piecewise(_cases(expr))
+
+
+def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]]:
+    """Return the smooth pieces of a term, and the places between them."""
+    pieces, ends = zip(*_cases(term), strict=True)
+    return list(pieces), list(ends[:-1])
+
+
+def places(expr: Expr) -> list[Expr]:
+    """Return the places of all kinks and jumps in an expression, as they stand there."""
+    return list(dict.fromkeys(end for node in kinked(expr) for _, end in _ends(node) if end is not None))
+
+
+def jumps(expr: Expr) -> list[tuple[Expr, Expr]]:
+    """Return the places where an expression itself may jump, and by how much: its right minus its left limit."""
+    heights: list[tuple[Expr, Expr]] = []
+    for node in kinked(expr):
+        place: Expr = None
+        for (left, end), (right, _) in pairwise(_ends(node)):
+            # A piece that ends before it begins is empty: the jumps into it and out of it meet at one place.
+            place = end if place is None or (end - place).is_positive else sp.Max(place, end)
+            height = sp.expand((expr.xreplace({node: right}) - expr.xreplace({node: left})).subs(symbols.v, place))
+            if height != 0:
+                heights.append((place, height))
+    return heights
+
+
+def branch_from(expr: Expr, values: Mapping[Expr, Expr], start: Expr) -> Expr:
+    """Return an expression with each kink replaced by the piece that holds just above a slip speed.
+
+    `values` are those of the parameters, whose symbols stay. Conditions read v < place, so the piece that holds at
+    the speed holds above.
+    """
+    return _branch(expr, frozenset({**values, symbols.v: start}.items()))
+
+
+@lru_cache(maxsize=1024)  # enclosures take each piece of a law of many again and again
+def _branch(expr: Expr, point: frozenset[tuple[Expr, Expr]]) -> Expr:
+    return chosen(expr, dict(point))
+
+
+# -- conditions ------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -115,43 +163,37 @@ class Bound:
         """Return whether this bound holds wherever the other one does not."""
         return self.side != other.side and self.place == other.place
 
-    @property
-    def parts_rest(self) -> bool:
-        """Whether v = 0 lies on one side of the bound, and every higher speed on the other."""
-        return bool(self.place.is_zero) and self.strict == (self.side == ">")
+
+def bound_of(left: Expr, relation: str, right: Expr) -> Bound | None:
+    """Return where a condition on v holds; None for one that is no bound of v."""
+    if relation in ("<", "<=", ">", ">="):
+        for v, place, side in ((left, right, relation[0]), (right, left, "<>"[relation[0] == "<"])):
+            if v == symbols.v:
+                return Bound(side, place, len(relation) == 1)
+    return None
 
 
 def in_pieces(branches: Sequence[tuple[Expr, Bound]], last: Expr) -> Expr:
-    """Return the law that is the first piece whose bound holds, else `last`.
-
-    Raises
-    ------
-    InputError
-        If a piece is for v = 0 alone: the law is that of slip, at v > 0.
-    """
-    if any(bound.parts_rest for _, bound in branches):
+    """Return the law that is the first piece whose bound holds, else `last`."""
+    if any(bound.place.is_zero and bound.strict == (bound.side == ">") for _, bound in branches):
         raise InputError(
             "a piece holds at v = 0 alone; a law is that of slip, so leave this piece out, and give its "
             "coefficient as the static one, static=..."
         )
-    pairs: list[tuple[Expr, Expr]] = []
+    cases: Cases = [(last, None)]
     for branch, bound in reversed(branches):
         if bound.side == "<":
-            pairs = [(branch, bound.place), *pairs]
+            cases = [(branch, bound.place), *cases]
         else:  # what comes later holds below the place only
-            pairs = [*((one, smaller(end, bound.place)) for one, end in pairs), (last, bound.place)]
-            last = branch
-    return piecewise(pairs, last)
+            cases = [*((one, _nearer(end, bound.place)) for one, end in cases), (branch, None)]
+    return piecewise(cases)
+
+
+# -- functions that make kinks ---------------------------------------------------------------------
 
 
 def sign(expr: Expr) -> Expr:
-    """Return -1 or 1, in pieces where an expression changes sign with v.
-
-    Raises
-    ------
-    InputError
-        As `larger`, and for parameters of unknown sign.
-    """
+    """Return -1 or 1, in pieces where an expression changes sign with v."""
     if not expr.has(symbols.v):
         if not (value := sp.sign(expr)).is_number:
             raise InputError("sign(...) of parameters alone; write what it is, 1 or -1")
@@ -172,21 +214,17 @@ def smaller(first: Expr, second: Expr) -> Expr:
 def larger(first: Expr, second: Expr) -> Expr:
     """Return the larger of two expressions, in pieces.
 
-    Raises
-    ------
-    InputError
-        If no place is known where their difference changes sign: it is linear in v, A*v^p + B, or so within a
-        function that rises, and A has a known sign.
+    The place where their difference changes sign has to be known: it is linear in v, A*v^p + B, or so within a
+    function that rises, and A has a known sign.
     """
     return _select(first, second, first - second, sp.Max)
 
 
 def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) -> Expr:
     """Return `above` where a difference is positive, else `below`; `constant` selects where v has no part."""
-    if _kinked(sp.Tuple(above, below, difference)):
-        cases = _cases(sp.Tuple(above, below, difference))
-        *chosen, (last, _) = [(_select(a, b, gap, constant), place) for (a, b, gap), place in cases]
-        return piecewise([(branch, place) for branch, place in chosen if place is not None], last)
+    three = sp.Tuple(above, below, difference)
+    if kinked(three):
+        return piecewise([(_select(a, b, gap, constant), place) for (a, b, gap), place in _cases(three)])
     if difference.is_nonnegative or difference.is_nonpositive:
         return above if difference.is_nonnegative else below
     # Expanding could take very long; a difference that is linear has a slope without v as it stands.
@@ -201,20 +239,10 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
     if not slope.has(symbols.v):
         place = -offset / slope
         if slope.is_positive:
-            return piecewise([(below, place)], above)
+            return piecewise([(below, place), (above, None)])
         if slope.is_negative:
-            return piecewise([(above, place)], below)
-    elif (term := _single_term(difference)) is not None:
-        factor, function, offset = term
-        if factor.is_negative:
-            above, below = below, above
-        level = -offset / factor
-        if function.is_Pow:
-            # Where the level is negative the difference has one sign at all speeds, and the place is 0.
-            return piecewise([(below, power(sp.Max(0, level), 1 / function.exp))], above)
-        if not isinstance(function, sp.exp) or level.is_positive:
-            return _select(above, below, function.args[0] - _inverse(function)(level), constant)
-    elif (simpler := _without_denominator(difference)) is not None:
+            return piecewise([(above, place), (below, None)])
+    elif (simpler := _of_same_sign(difference)) is not None:
         return _select(above, below, simpler, constant)
     raise InputError(
         "Abs, Min, Max and sign need arguments that differ by a linear function of v, by A*v^p + B, or by such a "
@@ -223,94 +251,19 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
     )
 
 
-def _single_term(expr: Expr) -> tuple[Expr, Expr, Expr] | None:
-    """Return A, f and B if an expression is A*f + B, A of known sign, f = v^p with p > 0 or a rising function."""
+def _of_same_sign(expr: Expr) -> Expr | None:
+    """Return a simpler expression of the sign of A*f + B, f = v^p or a rising function, or of a quotient."""
     offset, rest = expr.as_independent(symbols.v, as_Add=True)
     factor, function = rest.as_independent(symbols.v, as_Add=False)
-    if not (factor.is_positive or factor.is_negative):
-        return None
     base, exponent = function.as_base_exp()
-    if base == symbols.v and not exponent.has(symbols.v) and exponent.is_positive:
-        return factor, sp.Pow(base, exponent), offset
-    return (factor, function, offset) if _inverse(function) is not None else None
-
-
-def _inverse(function: Expr) -> Any:
-    """Return the class of a function's inverse, if it rises and has one; else None."""
-    known = row(function)
-    return None if known is None else known.inverse
-
-
-def _without_denominator(expr: Expr) -> Expr | None:
-    """Return an expression of the same sign without a positive denominator; None where it has none."""
+    level, known = -offset / factor, row(function)
+    if factor.is_positive or factor.is_negative:
+        if base == symbols.v and not exponent.has(symbols.v) and exponent.is_positive:
+            # Where the level is negative the difference has one sign at all speeds, and the place is 0.
+            return sp.sign(factor) * (base - power(sp.Max(0, level), 1 / exponent))
+        if known is not None and known.inverse is not None and (known.kind is not sp.exp or level.is_positive):
+            return sp.sign(factor) * (function.args[0] - known.inverse(level))
     numerator, denominator = sp.fraction(sp.together(expr))
-    positive = denominator.has(symbols.v) and (denominator.is_nonnegative or denominator.is_nonpositive)
-    if not positive:
-        return None
-    return sp.expand(numerator if denominator.is_nonnegative else -numerator)
-
-
-def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]]:
-    """Return the smooth pieces of a term, and the places between them."""
-    *cases, (last, _) = _cases(term)
-    return [*(piece for piece, _ in cases), last], [place for _, place in cases if place is not None]
-
-
-def places(expr: Expr) -> list[Expr]:
-    """Return the places of all kinks and jumps in an expression, as they stand there."""
-    found: list[Expr] = []
-    for node in sp.ordered(expr.atoms(sp.Piecewise)):
-        for _, condition in node.args:
-            # SymPy may turn v < place round into place > v; pieces that became equal are joined by Or.
-            relations = sp.ordered(condition.atoms(sp.StrictLessThan, sp.StrictGreaterThan))
-            found += [relation.gts for relation in relations if relation.lts == symbols.v]
-    return list(dict.fromkeys(found))
-
-
-def branch_from(expr: Expr, values: Mapping[Expr, Expr], start: Expr) -> Expr:
-    """Return an expression with each kink replaced by the piece that holds just above a place.
-
-    Parameters
-    ----------
-    expr : sympy.Expr
-    values : mapping of symbols to numbers
-        Of the parameters; the result keeps its symbols.
-    start : sympy number
-        A slip speed. Conditions read v < place, so the piece that holds there holds above.
-    """
-    return _branch(expr, frozenset({**values, symbols.v: start}.items()))
-
-
-@lru_cache(maxsize=1024)  # enclosures take each piece of a law of many again and again
-def _branch(expr: Expr, point: frozenset[tuple[Expr, Expr]]) -> Expr:
-    known = dict(point)
-    kinked = [node for node in expr.atoms(sp.Piecewise) if node.has(symbols.v)]
-    chosen = {node: next(part for part, holds in node.args if holds_at(holds, known)) for node in kinked}
-    return expr.xreplace(chosen)
-
-
-def at_rest(expr: Expr) -> Expr:
-    """Return an expression with each kink replaced by what holds just above v = 0.
-
-    Where the sign of a place is not known, a Piecewise over it stays.
-    """
-    known = {symbols.v: sp.Integer(0)}
-    kinked = [node for node in expr.atoms(sp.Piecewise) if node.has(symbols.v)]
-    chosen = {node: sp.Piecewise(*[(part, holds.xreplace(known)) for part, holds in node.args]) for node in kinked}
-    return expr.xreplace(chosen)
-
-
-def jumps(expr: Expr) -> list[tuple[Expr, Expr]]:
-    """Return the places where an expression itself may jump, and by how much: its right minus its left limit."""
-    found: list[tuple[Expr, Expr]] = []
-    for node in sp.ordered(node for node in expr.atoms(sp.Piecewise) if node.has(symbols.v)):
-        place: Expr = None
-        branches = [branch for branch, _ in node.args]
-        for end, left, right in zip(places(node), branches, branches[1:], strict=False):
-            # A piece that ends before it begins is empty: the jumps into it and out of it meet at one place.
-            place = end if place is None or (end - place).is_positive else sp.Max(place, end)
-            height = expr.xreplace({node: right}) - expr.xreplace({node: left})
-            height = sp.expand(height.subs(symbols.v, place))
-            if height != 0:
-                found.append((place, height))
-    return found
+    if denominator.has(symbols.v) and (denominator.is_nonnegative or denominator.is_nonpositive):
+        return sp.expand(numerator if denominator.is_nonnegative else -numerator)
+    return None

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.expression.parsing import NAME
 from stickslip_sym.model.fitting.one_law import fit_law
 from stickslip_sym.model.fitting.result import Fit, Fits
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.laws import laws as catalogue
 from stickslip_sym.model.measured.measurements import Measurements
 
@@ -99,15 +99,9 @@ def _laws(given: str | FrictionLaw | Iterable[str | FrictionLaw] | None) -> dict
     """Return the laws to fit, each by its name or its formula."""
     if given is None:
         return dict(catalogue)
-    several = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
     laws: dict[str, FrictionLaw] = {}
-    for one in several:
-        if isinstance(one, str):
-            law = catalogue.find(one) if NAME.fullmatch(one) else FrictionLaw(one)
-        elif isinstance(one, FrictionLaw):
-            law = one
-        else:
-            raise InputError(f"a law is a name, a formula or a FrictionLaw, got {type(one).__name__}")
+    for one in [given] if isinstance(given, str) or not isinstance(given, Iterable) else given:
+        law = as_law(one)
         name = law.name or law.text
         if law.curve is not None:
             raise InputError(

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol, overload
+from typing import TYPE_CHECKING, Any, Protocol, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,11 +15,12 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.numbers import lookup
 from stickslip_sym.core.uncertain import UFloat, with_error
-from stickslip_sym.model.fitting.least_squares import Parametric, Problem
+from stickslip_sym.model.fitting.curve import band, draw_law, draw_points
+from stickslip_sym.model.fitting.least_squares import Problem
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import markup
-from stickslip_sym.output.drawing import Drawn, picture, require_matplotlib
+from stickslip_sym.output.drawing import BLUE, Drawn, new_figure, picture
 from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
@@ -32,7 +33,6 @@ _COLUMNS = ["law", "AICc above", "weight", "sigma", "values", ""]
 _SEARCHED = 64.0  # half widths by standard errors, within which the end of an interval is sought
 _NEAR_REST = 0.1  # of V: slip speeds below it are a part of 0 to 2 V that does not matter
 _RATHER = 0.01  # Akaike weight of laws over which a quantity is averaged, over that of the best
-_POINTS, _CURVE, _BAND = "0.35", "#0072B2", "#56B4E9"  # told apart by the colour-blind, and in print
 
 
 Rows = tuple[list[str], list[list[str]]]
@@ -134,7 +134,7 @@ class Fit(_Report):
     @cached_property
     def residuals(self) -> FloatArray:
         """Measured less fitted coefficients, of shape (n,)."""
-        return np.asarray(self.measured.mu - Parametric(self.free_law, self.measured.v).mu(self._p))
+        return np.asarray(self.measured.mu - self.law.at_speeds(self.measured.v))
 
     @cached_property
     def uncertain(self) -> dict[str, UFloat]:
@@ -145,18 +145,19 @@ class Fit(_Report):
 
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # that a standard error of 0 says nothing
-            return dict(zip(self.values, correlated_values(list(self._p), self.covariance), strict=True))
+            return dict(
+                zip(self.values, correlated_values(list(self.values.values()), self.covariance), strict=True)
+            )
 
     def extrapolation(self, V: float) -> str | None:
         """Return which part of 0 to 2 V, where thresholds take friction from, was not measured; None if none."""
         low, high = float(self.measured.v[0]), float(self.measured.v[-1])
-        beyond = [f"above {high:.3g} m/s"] if high * (1 + 1e-9) < 2 * V else []
-        beyond += [f"below {low:.3g} m/s"] if low > _NEAR_REST * V else []
-        if not beyond:
+        beyond = {f"above {high:.3g} m/s": high * (1 + 1e-9) < 2 * V, f"below {low:.3g} m/s": low > _NEAR_REST * V}
+        if not any(beyond.values()):
             return None
         return (
-            f"extrapolated {' and '.join(beyond)}: thresholds take friction from 0 to 2 V = {2 * V:.3g} m/s, and "
-            f"it was measured from {low:.3g} to {high:.3g} m/s"
+            f"extrapolated {' and '.join(side for side, is_so in beyond.items() if is_so)}: thresholds take "
+            f"friction from 0 to 2 V = {2 * V:.3g} m/s, and it was measured from {low:.3g} to {high:.3g} m/s"
         )
 
     def confidence(self, level: float = 0.95, *, profile: bool = False) -> dict[str, tuple[float, float]]:
@@ -176,14 +177,15 @@ class Fit(_Report):
         InputError
             If the level is not between 0 and 1.
         """
-        quantile, problem = self._quantile(level), Problem(self.free_law, self.measured)
-        half = {name: quantile * error for name, error in self.standard_errors.items()}
-        if not profile:
-            return {name: (value - half[name], value + half[name]) for name, value in self.values.items()}
-        return {
-            name: (self._end(problem, i, -half[name], quantile), self._end(problem, i, half[name], quantile))
-            for i, name in enumerate(self.values)
-        }
+        quantile = self._quantile(level)
+        problem = Problem(self.free_law, self.measured) if profile else None
+        intervals = {}
+        for i, (name, value) in enumerate(self.values.items()):
+            half = quantile * self.standard_errors[name]
+            intervals[name] = value - half, value + half
+            if problem is not None and half > 0:
+                intervals[name] = self._end(problem, i, -half, quantile), self._end(problem, i, half, quantile)
+        return intervals
 
     def _end(self, problem: Problem, i: int, step: float, quantile: float) -> float:
         """Return where in the direction of a step the sum of squares, least over the other values, has risen.
@@ -192,19 +194,15 @@ class Fit(_Report):
         """
         from scipy.optimize import brentq
 
-        p = self._p
+        p = np.array(list(self.values.values()))
         variance = self.inflation if self.measured.sigma is not None else self.chi_squared / self.dof
 
         def risen(steps: float) -> float:
-            start = p.copy()
-            start[i] += steps * step
-            minimum = problem.minimum(start, fixed=i)
+            minimum = problem.minimum(p + steps * step * (np.arange(len(p)) == i), fixed=i)
             rise = math.inf if minimum is None else minimum.chi_squared - self.chi_squared
             return min(rise / variance, 1e300) - quantile**2
 
-        if step == 0:
-            return float(p[i])
-        bounded = bool(problem.model.positive[i]) and step < 0
+        bounded = bool(problem.positive[i]) and step < 0
         farthest = min(_SEARCHED, -(1 - 1e-9) * p[i] / step) if bounded else _SEARCHED
         below, above = 0.0, min(0.5, farthest)
         while risen(above) <= 0:
@@ -215,10 +213,8 @@ class Fit(_Report):
 
     def band(self, v: ArrayLike, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
         """Return the lower and upper end of the interval that holds the true mu at each speed, to first order."""
-        model = Parametric(self.free_law, np.asarray(v, dtype=np.float64))
-        derivatives, mu = model.jacobian(self._p), model.mu(self._p)
-        half = self._quantile(level) * np.sqrt(np.einsum("ni,ij,nj->n", derivatives, self.covariance, derivatives))
-        return mu - half, mu + half
+        speeds = np.asarray(v, dtype=np.float64)
+        return band(self.law.bind(**self.uncertain), speeds, self._quantile(level))
 
     def _quantile(self, level: float) -> float:
         from scipy.special import ndtri, stdtrit
@@ -228,30 +224,28 @@ class Fit(_Report):
         above = (1 + level) / 2
         return float(ndtri(above) if self.measured.sigma is not None else stdtrit(self.dof, above))
 
-    @property
-    def _p(self) -> FloatArray:
-        return np.array(list(self.values.values()))
-
     def _parts(self) -> list[str | Rows]:
-        intervals, texts = self.confidence(), self._texts()
+        intervals = self.confidence()
         rows = [
-            [name, texts[name], "{:.4g} to {:.4g}".format(*intervals[name]), self.law.parameters[name].unit or ""]
-            for name in self.values
+            [name, text, "{:.4g} to {:.4g}".format(*intervals[name]), self.law.parameters[name].unit or ""]
+            for name, text in self._texts.items()
         ]
         about = f"residual standard deviation {self.sigma:.3g}, AICc {self.aicc:.6g}, weight {self.weight:.2g}"
         law = f"{self.name}: mu(v) = {self.law.text}" if self.law.name else f"mu(v) = {self.law.text}"
         return [law, (_HEADS, rows), about, *(f"warning: {text}" for text in self.warnings)]
 
     def __repr__(self) -> str:
-        return f"Fit: {self.name}, {self.values_in_words()}"
+        return f"Fit: {self.name}, {self.values_in_words}"
 
+    @property
     def _texts(self) -> dict[str, str]:
         errors = self.standard_errors
         return {name: with_error(value, errors[name]) for name, value in self.values.items()}
 
+    @property
     def values_in_words(self) -> str:
-        """Return the fitted parameters with their standard errors, in a line."""
-        return ", ".join(f"{name} = {text.replace(' ', '')}" for name, text in self._texts().items())
+        """The fitted parameters with their standard errors, in a line."""
+        return ", ".join(f"{name} = {text.replace(' ', '')}" for name, text in self._texts.items())
 
     def content(self) -> dict[str, object]:
         """Return all that the fit says as nested dictionaries and lists that JSON holds."""
@@ -280,37 +274,25 @@ class Fit(_Report):
         }
 
     def _figure(self) -> "Figure":
-        require_matplotlib()
-        from matplotlib.figure import Figure
-
-        measured = self.measured
-        figure = Figure(figsize=(6.4, 5.0), layout="constrained")
-        above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
-        v = np.unique([*np.linspace(0, measured.v[-1], 300), *np.geomspace(1e-4, 1, 100) * measured.v[-1]])[1:]
-        low, high = self.band(v)
-        above.fill_between(v, low, high, color=_BAND, alpha=0.4, linewidth=0, label="95 % band of the curve")
-        above.plot(v, self.law.at_speeds(v), color=_CURVE, label=self.name[:60])
-        for axes, y in ((above, measured.mu), (below, self.residuals)):
-            if measured.sigma is not None:
-                axes.errorbar(measured.v, y, measured.sigma, fmt="none", ecolor=_POINTS, elinewidth=0.6, alpha=0.6)
-            axes.plot(measured.v, y, ".", color=_POINTS, markersize=3, label="measured" if axes is above else None)
-        below.axhline(0, color=_CURVE, linewidth=1)
-        above.set_ylabel("coefficient of friction mu")
-        below.set_ylabel("residual")
-        below.set_xlabel("slip speed v in m/s")
-        above.legend(frameon=False)
+        figure: Figure
+        figure, ((above,), (below,)) = new_figure(6.4, 5.0, 2, sharex=True, height_ratios=[3, 1])
+        draw_law(above, self.law.bind(**self.uncertain), self.measured.v[-1], self.measured, self.name[:60])
+        draw_points(below, self.measured, self.residuals)
+        below.axhline(0, color=BLUE, linewidth=1)
+        below.set(xlabel=above.get_xlabel(), ylabel="residual")
+        above.set_xlabel("")
         return figure
 
 
 class Estimate(Protocol):
-    """A quantity with its standard error, as a `Threshold` is one."""
+    """A quantity with its standard error, None if it has none, as a `Threshold` is one."""
 
     @property
-    def value(self) -> float:
+    def value(self) -> Any:
         """The quantity."""
 
     @property
-    def uncertainty(self) -> float:
+    def uncertainty(self) -> Any:
         """Its standard error."""
 
 
@@ -370,15 +352,12 @@ class Fits(_Report, Sequence[Fit]):
 
     def __init__(self, fits: Sequence[Fit], measured: Measurements, rejected: Mapping[str, str]) -> None:
         inflation = min(fits, key=lambda fit: fit.chi_squared).inflation
-        ranked = sorted(
-            (replace(fit, aicc=_aicc(fit, inflation)) for fit in fits), key=lambda fit: (fit.aicc, fit.chi_squared)
-        )
+        ranked = [replace(fit, aicc=_aicc(fit, inflation)) for fit in fits]
+        ranked.sort(key=lambda fit: (fit.aicc, fit.chi_squared))
         least = ranked[0].aicc
         likelihoods = [math.exp((least - fit.aicc) / 2) if least < math.inf else 1.0 for fit in ranked]
-        self._fits = tuple(
-            replace(fit, weight=likelihood / sum(likelihoods))
-            for fit, likelihood in zip(ranked, likelihoods, strict=True)
-        )
+        shares = [likelihood / sum(likelihoods) for likelihood in likelihoods]
+        self._fits = tuple(replace(fit, weight=share) for fit, share in zip(ranked, shares, strict=True))
         self.measured = measured
         self.rejected = dict(rejected)
 
@@ -418,17 +397,15 @@ class Fits(_Report, Sequence[Fit]):
                 continue
             try:
                 estimate = quantity(fit.law.bind(**fit.uncertain))
-                rows.append(ByLaw(fit.name, fit.weight, float(estimate.value), float(estimate.uncertainty)))
+                rows.append(ByLaw(fit.name, fit.weight, float(estimate.value), float(estimate.uncertainty or 0.0)))
             except StickSlipError as error:
                 refused[fit.name] = str(error)
         if not rows:
             raise InputError(f"no law has it: {next(iter(refused.items()))}")
-        weights, values = (np.array([getattr(row, name) for row in rows]) for name in ("weight", "value"))
-        errors = np.array([row.standard_error for row in rows])
-        weights = weights / weights.sum()
-        mean = float(weights @ values)
-        spread = float(np.sqrt(weights @ (errors**2 + (values - mean) ** 2)))
-        return Averaged(tuple(rows), refused, mean, spread)
+        weights, values, errors = np.array([(row.weight, row.value, row.standard_error) for row in rows]).T
+        mean = np.average(values, weights=weights)
+        variance = np.average(errors**2 + (values - mean) ** 2, weights=weights)
+        return Averaged(tuple(rows), refused, float(mean), float(np.sqrt(variance)))
 
     @overload
     def __getitem__(self, place: int | str) -> Fit: ...
@@ -448,7 +425,7 @@ class Fits(_Report, Sequence[Fit]):
             [
                 fit.name, f"{fit.aicc - self.best.aicc:.1f}" if math.isfinite(fit.aicc) else "-",
                 f"{fit.weight:.3f}", f"{fit.sigma:.3g}",
-                fit.values_in_words(), f"{n} warning{'s' * (n > 1)}" if (n := len(fit.warnings)) else "",
+                fit.values_in_words, f"{n} warning{'s' * (n > 1)}" if (n := len(fit.warnings)) else "",
             ]
             for fit in self._fits
         ]  # fmt: skip

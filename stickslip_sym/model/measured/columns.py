@@ -9,11 +9,13 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import NamedTuple
 
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["EXPECTED", "Column", "Header", "Unit", "choose_columns", "is_header", "read_unit"]
+__all__ = ["EXPECTED", "Column", "choose_columns", "is_header", "read_unit"]
 
+EXPECTED = "v [m/s],mu or v [mm/s];F_t [N];F_n [N];sigma_mu"
 KINDS = {
     "v": ("speed", "rotation"), "mu": ("number",), "F_t": ("force",), "F_n": ("force",), "sigma_mu": ("number",),
     "sigma_F_t": ("force",), "n": ("number",),
@@ -24,44 +26,52 @@ _EXAMPLES = {
     "force": "of a force, like N or mN",
     "number": "of a pure number, like 1 or -",
 }
-EXPECTED = "v [m/s],mu or v [mm/s];F_t [N];F_n [N];sigma_mu"
 
-_GRAVITY = Fraction(980665, 10**5)  # m/s^2, standard
-_POUND = Fraction("0.45359237")  # kg
+
+class Unit(NamedTuple):
+    """A unit: what it measures, one of `KINDS`, and its size in m/s, rad/s, N or 1."""
+
+    kind: str
+    size: Fraction
+
+
+def _sizes(text: str) -> dict[str, Fraction]:
+    return {name: Fraction(size) for name, size in map(str.split, text.split(", "))}
+
+
 _TURN = Fraction(2 * math.pi)
-_POWERS = {"n": -9, "u": -6, "μ": -6, "m": -3, "c": -2, "d": -1, "": 0, "da": 1, "k": 3, "M": 6}
-
-
-def _multiples(unit: str, prefixes: str) -> dict[str, Fraction]:
-    """Return the sizes of a unit with prefixes, parted by commas."""
-    return {prefix + unit: Fraction(10) ** _POWERS[prefix] for prefix in prefixes.split(",")}
-
-
-_LENGTHS = _multiples("m", ",n,u,μ,m,c,d,k") | {
-    "micron": Fraction(1, 10**6), "in": Fraction("0.0254"), "inch": Fraction("0.0254"), "ft": Fraction("0.3048"),
-    "mi": Fraction("1609.344"),
-}  # fmt: skip
-_TIMES = {
-    "s": Fraction(1), "sec": Fraction(1), "second": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60),
-    "minute": Fraction(60), "h": Fraction(3600), "hr": Fraction(3600), "hour": Fraction(3600),
-}  # fmt: skip
-_ANGLES = {
-    "rad": Fraction(1), "deg": _TURN / 360, "°": _TURN / 360, "rev": _TURN, "r": _TURN, "U": _TURN, "1": _TURN,
-    "turn": _TURN,
-}  # fmt: skip
-_UNITS: dict[str, dict[str, Fraction]] = {
+_LENGTHS = _sizes(
+    "nm 1e-9, um 1e-6, μm 1e-6, micron 1e-6, mm 1e-3, cm 1e-2, dm 1e-1, m 1, km 1e3, in 0.0254, inch 0.0254, "
+    "ft 0.3048, mi 1609.344"
+)
+_ANGLES = {"rad": Fraction(1), "deg": _TURN / 360, "°": _TURN / 360}
+_ANGLES |= dict.fromkeys(("rev", "r", "U", "1", "turn"), _TURN)
+_TIMES = _sizes("ms 1e-3, s 1, sec 1, second 1, min 60, minute 60, h 3600, hr 3600, hour 3600")
+_NAMED = {
     "number": dict.fromkeys(("1", "-", "–", "—", "--", "dimensionless", "none", "N/N"), Fraction(1)),
-    "speed": {
-        "mps": Fraction(1), "kph": Fraction(5, 18), "kmh": Fraction(5, 18), "mph": _LENGTHS["mi"] / 3600,
-        "ips": _LENGTHS["in"], "fps": _LENGTHS["ft"], "fpm": _LENGTHS["ft"] / 60, "knot": Fraction(1852, 3600),
-    },
+    "speed": _sizes("mps 1, kph 5/18, kmh 5/18, mph 0.44704, ips 0.0254, fps 0.3048, fpm 0.00508, knot 463/900"),
     "rotation": {"rpm": _TURN / 60, "RPM": _TURN / 60, "rps": _TURN},
-    "force": _multiples("N", ",n,u,μ,m,c,da,k,M") | {
-        "newton": Fraction(1), "kgf": _GRAVITY, "kp": _GRAVITY, "gf": _GRAVITY / 1000,
-        "lbf": _POUND * _GRAVITY, "ozf": _POUND / 16 * _GRAVITY, "dyn": Fraction(1, 10**5),
-    },
-}  # fmt: skip
+    "force": _sizes(
+        "nN 1e-9, uN 1e-6, μN 1e-6, mN 1e-3, cN 1e-2, N 1, newton 1, daN 10, kN 1e3, MN 1e6, kgf 9.80665, "
+        "kp 9.80665, gf 0.00980665, lbf 4.4482216152605, ozf 0.27801385095378125, dyn 1e-5"
+    ),
+}
+_UNITS = {name: Unit(kind, size) for kind, sizes in _NAMED.items() for name, size in sizes.items()} | {
+    f"{above}/{below}": Unit(kind, size / time)
+    for kind, sizes in (("speed", _LENGTHS), ("rotation", _ANGLES))
+    for above, size in sizes.items()
+    for below, time in _TIMES.items()
+}
+"""Capitals count, as they tell mN from MN."""
 _INVERSE = re.compile(r"[ *.·]?(\w+?)(?:\^|\*\*)?[-−]1$")
+
+
+def read_unit(text: str) -> Unit | None:
+    """Return the unit that a text names, like ``mm/s``, ``mm s^-1``, ``mm·s⁻¹`` or ``rpm``; None if not known."""
+    text = " ".join(text.replace("\N{MICRO SIGN}", "μ").replace("⁻¹", "^-1").split())
+    above, _, below = (text if "/" in text else _INVERSE.sub(r"/\1", text)).partition("/")
+    return _UNITS.get(text) or _UNITS.get(f"{above.strip() or '1'}/{below.strip()}")
+
 
 _WORDS: dict[tuple[str, ...], str] = {
     ("v",): (
@@ -85,116 +95,89 @@ _WORDS: dict[tuple[str, ...], str] = {
         "normalkraft, last"
     ),
     ("mu", "F_t"): "friction, reibung",
-    ("sigma_mu",): (
-        "sigma mu, s mu, sd mu, std mu, u mu, d mu, delta mu, mu std, mu sd, mu err, mu error, mu uncertainty, "
-        "std cof, sd cof, sigma cof, cof std, cof sd, cof error, uncertainty of mu, standard deviation of mu, "
-        "std of mu, std dev of mu, standard error of mu"
-    ),
-    ("sigma_F_t",): (
-        "sigma f t, s f t, sd f t, std f t, u f t, sigma f, f t std, f t sd, f t error, friction force std, "
-        "sd of f t, std of f t, standard deviation of f t"
-    ),
     ("sigma_mu", "sigma_F_t"): (
         "sigma, sd, std, stdev, std dev, stddev, standard deviation, standard error, uncertainty, "
         "standard uncertainty, error, err, scatter, standardabweichung"
     ),
+    ("sigma_F_t",): "sigma f",
     ("n", "F_n"): "n",
     ("n",): "count, number of values, repeats, replicates, samples, anzahl",
 }
 _QUALIFIERS = frozenset({"mean", "average", "avg", "ave", "kinetic", "kin", "dynamic", "dyn", "abs", "of", "the"})
 """Words that change nothing: a mean coefficient of kinetic friction is one."""
-_TORQUE = re.compile(r"torque|moment|[\[(]\s*[mk]?N\s?[·*.]?\s?[cm]?m\s*[\])]", re.IGNORECASE)
+_GREEK = str.maketrans({"\N{MICRO SIGN}": " mu ", "μ": " mu ", "σ": " sigma "})
 _BREAKS = re.compile(r"[\s_\-.:,/|(){}\\$\"']+")
+_TORQUE = re.compile(r"torque|moment|[\[(]\s*[mk]?N\s?[·*.]?\s?[cm]?m\s*[\])]", re.IGNORECASE)
 
 
 def _words(text: str) -> list[str]:
     """Return the words of a name without capitals, signs and what qualifies them."""
-    text = text.lower()
-    for sign, letters in (("\N{MICRO SIGN}", " mu "), ("μ", " mu "), ("σ", " sigma ")):
-        text = text.replace(sign, letters)
-    return [word for word in _BREAKS.split(text) if word and word not in _QUALIFIERS]
+    return [word for word in _BREAKS.split(text.lower().translate(_GREEK)) if word and word not in _QUALIFIERS]
 
 
 _MEANINGS = {"".join(_words(word)): meanings for meanings, words in _WORDS.items() for word in words.split(", ")}
 
 
+_SPREADS = {words for words, meanings in _MEANINGS.items() if meanings == ("sigma_mu", "sigma_F_t")}
+_BEFORE = _SPREADS | {"s", "u", "d", "delta"}  # but mu_s and mu_d are coefficients
+
+
 def _meanings(name: str) -> tuple[str, ...]:
-    """Return what a name may mean; two names of one quantity, like friction coefficient mu, mean it too."""
+    """Return what a name may mean: that of its words, of two names alike, or the spread of one, like std of mu."""
     words = _words(name)
-    if meanings := _MEANINGS.get("".join(words)):
-        return meanings
-    for i in range(1, len(words)):
-        first, second = (_MEANINGS.get("".join(half), ()) for half in (words[:i], words[i:]))
-        if first and first == second:
-            return first
+    for i in range(len(words)):
+        first, second = "".join(words[:i]), "".join(words[i:])
+        before, meanings = _MEANINGS.get(first, ()), _MEANINGS.get(second, ())
+        if meanings and (not first or before == meanings):
+            return meanings
+        spread = meanings if first in _BEFORE else before if second in _SPREADS else ()
+        if sigmas := tuple(f"sigma_{one}" for one in spread if one in ("mu", "F_t")):
+            return sigmas
     return ()
-
-
-@dataclass(frozen=True)
-class Unit:
-    """A unit: what it measures, one of `KINDS`, and its size in m/s, rad/s, N or 1."""
-
-    kind: str
-    size: Fraction
-
-
-def read_unit(text: str) -> Unit | None:
-    """Return the unit that a text names; None for one that is not known.
-
-    Capitals count, as they tell mN from MN. A speed is a length over a time in any of the usual ways:
-    ``mm/s``, ``mm s^-1``, ``mm*s**-1``, ``mm·s⁻¹``; a rotational speed is an angle over a time, like ``rev/min``.
-    """
-    text = " ".join(text.replace("\N{MICRO SIGN}", "μ").replace("⁻¹", "^-1").split())
-    for kind, sizes in _UNITS.items():
-        if text in sizes:
-            return Unit(kind, sizes[text])
-    above, over, below = (part.strip() for part in text.partition("/"))
-    if not over and (inverse := _INVERSE.search(text)):
-        above, below = text[: inverse.start()].strip() or "1", inverse[1]
-    for kind, sizes in (("speed", _LENGTHS), ("rotation", _ANGLES)):
-        if above in sizes and below in _TIMES:
-            return Unit(kind, sizes[above] / _TIMES[below])
-    return None
 
 
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*/?\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))", re.DOTALL)
 _SPLITS = re.compile(r"\s+in\s+|\s*/\s*|\s*,\s*|\s+|_")
 
 
-@dataclass(frozen=True)
-class Header:
-    """A column's name.
+def _name_and_unit(text: str) -> tuple[str, str]:
+    """Return a column's name, and its unit as written, empty if it has none."""
+    if _meanings(text) and "[" not in text:  # std(mu) has no unit
+        return text, ""
+    if match := _BRACKETS.fullmatch(text):
+        return match["name"], (match["square"] or match["round"] or "").strip()
+    for split in _SPLITS.finditer(text):
+        name, unit = text[: split.start()], text[split.end() :]
+        if _meanings(name) and (read_unit(unit) is not None or split[0].strip() in ("in", "/", ",")):
+            return name, unit.strip()
+    return text, ""
 
-    Attributes
-    ----------
-    text : str
-        As written.
-    name : str
-        Without its unit.
-    meanings : tuple of str
-        What the column may hold, of `KINDS`; empty where the name is not understood.
-    unit_text : str
-        The unit as written; empty where there is none.
+
+@dataclass(frozen=True)
+class Column:
+    """A column by its header.
+
+    - `text`: as written, and `name`, without its unit.
+    - `meanings`: what it may hold, of `KINDS`; empty where the name is not understood.
+    - `unit_text`: the unit as written; empty where there is none.
+    - `position`: from 0, and `size`, that of the unit in SI units, of one that is read.
     """
 
     text: str
     name: str
     meanings: tuple[str, ...]
     unit_text: str = ""
+    position: int = 0
+    size: Fraction = Fraction(1)
 
     @classmethod
-    def read(cls, text: str) -> "Header":
-        """Return what a cell of a header says."""
-        text = " ".join(text.split())
+    def read(cls, text: str, unit: str = "") -> "Column":
+        """Return what a cell of a header says, and the cell below it of a row of units."""
+        text, unit = " ".join(text.split()), unit.strip().strip("[]()").strip()
         name, unit_text = _name_and_unit(text)
-        return cls(text, name, _meanings(name), unit_text or ("rpm" if "".join(_words(name)) == "rpm" else ""))
-
-    def in_unit(self, text: str) -> "Header":
-        """Return the name with a unit from the line below it."""
-        text = text.strip().strip("[]()").strip()
-        if self.unit_text or not text:
-            return self
-        return replace(self, text=f"{self.text} [{text}]", unit_text=text)
+        if unit and not unit_text:
+            text, unit_text = f"{text} [{unit}]", unit
+        return cls(text, name, _meanings(name), unit_text or ("rpm" if _words(name) == ["rpm"] else ""))
 
     @property
     def unit(self) -> Unit | None:
@@ -204,42 +187,25 @@ class Header:
     @property
     def possible(self) -> tuple[str, ...]:
         """What the column may hold, with its unit."""
-        if self.unit is None:
-            return self.meanings
-        return tuple(meaning for meaning in self.meanings if self.unit.kind in KINDS[meaning])
+        unit = self.unit
+        return tuple(one for one in self.meanings if unit is None or unit.kind in KINDS[one])
 
 
-def _name_and_unit(text: str) -> tuple[str, str]:
-    """Return a column's name, and its unit as written, empty if it has none."""
-    if _meanings(text) and "[" not in text:  # std(mu) has no unit
-        return text, ""
-    if match := _BRACKETS.fullmatch(text):
-        square = match["square"]
-        return match["name"], (match["round"] if square is None else square).strip()
-    for split in _SPLITS.finditer(text):
-        name, unit = text[: split.start()], text[split.end() :]
-        if _meanings(name) and (read_unit(unit) is not None or split[0].strip() in ("in", "/", ",")):
-            return name, unit.strip()
-    return text, ""
-
-
-def is_header(headers: Sequence[Header]) -> bool:
+def is_header(cells: Sequence[str]) -> bool:
     """Return whether names hold both a speed and friction, in whatever units."""
-    named = {meaning for header in headers for meaning in header.meanings}
+    named = {meaning for cell in cells for meaning in Column.read(cell).meanings}
     return "v" in named and bool(named & {"mu", "F_t"})
 
 
-@dataclass(frozen=True)
-class Column:
-    """A column that is read: its position from 0, its name, and the size of its unit in SI units."""
-
-    position: int
-    header: Header
-    size: Fraction
+def _refuse(where: str, *rules: tuple[object, str]) -> None:
+    """Raise an `InputError` with the words of the first rule whose condition is true."""
+    for wrong, words in rules:
+        if wrong:
+            raise InputError(f"{where}: {words}")
 
 
 def choose_columns(
-    headers: Sequence[Header], line: str, chosen: Mapping[str, str | int], radius: Fraction | None
+    headers: Sequence[Column], line: str, chosen: Mapping[str, str | int], radius: Fraction | None
 ) -> dict[str, Column]:
     """Return which column holds which quantity.
 
@@ -252,115 +218,99 @@ def choose_columns(
     """
     headers = list(headers)
     for quantity, text in chosen.items():
-        headers = _with_choice(headers, line, quantity, str(text).strip())
+        _choose(headers, line, quantity, str(text).strip())
     columns: dict[str, Column] = {}
     has_mu = any(header.meanings == ("mu",) for header in headers)
     for i, header in enumerate(headers):
-        if has_mu and {"F_t", "F_n"} & {*header.meanings}:  # forces beside mu are not needed
-            header = replace(header, meanings=("n",) if "n" in header.possible else ())
-        if not header.meanings:
-            continue
-        where = f"{line}, column {i + 1}, {_quoted(header.text)}"
-        _check_unit(header, where, radius)
-        meanings = header.possible
-        if len(meanings) > 1 and has_mu:
-            meanings = tuple(meaning for meaning in meanings if meaning in ("sigma_mu", "n"))
-        quantity, choice = meanings[0], _choice(meanings[0], header.text)
-        if len(meanings) > 1:
-            raise InputError(f"{where}: this may be {' or '.join(meanings)}; {choice}")
-        if other := columns.get(quantity):
-            second = f"column {other.position + 1}, {_quoted(other.header.text)}, is {quantity} too"
-            raise InputError(f"{where}: {second}; {choice}")
-        size = Fraction(1) if header.unit is None else header.unit.size
-        if header.unit is not None and header.unit.kind == "rotation" and radius is not None:
-            size, radius = size * radius, None
-        columns[quantity] = Column(i, header, size)
-    read = _complete(columns, headers, line)
-    if radius is not None:
-        raise InputError(
-            f"{line}: radius = {float(radius):g} m is for a rotational speed; here v is a speed already"
-        )
-    return {quantity: columns[quantity] for quantity in read}
+        meanings = header.meanings
+        if has_mu and meanings != ("mu",):  # forces beside mu are not needed
+            meanings = tuple(one for one in header.possible or meanings if one in ("v", "sigma_mu", "n"))
+        if meanings:
+            column = replace(header, meanings=meanings, position=i)
+            _check(column, line, columns, radius)
+            size = Fraction(1) if column.unit is None else column.unit.size
+            turns = column.unit is not None and column.unit.kind == "rotation"
+            columns[column.possible[0]] = replace(column, size=size * (radius or 1) if turns else size)
+    _check_complete(columns, headers, line)
+    unit = columns["v"].unit
+    if radius is not None and (unit is None or unit.kind != "rotation"):
+        words = f"radius = {float(radius):g} m is for a rotational speed; here v is a speed already"
+        raise InputError(f"{line}: {words}")
+    kept = ("v", "mu", "sigma_mu", "n") if "mu" in columns else ("v", "F_t", "F_n", "sigma_mu", "sigma_F_t", "n")
+    return {quantity: columns[quantity] for quantity in kept if quantity in columns}
 
 
-def _with_choice(headers: Sequence[Header], line: str, quantity: str, text: str) -> list[Header]:
-    """Return the headers with the column that the user chose for a quantity as the only one of it."""
+def _choose(headers: list[Column], line: str, quantity: str, text: str) -> None:
+    """Make the column that the user chose for a quantity the only one of it."""
     if quantity not in KINDS:
         raise InputError(f"a column holds {', '.join(KINDS)}, got {quantity!r}")
-    matches, name, unit_text = _named(headers, text), text, ""
-    if not matches:
-        name, unit_text = _name_and_unit(text)
-        matches = _named(headers, name)
+
+    def named(name: str) -> list[int]:
+        matches = [i for i, header in enumerate(headers) if name in (header.text, header.name)]
+        numbered = not matches and name.isdecimal() and 1 <= int(name) <= len(headers)
+        return [int(name) - 1] if numbered else matches
+
+    name, unit_text = (text, "") if named(text) else _name_and_unit(text)
+    matches = named(name)
     if len(matches) != 1:
         known = ", ".join(_quoted(header.text) for header in headers)[:200]
         raise InputError(
             f"{line}: {len(matches) or 'no'} columns are {_quoted(name)}; it has {known}; give the name of one, "
             f"or its number from 1 to {len(headers)}"
         )
-    changed = [replace(h, meanings=tuple(other for other in h.meanings if other != quantity)) for h in headers]
+    for i, header in enumerate(headers):
+        headers[i] = replace(header, meanings=tuple(one for one in header.meanings if one != quantity))
     own = headers[matches[0]]
-    changed[matches[0]] = replace(own, meanings=(quantity,), unit_text=unit_text or own.unit_text)
-    return changed
+    headers[matches[0]] = replace(own, meanings=(quantity,), unit_text=unit_text or own.unit_text)
 
 
-def _named(headers: Sequence[Header], name: str) -> list[int]:
-    """Return the columns of a name, or else of a number from 1."""
-    matches = [i for i, header in enumerate(headers) if name in (header.text, header.name)]
-    numbered = not matches and name.isdecimal() and 1 <= int(name) <= len(headers)
-    return [int(name) - 1] if numbered else matches
+def _check(column: Column, line: str, columns: Mapping[str, Column], radius: Fraction | None) -> None:
+    """Refuse a column that is understood for its unit, for two meanings, or as another one holds the same."""
+    unit, meanings, shown = column.unit, column.possible, _quoted(column.unit_text)
+    example = _EXAMPLES[KINDS[column.meanings[0]][0]]
+    choice = _choice((meanings or column.meanings)[0], column.text)
+    other = columns.get(meanings[0]) if meanings else None
+    twice = f"column {other.position + 1}, {_quoted(other.text)}, is {meanings[0]} too" if other else ""
+    _refuse(
+        f"{line}, column {column.position + 1}, {_quoted(column.text)}",
+        (column.unit_text and unit is None, f"the unit {shown} is not known here; write one {example}"),
+        (not meanings, f"{shown} is no unit {example}; check both"),
+        ("v" in meanings and unit is None and column.text.strip("\"' ") not in ("v", ""),  # V may be volts
+         "a speed without a unit; write v [m/s], or v [mm/s], whichever it is"),
+        (unit is not None and unit.kind == "rotation" and radius is None,
+         f"{column.unit_text} is a rotational speed; give the radius of the track in m, like radius=0.03"),
+        (len(meanings) > 1, f"this may be {' or '.join(meanings)}; {choice}"),
+        (other, f"{twice}; {choice}"),
+    )  # fmt: skip
 
 
-def _check_unit(header: Header, where: str, radius: Fraction | None) -> None:
-    kind = KINDS[header.meanings[0]][0]
-    if header.unit_text and header.unit is None:
-        raise InputError(
-            f"{where}: the unit {_quoted(header.unit_text)} is not known here; write one {_EXAMPLES[kind]}"
-        )
-    if header.unit is not None and not header.possible:
-        raise InputError(f"{where}: {_quoted(header.unit_text)} is no unit {_EXAMPLES[kind]}; check both")
-    if "v" not in header.meanings:
-        return
-    if header.unit is None and header.text.strip("\"' ") not in ("v", ""):  # V may be volts
-        raise InputError(f"{where}: a speed without a unit; write v [m/s], or v [mm/s], whichever it is")
-    if header.unit is not None and header.unit.kind == "rotation" and radius is None:
-        raise InputError(
-            f"{where}: {header.unit_text} is a rotational speed; give the radius of the track in m, like "
-            "radius=0.03"
-        )
-
-
-def _complete(columns: Mapping[str, Column], headers: Sequence[Header], line: str) -> list[str]:
-    """Return the quantities to read, or refuse a table that lacks one."""
-    sigmas = [name for name in ("sigma_mu", "sigma_F_t") if name in columns]
-    counted = [name for name in ("n",) if name in columns]
-    if "v" in columns and "mu" in columns:
-        return ["v", "mu", *(name for name in sigmas if name == "sigma_mu"), *counted]
+def _check_complete(columns: Mapping[str, Column], headers: Sequence[Column], line: str) -> None:
+    """Refuse a table that lacks a quantity, with what is understood, or whose forces do not go together."""
     forces = {"F_t", "F_n"} & columns.keys()
-    if "v" not in columns or len(forces) < 2:
-        missing = "the slip speed" if "v" not in columns else "F_n" if "F_t" in forces else "mu, or F_t and F_n"
-        raise InputError(f"{line}: no column is {missing}; {_understanding(headers)}")
-    without = {name for name, column in columns.items() if column.header.unit is None}
-    if len(without & forces) == 1:
-        raise InputError(f"{line}: one force has a unit and the other none; write both, like F_t [N], F_n [N]")
-    if len(without & {"F_t", "sigma_F_t"}) == 1 and "sigma_F_t" in columns:
-        raise InputError(f"{line}: sigma of F_t has no unit; write it, like sigma_F_t [N]")
-    if len(sigmas) > 1:
-        raise InputError(f"{line}: there are sigma of mu and of F_t; leave one out")
-    return ["v", "F_t", "F_n", *sigmas, *counted]
-
-
-def _understanding(headers: Sequence[Header]) -> str:
-    """Return which columns are understood and which are not, and how to name one."""
+    missing = "the slip speed" if "v" not in columns else "F_n" if "F_t" in forces else "mu, or F_t and F_n"
     known = [f"{_quoted(h.text)} as {' or '.join(h.meanings)}" for h in headers if h.meanings]
-    other = [_quoted(h.text) for h in headers if not h.meanings and h.text]
-    words = [f"understood: {', '.join(known)}"] if known else []
-    words += [f"not understood: {', '.join(other)[:120]}"] if other else []
+    other = [h.text for h in headers if not h.meanings and h.text]
     torque = next((h.text for h in headers if _TORQUE.search(h.text)), None)
-    if torque is not None:
-        words.append(f"{_quoted(torque)} is a torque: divide it by its lever arm for F_t [N]")
-    example = next((h.text for h in headers if not h.meanings and h.text), "Friction Factor")
-    missing = "mu" if any("v" in h.meanings for h in headers) else "v"
-    return f"{'; '.join(words)}; {_choice(missing, example)}, or write a header like {EXPECTED}"
+    wanted = _choice("mu" if any("v" in h.meanings for h in headers) else "v", other[0] if other else "COF")
+    words = [
+        f"understood: {', '.join(known)}" if known else "",
+        f"not understood: {', '.join(map(_quoted, other))[:120]}" if other else "",
+        f"{_quoted(torque)} is a torque: divide it by its lever arm for F_t [N]" if torque else "",
+        f"{wanted}, or write a header like {EXPECTED}",
+    ]
+    bare = {name for name, column in columns.items() if column.unit is None}
+    by_force = "mu" not in columns
+    _refuse(
+        line,
+        ("v" not in columns or (by_force and len(forces) < 2),
+         f"no column is {missing}; {'; '.join(filter(None, words))}"),
+        (by_force and len(bare & forces) == 1,
+         "one force has a unit and the other none; write both, like F_t [N], F_n [N]"),
+        (by_force and "sigma_F_t" in columns and len(bare & {"F_t", "sigma_F_t"}) == 1,
+         "sigma of F_t has no unit; write it, like sigma_F_t [N]"),
+        (by_force and {"sigma_mu", "sigma_F_t"} <= columns.keys(),
+         "there are sigma of mu and of F_t; leave one out"),
+    )  # fmt: skip
 
 
 def _choice(quantity: str, text: str) -> str:

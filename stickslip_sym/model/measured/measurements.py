@@ -1,8 +1,9 @@
 """`Measurements`: slip speeds, coefficients of friction and their standard deviations, from arrays or a file."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +63,6 @@ class Measurements:
     order: IntArray | None = None
     counts: FloatArray | None = None
     source: str = ""
-    _exact: tuple[tuple[Fraction, ...], tuple[Fraction, ...]] | None = None
 
     @classmethod
     def of(cls, v: ArrayLike, mu: ArrayLike, sigma: ArrayLike | None = None) -> "Measurements":
@@ -78,24 +78,21 @@ class Measurements:
         if speeds.ndim != 1 or speeds.shape != coefficients.shape:
             raise InputError(f"v has the shape {speeds.shape} and mu {coefficients.shape}; give one mu for each v")
         if (speeds < 0).any():
-            raise InputError(f"v = {speeds[speeds < 0][0]:g} is below 0; the slip speed is |x' - V|")
+            raise InputError(f"v = {speeds.min():g} is below 0; the slip speed is |x' - V|")
         if (large := np.abs(coefficients) > _LARGEST_MU).any():
             raise InputError(
                 f"mu[{np.argmax(large)}] = {coefficients[large][0]:g}; a coefficient of friction is below "
                 f"{_LARGEST_MU:g}: leave the row out"
             )
-        deviations = None
-        if sigma is not None:
-            read = np.asarray(read_array("sigma", sigma), np.float64)
-            if read.shape not in ((), speeds.shape):
-                raise InputError(f"sigma has the shape {read.shape} and mu {speeds.shape}; give one for each mu")
-            if (read <= 0).any():
-                raise InputError(f"sigma = {read[read <= 0].flat[0]:g} is not above 0; leave it out if unknown")
-            deviations = np.broadcast_to(read, speeds.shape)
+        deviations = None if sigma is None else np.asarray(read_array("sigma", sigma), np.float64)
+        if deviations is not None and deviations.shape not in ((), speeds.shape):
+            raise InputError(f"sigma has the shape {deviations.shape} and mu {speeds.shape}; give one for each mu")
+        if deviations is not None and (deviations <= 0).any():
+            raise InputError(f"sigma = {deviations.min():g} is not above 0; leave it out if unknown")
         order = np.argsort(speeds, kind="stable")
+        known = None if deviations is None else np.broadcast_to(deviations, speeds.shape)[order]
         rows = f"{len(speeds)} rows{'' if sigma is None else ' with sigma'}"
-        sorted_deviations = None if deviations is None else deviations[order]
-        return cls(speeds[order], coefficients[order], sorted_deviations, rows, order=order)
+        return cls(speeds[order], coefficients[order], known, rows, order=order)
 
     def __len__(self) -> int:
         return len(self.v)
@@ -123,25 +120,17 @@ class Measurements:
         Without it the scatter of the rows of one speed about their mean, pooled over all speeds that repeat,
         divided by the root of the number of rows, is the standard deviation of each mean.
         """
-        speeds, index, counts = np.unique(self.v, return_inverse=True, return_counts=True)
-        if len(speeds) == len(self.v):
+        speeds, index = np.unique(self.v, return_inverse=True)
+        if len(speeds) == len(self):
             return self
-        mean: FloatArray
-        deviation: FloatArray
-        if self.sigma is not None:
-            weights = self.sigma**-2.0
-            total = np.bincount(index, weights)
-            mean, deviation = np.bincount(index, weights * self.mu) / total, 1 / np.sqrt(total)
-            scatter = "weighted by 1/sigma^2"
-        else:
-            mean = np.bincount(index, self.mu) / counts
-            pooled = float(np.sqrt(np.sum((self.mu - mean[index]) ** 2) / (len(self.v) - len(speeds))))
-            deviation = np.asarray(pooled / np.sqrt(counts), np.float64)
-            scatter = f"scatter {pooled:.2g} about the means"
-        understood = f"{self.understood}; averaged at {len(speeds)} speeds, {scatter}"
-        return Measurements(
-            speeds, mean, deviation, understood, self.name, source=self.source, _exact=self._exact_means()
-        )
+        total = np.bincount(index, self.weights**2)
+        mean = np.bincount(index, self.weights**2 * self.mu) / total
+        scatter, said = 1.0, "weighted by 1/sigma^2"
+        if self.sigma is None:
+            scatter = float(np.sqrt(np.sum((self.mu - mean[index]) ** 2) / (len(self) - len(speeds))))
+            said = f"scatter {scatter:.2g} about the means"
+        understood = f"{self.understood}; averaged at {len(speeds)} speeds, {said}"
+        return Measurements(speeds, mean, scatter / np.sqrt(total), understood, self.name, source=self.source)
 
     def binned(self, count: int) -> "Measurements":
         """Return the means of `count` bins of speed, with as many rows in each as nearly as can be.
@@ -155,22 +144,13 @@ class Measurements:
             raise InputError(f"{count} bins of {len(self.v)} rows; take 1 to {len(self.v)}")
         bins = np.repeat(np.arange(count), [len(rows) for rows in np.array_split(self.v, count)])
         speed = np.bincount(bins, self.v) / np.bincount(bins)
-        return replace(self, v=speed[bins], _exact=None).averaged()
+        return replace(self, v=speed[bins]).averaged()
 
-    def points(self) -> tuple[list[Number], list[Number]]:
-        """Return speeds, each once and ascending, and mean coefficients, exact where the file had decimal text."""
+    def points(self) -> tuple[list[str], list[str]]:
+        """Return speeds, each once and ascending, and mean coefficients: the decimals that a file has."""
         means = self.averaged()
-        if means._exact is not None:
-            return list(means._exact[0]), list(means._exact[1])
-        return means.v.tolist(), means.mu.tolist()
-
-    def _exact_means(self) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]] | None:
-        if self._exact is None or self.sigma is not None:  # weights are no decimal text
-            return None
-        rows: dict[Fraction, list[Fraction]] = {}
-        for speed, coefficient in zip(*self._exact, strict=True):
-            rows.setdefault(speed, []).append(coefficient)
-        return tuple(rows), tuple(sum(row, Fraction(0)) / len(row) for row in rows.values())
+        text = repr if means is self else "{:.15g}".format  # rounding is not in the mean of decimals
+        return [text(v) for v in means.v.tolist()], [text(mu) for mu in means.mu.tolist()]
 
 
 def read_measurements(
@@ -230,29 +210,37 @@ def read_measurements(
     if not isinstance(path, str | Path) or not str(path):
         raise InputError(f"the name of a file of measurements is text, got {path!r}")
     path = Path(path)
-    track = _radius(radius)
-    low, high = _range(speeds)
+    track = None if radius is None else fraction(radius, "radius")
+    if track is not None and not 0 < track < 1000:
+        raise InputError(f"radius = {float(track):g} m is that of no track; give it in m, like 0.03")
+    ends = zip(speeds or (None, None), (0.0, math.inf), strict=True)
+    low, high = (default if end is None else real("speeds", end) for end, default in ends)
+    if not 0 <= low < high:
+        raise InputError(
+            f"speeds from {low:g} to {high:g} m/s are no range; give the smaller first, both not below 0"
+        )
     table = read_table(path, columns or {}, track, leave_out=leave_out)
     v, mu, sigma, notes = _fold(table)
     counts = table.floats("n") if "n" in table.cells else None
-    within = np.array((v.astype(float) >= low) & (v.astype(float) <= high))
-    if not within.any():
+    good = np.array((v.astype(float) >= low) & (v.astype(float) <= high))
+    if not good.any():
         raise InputError(
             f"{table.name} has no row from {low:g} to {high:g} m/s; it reaches {float(min(v)):g} to "
             f"{float(max(v)):g}"
         )
     if speeds is not None:
-        notes.insert(0, f"{int(within.sum())} of {len(v)} from {low:g} to {high:g} m/s")
-    good = within
+        notes.insert(0, f"{int(good.sum())} of {len(v)} from {low:g} to {high:g} m/s")
     if not keep_outliers:
         rule = (
             "mu is more than 6 robust standard deviations off a smooth curve; keep such rows by keep_outliers=True"
         )
-        off = _outliers(v, mu, within)
-        good = within & table.require(~off, "F_t" if "F_t" in table.cells else "mu", rule, "off a smooth curve")
+        off = _outliers(v, mu, good)
+        table.require(~off, "F_t" if "F_t" in table.cells else "mu", rule, "off a smooth curve")
+        good &= ~off
     if table.faults:
         notes.append(f"rows left out: {table.left_out}")
     order = np.flatnonzero(good)[np.argsort(v[good].astype(float), kind="stable")]
+    date = datetime.fromtimestamp(path.stat().st_mtime, UTC)
     return Measurements(
         v[order].astype(np.float64),
         mu[order].astype(np.float64),
@@ -261,36 +249,8 @@ def read_measurements(
         path.stem,
         order,
         None if counts is None else counts[order],
-        f"{path.name}, {_date(path)}",
-        (tuple(v[order]), tuple(mu[order])) if v.dtype == object else None,
+        f"{path.name}, {date:%Y-%m-%d}",
     )
-
-
-def _date(path: Path) -> str:
-    from datetime import UTC, datetime
-
-    return f"{datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}"
-
-
-def _radius(radius: Number | None) -> Fraction | None:
-    if radius is None:
-        return None
-    length = fraction(radius, "radius")
-    if not 0 < length < 1000:
-        raise InputError(f"radius = {float(length):g} m is that of no track; give it in m, like 0.03")
-    return length
-
-
-def _range(speeds: tuple[Number | None, Number | None] | None) -> tuple[float, float]:
-    if speeds is None:
-        return 0.0, float("inf")
-    low = 0.0 if speeds[0] is None else real("speeds", speeds[0])
-    high = float("inf") if speeds[1] is None else real("speeds", speeds[1])
-    if not 0 <= low < high:
-        raise InputError(
-            f"speeds from {low:g} to {high:g} m/s are no range; give the smaller first, both not below 0"
-        )
-    return low, high
 
 
 def _outliers(v: Column, mu: Column, within: BoolArray) -> BoolArray:
@@ -343,54 +303,44 @@ def _fold(table: Table) -> tuple[Column, Column, Column | None, list[str]]:
     if deviation is not None:
         rule = "a standard deviation is above 0"
         table.require(table.floats(deviation) > 0, deviation, rule, "without a standard deviation")
-    down = 1
     if friction == "F_t":
-        normal = table.floats("F_n")
-        down = 1 if 2 * int((normal > 0).sum()) >= len(normal) else -1
+        down = np.sign(table.floats("F_n"))
         rule = "a normal force is not 0, and has one sign"
-        table.require(down * normal > 0, "F_n", rule, "without a normal force")
+        table.require(down == (1 if down.sum() >= 0 else -1), "F_n", rule, "without a normal force")
 
     def per_load(quantity: str) -> Column:
-        return table.numbers(quantity) / (table.numbers("F_n") * down)
-
-    def ratio() -> Column:
-        return per_load("F_t") if friction == "F_t" else table.numbers("mu")
+        column = table.numbers(quantity)
+        return column / np.abs(table.numbers("F_n")) if "F_t" in quantity else column
 
     rule = f"a coefficient of friction is below {_LARGEST_MU:g}"
-    table.require(np.abs(ratio().astype(float)) <= _LARGEST_MU, friction, rule, "with abs(mu) above 5")
-    v, mu = table.numbers("v"), ratio()
+    small = np.abs(per_load(friction).astype(float)) <= _LARGEST_MU
+    table.require(small, friction, rule, "with abs(mu) above 5")
+    v, mu = table.numbers("v"), per_load(friction)
     fast = np.abs(v.astype(float)) > _FASTEST
-    if fast.any() and not table.columns["v"].header.unit_text:
+    if fast.any() and not table.columns["v"].unit_text:
         row = int(np.argmax(fast))
         raise InputError(
             f"{table.place(row, 'v')}: got v = {table.cells['v'][row]}; without a unit a speed is in m/s; write "
             "it, like v [mm/s]"
         )
-    v_sign, sign = (np.sign(column.astype(float)).astype(int) for column in (v, mu))
-    turns, notes = _turns(table, v_sign, sign, friction)
-    sigma = (
-        None
-        if deviation is None
-        else per_load(deviation)
-        if deviation == "sigma_F_t"
-        else table.numbers(deviation)
-    )
-    return v * np.where(v_sign < 0, -1, 1), mu * turns, sigma, notes
+    turns, notes = _turns(table, v, mu, friction)
+    return np.abs(v), mu * turns, None if deviation is None else per_load(deviation), notes
 
 
-def _turns(table: Table, v_sign: IntArray, sign: IntArray, friction: str) -> tuple[IntArray, list[str]]:
+def _turns(table: Table, v: Column, mu: Column, friction: str) -> tuple[IntArray, list[str]]:
     """Return what each coefficient is multiplied by, 1 or -1, and what to say of it."""
+    v_sign, sign = (np.sign(column.astype(float)).astype(int) for column in (v, mu))
     reverses = bool((v_sign < 0).any() and (v_sign > 0).any())
     notes = ["both signs of speed folded"] if reverses else []
     against = v_sign * sign if reverses else sign
     below, above = int((against < 0).sum()), int((against > 0).sum())
     direction = -1 if below > above else 1
-    if not (sign < 0).any():
-        return np.ones_like(sign), notes
+    magnitude = np.where(sign < 0, -1, 1)
+    if (sign >= 0).all():
+        return magnitude, notes
     if min(below, above) <= _FEW * (below + above):
-        at_rest = np.where(sign < 0, -1, 1)  # a speed of 0 has no direction
-        kept = np.where(v_sign == 0, at_rest, direction * v_sign) if reverses else np.full_like(sign, direction)
-        return kept, notes
+        kept = direction * v_sign if reverses else np.full_like(sign, direction)
+        return np.where(kept == 0, magnitude, kept), notes  # a speed of 0 has no direction
     if reverses:
         wrong = int(np.argmax(against == -direction))
         raise InputError(
@@ -398,13 +348,13 @@ def _turns(table: Table, v_sign: IntArray, sign: IntArray, friction: str) -> tup
             f"{table.cells['v'][wrong]} is along the motion, "
             "and in most rows it is against it; give friction the sign of the speed, or no sign"
         )
-    return np.where(sign < 0, -1, 1), [*notes, f"both signs of {friction} folded"]
+    return magnitude, [*notes, f"both signs of {friction} folded"]
 
 
 def _understood(table: Table, count: int, notes: list[str]) -> str:
     columns = table.columns
     mu = "F_t/F_n" if "F_t" in columns else f"column {columns['mu'].position + 1}"
-    words = [f"{count} row{'s' * (count != 1)}", f"v in {columns['v'].header.unit_text or 'm/s'}", f"mu from {mu}"]
+    words = [f"{count} row{'s' * (count != 1)}", f"v in {columns['v'].unit_text or 'm/s'}", f"mu from {mu}"]
     words += [f"{name} from column {columns[key].position + 1}" for key, name in _SIGMAS.items() if key in columns]
     words += notes
     if table.unread:

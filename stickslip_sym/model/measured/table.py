@@ -4,15 +4,17 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.measured.columns import EXPECTED, Column, Header, choose_columns, is_header, read_unit
+from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
 from stickslip_sym.output.files import require_name
 
 __all__ = ["Table", "read_table"]
@@ -34,37 +36,27 @@ _NINES = re.compile(r"[+-]?0*(99[.,]9+|9{3,}([.,](0*|9*))?)")
 _NOTHING = re.compile(r"|nan|n/?a|inf|-+|null|none|#.*", re.IGNORECASE)
 _OVERFLOW = 1e30  # what instruments write in place of a value out of range is larger, like 9.9E37
 _WORKBOOKS = {b"PK\x03\x04": ".xlsx or .ods", b"\xd0\xcf\x11\xe0": ".xls"}
+_FAULTY = "mend the row, begin it with #, or leave out rows like it: leave_out=True"
 
 
 @dataclass
 class Table:
     """The numbers of a file's columns that are read. Rows that are no measurements are refused, or left out.
 
-    Attributes
-    ----------
-    name : str
-        Of the file, for messages.
-    columns : dict of str to Column
-        By quantity.
-    unread : list of str
-        Names of the other columns.
-    leave_out : bool
-        Whether rows that are no measurements are left out and counted; else the first is refused.
-    cells : dict of str to list of str
-        With a decimal point, by quantity.
-    lines : list of int
-        The line of the file, from 1, of each row.
-    faults : dict of int to str
-        Why lines were left out.
+    - `name`: of the file, for messages.
+    - `columns`: by quantity, and `unread`, the names of the others.
+    - `leave_out`: whether rows that are no measurements are left out and counted; else the first is refused.
+    - `lines`, `cells`: the line of the file, from 1, of each row, and its cells with a decimal point, by quantity.
+    - `faults`: the lines left out, by the reason.
     """
 
     name: str
     columns: dict[str, Column]
     unread: list[str]
     leave_out: bool
-    cells: dict[str, list[str]] = field(default_factory=dict)
     lines: list[int] = field(default_factory=list)
-    faults: dict[int, str] = field(default_factory=dict)
+    cells: dict[str, list[str]] = field(default_factory=dict)
+    faults: dict[str, list[int]] = field(default_factory=dict)
 
     def floats(self, quantity: str) -> FloatArray:
         """Return a column as it stands in the file, in double precision."""
@@ -84,46 +76,31 @@ class Table:
     def fault(self, line: int, where: str, got: str, rule: str, reason: str) -> None:
         """Refuse a line, or note why it is left out."""
         if not self.leave_out:
-            raise InputError(
-                f"{where}: {rule}; got {got}; mend the row, begin it with #, or leave out rows like it: "
-                "leave_out=True"
-            )
-        self.faults.setdefault(line, reason)
+            raise InputError(f"{where}: {rule}; got {got}; {_FAULTY}")
+        self.faults.setdefault(reason, []).append(line)
 
-    def require(self, keep: BoolArray, quantity: str, rule: str, reason: str) -> BoolArray:
-        """Refuse the first row that breaks a rule, or leave out all of them; return the rows that keep it."""
-        good = np.asarray(keep, dtype=bool)
-        for row in np.flatnonzero(~good).tolist():
+    def require(self, keep: BoolArray, quantity: str, rule: str, reason: str) -> None:
+        """Refuse the first row that breaks a rule, or leave out all of them."""
+        for row in np.flatnonzero(~keep).tolist():
             got = f"{quantity} = {self.cells[quantity][row]}"
             self.fault(self.lines[row], self.place(row, quantity), got, rule, reason)
-        if not good.all():
-            rows = np.flatnonzero(good).tolist()
-            self.cells = {name: [cells[i] for i in rows] for name, cells in self.cells.items()}
-            self.lines = [self.lines[i] for i in rows]
-        self.require_rows()
-        return good
-
-    def require_rows(self) -> None:
-        """Refuse a table of which no row is left."""
-        if not self.lines:
+        rows = np.flatnonzero(keep).tolist()
+        self.lines = [self.lines[i] for i in rows]
+        self.cells = {name: [cells[i] for i in rows] for name, cells in self.cells.items()}
+        if not rows:
             raise InputError(f"{self.name} has no row that is a measurement: {self.left_out}")
 
     @property
     def left_out(self) -> str:
         """How many lines were left out for which reason, and the first of each."""
-        counts = Counter(self.faults.values())
-        first = {reason: line for line, reason in reversed(self.faults.items())}
-        return ", ".join(f"{count} {reason} (line {first[reason]})" for reason, count in counts.items())
+        return ", ".join(f"{len(lines)} {reason} (line {min(lines)})" for reason, lines in self.faults.items())
 
 
 def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | None, *, leave_out: bool) -> Table:
-    """Read the columns of a text file that hold measurements.
+    """Return the columns of a text file that hold measurements, chosen as `choose_columns` does.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, its header is not understood, or a row is no measurement; the message names
-        line and column.
+    Raises `InputError`, with line and column, if the file cannot be read, its header is not understood, or a row
+    is no measurement.
     """
     name = repr(str(path))
     lines = _text(path).splitlines()
@@ -134,34 +111,21 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
     if not rows:
         raise InputError(f"{name} has no points; write a line for each, like 0.1,0.35")
     separator = _separator([_COMMENT.sub("", line, count=1) for _, line in rows[:_LOOKED_AT]])
-    first, headers, where = _header(rows, separator, name, unnamed=bool(chosen))
+    first, headers, where = _header(rows[:_LOOKED_AT], separator, name, unnamed=bool(chosen))
     columns = choose_columns(headers, where, chosen, radius)
     body = [(number, line) for number, line in rows if number >= first and not _COMMENT.match(line)]
     if len(body) > MOST_ROWS:
         raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
     if not body:
         raise InputError(f"{name} has no points below line {first - 1}; write a line for each, like 0.1,0.35")
-    read = {column.position: quantity for quantity, column in columns.items()}
+    read = {column.position for column in columns.values()}
     unread = [header.text for i, header in enumerate(headers) if i not in read and header.text]
     table = Table(name, columns, unread, leave_out)
-    _fill(table, body, len(headers), separator)
-    for quantity in table.cells:
+    _fill(table, [(number, _cells(line, separator)) for number, line in body], len(headers), separator)
+    for quantity in columns:
         good = ~_stand_ins(table.floats(quantity), table.cells[quantity])
         table.require(good, quantity, "this stands for no value", "of a value that stands for none")
     return table
-
-
-def _stand_ins(values: FloatArray, cells: Sequence[str]) -> BoolArray:
-    """Return where a number stands for none: an overflow, or digits 9 like 9999 beyond twice every other number.
-
-    Below 0, like -999, they stand for none too where no other number of that sign is of like size.
-    """
-    nines = np.array([_NINES.fullmatch(cell) is not None for cell in cells])
-    others = values[~nines]
-    for i in np.flatnonzero(nines):
-        ratio = others / values[i]
-        nines[i] = not ((ratio > 0.5) & ((ratio < 2) | (values[i] > 0))).any()
-    return np.asarray(nines | ~(np.abs(values) < _OVERFLOW))
 
 
 def _text(path: Path) -> str:
@@ -172,27 +136,35 @@ def _text(path: Path) -> str:
         raise InputError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
     if kind := _WORKBOOKS.get(content[:4]):
         raise InputError(f"{str(path)!r} is a workbook ({kind}), not a text file; save the sheet as CSV")
-    encoding = "utf-16" if content.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
-    if b"\0" in content and encoding != "utf-16":
-        halves = content[:400:2], content[1:400:2]  # in UTF-16 every other byte of plain text is null
-        encoding = "utf-16-le" if not any(halves[1]) else "utf-16-be"
-        if any(halves[0]) and any(halves[1]):
-            raise InputError(f"{str(path)!r} is not a text file of columns: it holds null bytes")
+    encodings = ["utf-8-sig", "cp1252"]  # the second as older instruments write the micro sign
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        encodings = ["utf-16"]
+    elif b"\0" in content:  # in UTF-16 every other byte of plain text is null
+        encodings = [f"utf-16-{end}" for end, i in (("le", 1), ("be", 0)) if not any(content[i:400:2])]
+    for encoding in encodings:
+        with suppress(UnicodeDecodeError):
+            return content.decode(encoding, "replace" if encoding == "cp1252" else "strict")
+    raise InputError(f"{str(path)!r} is not a text file of columns")
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    """Return the cells of a line; where a quotation mark is not closed it stands in a cell, and is no number."""
+    if separator == " ":
+        return line.split()
     try:
-        return content.decode(encoding)
-    except UnicodeDecodeError as error:
-        if encoding == "utf-8-sig":
-            return content.decode("cp1252", errors="replace")  # as older instruments write the micro sign
-        raise InputError(f"{str(path)!r} is not a text file of columns: {error}") from None
+        row = next(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True))
+    except csv.Error:
+        row = line.split(separator)
+    return [cell.strip() for cell in row]
 
 
-def _split(line: str, separator: str, width: int = 0) -> list[str]:
-    """Return the cells of a line; with blanks, names that two blanks part where that gives as many as `width`."""
+def _names(line: str, separator: str, width: int = 0) -> list[str]:
+    """Return the cells of a header; with blanks, names that two blanks part if that gives as many as `width`."""
     if separator == " ":  # but v [mm/s] is one name
         names = [name.strip('"') for name in _BETWEEN_BLANKS.findall(_BEFORE_UNIT.sub("", line))]
         wide = re.split(r"\s{2,}|\t", line.strip())
         return wide if len(wide) == width != len(names) else names
-    cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
+    cells = _cells(line, separator)
     while len(cells) > 1 and not cells[-1]:  # separators at the end begin no column
         cells.pop()
     return cells
@@ -204,80 +176,65 @@ def _is_number(cell: str) -> bool:
 
 def _separator(lines: Sequence[str]) -> str:
     """Return what separates the columns of a header and of most lines of numbers."""
-    scores: dict[str, tuple[bool, int, int]] = {}
-    for separator in SEPARATORS:
-        cells = [_split(line, separator) for line in lines]
-        numbers = [sum(map(_is_number, row)) for row in cells]
-        rows = sum(
-            count > 1 and (separator in "\t;|" or count > len(row) / 2)
-            for count, row in zip(numbers, cells, strict=True)
-        )
-        named = any(is_header([Header.read(cell) for cell in row]) for row in cells)
-        parted = 0 if separator == " " else sum(len(row) > 1 for row in cells)  # any sentence has blanks
-        scores[separator] = named and rows > 0, rows, parted
-    return max(scores, key=lambda separator: scores[separator])
+
+    def score(separator: str) -> tuple[bool, int, int]:
+        table = [_names(line, separator) for line in lines]
+        numbers = [(sum(map(_is_number, cells)), len(cells)) for cells in table]
+        rows = sum(count > 1 and (separator in "\t;|" or count > width / 2) for count, width in numbers)
+        parted = 0 if separator == " " else sum(width > 1 for _, width in numbers)  # any sentence has blanks
+        return rows > 0 and any(map(is_header, table)), rows, parted
+
+    return max(SEPARATORS, key=score)
 
 
 def _header(
     rows: Sequence[tuple[int, str]], separator: str, name: str, *, unnamed: bool
-) -> tuple[int, list[Header], str]:
+) -> tuple[int, list[Column], str]:
     """Return the line from which on there are numbers, the names of the columns, and where these stand.
 
-    Without names, there are two columns, or as many as there are where columns may be `unnamed`.
+    The header is the last row above the numbers that names a speed and friction, else the last that has a name
+    for each column; units may stand in the row below it. Without names, there are two columns, or as many as
+    there are where columns may be `unnamed`.
     """
-    comments = [_COMMENT.match(line) is not None for _, line in rows[:_LOOKED_AT]]
-    lines = [_COMMENT.sub("", line, count=1) for _, line in rows[:_LOOKED_AT]]
-    numbers = [
-        cells for comment, line in zip(comments, lines, strict=True)
-        if not comment and sum(map(_is_number, cells := _split(line, separator))) > 1
-    ]  # fmt: skip
-    width = Counter(map(len, numbers)).most_common(1)[0][0] if numbers else 0
-    rows_of_cells = [_split(line, separator, width) for line in lines]
-    named: int | None = None  # the last row above the numbers that names a speed and friction
-    above: int | None = None  # the last that has a name for each column
-    first: int | None = None  # the first of numbers
-    for i, cells in enumerate(rows_of_cells):
-        if not any(map(_is_number, cells)):
-            if is_header([Header.read(cell) for cell in cells]):
-                named = i
-            if len(cells) == width > 1 or (separator != " " and len(cells) > 1 and above is None):
-                above = i
-        elif not comments[i] and (named is not None or (len(cells) == width > 1 and all(map(_is_number, cells)))):
-            first = i
-            break
-    header = named if named is not None else above
+    plain = [_COMMENT.match(line) is None for _, line in rows]
+    lines = [_COMMENT.sub("", line, count=1) for _, line in rows]
+    numbers = [_names(line, separator) for line, own in zip(lines, plain, strict=True) if own]
+    widths = Counter(len(cells) for cells in numbers if sum(map(_is_number, cells)) > 1)
+    width = widths.most_common(1)[0][0] if widths else 0
+    table = [_names(line, separator, width) for line in lines]
+    header = first = None
+    named, units = False, list[str]()
+    for i, cells in enumerate(table):
+        if any(map(_is_number, cells)):
+            if plain[i] and (named or (len(cells) == width > 1 and all(map(_is_number, cells)))):
+                first = i
+                break
+        elif is_header(cells):
+            header, named, units = i, True, []
+        elif header == i - 1 and plain[i] and any(read_unit(cell.strip("[]()")) for cell in cells):
+            units = cells
+        elif not named and (len(cells) == width > 1 or (separator != " " and len(cells) > 1 and header is None)):
+            header, units = i, []
     if header is None:
-        known = [Header("", "", ())] * width if unnamed else [Header(name, name, (name,)) for name in ("v", "mu")]
-        if first is None or len(known) != width or not (unnamed or all(comments[:first])):
+        if first is None or not (unnamed or (width == 2 and not any(plain[:first]))):
             raise InputError(_no_header(rows, separator, name))
+        known = [Column("", "", ())] * width if unnamed else [Column(one, one, (one,)) for one in ("v", "mu")]
         return rows[first][0], known, name
-    if named is None and header and _is_units(rows_of_cells[header]):
-        header -= 1
-    headers = [Header.read(cell) for cell in rows_of_cells[header]]
+    below = units + [""] * len(table[header])
+    headers = [Column.read(cell, unit) for cell, unit in zip(table[header], below, strict=False)]
     where = f"{name}, line {rows[header][0]}"
     if separator == " " and width and len(headers) != width:
         raise InputError(
             f"{where}: {lines[header].strip()[:80]!r} has {_columns(len(headers))}, parted by blanks, and the "
             f"rows have {width}; part names of more words by two blanks, or all columns by tabs or semicolons"
         )
-    last = header
-    if header + 1 < len(lines) and not comments[header + 1]:
-        units = rows_of_cells[header + 1]
-        if len(units) <= len(headers) and _is_units(units):
-            units = units + [""] * (len(headers) - len(units))
-            headers = [one.in_unit(text) for one, text in zip(headers, units, strict=True)]
-            last = header + 1
-    return rows[last][0] + 1, headers, where
-
-
-def _is_units(cells: Sequence[str]) -> bool:
-    return not any(map(_is_number, cells)) and any(read_unit(cell.strip("[]()")) for cell in cells)
+    return rows[header + bool(units)][0] + 1, headers, where
 
 
 def _no_header(rows: Sequence[tuple[int, str]], separator: str, name: str) -> str:
     number, line = next(((n, text) for n, text in rows if not _COMMENT.match(text)), rows[0])
     shown = repr(line[:60]) + ("..." if len(line) > 60 else "")
-    count = len(_split(line, separator))
+    count = len(_names(line, separator))
     parted = _columns(count) + (f", parted by {SEPARATORS[separator]}" if count > 1 else "")
     return (
         f"{name}, line {number}: got {shown}, {parted}; a table begins with a header that names the slip speed "
@@ -286,29 +243,17 @@ def _no_header(rows: Sequence[tuple[int, str]], separator: str, name: str) -> st
     )
 
 
-def _fill(table: Table, body: Sequence[tuple[int, str]], count: int, separator: str) -> None:
+def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], count: int, separator: str) -> None:
     """Take the cells that are read of all rows, each of which has so many columns."""
-    if separator == " ":
-        rows = [line.split() for _, line in body]
-    else:
-        parted = csv.reader([line for _, line in body], delimiter=separator, skipinitialspace=True)
-        rows = [[cell.strip() for cell in row] for row in parted]
-    if len(rows) != len(body):
-        line = next((number for number, text in body if text.count('"') % 2), body[-1][0])
-        raise InputError(f"{table.name}, line {line}: a quotation mark is not closed; a row is a line of its own")
-    lines = [number for number, _ in body]
     read = {column.position: quantity for quantity, column in table.columns.items()}
-    sign = _decimal_sign(
-        [(cell, f"line {line}, column {i + 1}") for line, row in zip(lines, rows, strict=True)
-         for i, cell in enumerate(row) if i in read], table.name,
-    )  # fmt: skip
-    looked_at = [row for row in rows[:_LOOKED_AT] if len(row) >= count]
+    sign = _decimal_sign(rows, list(read), table.name)
+    looked_at = [row for _, row in rows[:_LOOKED_AT] if len(row) >= count]
     numeric = [  # a word in another column of numbers, like Mean, says that a row is none of measurements
         i for i in range(count)
         if i not in read and 2 * sum(_is_number(row[i]) for row in looked_at) > len(looked_at)
     ]  # fmt: skip
     table.cells = {quantity: [] for quantity in table.columns}
-    for line, row in zip(lines, rows, strict=True):
+    for line, row in rows:
         where = f"{table.name}, line {line}, column "
         if len(row) < count or any(row[count:]):
             rule = f"the row has {_columns(len(row))}, and the header {count}"
@@ -324,28 +269,28 @@ def _fill(table: Table, body: Sequence[tuple[int, str]], count: int, separator: 
         wrong += [i for i in read if not _NUMBERS[sign].fullmatch(row[i])]
         if wrong:
             i, rule = wrong[0], "a finite number is needed, like 0.35"
-            named = f", {table.columns[read[i]].header.text!r}" if i in read else ""
+            named = f", {table.columns[read[i]].text!r}" if i in read else ""
             table.fault(line, f"{where}{i + 1}{named}", repr(row[i][:40]), rule, "without a number")
             continue
         table.lines.append(line)
         for i, quantity in read.items():
-            table.cells[quantity].append(row[i].replace(",", ".") if sign == "," else row[i])
-    table.require_rows()
+            table.cells[quantity].append(row[i].replace(sign, "."))
 
 
-def _decimal_sign(cells: Sequence[tuple[str, str]], name: str) -> str:
-    """Return the decimal sign of cells, each with its place, or refuse both signs, or one between thousands."""
+def _decimal_sign(rows: Sequence[tuple[int, list[str]]], read: Sequence[int], name: str) -> str:
+    """Return the decimal sign of the cells that are read, or refuse both signs, or one between thousands."""
     first: dict[str, str] = {}
     certain = False  # of a comma that stands between no thousands
-    for cell, place in cells:
+    for (line, row), i in product(rows, read):
+        cell = row[i] if i < len(row) else ""
         signs = [sign for sign, number in _NUMBERS.items() if number.fullmatch(cell)]
         if not signs and (thousands := _THOUSANDS.fullmatch(cell)):
-            plain = cell.replace(thousands[1], "").replace(",", ".")
             raise InputError(
-                f"{name}, {place}: {cell!r} has a sign between thousands; write it without, like {plain}"
+                f"{name}, line {line}, column {i + 1}: {cell!r} has a sign between thousands; write it without, "
+                f"like {cell.replace(thousands[1], '').replace(',', '.')}"
             )
         if len(signs) == 1:
-            first.setdefault(signs[0], f"{cell!r} in {place}")
+            first.setdefault(signs[0], f"{cell!r} in line {line}, column {i + 1}")
             certain = certain or (signs == [","] and _THREE_DIGITS.fullmatch(cell) is None)
     if len(first) > 1:
         raise InputError(
@@ -358,6 +303,19 @@ def _decimal_sign(cells: Sequence[tuple[str, str]], name: str) -> str:
             "the number without a comma, or with a decimal point"
         )
     return next(iter(first), ".")
+
+
+def _stand_ins(values: FloatArray, cells: Sequence[str]) -> BoolArray:
+    """Return where a number stands for none: an overflow, or digits 9 like 9999 beyond twice every other number.
+
+    Below 0, like -999, they stand for none too where no other number of that sign is of like size.
+    """
+    nines = np.array([_NINES.fullmatch(cell) is not None for cell in cells], dtype=bool)
+    others = values[~nines]
+    for i in np.flatnonzero(nines):
+        ratio = others / values[i]
+        nines[i] = not ((ratio > 0.5) & ((ratio < 2) | (values[i] > 0))).any()
+    return np.asarray(nines | ~(np.abs(values) < _OVERFLOW))
 
 
 def _columns(count: int) -> str:

@@ -10,7 +10,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.symbols import v
-from stickslip_sym.model.expression.gain import gain
+from stickslip_sym.model.at_rest import gain
 
 CLOSE = 2e-14  # relative: a few roundings of formulas of ten operations
 SPEEDS = (1e-14, 3e-9, 5e-5, 0.3)

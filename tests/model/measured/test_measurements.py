@@ -402,7 +402,10 @@ FORCES = "v [m/s],F_t [N],F_n [N]\n"
             "'0.3' in line 3, column 2, has a decimal point, and '0,5' in line 2, column 1",
         ),
         ("v;mu\n1.000,5;0,4\n2;3\n", "line 2, column 1: '1.000,5' has a sign between thousands"),
-        ('v,mu\n0,0.5\n1,"0.4\n2,0.3\n', "line 3: a quotation mark is not closed"),
+        (
+            'v,mu\n0,0.5\n1,"0.4\n2,0.3\n',
+            "line 3, column 2, 'mu': a finite number is needed.*got '\"0.4'",
+        ),
         ("v,mu\n0,__import__('os')\n", "line 2, column 2, 'mu': a finite number is needed"),
         ("v,mu\n0,1_0\n", "a finite number is needed, like 0.35; got '1_0'"),
         (
