@@ -29,6 +29,7 @@ NEAR = 100
 """Tolerances within which an initial condition is on a separatrix, as far as integration can say."""
 _CLOSE = 1e-6  # slip speed over the belt's at a graze, below which its error is measured
 _FIRST, _ESCAPED = 1e-3, 1e6  # displacements q at which a round outside P's is tried first, and last
+_NEAREST = 1e-3  # lowest amplitude over the belt's speed that is looked at: a smaller cycle is not seen
 _STRONGEST = 1e-300  # contraction of a round that can still be told from 0
 _FAST = 1e12  # slip speed over the belt's, beyond every feature of a law: it stands for all that are higher
 _SAME = 1e-9  # relative change of a round that is periodic
@@ -56,23 +57,23 @@ class PhasePlane:
         and -infinity where the mass moves away for ever; where it creeps to rest it is 1. It counts as 0 up to the
         tolerance, and where a tolerance ten times wider changes it by half of itself or more.
         """
-        height = self._lowest(self.rtol)
+        height = self._least_after(0.0, 0.0, self.rtol)
         if abs(height) > _CLOSE:
             return height
-        lost = abs(self._lowest(10 * self.rtol) - height) >= abs(height) / 2
+        lost = abs(self._least_after(0.0, 0.0, 10 * self.rtol) - height) >= abs(height) / 2
         return 0.0 if lost or abs(height) <= self.rtol else height
 
-    def _lowest(self, rtol: float) -> float:
-        slip = self.system.slip(0.0, 0.0, until=End.MINIMUM, rtol=rtol)
-        heights = {End.RETURN: -(slip.rate**2) / 2, End.OUTSIDE: -math.inf, End.MINIMUM: slip.w}
-        return heights.get(slip.end, 1.0)
+    def _least_after(self, q: float, w: float, rtol: float) -> float:
+        slip = self.system.slip(q, w, until=End.MINIMUM, rtol=rtol)
+        least = {End.RETURN: -(slip.rate**2) / 2, End.OUTSIDE: -math.inf, End.MINIMUM: slip.w}
+        return least.get(slip.end, 1.0)
 
     # -- periodic motions --------------------------------------------------------------------------
 
     @cached_property
     def slip_cycles(self) -> tuple[LimitCycle, ...]:
         """The limit cycles in pure slip up to the belt's speed, by ascending amplitude."""
-        return limit_cycles(self.law, self.oscillator)
+        return () if self._growth_of_all else limit_cycles(self.law, self.oscillator)
 
     @cached_property
     def growth(self) -> tuple[int, ...]:
@@ -81,9 +82,25 @@ class PhasePlane:
         Below the first limit cycle, between two, and above the last: an orbit grows where it needs more damping
         than there is.
         """
+        if self._growth_of_all:
+            return (self._growth_of_all,)
         need, damping = needed_damping(self.law, self.oscillator), 2 * self.oscillator.zeta
         bounds = [0.0, *(cycle.amplitude / self.oscillator.V for cycle in self.slip_cycles), 1.0]
         return tuple(int(np.sign(need.gap((low + high) / 2, damping)[0])) for low, high in pairwise(bounds))
+
+    @cached_property
+    def _growth_of_all(self) -> int:
+        """The growth of all slip orbits, where those at one end settle it; else 0.
+
+        The next peak grows with that before it, since orbits do not cross. Friction may be so strong that nothing
+        else can be integrated.
+        """
+        system = self.system
+        turn = system.turn(0.0)
+        if 1 - (self._least_after(turn, 0.0, self.rtol) if turn else self.height) <= _NEAREST:
+            return -1
+        nearest = system.turn(1 - _NEAREST), 1 - _NEAREST
+        return int(system.decay(1.0) <= 0 and self._least_after(*nearest, self.rtol) <= 0)
 
     @cached_property
     def stick_slip(self) -> StickSlipCycle | None:
