@@ -8,13 +8,16 @@ import numpy as np
 
 from paper_checks.computed import law as paper_law
 from paper_checks.computed import oscillator, threshold
-from paper_checks.looks import LEFT_OUT, PAPER
 from stickslip_sym import FrictionLaw, Oscillator, Phase, limit_cycles, simulate
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.output.drawing import BLUE, ORANGE, finish, new_figure, panel_letters
 
-__all__ = ["histories", "phase_plots"]
+__all__ = ["PAPER", "histories", "phase_plots"]
+
+PAPER = {"color": "black", "linewidth": 1.1}
+"""How a line looks that the paper shows; what it leaves out is coloured, and thicker or dash-dotted."""
+_LEFT_OUT: dict[str, Any] = {"color": BLUE, "linewidth": 1.3, "linestyle": (0, (6, 1.5, 1, 1.5))}
 
 _SHOWN, _LONG = 5.0, 25.0  # s, as in the paper, and until motions are steady
 _RTOL = 1e-9  # relative tolerance of a step: errors stay far below a line's width
@@ -118,7 +121,7 @@ def phase_plots(name: str, cases: tuple[tuple[str, float, float], ...]) -> Any:
         if position == 0:
             ax.set_ylabel(r"$\dot{x}$ (m/s)")
     fastest = max(V for _, _, V in cases)
-    ax.set_ylim(-2.0 * fastest, 1.8 * fastest)  # room for words above and below
+    ax.set_ylim(-2.0 * fastest, 1.8 * fastest)  # for words above and below
     panel_letters(axes[0], titles)
     return figure
 
@@ -139,7 +142,7 @@ def _left_out(ax: Any, law: FrictionLaw, osc: Oscillator, needed: float) -> None
     ax.plot(rest, 0, marker="+", markersize=8, markeredgewidth=1.4, color=BLUE)
     cycles = limit_cycles(law, osc)
     for cycle in cycles:
-        style = LEFT_OUT | {"linestyle": "-"} if cycle.stable else LEFT_OUT
+        style = _LEFT_OUT | {"linestyle": "-"} if cycle.stable else _LEFT_OUT
         for part in pieces(_one_period(law, osc, cycle)):
             ax.plot(part.x, part.v, **style)
     words = [f"rest {'stable' if holds else 'unstable'}"]
@@ -147,15 +150,8 @@ def _left_out(ax: Any, law: FrictionLaw, osc: Oscillator, needed: float) -> None
     words.append(f"threshold {needed:.4f} kg/s")
     ax.text(0.03, 0.03, "\n".join(words), transform=ax.transAxes, color=BLUE, fontsize=8.5)
     if holds and osc.c < needed:
-        ax.text(
-            0.03,
-            0.96,
-            "rest or stick–slip, by the initial condition",
-            transform=ax.transAxes,
-            color=ORANGE,
-            va="top",
-            fontsize=8.5,
-        )
+        both = "rest or stick–slip, by the initial condition"
+        ax.text(0.03, 0.96, both, transform=ax.transAxes, color=ORANGE, va="top", fontsize=8.5)
 
 
 def _one_period(law: FrictionLaw, osc: Oscillator, cycle: LimitCycle) -> Trajectory:
