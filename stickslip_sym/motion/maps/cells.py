@@ -27,7 +27,7 @@ from stickslip_sym.core.errors import NO_RESULT, OutOfTime, StickSlipError
 from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
+from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.needed import MOST_GAPS, begun, gap, needed
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
@@ -138,8 +138,10 @@ def decide(law: FrictionLaw, rtol: float, lines: Sequence[Line]) -> list[Cells]:
 
 
 @compilable
-def _needed_all(rise: Any, eta: Any, push: Any, _: Any, A: Any, rtol: float, by_zeta: Any, found: Any) -> None:
+def _needed_all(rise: Any, eta: Any, push: Any, A: Any, rtol: float, wedge: Any, found: Any) -> None:
     """Find needed damping ratios and their errors, a row for each entry of the arrays; NaN where there is none."""
+    source = wedge[2]
+    by_zeta = (0.0, -2.0, 0.0, source[3], source[4])
     for i in range(len(A)):
         state = begun(rise, eta[i], push[i], A[i])
         end, zeta, error = needed(rise, eta[i], push[i], A[i], rtol, by_zeta, state, MOST_GAPS)[:3]
@@ -147,10 +149,10 @@ def _needed_all(rise: Any, eta: Any, push: Any, _: Any, A: Any, rtol: float, by_
 
 
 @compilable
-def _gaps_all(rise: Any, eta: Any, push: Any, zeta: Any, A: Any, rtol: float, by_zeta: Any, found: Any) -> None:
+def _gaps_all(rise: Any, eta: Any, push: Any, A: Any, zeta: Any, rtol: float, wedge: Any, found: Any) -> None:
     """Find the gaps of orbits, of the sign of the needed damping ratio minus the one there is."""
     for i in range(len(A)):
-        found[i, 0] = gap(rise, eta[i], zeta[i], push[i], A[i], rtol, False, 0.0, by_zeta)[0]
+        found[i, 0] = gap(rise, eta[i], zeta[i], push[i], A[i], rtol, False, 0.0, wedge[2])[0]
 
 
 class _Decider:
@@ -167,19 +169,17 @@ class _Decider:
         self.N = np.array([[osc.N] for osc in line.oscillators])
         at_kink = any(abs(kink / V - 1) <= _KNOWN for kink in self.table.kinks)
         self.equilibrium = -self.N * (math.nan if at_kink else float(law.slope(V))) / self.ratio
-        found = self._orbits(_needed_all, np.arange(len(self.eta)), np.ones(len(self.eta)), _NEEDED)
+        found = self._orbits(_needed_all, np.arange(len(self.eta)), np.ones(len(self.eta)), rtol=_NEEDED)
         self.exact, self.error = found[:, :1], found[:, 1:]
 
     def _orbits(
-        self, run: Callable[..., None], row: IntArray, A: FloatArray, rtol: float, zeta: FloatArray | None = None
+        self, loop: Callable[..., None], row: IntArray, A: FloatArray, *columns: FloatArray, rtol: float
     ) -> FloatArray:
         """Return what a loop finds of orbits, by oscillators' numbers and amplitudes over V."""
-        found, fast = np.empty((row.size, 2)), is_compiling()
-        eta = self.eta[row]
-        rise = self.table.at(self.system.V, arrays=fast)
-        by_zeta = (0.0, -2.0, 0.0, rise.pieces, np.zeros(len(rise.jumps)))
+        check_time()
+        found, eta = np.full((row.size, 2), math.nan), self.eta[row]
         push = eta * (self.table.static - self.table.onset)
-        compiled(run)(rise, eta, push, eta if zeta is None else zeta, A, rtol, by_zeta, found)
+        self.system.spread(loop, (eta, push, A, *columns), (rtol,), (found,), few=0)
         return found
 
     def cells(self) -> Cells:
@@ -231,7 +231,7 @@ class _Decider:
         sticks = (begin <= 0) & (begin >= -2 * static)
 
         def ends(cells: tuple[IntArray, ...], q: FloatArray) -> FloatArray:
-            return rounds(self.system, q, _SIGN, eta=self.eta[cells[0]], zeta=zeta[cells])
+            return rounds(self.system, q, _SIGN, eta=self.eta[cells[0]], zeta=zeta[cells], few=0)
 
         held, known = np.zeros(zeta.shape, dtype=bool), ~returns & (zeta >= 0)
         cells = np.nonzero(returns & (sticks | (static == 0)))
@@ -275,13 +275,13 @@ class _Decider:
         return cycle, stable
 
     def _needed(self, row: IntArray, A: FloatArray) -> FloatArray:
-        found: FloatArray = self._orbits(_needed_all, row, A, _NEEDED)[:, 0]
+        found: FloatArray = self._orbits(_needed_all, row, A, rtol=_NEEDED)[:, 0]
         return found
 
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""
         row = cell // self.zeta.shape[1]
-        found = self._orbits(_gaps_all, row, A, _SIGN, self.zeta.ravel()[cell])[:, 0]
+        found = self._orbits(_gaps_all, row, A, self.zeta.ravel()[cell], rtol=_SIGN)[:, 0]
         return np.where(np.abs(found) < _UNSURE, math.nan, np.clip(found, -1.0, 1.0))
 
     def _beside_fold(self, i: int, zeta: float, low: float, high: float) -> tuple[bool, float]:

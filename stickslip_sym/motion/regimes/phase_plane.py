@@ -257,10 +257,12 @@ def rounds(
     *,
     eta: FloatArray | None = None,
     zeta: FloatArray | None = None,
+    **options: int,
 ) -> FloatArray:
     """Follow rounds that leave the belt's speed at displacements q >= 0, to slower motion first.
 
     - `eta`, `zeta`: an entry for each round, where they are not the system's.
+    - `options`: of `Dimensionless.slips`.
 
     Returns the q where slip slower than the belt begins again: NaN if the mass sticks before, 0 if it stays slower
       than the belt, infinity if it moves away for ever or beyond what was measured, and -1 if that is unknown.
@@ -271,7 +273,7 @@ def rounds(
     for side in (1.0, -1.0):
         slips = system.slips(
             ends[going], np.zeros(going.size), np.full(going.size, side), eta=eta[going], zeta=zeta[going],
-            until=End.MINIMUM, rtol=rtol,
+            until=End.MINIMUM, rtol=rtol, **options,
         )  # fmt: skip
         back = slips.end == End.RETURN
         slower = np.isin(slips.end, (End.MINIMUM, End.REST, End.HORIZON))
