@@ -14,7 +14,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Straight, Stretch, Trajectory
-from stickslip_sym.motion.slip import EVERY_TURN, Dimensionless, End, Slip
+from stickslip_sym.motion.slip import Dimensionless, End, Slip
 
 __all__ = ["outcome_of", "simulate_by_events"]
 
@@ -89,9 +89,9 @@ def _phases(
         left = max_steps - steps
         slip = known.get((q, side)) if w == 0 else None
         if deadline.time_left() < 0:
-            slip = Slip(End.STEPS, 0.0, q, w, 0.0, 0.0, 0, [])
+            slip = Slip(End.STEPS, 0.0, q, w, 0.0, 0.0, 0, (q, q, w, w), [])
         elif slip is None or tau + slip.tau > horizon or slip.taken > left:
-            slip = _followed(system, q, w, side, horizon - tau, rtol, left)
+            slip = system.slip(q, w, side, level=1.0, horizon=horizon - tau, rtol=rtol, most=left, recorded=True)
             refusal = system.refusal(slip, rtol)
             if refusal is not None and not slip.taken and slip.end is not End.STEPS:
                 raise refusal
@@ -102,25 +102,6 @@ def _phases(
             return
         steps += slip.taken
         tau, q, w = tau + slip.tau, slip.q, 0.0
-
-
-def _followed(
-    system: Dimensionless, q: float, w: float, side: int, horizon: float, rtol: float, most: int
-) -> Slip:
-    """Follow a slip to its end, in steps that end at every extremum of x and of v."""
-    tau, taken, steps = 0.0, 0, []
-    while True:
-        part = system.slip(
-            q, w, side, until=EVERY_TURN, level=1.0, horizon=horizon - tau, rtol=rtol, most=most - taken,
-            recorded=True,
-        )  # fmt: skip
-        steps += [step._replace(tau=tau + step.tau) for step in part.steps]
-        tau, taken = tau + part.tau, taken + part.taken
-        if part.end not in (End.MINIMUM, End.MAXIMUM, End.LEVEL):
-            return part._replace(tau=tau, taken=taken, steps=steps)
-        if deadline.time_left() < 0:  # a motion that never comes to the belt's speed is one slip
-            return part._replace(end=End.STEPS, tau=tau, taken=taken, steps=steps)
-        q, w = part.q, part.w
 
 
 def outcome_of(system: Dimensionless, slip: Slip, rtol: float, *, out_of_steps: bool) -> tuple[Outcome, str]:

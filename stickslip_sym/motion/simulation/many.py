@@ -18,11 +18,10 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_array
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
+from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.simulation.by_events import outcome_of, simulate_by_events
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase
-from stickslip_sym.motion.slip import EVERY_TURN, Dimensionless, End, Slip, follow
-from stickslip_sym.motion.workers import spread
+from stickslip_sym.motion.slip import Dimensionless, End, Slip, follow
 from stickslip_sym.output import files, markup
 
 __all__ = ["Trajectories", "simulate_many"]
@@ -31,8 +30,7 @@ _BATCH = 500  # motions between two looks at the time limit
 _PHASES = tuple(Phase)
 """Their places are what compiled code notes."""
 _STICK, _BACK, _FORWARD = (_PHASES.index(phase) for phase in (Phase.STICK, Phase.SLIP_BACK, Phase.SLIP_FORWARD))
-_RETURN, _MINIMUM, _MAXIMUM = int(End.RETURN), int(End.MINIMUM), int(End.MAXIMUM)
-_LEVEL, _HORIZON, _REST = int(End.LEVEL), int(End.HORIZON), int(End.REST)
+_RETURN, _HORIZON, _REST = int(End.RETURN), int(End.HORIZON), int(End.REST)
 _ONSET = 100  # instead of the number of an `End`: the motion came to P
 
 
@@ -149,7 +147,7 @@ def simulate_many(
     v, v_min, v_max = (osc.V * row for row in (u, u_min, u_max))
     phases, outcome = np.array(_PHASES, dtype=object)[phase], np.full(q.shape, Outcome.FINISHED, dtype=object)
     for i in np.flatnonzero(~np.isin(end, (_HORIZON, _ONSET, _REST))).tolist():
-        slip = Slip(End(end[i]), 0.0, 0.0, abs(1 - u[i]), 0.0, 0.0, 0, [])
+        slip = Slip(End(end[i]), 0.0, 0.0, abs(1 - u[i]), 0.0, 0.0, 0, (0.0, 0.0, 0.0, 0.0), [])
         outcome[i], _ = outcome_of(system, slip, rtol, out_of_steps=time_left() > 0)
     rest = end == _REST
     outcome[rest], t[rest], v[rest] = Outcome.AT_REST, t_end, 0.0
@@ -197,45 +195,39 @@ def read_initial_conditions(x0: ArrayLike, v0: ArrayLike) -> tuple[FloatArray, F
 
 @compilable
 def _follow_motions(
-    rise: Any, eta: float, zeta: float, static: float, onset: float, q0: Any, u0: Any, horizon: float, rtol: float,
-    most: int, source: Any, numbers: Any, counts: Any,
+    rise: Any, q0: Any, u0: Any, eta: float, zeta: float, static: float, onset: float, horizon: float, rtol: float,
+    most: int, wedge: Any, numbers: Any, counts: Any,
 ) -> None:  # fmt: skip
     """Follow motions up to P or their end, and write what `_up_to_P` returns of each."""
     for i in range(len(q0)):
         tau, q, u = 0.0, q0[i], u0[i]
-        side = 1.0 if u < 1.0 else -1.0
-        w = abs(1.0 - u)
-        q_min, q_max, u_min, u_max = q, q, u, u
-        end, phase, changes, sticks, steps, first = _HORIZON, _BACK, -1, 0, 0, math.nan
-        slipping = False
+        side, w = (1.0 if u < 1.0 else -1.0), abs(1.0 - u)
+        q_least, q_most, u_least, u_most, first = q, q, u, u, math.nan
+        end, phase, changes, sticks, steps = _HORIZON, _BACK, -1, 0, 0
         while tau < horizon:
-            if w == 0.0 and not slipping:
+            if w == 0.0:
                 if -2.0 * eta * static <= q < 0.0:
                     phase, changes, sticks, first = _STICK, changes + 1, sticks + 1, tau
                     stop = min(horizon, tau - q)
                     q, tau = (0.0 if stop < horizon else q + horizon - tau), stop
-                    q_max = max(q_max, q)
+                    q_most = max(q_most, q)
                 if q == 0.0 and tau < horizon:
                     end = _ONSET
+                if q == 0.0 or tau >= horizon:
                     break
-                if tau >= horizon:
-                    break
-                side = 1.0 if q >= 0.0 else -1.0
-            if not slipping:
-                phase, changes, slipping = (_BACK if side > 0.0 else _FORWARD), changes + 1, True
-            push = eta * (side * static - onset)
-            end, duration, q, w, _, _, taken, _ = follow(
-                rise, eta, zeta, push, side, q, w, horizon - tau, rtol, 1.0, EVERY_TURN, 1.0, most - steps,
-                (False, 0.0, source), False,
+                side = 1.0 if q > 0.0 else -1.0
+            phase, changes = (_BACK if side > 0.0 else _FORWARD), changes + 1
+            end, duration, q, w, _, _, taken, extremes, _ = follow(
+                rise, eta, zeta, eta * (side * static - onset), side, q, w, horizon - tau, rtol, _RETURN, 1.0,
+                most - steps, wedge, False,
             )  # fmt: skip
-            tau, steps, u = tau + duration, steps + taken, 1.0 - side * w
-            q_min, q_max, u_min, u_max = min(q_min, q), max(q_max, q), min(u_min, u), max(u_max, u)
-            if end == _RETURN:
-                slipping = False
-            elif end not in (_LEVEL, _MINIMUM, _MAXIMUM):
+            tau, steps = tau + duration, steps + taken
+            u, u_far = 1.0 - side * extremes[2], 1.0 - side * extremes[3]
+            q_least, q_most = min(q_least, extremes[0]), max(q_most, extremes[1])
+            u_least, u_most = min(u_least, min(u, u_far)), max(u_most, max(u, u_far))
+            if end != _RETURN:
                 break
-        u = 1.0 - side * w
-        row = (tau, q, u, q_min, q_max, u_min, u_max, first)
+        row = (tau, q, 1.0 - side * w, q_least, q_most, u_least, u_most, first)
         for k in range(8):
             numbers[i, k] = row[k]
         counts[i, 0], counts[i, 1], counts[i, 2], counts[i, 3] = end, phase, changes, sticks
@@ -249,18 +241,10 @@ def _up_to_P(
     Returns the rows tau, q, u, the extremes of q and u, and when it first stuck; and the rows of why it ended, its
       phase, and how many changes of phase and how many sticks there were.
     """
-    numbers, counts = np.empty((q.size, 8)), np.empty((q.size, 4), dtype=np.int64)
-    table, fast = system.table, is_compiling()
-    rise = table.at(system.V, arrays=fast)
-    source = (0.0, 0.0, 0.0, rise.pieces, np.zeros(len(rise.jumps)))
-    run = compiled(_follow_motions)
-
-    def batch(some: slice) -> None:
-        arrays = [column[some] if fast else column[some].tolist() for column in (q, u)]
-        run(
-            rise, system.eta, system.zeta, table.static, table.onset, *arrays, horizon, rtol,
-            most if time_left() > 0 else 0, source, numbers[some], counts[some],
-        )  # fmt: skip
-
-    spread(batch, q.size, _BATCH, workers)
+    nothing = np.zeros(q.size)
+    numbers = np.array((nothing, q, u, q, q, u, u, nothing + math.nan)).T.copy()
+    counts = np.zeros((q.size, 4), dtype=np.int64)
+    counts[:, 0], counts[:, 1] = End.STEPS, np.where(u < 1, _BACK, _FORWARD)
+    arguments = system.eta, system.zeta, system.table.static, system.table.onset, horizon, rtol, most
+    system.spread(_follow_motions, (q, u), arguments, (numbers, counts), batch=_BATCH, workers=workers)
     return numbers.T, counts.T

@@ -89,15 +89,14 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     return found
 
 
-def _stretched(pieces: Pieces) -> Pieces:
+def _stretched(pieces: Pieces) -> list[tuple[float, ...]]:
     """Return the polynomials of w f'(w) - f(w) for those of f: how a rise over V changes with V, times V."""
     rows = []
-    for origin, scale, row in zip(pieces.origin, pieces.scale, pieces.rows, strict=True):
+    for low, origin, scale, *row in pieces:
         slope = [(k + 1) * c for k, c in enumerate(row[1:])] + [0.0]
-        rows.append(
-            tuple(origin * scale * s + (k - 1) * c for k, (s, c) in enumerate(zip(slope, row, strict=True)))
-        )
-    return pieces._replace(rows=rows)
+        row = [origin * scale * s + (k - 1) * c for k, (s, c) in enumerate(zip(slope, row, strict=True))]
+        rows.append((low, origin, scale, *row))
+    return rows
 
 
 def _shifts(law: FrictionLaw, symbol: sp.Symbol, levels: list[float], V: float) -> list[float]:
