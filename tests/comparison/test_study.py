@@ -202,8 +202,8 @@ def test_a_fit_brings_its_covariance_and_its_points(monkeypatch):
     i, j = (list(fits.best.values).index(name) for name in pair)
     assert correlation == pytest.approx(fits.best.correlation[i, j])
     page = drawn_without(study, monkeypatch)
-    assert "Fitted to 60 rows from 0.01 to 1.2 m/s" in page
-    assert "Correlated: " in page
+    assert "It was fitted to 60 rows from 0.01 to 1.2 m/s" in page
+    assert "Correlated are " in page
 
 
 def test_the_choice_of_law_is_in_the_error_and_an_extrapolation_is_said_first(monkeypatch):
