@@ -233,7 +233,8 @@ def friction_parameters(find: Find, printed: Printed) -> Finding:
     return find(
         ours=by_law(" > ".join(f"{area:.3f}" for area in areas[name]) + " kg m/s^2" for name in LAWS),
         holds=f"the region of stick-slip {'shrinks' if all(shrinks) else 'does not shrink'} as mu_m grows",
-        estimated=f"the area under the exact threshold for V up to 1 m/s is, for mu_m = {', '.join(printed['mu_m'])}: "
+        estimated="the area under the exact threshold for V up to 1 m/s is, for mu_m = "
+        f"{', '.join(printed['mu_m'])}: "
         + "; ".join(f"{name} {' '.join(f'{area:.4f}' for area in areas[name])} kg m/s^2" for name in LAWS)
         + f"; it {'falls' if all(shrinks) else 'does not fall'} at every single V",
         difference="none",
