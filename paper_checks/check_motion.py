@@ -164,8 +164,8 @@ def one_value_separates(find: Find, printed: Printed) -> Finding:
         f"stable pure-slip cycle exists for every c from {graze['polynomial']:.4f} to "
         f"{hopf['polynomial']:.4f} kg/s, so two values separate three motions; with the exponential law an "
         f"unstable one exists for every c from {hopf['exponential']:.4f} to {graze['exponential']:.4f} kg/s, "
-        f"and the initial condition decides: at {between:.3f} kg/s motions from near rest and from the paper's own "
-        + ("do not part" if not both else "part, the first comes to rest and the other sticks and slips"),
+        f"and the initial condition decides: at {between:.3f} kg/s motions from near rest and from the paper's "
+        "own " + ("do not part" if not both else "part, the first comes to rest and the other sticks and slips"),
         difference=by_law(f"{width:.3f} kg/s" for width in widths),
         reproduced=separates and all(agree),
         qualified=separates and any(agree) and both,
