@@ -22,16 +22,14 @@ from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.regime import graze, grows_far_out
 from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, overtaking_cycle, slip_orbits
 from stickslip_sym.motion.simulation.cycle import stick_slip_cycle
-from stickslip_sym.motion.simulation.many import read_initial_conditions
+from stickslip_sym.motion.simulation.simulate import read_initial_conditions
 from stickslip_sym.motion.slip import Dimensionless, End, Slip, Slips
 
 __all__ = ["classify", "classify_all"]
 
 _OPEN, _FAILED = -1, len(MOTIONS)  # instead of a place in `MOTIONS`
 _ROUNDS = 12  # looked at on the way from far out
-_MOST_STEPS = 10_000  # of a slip
 _SAME = 1e-9  # relative change of a round that is periodic
-_FEW = 8  # initial conditions, up to which plain Python is as fast as loading compiled code
 _NEAR = 100  # times the tolerance, around a separatrix
 
 
@@ -153,7 +151,7 @@ class _Course:
         left = np.flatnonzero(~at_rest)
         while left.size:
             some = left[w[left] == 0]
-            stuck = self._stick(q[some])
+            stuck = self.system.sticks(q[some])
             self._decide(some[stuck], lambda: self._from_onset)
             some = some[~stuck]
             side[some] = np.where(q[some] >= 0, 1.0, -1.0)
@@ -203,17 +201,7 @@ class _Course:
     def _slips(self, q: FloatArray, w: FloatArray, side: int) -> Slips:
         """Follow slips up to a return, or a minimum of w below the belt's speed."""
         until = End.MINIMUM if side > 0 else End.RETURN
-        if q.size <= _FEW:
-            states = zip(q.tolist(), w.tolist(), strict=True)
-            rows = [
-                self.system.slip(*state, side, until=until, rtol=self.rtol, most=_MOST_STEPS) for state in states
-            ]
-            return Slips(*(np.array(column) for column in list(zip(*rows, strict=True))[:6]))
-        sides = np.full(q.shape, float(side))
-        return self.system.slips(q, w, sides, until=until, rtol=self.rtol, workers=self.workers)
-
-    def _stick(self, q: FloatArray) -> BoolArray:
-        return (q <= 0) & (q >= -2 * self.system.eta * self.system.table.static)
+        return self.system.slips(q, w, side, until=until, rtol=self.rtol, workers=self.workers)
 
     def _away(self, slip: Slip) -> Motion:
         """Return what a slip that came out of the law's table leads to, or raise what kept it from an end."""
@@ -243,7 +231,7 @@ class _Course:
         grow = np.zeros(q.shape, dtype=bool)
         slow = self._slips(q, np.zeros(q.shape), 1)
         grow[slow.end == End.OUTSIDE] = True
-        over = np.flatnonzero((slow.end == End.RETURN) & ~self._stick(slow.q))
+        over = np.flatnonzero((slow.end == End.RETURN) & ~self.system.sticks(slow.q))
         if over.size:
             fast = self._slips(slow.q[over], np.zeros(over.shape), -1)
             grow[over] = (fast.end == End.OUTSIDE) | ((fast.end == End.RETURN) & (fast.q > q[over]))
