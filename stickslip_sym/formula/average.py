@@ -19,7 +19,8 @@ from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.derivation import Step
-from stickslip_sym.formula.finding.rules import Part, Progress, integrate_terms
+from stickslip_sym.formula.finding.rules import Part, integrate_terms
+from stickslip_sym.formula.finding.search import Progress
 from stickslip_sym.formula.proof.gate import verify
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal

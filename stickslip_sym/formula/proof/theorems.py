@@ -7,13 +7,10 @@ from typing import Protocol
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import Lerch, is_analytic
 from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
+from stickslip_sym.formula.proof.smoothness import is_smooth
 
-__all__ = [
-    "Antiderivative", "By", "ChangeOfVariable", "PieceByPiece", "ends_of_pieces", "is_positive", "is_smooth",
-    "value_at",
-]  # fmt: skip
+__all__ = ["Antiderivative", "By", "ChangeOfVariable", "PieceByPiece", "ends_of_pieces", "value_at"]
 
 
 class By(Protocol):
@@ -167,47 +164,3 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
     if not singular:
         return term.subs(x, 0)
     return sp.Integer(0) if power.is_positive and not rest.has(sp.zoo, sp.oo, sp.nan) else sp.nan
-
-
-def is_smooth(expr: Expr, x: Expr) -> bool:
-    """Tell whether an expression is known to be continuous for all x that the assumptions of x allow.
-
-    So an integral over [-1, 1] whose variable is nonnegative would be misjudged: the limits are compared with
-    the assumptions of the variable by `_difference`.
-    """
-    if not expr.has(x) or expr == x:
-        return True
-    if isinstance(expr, sp.core.function.AppliedUndef | sp.Derivative | sp.Subs):
-        return True  # unknown functions are as smooth as the derivation takes them
-    if isinstance(expr, sp.Pow):
-        base, exponent = expr.args
-        if exponent.has(x):
-            fine = bool(base.is_positive)
-        elif exponent.is_Integer and exponent > 0:
-            fine = True
-        else:
-            fine = is_positive(base, x) or bool(base.is_nonnegative and exponent.is_positive)
-    elif isinstance(expr, sp.log):
-        fine = is_positive(expr.args[0], x)
-    elif isinstance(expr, sp.lowergamma):
-        order, argument = expr.args
-        fine = bool(order.is_positive and argument.is_nonnegative)
-    elif isinstance(expr, sp.expint):
-        fine = is_positive(expr.args[1], x)
-    elif isinstance(expr, sp.polylog | Lerch):
-        # Analytic off the ray from 1: on the negative axis, and on the imaginary one.
-        argument = expr.args[1] if isinstance(expr, sp.polylog) else expr.args[0]
-        fine = bool(argument.is_nonpositive or argument.is_imaginary)
-    else:
-        fine = isinstance(expr, sp.im) or is_analytic(expr)
-    return fine and all(is_smooth(argument, x) for argument in expr.args)
-
-
-def is_positive(expr: Expr, x: Expr) -> bool:
-    """Tell whether an expression is known to be positive: by its signs, or as a quadratic without real roots."""
-    if expr.is_positive:
-        return True
-    if not expr.is_polynomial(x) or sp.degree(expr, x) != 2:
-        return False
-    a, b, c = sp.Poly(expr, x).all_coeffs()
-    return bool(a.is_positive and sp.factor(4 * a * c - b**2).is_positive)
