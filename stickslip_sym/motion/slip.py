@@ -565,11 +565,13 @@ class Dimensionless:
         horizon: ArrayLike | None = None,
         rtol: float = 1e-12,
         most: ArrayLike = _MOST_STEPS,
+        few: int = _FEW,
         workers: int = 1,
     ) -> Slips:
         """Follow many slips, compiled where numba is there; arguments as for `slip`, nothing is refused.
 
         - `eta`, `zeta`: where they are not this system's.
+        - `few`: how many are followed in plain Python.
         - `workers`: a number of threads, -1 for all processors.
 
         Raises `OutOfTime` when the time of a `time_limit` is up, which is looked at between batches.
@@ -579,7 +581,7 @@ class Dimensionless:
         end_tau = self.horizon if horizon is None else horizon
         columns = np.broadcast_arrays(etas, zetas, push, side, q, w, end_tau, most)
         found = np.full((q.size, 10), np.nan)
-        self.spread(_follow_all, columns, (rtol, int(until), level), (found,), workers=workers)
+        self.spread(_follow_all, columns, (rtol, int(until), level), (found,), few=few, workers=workers)
         if np.isnan(found[:, 0]).any():
             check_time()
         end, tau, q_end, w_end, rate, taken = found[:, :6].T

@@ -17,14 +17,15 @@ from stickslip_sym.output.files import require_name
 from stickslip_sym.output.markup import Markup
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from stickslip_sym.core.aliases import FloatArray
 
 __all__ = [
-    "BLUE", "GREEN", "ORANGE", "Drawn", "dense", "finish", "label", "new_figure", "panel_letters", "picture",
-    "require_matplotlib", "save", "styled", "svg", "svg_uri",
+    "BLUE", "GREEN", "ORANGE", "Drawn", "Panel", "dense", "finish", "label", "new_figure", "panel_letters",
+    "picture", "require_matplotlib", "save", "styled", "svg", "svg_uri",
 ]  # fmt: skip
 
 BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
@@ -47,6 +48,7 @@ _STYLE: Any = {
 }
 _DENSE = 8  # points drawn for each step of an integration
 _INLINE = 90  # pixels an inch, of a picture among text
+_PANEL = 7.2, 5.6  # inches, of a figure of one panel
 _POINT = 4  # half the width of a point, in pixels
 _APART = 8  # pixels between labels that stand side by side
 _NEAR = 12  # points of height up to which a label needs no line to what it names
@@ -140,6 +142,54 @@ class Drawn(ABC):
         if path is not None:
             save(figure, Path(path))
         return figure
+
+
+class Panel(Drawn):
+    """A result whose picture is one panel, which can be drawn into axes of a figure of one's own."""
+
+    @abstractmethod
+    def _draw(self, ax: "Axes") -> "Sequence[Artist]":
+        """Draw it, and return the handles of its legend."""
+
+    def _title(self) -> str:
+        """Return the title that it has in a figure of its own."""
+        return ""
+
+    def plot(self, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
+        """Draw it: regions or basins told apart by colour and hatching, curves between them, or orbits.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            A file to draw to: SVG, PNG or PDF, by its ending.
+        ax : matplotlib.axes.Axes, optional
+            Axes of a figure of your own to draw in, with the legend inside them.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not installed, or cannot write the file.
+        """
+        if ax is None:
+            return super().plot(path)
+        ax.legend(handles=self._draw(ax), fontsize=8)
+        figure: Figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
+        if path is not None:
+            save(figure, Path(path))
+        return figure
+
+    def _figure(self) -> "Figure":
+        figure, axes = new_figure(*_PANEL)
+        handles = self._draw(axes[0, 0])
+        axes[0, 0].set_title(self._title(), fontsize=10)
+        figure.legend(
+            handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6
+        )
+        return figure  # type: ignore[no-any-return]
 
 
 def label(axes: "Axes", labels: Sequence[tuple[str, tuple[float, float], str]]) -> None:
