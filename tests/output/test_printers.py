@@ -21,7 +21,8 @@ from random_formulas import NOTATION, SEVERAL, Draws
 from text_reader import read_text
 
 import stickslip_sym as ss
-from stickslip_sym.formula.code import language, languages
+from stickslip_sym.formula.code import writer
+from stickslip_sym.formula.code.languages import LANGUAGES as WRITTEN
 from stickslip_sym.output import abbreviation, latex_printer, layout, markup, printing, text_printer
 from stickslip_sym.output.notation import notation_of
 
@@ -196,11 +197,14 @@ def written(language, batch):
             continue
         names = {symbol: f"x{i}" for i, symbol in enumerate(point)}
         values = [float(value) for value in point.values()]
-        yield expr, languages.find(language).text(expr, names), list(names.values()), values, expected
+        yield expr, writer.text_of(expr, names, WRITTEN[language]), list(names.values()), values, expected
 
 
 def by_python(batch, folder):
-    parts, given = [languages.find("python").head("formulas", "")], list(written("python", batch))
+    parts, given = (
+        [WRITTEN["python"].page["head"], WRITTEN["python"].page["shared"]],
+        list(written("python", batch)),
+    )
     for number, (_, text, names, _, _) in enumerate(given):
         parts.append(f"\n\ndef f_{number}({', '.join(names)}):\n    return {text}\n")
     (folder / "formulas.py").write_text("".join(parts))
@@ -261,7 +265,7 @@ def test_code_computes_what_it_is_written_of(run, language, batch, tmp_path):
 
 
 def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
-    monkeypatch.setattr(language._Printer, "_in_brackets", lambda self, expr: str(self._print(expr)))
+    monkeypatch.setattr(writer._Printer, "_in_brackets", lambda self, expr: str(self._print(expr)))
     found = zip(written("python", 0), by_python(0, tmp_path), strict=True)
     assert sum(not agrees(got, expected) for (*_, expected), got in found) >= 10
 
@@ -272,4 +276,4 @@ def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
 )
 def test_functions_that_no_language_has_are_refused(function, name):
     with pytest.raises(ss.InputError, match=f"cannot be written as code: {name} has no"):
-        languages.find(name).text(a + 2 * function / b, {V: "V", a: "a", b: "b"})
+        writer.text_of(a + 2 * function / b, {V: "V", a: "a", b: "b"}, WRITTEN[name])
