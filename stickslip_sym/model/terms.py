@@ -280,7 +280,9 @@ def grouped(f: Expr, u: Expr) -> dict[Expr, Expr]:
 
 def split_polynomial(product: Expr, u: Expr) -> tuple[Expr, list[Expr]]:
     """Split a product into its polynomial in u and its other factors."""
-    polynomials, others = sp.sift(sp.Mul.make_args(product), lambda factor: factor.is_polynomial(u), binary=True)
+    polynomials, others = sp.sift(
+        sp.Mul.make_args(product), lambda factor: bool(factor.is_polynomial(u)), binary=True
+    )
     return sp.Mul(*polynomials), others
 
 
