@@ -21,6 +21,7 @@ HELD = LAW.with_static("mu_p", parameters=[ss.Parameter("mu_p", "breakaway", "1"
 KINKED = ss.FrictionLaw("Piecewise((0.5 - 0.3*v, v < 0.7), (0.29, True))")
 JUMP = ss.FrictionLaw("0.2 + 0.2*exp(-3*v)", static="0.6")
 SMOOTHED = ss.FrictionLaw("(0.2 + 0.3*exp(-3*v))*tanh(v/0.2)")  # it never sticks, and overtakes the belt
+(MEASURED,) = laws_in_pieces(np.random.default_rng(52), 1)
 SPEED = {"V": 0.5, "m": 1, "k": 100}
 PLANES = {
     "exponential": (LAW, {"x": V, "y": C} | POINT),
@@ -29,17 +30,17 @@ PLANES = {
     "jump": (JUMP, {"x": ("V", [0.2, 0.4]), "y": ("c", np.linspace(0.5, 4, 6))} | POINT),
     "smoothed": (SMOOTHED, {"x": ("V", [0.3, 0.6]), "y": ("c", [0.5, 1.5, 5.0])} | POINT),
     "alpha and c": (LAW, {"x": ("alpha", [1.0, 3.0, 5.0]), "y": C, "V": 0.5} | POINT),
-    "alpha and mu_s": (LAW, {"x": ("alpha", [1, 3, 5]), "y": ("mu_s", [0.3, 0.5, 0.7]), "c": 2, "N": 9.81} | SPEED),
+    "alpha and mu_s": (LAW, {"x": ("alpha", [1, 3, 5]), "y": ("mu_s", [0.3, 0.7]), "c": 2, "N": 9.81} | SPEED),
     "static": (HELD, {"x": ("mu_p", [0.5, 0.7]), "y": ("N", [5, 9.81]), "c": 2} | SPEED),
     "V and N": (LAW, {"x": SPEEDS, "y": FORCES, "c": 2, "m": 1, "k": 100}),
     "N and V": (ss.laws.gaussian.typical(), {"x": FORCES, "y": SPEEDS, "c": 3, "m": 1, "k": 100}),
-    "V and k": (ss.laws.logarithmic.typical(), {"x": SPEEDS, "y": ("k", [20, 150, 600]), "c": 0.8, "m": 1, "N": 9.81}),
+    "V and k": (ss.laws.logarithmic.typical(), {"x": SPEEDS, "y": ("k", [20, 600]), "c": 0.8, "m": 1, "N": 9.81}),
     "m and V": (ss.laws.polynomial.typical(), {"x": ("m", [0.5, 1, 2]), "y": SPEEDS, "c": 3, "N": 9.81, "k": 100}),
     "arcsinh": (ss.laws.arcsinh.typical(), {"x": SPEEDS, "y": FORCES, "c": 1, "m": 1, "k": 100}),
     "brown_mcphee": (
         ss.laws.brown_mcphee.typical(), {"x": ("V", [0.3, 0.6]), "y": ("N", [4, 9]), "c": 2, "m": 1, "k": 100},
     ),
-    "in pieces": (laws_in_pieces(np.random.default_rng(52), 1)[0], {"x": V, "y": FORCES, "c": 1.5, "m": 1, "k": 100}),
+    "in pieces": (MEASURED, {"x": V, "y": FORCES, "c": 1.5, "m": 1, "k": 100}),
 }  # fmt: skip
 THOROUGH = {"N and V", "V and k", "m and V", "arcsinh"}
 
@@ -204,10 +205,8 @@ def test_the_command_prints_a_picture_and_writes_files(run, tmp_path):
     picture = [line for line in out.splitlines() if re.fullmatch(r"[Sb.]{10}", line)]
     assert len(picture) == 12
     assert (picture[0][0], picture[0][-1], picture[-1]) == ("S", ".", "S" * 10)
-    assert re.search(rf"^S +stick-slip +{''.join(picture).count('S')} ", out, re.M)
-    assert re.search(
-        rf"^b +rest or stick-slip, by the initial condition +{''.join(picture).count('b')} ", out, re.M
-    )
+    for letter, name in (("S", "stick-slip"), ("b", "rest or stick-slip, by the initial condition")):
+        assert re.search(rf"^{letter} +{name} +{''.join(picture).count(letter)} ", out, re.M)
     assert (tmp_path / "m.png").read_bytes().startswith(b"\x89PNG")
     assert len((tmp_path / "m.csv").read_text().splitlines()) == 121
     assert (tmp_path / "m.npz").exists()
