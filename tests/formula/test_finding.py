@@ -1,4 +1,4 @@
-"""Every rule of integration by itself, with random numbers in it: right by quadrature, and proved where it should be."""
+"""Every rule of integration by itself, with random numbers in it: right by quadrature, and proved."""
 
 import random
 
@@ -159,7 +159,8 @@ def test_a_form_of_each_kind_is_that_of_its_law(text, criterion):
 
 EARLY = ss.Criterion("early", sp.Rational(3, 4) * (1 - s**2) * (1 - s))
 POLYNOMIAL = [
-    sp.exp(-u), 1 / (1 + u**2), sp.atan(u), sp.asinh(u), sp.exp(-(u**2)), (1 + u**8) ** -EIGHTH, sp.log(1 + u) ** 2,
+    sp.exp(-u), 1 / (1 + u**2), sp.atan(u), sp.asinh(u), sp.exp(-(u**2)), (1 + u**8) ** -EIGHTH,
+    sp.log(1 + u) ** 2,
 ]  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Protocol
 
@@ -121,6 +122,7 @@ def _difference(primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr
     return value_at(primitive, x, high) - value_at(primitive, x, low)
 
 
+@lru_cache(maxsize=256)  # found, and proved
 def value_at(primitive: Expr, x: Expr, place: Expr) -> Expr:
     """Return a primitive at a place, or its limit from above at 0 where powers outweigh logarithms.
 
