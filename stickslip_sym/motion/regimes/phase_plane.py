@@ -130,8 +130,8 @@ class PhasePlane:
         slow = system.slip(q, 0.0, 1, until=End.MINIMUM, rtol=rtol, wedge=wedge, D=-begin)
         moved = -slow.wedge / slow.rate  # the q at which the mass overtakes the belt, by that of the begin
         begin = system.acceleration(slow.q, 0.0, -1)
-        fast = system.slip(slow.q, 0.0, -1, rtol=rtol, wedge=wedge, D=-begin * moved, recorded=True)
-        period, speed = (slow.tau + fast.tau) / self.oscillator.omega, 1 + max(step.w for step in fast.steps)
+        fast = system.slip(slow.q, 0.0, -1, rtol=rtol, wedge=wedge, D=-begin * moved)
+        period, speed = (slow.tau + fast.tau) / self.oscillator.omega, 1 + fast.extremes[-1]
         floquet = math.log(max(-fast.wedge / fast.rate, _STRONGEST)) / period
         return LimitCycle(self.oscillator.V * speed, period, floquet, floquet < 0)
 
@@ -272,7 +272,7 @@ def rounds(
     zeta = np.full(q.shape, system.zeta) if zeta is None else zeta
     for side in (1.0, -1.0):
         slips = system.slips(
-            ends[going], np.zeros(going.size), np.full(going.size, side), eta=eta[going], zeta=zeta[going],
+            ends[going], 0.0, side, eta=eta[going], zeta=zeta[going],
             until=End.MINIMUM, rtol=rtol, **options,
         )  # fmt: skip
         back = slips.end == End.RETURN
