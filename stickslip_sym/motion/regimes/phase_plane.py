@@ -272,7 +272,7 @@ def rounds(
     zeta = np.full(q.shape, system.zeta) if zeta is None else zeta
     for side in (1.0, -1.0):
         slips = system.slips(
-            ends[going], 0.0, side, eta=eta[going], zeta=zeta[going],
+            ends[going], np.zeros(going.size), np.full(going.size, side), eta=eta[going], zeta=zeta[going],
             until=End.MINIMUM, rtol=rtol, **options,
         )  # fmt: skip
         back = slips.end == End.RETURN
