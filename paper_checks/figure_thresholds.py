@@ -7,7 +7,7 @@ import sympy as sp
 
 from derivations import paper
 from paper_checks.computed import LAWS, SPEEDS, law, oscillator, over_speeds, threshold, thresholds
-from paper_checks.looks import PAPER
+from paper_checks.figure_motions import PAPER
 from paper_checks.printed import PRINTED
 from stickslip_sym import slope_average, symbols
 from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan

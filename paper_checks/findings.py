@@ -1,13 +1,14 @@
-"""What a check found, on its way from the test to the terminal and the report."""
+"""What a check found, on its way from the check to the terminal and the report."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import astuple, dataclass
+from functools import partial
 from typing import Any
 
 from paper_checks.claims import CLAIMS, Claim, Outcome
 
-__all__ = ["FINDING", "KINDS", "SHORT", "Finding", "collect", "summary"]
+__all__ = ["CHECKS", "FINDING", "KINDS", "SHORT", "Find", "Finding", "Printed", "check", "collect", "summary"]
 
 FINDING = "finding"
 """Name of the property of a test under which its finding travels to the process that collects them."""
@@ -87,6 +88,33 @@ class Finding:
         """Return the finding that was packed."""
         id, ours, outcome, *rest = texts
         return cls(id, ours, Outcome(outcome), *rest)
+
+
+Find = Callable[..., Finding]
+"""What makes a finding of the evidence of a check.
+
+Called as ``find(ours=..., holds=..., proved=..., checked=..., estimated=..., reproduced=bool, qualified=bool,
+difference=...)``: what holds in one plain sentence; the evidence by its kind, at least one; two conditions that
+the check computed; the difference from the paper's value is a text, and optional.
+"""
+Printed = dict[str, Any]
+"""What the paper prints of a claim, by the name of each datum."""
+CHECKS: dict[str, Callable[[Printed], Finding]] = {}
+"""The check of each claim, which finds from what is printed."""
+
+
+def check(id: str, **more: Any) -> Callable[[Callable[..., Finding]], Callable[..., Finding]]:
+    """Return a decorator: the function checks a claim, with further arguments where it checks several."""
+
+    def find(*, ours: str, holds: str, reproduced: bool, qualified: bool = False, **evidence: str) -> Finding:
+        return Finding(id, ours, Outcome.of(reproduced, qualified), holds, **evidence)
+
+    def registered(function: Callable[..., Finding]) -> Callable[..., Finding]:
+        assert id not in CHECKS, f"{id} has two checks"
+        CHECKS[id] = partial(function, find, **more)
+        return function
+
+    return registered
 
 
 def collect(reports: Iterable[Any]) -> list[Finding]:

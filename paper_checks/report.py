@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,17 +16,20 @@ from paper_checks.formulas import EQUATIONS
 from stickslip_sym.comparison.trade import Row
 from stickslip_sym.comparison.tradeoff import SPEEDS, tradeoff
 from stickslip_sym.output.drawing import svg_uri
-from stickslip_sym.output.page.render import now, versions
+from stickslip_sym.output.page.render import now, render, versions
+from stickslip_sym.output.tables import duration
 
-__all__ = ["POINT", "Report", "write"]
+__all__ = ["Report", "as_json", "page", "write"]
 
-POINT = {name: getattr(oscillator(), name) for name in "VNmk"}
+_POINT = {name: getattr(oscillator(), name) for name in "VNmk"}
 _FORMAT = 3
+_TITLE = "Stick–slip vibration of an oscillator with damping, checked by machine"
+_SIGNS = {Outcome.REPRODUCED: "✓", Outcome.QUALIFIED: "◐", Outcome.NOT_REPRODUCED: "✗"}
 
 
 @dataclass(frozen=True)
 class Report:
-    """All that a report tells.
+    """All that a report says.
 
     Attributes
     ----------
@@ -52,81 +56,76 @@ class Report:
 
 def write(folder: Path, findings: Sequence[Finding]) -> Path:
     """Write the report to a folder; returns the file to be opened."""
-    from paper_checks.report_page import page
-
     report = Report(
         {finding.id: finding for finding in findings},
         {figure.number: svg_uri(figure.draw()) for figure in FIGURES},
-        {name: tradeoff(law(name), of="threshold", **POINT).trades["threshold"].rows for name in LAWS},
+        {name: tradeoff(law(name), of="threshold", **_POINT).trades["threshold"].rows for name in LAWS},
         versions(),
         now(),
     )
-    (folder / "claims.json").write_text(
-        json.dumps(as_json(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
-    )
+    content = json.dumps(as_json(report), indent=1, ensure_ascii=False, allow_nan=False)
+    (folder / "claims.json").write_text(content + "\n", encoding="utf-8")
     target = folder / "report.html"
     target.write_text(page(report), encoding="utf-8")
     return target
 
 
+def page(report: Report) -> str:
+    """Return the whole page."""
+    findings = list(report.findings.values())
+    return render(
+        Path(__file__).with_name("report.html"),
+        title=_TITLE, time=report.time, report=report, claims=CLAIMS, counts=summary(findings),
+        exceptions=[finding for finding in findings if finding.outcome is not Outcome.REPRODUCED],
+        equations=EQUATIONS, figures=FIGURES,
+        columns=("", "claim", "paper", "ours", "difference", "verdict"),
+        groups={"E": "Equations", "N": "Numbers", "F": "Figures", "S": "Statements"},
+        signs=_SIGNS, short=SHORT, css=lambda outcome: SHORT[outcome].replace(" ", "-"),
+        sentence=_sentence, duration=duration,
+    )  # fmt: skip
+
+
+def _sentence(text: str) -> str:
+    """Return text with a capital, unless it begins with a symbol, and a stop."""
+    return re.sub(r"^[a-z]{2,} ", lambda word: word[0].capitalize(), text) + "."
+
+
 def as_json(report: Report) -> dict[str, Any]:
     """Return the report for machines; pictures are in the page only."""
-    counts = summary(list(report.findings.values()))
+    counts = {SHORT[outcome]: count for outcome, count in summary(list(report.findings.values())).items()}
+    figures = ("number", "title", "shown", "left_out", "claims")
+    laws = {name: [_method(row) for row in rows] for name, rows in report.methods.items()}
     return {
         "format": _FORMAT,
         "time": report.time,
         "versions": report.versions,
-        "summary": {SHORT[outcome]: count for outcome, count in counts.items()}
-        | {"not checked": len(CLAIMS) - len(report.findings)},
+        "summary": {**counts, "not checked": len(CLAIMS) - len(report.findings)},
         "claims": [_claim(claim, report.findings.get(claim.id)) for claim in CLAIMS.values()],
         "equations": [
-            {"number": e.number, "about": e.about, "claims": list(e.claims), "mathml": e.mathml()}
-            for e in EQUATIONS
+            {"number": one.number, "about": one.about, "claims": list(one.claims), "mathml": one.mathml()}
+            for one in EQUATIONS
         ],
-        "figures": [
-            {
-                "number": f.number,
-                "title": f.title,
-                "shown": f.shown,
-                "left_out": f.left_out,
-                "claims": list(f.claims),
-            }
-            for f in FIGURES
-        ],
-        "methods": {
-            "operating_point": POINT,
-            "speeds": SPEEDS.tolist(),
-            "laws": {
-                name: [
-                    {
-                        "method": row.name,
-                        "seconds": row.seconds if row.found else None,
-                        "relative_error": row.error if row.found else None,
-                        "largest_relative_error": _finite(row.further.get("largest")),
-                        "status": row.further.get("status"),
-                    }
-                    for row in rows
-                ]
-                for name, rows in report.methods.items()
-            },
-        },
+        "figures": [{key: getattr(figure, key) for key in figures} for figure in FIGURES],
+        "methods": {"operating_point": _POINT, "speeds": SPEEDS.tolist(), "laws": laws},
     }
 
 
-def _finite(value: float | str | None) -> float | None:
-    return value if isinstance(value, float) and math.isfinite(value) else None
+def _method(row: Row) -> dict[str, Any]:
+    numbers = {
+        "seconds": row.seconds, "relative_error": row.error,
+        "largest_relative_error": row.further.get("largest", math.nan),
+    }  # fmt: skip
+    finite = {key: value if math.isfinite(float(value)) else None for key, value in numbers.items()}
+    return {"method": row.name, **finite, "status": row.further.get("status")}
 
 
 def _claim(claim: Claim, finding: Finding | None) -> dict[str, Any]:
     return {
-        "id": claim.id,
-        "where": claim.where,
-        "says": claim.says,
-        "paper": claim.paper,
+        "id": claim.id, "where": claim.where, "says": claim.says, "paper": claim.paper,
         "ours": finding.ours if finding else None,
         "difference": (finding.difference or None) if finding else None,
         "verdict": finding.outcome.value if finding else None,
         "on_record": claim.outcome.value,
         "holds": finding.holds if finding else None,
         "evidence": finding.by_kind if finding else None,
-    }
+    }  # fmt: skip

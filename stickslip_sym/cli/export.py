@@ -20,20 +20,20 @@ from stickslip_sym.cli.options import (
 from stickslip_sym.cli.output import echo_json
 from stickslip_sym.cli.reading import assignments, criteria_of, law_described
 from stickslip_sym.core.errors import InputError, NoClosedForm
-from stickslip_sym.formula.code.languages import DESCRIPTIONS
+from stickslip_sym.formula.code.languages import LANGUAGES
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.closed_form import ClosedForm
     from stickslip_sym.formula.slope_average import SlopeAverage
 
-_KINDS = ("latex", *DESCRIPTIONS, "save")
+_KINDS = ("latex", *LANGUAGES, "save")
 
 
 @command(
     "export", click.Argument(["laws"], nargs=-1, **{**LAW_NAMES, "metavar": "LAW..."}),
     option("--all", is_flag=True, help="Every law of the catalogue."), DESCRIPTION, CRITERIA,
     file_option("--latex", "A LaTeX document."),
-    *(file_option(f"--{name}", text) for name, text in DESCRIPTIONS.items()),
+    *(file_option(f"--{name}", language.description) for name, language in LANGUAGES.items()),
     file_option("--save", "Exact, for stickslip_sym.load."),
     option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
     option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
@@ -55,7 +55,7 @@ def run(given: Given) -> None:
     if len({path.resolve() for path in targets.values()}) < len(targets):
         raise InputError("two outputs have the same file; give each one of its own")
     chosen, limit, every = criteria_of(given["criterion"]), given["time_limit"], given["all"]
-    laws, code = _laws(given), targets.keys() & DESCRIPTIONS.keys()
+    laws, code = _laws(given), targets.keys() & LANGUAGES.keys()
     style: dict[str, Any] = {}
     if "latex" in targets:
         notation = assignments(given["symbol"], "--symbol V=v_b")

@@ -21,7 +21,7 @@ from stickslip_sym.formula.average import Average, average_of
 from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.exact import exact_value
-from stickslip_sym.formula.finding.rules import Progress
+from stickslip_sym.formula.finding.search import Progress
 from stickslip_sym.formula.limits import Limits, limits_of
 from stickslip_sym.formula.proof.gate import GATE_POINTS
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal

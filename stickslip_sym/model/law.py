@@ -18,15 +18,8 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, exact, real, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated, spread
-from stickslip_sym.model.at_rest import (
-    Rising,
-    function_at,
-    limit_at_rest,
-    reals,
-    rises_of,
-    symbolic_limit_at_rest,
-)
-from stickslip_sym.model.expression.parameters import Parameter, described_by, parameter_table
+from stickslip_sym.model import at_rest
+from stickslip_sym.model.expression.parameters import Parameter, parameter_table
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.expression.reading import read_formula, read_static
 from stickslip_sym.model.expression.units import check_units
@@ -101,18 +94,27 @@ class FrictionLaw:
         parameters: Iterable[Parameter] = (),
         validity: str | None = None,
     ) -> None:
-        described = described_by(parameters, units)
+        described = _described(parameters, units)
         table = dict(described)
         self.expr = read_formula(formula, table)
+        self.static: Expr | None = None if static is None else read_static(static, table)
         self.curve: SampledCurve | None = None
         self.name, self.source, self.validity = name, source, validity
-        self.static = None if static is None else read_static(static, table)
         self._values: dict[str, Rational] = {}
         self._uncertain: dict[str, UFloat] = {}
-        self._parameters = self._used(table)
-        for unused in described.keys() - self._parameters.keys():
+        self._take(table, described)
+
+    def _take(self, table: Mapping[str, Parameter], described: Mapping[str, Parameter]) -> None:
+        """Keep the parameters that occur, with their values; refuse others that are described, and wrong units."""
+        coefficients = [self.expr] if self.static is None else [self.expr, self.static]
+        used = {symbol.name for coefficient in coefficients for symbol in coefficient.free_symbols}
+        for unused in described.keys() - used:
             raise InputError(f"the parameter {unused!r} does not occur in the formula {self.text}")
-        self._check_units()
+        self._parameters = {key: parameter for key, parameter in table.items() if key in used}
+        self._values = {key: value for key, value in self._values.items() if key in used}
+        self._uncertain = {key: value for key, value in self._uncertain.items() if key in used}
+        for coefficient in coefficients:
+            check_units(coefficient, {parameter.symbol: parameter.unit for parameter in self._parameters.values()})
 
     def with_static(
         self,
@@ -142,29 +144,14 @@ class FrictionLaw:
         >>> law.static_value
         0.6
         """
-        described = described_by(parameters, units)
+        described = _described(parameters, units)
         for known in described.keys() & self.parameters.keys():
             raise InputError(f"the parameter {known!r} has its description already, by the law")
         table = {**self.parameters, **described}
         law = copy.copy(self)
         law.static = None if static is None else read_static(static, table)
-        law._parameters = law._used(table)
-        for unused in described.keys() - law._parameters.keys():
-            raise InputError(f"the parameter {unused!r} does not occur in the static coefficient or the law")
-        law._check_units()
-        law._values = {key: value for key, value in self._values.items() if key in law._parameters}
-        law._uncertain = {key: value for key, value in self.uncertain.items() if key in law._parameters}
+        law._take(table, described)
         return law
-
-    def _check_units(self) -> None:
-        units = {parameter.symbol: parameter.unit for parameter in self._parameters.values()}
-        for coefficient in (self.expr, self.static):
-            if coefficient is not None:
-                check_units(coefficient, units)
-
-    def _used(self, table: Mapping[str, Parameter]) -> dict[str, Parameter]:
-        free = self.expr.free_symbols | (self.static.free_symbols if self.static is not None else set())
-        return {key: table[key] for key in table if key in {symbol.name for symbol in free}}
 
     @classmethod
     def from_samples(
@@ -218,12 +205,8 @@ class FrictionLaw:
         """Return the law through the points in a file of measurements, or through what was read of it.
 
         The file is read as by `read_measurements`; points of one speed are averaged. The law has the file's name
-        unless it is given one. Decimal numbers are taken exactly as they are written.
-
-        Raises
-        ------
-        InputError
-            If the file is not understood, or as in `from_samples`.
+        unless it is given one. Decimal numbers are taken exactly as they are written. What `from_samples` refuses
+        is refused here.
         """
         from stickslip_sym.model.measured.measurements import Measurements, read_measurements
 
@@ -232,18 +215,13 @@ class FrictionLaw:
         return cls.from_samples(*measured.points(), extrapolate=extrapolate, name=name, source=source)
 
     @classmethod
-    def from_curve(
-        cls,
-        curve: SampledCurve,
-        *,
-        name: str | None = None,
-        source: str | None = None,
-        validity: str | None = None,
-    ) -> Self:
-        """Return the law that a piecewise cubic is."""
-        law = cls(curve.expr, name=name, source=source, validity=validity)
+    def from_curve(cls, curve: SampledCurve, **about: str | None) -> Self:
+        """Return the law that a piecewise cubic is; `about` is its name, source and validity."""
+        law = cls(curve.expr, **about)  # type: ignore[arg-type]  # a name is no static coefficient
         law.curve = curve
         return law
+
+    # -- what it is ----------------------------------------------------------------------------------
 
     @property
     def text(self) -> str:
@@ -256,15 +234,6 @@ class FrictionLaw:
         return MappingProxyType(self._parameters)
 
     @property
-    def terms(self) -> tuple[Term, ...]:
-        """The terms amplitude * profile(v / scale; shapes) whose sum the coefficient is."""
-        if (
-            self.curve is not None
-        ):  # numbers alone: no scale would leave fewer shapes, and each of many would be tried
-            return (Term(sp.Integer(1), sp.Integer(1), self.expr, {}),)
-        return terms_of(self.expr)
-
-    @property
     def values(self) -> Mapping[str, Rational]:
         """The bound values by name, exact; read-only."""
         return MappingProxyType(self._values)
@@ -273,6 +242,55 @@ class FrictionLaw:
     def uncertain(self) -> Mapping[str, UFloat]:
         """The bound values that carry a standard error, with it, by name; read-only."""
         return MappingProxyType(self._uncertain)
+
+    @property
+    def missing(self) -> list[str]:
+        """Names of the parameters that have no value yet."""
+        return [key for key in self._parameters if key not in self._values]
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """The terms amplitude * profile(v / scale; shapes) whose sum the coefficient is."""
+        if self.curve is None:
+            return terms_of(self.expr)
+        # Numbers alone: no scale would leave fewer shapes, and each of many would be tried.
+        return (Term(sp.Integer(1), sp.Integer(1), self.expr, {}),)
+
+    @property
+    def slope_expr(self) -> Expr:
+        """The derivative of mu with respect to the slip speed."""
+        return sp.diff(self.expr, symbols.v)
+
+    @property
+    def static_expr(self) -> Expr:
+        """The coefficient that limits sticking: `static`, or mu(0+) where none was given."""
+        if self.static is not None:
+            return self.static
+        limit = at_rest.symbolic_limit_at_rest(self.expr)
+        if limit is sp.nan:
+            raise InputError(
+                f"no limit mu(0+) was found for {self._label()}, {printing.text(self.expr)[:60]}; "
+                "give the static coefficient: static=..."
+            )
+        return limit
+
+    def partial(self, name: str) -> Self:
+        """Return the law dmu/dp of a parameter p, or v mu' - mu for "V"; each piece by itself.
+
+        The slope of the second is v mu'': how slopes change as the belt's speed grows, relative to that.
+        """
+        if name != "V" and name not in self._parameters:
+            raise InputError(f"{self._label()} has no parameter {name!r}; it has: {', '.join(self._parameters)}")
+        law = copy.copy(self)
+        law.expr = (
+            symbols.v * self.slope_expr - self.expr
+            if name == "V"
+            else sp.diff(self.expr, self._parameters[name].symbol)
+        )
+        law.curve = law.static = None
+        return law
+
+    # -- values --------------------------------------------------------------------------------------
 
     def bind(self, **values: Number | UFloat) -> Self:
         """Return the law with values for some or all of its parameters.
@@ -314,68 +332,37 @@ class FrictionLaw:
 
     def typical(self, **values: Number | UFloat) -> Self:
         """Return the law with its typical values wherever neither `bind` nor `values` gives one."""
-        given = {key: self.parameters[key].typical for key in self.missing}
-        return self.bind(**{key: value for key, value in given.items() if value is not None} | values)
+        usual = {key: self.parameters[key].typical for key in self.missing}
+        return self.bind(**{key: value for key, value in usual.items() if value is not None} | values)
 
     @property
-    def slope_expr(self) -> Expr:
-        """The derivative of mu with respect to the slip speed."""
-        return sp.diff(self.expr, symbols.v)
+    def point(self) -> dict[Expr, Expr]:
+        """The values of the parameters, exact, by symbol; those of the static coefficient alone may have none.
 
-    @property
-    def static_expr(self) -> Expr:
-        """The coefficient that limits sticking: `static`, or mu(0+) where none was given.
-
-        Raises
-        ------
-        InputError
-            If no limit is found.
+        They do not belong into expressions: SymPy expands powers of long fractions.
         """
-        if self.static is not None:
-            return self.static
-        limit = symbolic_limit_at_rest(self.expr)
-        if limit is sp.nan:
+        return self._point(self.expr)
+
+    def _point(self, *exprs: Expr) -> dict[Expr, Expr]:
+        if missing := self._without_value(*exprs):
+            example = ", ".join(f"{key}=..." for key in missing)
             raise InputError(
-                f"no limit mu(0+) was found for {self._label()}, {printing.text(self.expr)[:60]}; "
-                "give the static coefficient: static=..."
+                f"{self._label()} has no value for {', '.join(missing)}; bind them first: law.bind({example})"
             )
-        return limit
+        return {self._parameters[key].symbol: self._values[key] for key in self._parameters if key in self._values}
 
-    @property
-    def v_max(self) -> Rational | None:
-        """The slip speed in m/s up to which the law is known, exact; None if there is no bound."""
-        return None if self.curve is None else self.curve.end
+    def _without_value(self, *exprs: Expr) -> list[str]:
+        used = {symbol.name for expr in exprs for symbol in expr.free_symbols}
+        return [key for key in self.missing if key in used]
 
-    def require_speed(self, v: SupportsFloat) -> None:
-        """Refuse a slip speed beyond the last measured one.
-
-        Raises
-        ------
-        InputError
-            With both speeds, and what to do.
-        """
-        if self.v_max is not None and v > self.v_max:
-            raise InputError(
-                f"{self._label()} is measured up to v = {float(self.v_max):g} m/s, and its value at "
-                f"{float(v):g} m/s is needed; measure further, take a lower speed, or hold the last "
-                "coefficient: extrapolate=True"
-            )
-
-    @property
-    def missing(self) -> list[str]:
-        """Names of the parameters that have no value yet."""
-        return [key for key in self._parameters if key not in self._values]
+    def number(self, expr: Expr) -> float:
+        """Return the value of an expression of the law's parameters."""
+        return float(number_at(expr, self._point(self.expr, expr)))
 
     @property
     def onset(self) -> float:
-        """The coefficient mu(0+), where slip begins.
-
-        Raises
-        ------
-        InputError
-            If a parameter has no value, or mu has no finite limit.
-        """
-        onset = self.limit_at_rest(self.expr)
+        """The coefficient mu(0+), where slip begins; refused where mu has no finite limit."""
+        onset = at_rest.limit_at_rest(self.expr, self.point)
         if not math.isfinite(onset):
             raise InputError(
                 f"mu(0+) is {onset}, not a finite number, for {self!r}: no spring could ever pull the mass off "
@@ -385,13 +372,7 @@ class FrictionLaw:
 
     @property
     def static_value(self) -> float:
-        """The coefficient that limits sticking, at least mu(0+).
-
-        Raises
-        ------
-        InputError
-            If a parameter has no value, mu has no finite limit, or the static coefficient is below that.
-        """
+        """The coefficient that limits sticking, at least mu(0+); a static coefficient below that is refused."""
         onset = self.onset
         if self.static is None:
             return onset
@@ -403,73 +384,30 @@ class FrictionLaw:
             )
         return max(static, onset)
 
-    def number(self, expr: Expr) -> float:
-        """Return the value of an expression of the law's parameters.
-
-        Raises
-        ------
-        InputError
-            If a parameter has no value.
-        """
-        return float(number_at(expr, self._point(self.expr, expr)))
-
-    def limit_at_rest(self, expr: Expr) -> float:
-        """Return the limit of an expression in v and the parameters as v falls to 0; NaN where none is found.
-
-        Raises
-        ------
-        InputError
-            If a parameter has no value.
-        """
-        return limit_at_rest(expr, self.point)
-
     @property
-    def point(self) -> dict[Expr, Expr]:
-        """The values of the parameters, exact, by symbol.
+    def v_max(self) -> Rational | None:
+        """The slip speed in m/s up to which the law is known, exact; None if there is no bound."""
+        return None if self.curve is None else self.curve.end
 
-        They do not belong into expressions: SymPy expands powers of long fractions.
-
-        Raises
-        ------
-        InputError
-            If a parameter of the coefficient has no value; those of the static one alone may have none.
-        """
-        return self._point(self.expr)
-
-    def _point(self, *exprs: Expr) -> dict[Expr, Expr]:
-        if missing := self._without_value(*exprs):
-            example = ", ".join(f"{key}=..." for key in missing)
+    def require_speed(self, v: SupportsFloat) -> None:
+        """Refuse a slip speed beyond the last measured one, with both speeds, and what to do."""
+        if self.v_max is not None and v > self.v_max:
             raise InputError(
-                f"{self._label()} has no value for {', '.join(missing)}; bind them first: law.bind({example})"
+                f"{self._label()} is measured up to v = {float(self.v_max):g} m/s, and its value at "
+                f"{float(v):g} m/s is needed; measure further, take a lower speed, or hold the last "
+                "coefficient: extrapolate=True"
             )
-        values = self.values
-        return {p.symbol: values[key] for key, p in self._parameters.items() if key in values}
 
-    def _without_value(self, *exprs: Expr) -> list[str]:
-        """Return the names of the parameters in some expressions that have no value yet."""
-        used = {symbol.name for expr in exprs for symbol in expr.free_symbols}
-        return [key for key in self.missing if key in used]
+    def kinks(self) -> list[Expr]:
+        """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
+        point = self.point
+        speeds = {number_at(place, point) for place in places(self.expr)}
+        for speed in speeds:
+            if not speed.is_real:
+                raise InputError(f"{self._label()} has a kink at v = {str(speed)[:40]}, which is not real")
+        return sorted(speed for speed in speeds if speed > 0)
 
-    def partial(self, name: str) -> Self:
-        """Return the law dmu/dp of a parameter p, or v mu' - mu for "V"; each piece by itself.
-
-        The slope of the second is v mu'': how slopes change as the belt's speed grows, relative to that.
-
-        Raises
-        ------
-        InputError
-            If there is no such parameter.
-        """
-        if name != "V" and name not in self._parameters:
-            raise InputError(f"{self._label()} has no parameter {name!r}; it has: {', '.join(self._parameters)}")
-        law = copy.copy(self)
-        symbol = symbols.V if name == "V" else self._parameters[name].symbol
-        slope = sp.diff(self.expr, symbols.v if symbol == symbols.V else symbol)
-        law.expr = symbols.v * slope - self.expr if symbol == symbols.V else slope
-        law.curve = law.static = None
-        law._parameters = {k: p for k, p in self._parameters.items() if p.symbol in law.expr.free_symbols}
-        law._values = {key: value for key, value in self._values.items() if key in law._parameters}
-        return law
+    # -- functions of the slip speed -----------------------------------------------------------------
 
     def mu(self, v: ArrayLike) -> Any:
         """Return the friction coefficient mu(v) at slip speeds v >= 0 (m/s), float or array.
@@ -482,66 +420,8 @@ class FrictionLaw:
         return self._evaluate(v, derivative=False)
 
     def slope(self, v: ArrayLike) -> Any:
-        """Return the slope dmu/dv (s/m) at slip speeds v >= 0 (m/s), float or array.
-
-        Raises
-        ------
-        InputError
-            If a parameter has no value, a speed is negative or not finite, or mu has no real slope there.
-        """
+        """Return the slope dmu/dv (s/m) at slip speeds v >= 0 (m/s), float or array; refuses as `mu` does."""
         return self._evaluate(v, derivative=True)
-
-    def at_speeds(self, speeds: FloatArray) -> FloatArray:
-        """Return mu at an array of slip speeds; NaN where it has no real value, and nothing is refused.
-
-        Raises
-        ------
-        InputError
-            If a parameter has no value.
-        """
-        return self._at_speeds(speeds, derivative=False)
-
-    def _at_speeds(self, speeds: FloatArray, *, derivative: bool) -> FloatArray:
-        try:
-            with np.errstate(all="ignore"):  # every piece of a law is computed, and one is taken
-                value = reals(self.function("numpy", derivative=derivative)(speeds))
-        except ArithmeticError:
-            value = np.asarray(np.nan)
-        result = np.broadcast_to(value, speeds.shape).astype(np.float64)
-        at_zero = np.isnan(result) & (speeds == 0)
-        if at_zero.any():  # where a formula such as v^p/v is 0/0
-            result[at_zero] = self.limit_at_rest(self.slope_expr if derivative else self.expr)
-        return result
-
-    def function(self, backend: Backend, *, derivative: bool = False) -> Callable[[Any], Any]:
-        """Return mu(v), or its slope, as a bare function of one library's numbers; nothing is checked.
-
-        Parameters
-        ----------
-        backend : {"numpy", "math", "mpmath"}
-        derivative : bool
-            Return the slope.
-        """
-        if self.curve is not None:
-            return self.curve.function(backend, derivative=derivative)
-        return function_at(self.slope_expr if derivative else self.expr, self.point, backend)
-
-    def kinks(self) -> list[Expr]:
-        """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
-        point = self.point
-        found = {number_at(place, point) for place in places(self.expr)}
-        for place in found:
-            if not place.is_real:
-                raise InputError(f"{self._label()} has a kink at v = {str(place)[:40]}, which is not real")
-        return sorted(place for place in found if place > 0)
-
-    def rises(self) -> list[tuple[float, Rising]]:
-        """Return where each smooth piece of mu begins, ascending from 0, and mu(v) - mu(0+) on it.
-
-        Each function is of an array, and continues smoothly beyond the ends of its piece, where another piece
-        holds. Where v is small it has the digits that are lost when two coefficients are subtracted.
-        """
-        return rises_of(self.expr, self.point, self.kinks()) if self.curve is None else self.curve.rises
 
     def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
         speed = np.asarray(v, dtype=np.float64)
@@ -551,19 +431,47 @@ class FrictionLaw:
             raise InputError(f"slip speed v = {first} is not a finite number >= 0; v is |x' - V|")
         if speed.size:
             self.require_speed(speed.max())
-        result = self._at_speeds(speed, derivative=derivative)
+        result = self.at_speeds(speed, derivative=derivative)
         if (missing := np.isnan(result)).any():
             what, first = "slope" if derivative else "value", speed[missing].flat[0]
             raise InputError(f"{self._label()} has no {what} in double precision at the slip speed v = {first}")
         return float(result) if result.ndim == 0 else result
 
+    def at_speeds(self, speeds: FloatArray, *, derivative: bool = False) -> FloatArray:
+        """Return mu, or its slope, at an array of slip speeds; NaN where it has no real value."""
+        try:
+            with np.errstate(all="ignore"):  # every piece of a law is computed, and one is taken
+                value = at_rest.reals(self.function("numpy", derivative=derivative)(speeds))
+        except ArithmeticError:
+            value = np.asarray(np.nan)
+        result = np.broadcast_to(value, speeds.shape).astype(np.float64)
+        at_zero = np.isnan(result) & (speeds == 0)
+        if at_zero.any():  # where a formula such as v^p/v is 0/0
+            result[at_zero] = at_rest.limit_at_rest(self.slope_expr if derivative else self.expr, self.point)
+        return result
+
+    def function(self, backend: Backend, *, derivative: bool = False) -> Callable[[Any], Any]:
+        """Return mu(v), or its slope, as a bare function of the numbers of one library; nothing is checked."""
+        if self.curve is not None:
+            return self.curve.function(backend, derivative=derivative)
+        return at_rest.function_at(self.slope_expr if derivative else self.expr, self.point, backend)
+
+    def rises(self) -> list[tuple[float, at_rest.Rising]]:
+        """Return where each smooth piece of mu begins, ascending from 0, and mu(v) - mu(0+) on it.
+
+        Each function is of an array, and continues smoothly beyond the ends of its piece, where another piece
+        holds. Where v is small it has the digits that are lost when two coefficients are subtracted.
+        """
+        return self.curve.rises if self.curve else at_rest.rises_of(self.expr, self.point, self.kinks())
+
+    # -- comparing and printing ----------------------------------------------------------------------
+
     def _label(self) -> str:
         return f"the law {self.name!r}" if self.name else "the law"
 
     def _content(self) -> tuple[object, ...]:
-        described = tuple((p.symbol, p.meaning, p.unit, p.typical) for p in self.parameters.values())
         about = self.name, self.source, self.validity, self.curve, spread(self.uncertain)
-        return self.expr, self.static, *about, described, frozenset(self._values.items())
+        return self.expr, self.static, *about, *self._parameters.values(), frozenset(self._values.items())
 
     def __eq__(self, other: object) -> bool:
         """Whether two laws are the same in formula, values and description."""
@@ -577,16 +485,22 @@ class FrictionLaw:
         values = ", ".join(f"{key}={float(value):g}{errors.get(key, '')}" for key, value in self._values.items())
         return f"FrictionLaw({self.name or 'unnamed'}: {self.text}{'; ' + values if values else ''})"
 
-    def _repr_latex_(self) -> str:
-        return f"$\\displaystyle {self._latex()}$" if self.curve is None else f"$\\mu(v)$: {self.text}"
-
     def _latex(self) -> str:
         return f"\\mu(v) = {printing.latex(self.expr)}"
 
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self._latex()}$" if self.curve is None else f"$\\mu(v)$: {self.text}"
+
     def _repr_html_(self) -> str:
         head = self.text if self.curve is not None else markup.formula(self._latex())
-        static = self.static if self.static is None else printing.text(self.static)
-        known = {"static coefficient": static, "validity": self.validity, "source": self.source}
-        notes = [f"{kind}: {text}" for kind, text in known.items() if text]
+        static = None if self.static is None else printing.text(self.static)
+        about = {"static coefficient": static, "validity": self.validity, "source": self.source}
+        notes = [f"{kind}: {text}" for kind, text in about.items() if text]
         table = [parameter_table(self.parameters, self.values)] if self.parameters else []
         return markup.block(self.name or "friction law", head, *table, *notes)
+
+
+def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:
+    """Return the parameters that a user describes, by name."""
+    described = {parameter.name: parameter for parameter in parameters}
+    return described | {key: Parameter(key, unit=unit) for key, unit in (units or {}).items()}

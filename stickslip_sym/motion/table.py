@@ -55,16 +55,10 @@ _MONOMIALS = np.array([np.pad(chebyshev.cheb2poly(row), (0, _DEGREE - k)) for k,
 """mu(v) - mu(0+) at an array of slip speeds, NaN where mu has no value."""
 
 
-class Pieces(NamedTuple):
-    """The polynomials of a rise; interval i begins at `low[i]` and has t = (w - origin[i]) scale[i].
-
-    For plain Python each is a list, of rows a list of tuples; for compiled code each is an array.
-    """
-
-    low: list[float] | FloatArray
-    origin: list[float] | FloatArray
-    scale: list[float] | FloatArray
-    rows: list[tuple[float, ...]] | FloatArray
+Pieces = list[tuple[float, ...]] | FloatArray
+"""The polynomials of a rise, a row for each interval: where it begins, then origin and scale of
+t = (w - origin) scale, and the coefficients of the powers of t. For plain Python they are tuples, for compiled
+code an array."""
 
 
 class Rise(NamedTuple):
@@ -189,17 +183,17 @@ class FrictionTable:
         return self._kept[key]
 
     def _in_units(self, V: float, arrays: bool) -> Rise:
-        columns = self.low / V, self.origin / V, self.scale * V
+        pieces = np.column_stack((self.low / V, self.origin / V, self.scale * V, self.rows))
         levels = np.array([0.0, *self.kinks, self.end]) / V
         firsts = np.array(self.firsts)
         with np.errstate(over="ignore"):  # of a law that grows up to the largest number
             jumps = self._jumps()
             steepest = float(max(np.abs(slopes).max() for slopes in self._at_ends(derivative=True))) * V
         if arrays:
-            return Rise(Pieces(*columns, self.rows), levels, firsts, jumps, steepest)
-        low, origin, scale = (column.tolist() for column in columns)
-        pieces = Pieces(low, origin, scale, [tuple(row) for row in self.rows.tolist()])
-        return Rise(pieces, levels.tolist(), firsts.tolist(), jumps.tolist(), steepest)
+            return Rise(pieces, levels, firsts, jumps, steepest)
+        return Rise(
+            [tuple(row) for row in pieces.tolist()], levels.tolist(), firsts.tolist(), jumps.tolist(), steepest
+        )
 
     def _at_ends(self, *, derivative: bool) -> list[FloatArray]:
         """Return the rises, or slopes, of all polynomials at the lower and the upper ends of their intervals."""

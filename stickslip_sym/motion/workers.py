@@ -21,7 +21,7 @@ from stickslip_sym.core.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.motion.compiled import is_compiling
 
-__all__ = ["Progress", "Workers", "collect", "spread"]
+__all__ = ["Progress", "Workers", "collect", "in_batches"]
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -74,11 +74,8 @@ def collect(
     return results
 
 
-def spread(batch: Callable[[slice], None], size: int, length: int, workers: int) -> None:
+def in_batches(batch: Callable[[slice], None], size: int, length: int, workers: int) -> None:
     """Carry out a compiled loop over so many items in batches of a length, by so many threads.
-
-    - `batch`: carries out the items of a slice.
-    - `workers`: a number of threads, -1 for all processors.
 
     Raises `InputError` for unusable workers.
     """

@@ -89,7 +89,7 @@ def test_scalar_call(benchmark, name):
 @pytest.mark.parametrize("name", ss.laws.catalogue)
 def test_first_call(benchmark, name):
     """The first call of a process finds branches; those of terms that laws share are found once."""
-    from stickslip_sym.formula.evaluation.branches import branches_of
+    from stickslip_sym.formula.evaluation.making import branches_of
 
     benchmark.group = "first call"
 

@@ -10,7 +10,7 @@ import sympy as sp
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.formula.exact import without_squares
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
-from stickslip_sym.formula.finding.harmonics import harmonic_average, kinked_polynomial_average
+from stickslip_sym.formula.finding.harmonics import average_of_pieces, harmonic_average
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.model.terms import grouped
 
@@ -98,7 +98,7 @@ def test_averages_of_polynomials_with_kinks():
     first, second = sorted(float(place) for place in rng.uniform(0.1, 1.5, 2))
     ends = [sp.Integer(0), sp.Float(first), sp.Float(second), 2 * V]
     pieces = [sp.Add(*[int(c) * u**n for n, c in enumerate(rng.integers(-9, 9, 4))]) for _ in range(3)]
-    found = function_of([V], kinked_polynomial_average(pieces, ends, u, V), "mpmath")(mpmath.mpf("0.8"))
+    found = function_of([V], average_of_pieces(pieces, ends, u, V), "mpmath")(mpmath.mpf("0.8"))
     of_u = [function_of([u], piece, "mpmath") for piece in pieces]
     angles = [mpmath.acos(1 - place / 0.8) for place in (0, first, second, 1.6)]
     average = sum(

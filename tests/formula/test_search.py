@@ -32,7 +32,7 @@ def test_what_sympy_raises_is_said():
         def doit(self):
             raise NotImplementedError("not today")
 
-    assert search.carried_out(Broken()) == search.Nothing("gave up with NotImplementedError: not today")
+    assert search.carried_out(Broken()) == "gave up with NotImplementedError: not today"
 
 
 def test_a_platform_without_limits_of_memory_integrates_all_the_same(monkeypatch):
@@ -44,5 +44,4 @@ def test_the_time_that_is_said_is_the_time_that_was_spent(fresh_averages):
     with pytest.raises(ss.NoClosedForm, match="was not asked"):
         ss.derive(ss.FrictionLaw(HOPELESS), search=False)
     x = sp.Symbol("x", positive=True)
-    found = search.antiderivative(sp.cos(x), sp.Integer(1), x, 30.0, lambda _: None)
-    assert found == search.Found("SymPy's integrator", sp.sin(x))
+    assert search.antiderivative(sp.cos(x), sp.Integer(1), x, 30.0, lambda _: None) == sp.sin(x)

@@ -10,12 +10,12 @@ from types import SimpleNamespace
 
 import pytest
 import sympy as sp
-from verdicts import CHECKS, FILES, found, verdict
 
 from derivations import paper
-from paper_checks import proved, test_figures
+from paper_checks import check_figures, proved
 from paper_checks.claims import CLAIMS
 from paper_checks.printed import PRINTED, acceleration, displacement, kinetic, relative
+from paper_checks.test_claims import CHECKS
 from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, u
 from stickslip_sym.criteria.enclosure import Enclosure
 
@@ -209,7 +209,7 @@ MUTATIONS = [
 
 
 def test_a_check_sees_its_own_data_only():
-    for path in FILES:
+    for path in Path(proved.__file__).parent.glob("check_*.py"):
         assert not {"PRINTED", "CLAIMS"} & set(path.read_text().replace(".", " ").split())
 
 
@@ -243,13 +243,13 @@ def by_collocation(scene, guess, error, rtol):
 def test_a_mutation_changes_the_verdict(claim, monkeypatch):
     if claim in OVER_SPEEDS:
         monkeypatch.setattr(proved, "prove_threshold", by_collocation)
-        monkeypatch.setattr(test_figures, "enclosed_over_speeds", proved.enclosed_over_speeds.__wrapped__)
-    finding = found(claim, PRINTED[claim])
+        monkeypatch.setattr(check_figures, "enclosed_over_speeds", proved.enclosed_over_speeds.__wrapped__)
+    finding = CHECKS[claim](PRINTED[claim])
     assert finding.outcome is CLAIMS[claim].outcome
     assert finding.kinds == TOLD[claim]
     survivors = [
         f"{key}: {altered}"
         for key, altered in mutated(claim)
-        if verdict(claim, PRINTED[claim] | {key: altered}) is CLAIMS[claim].outcome
+        if CHECKS[claim](PRINTED[claim] | {key: altered}).outcome is CLAIMS[claim].outcome
     ]
     assert survivors == []

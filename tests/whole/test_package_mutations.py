@@ -6,13 +6,13 @@ from fractions import Fraction
 from functools import cache
 
 import pytest
-from verdicts import CHECKS, verdict
 
-from paper_checks import computed, proved, test_numbers
+from paper_checks import check_numbers, computed, proved
 from paper_checks.claims import CLAIMS
 from paper_checks.printed import PRINTED
+from paper_checks.test_claims import CHECKS
 
-MODULES = {computed, proved, *(sys.modules[check.__module__] for check in CHECKS.values())}
+MODULES = {computed, proved, *(sys.modules[check.func.__module__] for check in CHECKS.values())}
 
 SCANNED = 2.574
 """What the scan gives for the exponential law, in kg/s; it takes long, and is run elsewhere."""
@@ -90,8 +90,8 @@ def _fresh(monkeypatch):
 
 @pytest.mark.usefixtures("_fresh")
 def test_the_stand_in_for_the_scan_changes_no_verdict(monkeypatch):
-    monkeypatch.setattr(test_numbers, "pure_slip_by_scan", lambda *_: SCANNED)
-    assert verdict("N2", PRINTED["N2"]) is CLAIMS["N2"].outcome
+    monkeypatch.setattr(check_numbers, "pure_slip_by_scan", lambda *_: SCANNED)
+    assert CHECKS["N2"](PRINTED["N2"]).outcome is CLAIMS["N2"].outcome
 
 
 @pytest.mark.usefixtures("_fresh")
@@ -100,8 +100,8 @@ def test_the_stand_in_for_the_scan_changes_no_verdict(monkeypatch):
     [pytest.param(*one, marks=() if one[0] in BY_DEFAULT else pytest.mark.thorough) for one in MUTANTS],
 )
 def test_a_wrong_package_changes_verdicts(monkeypatch, name, wrap, claims):
-    monkeypatch.setattr(test_numbers, "pure_slip_by_scan", lambda *_: SCANNED)
+    monkeypatch.setattr(check_numbers, "pure_slip_by_scan", lambda *_: SCANNED)
     for module in MODULES:
         if name in vars(module):
             monkeypatch.setattr(module, name, wrap(vars(module)[name]))
-    assert [id for id in claims if verdict(id, PRINTED[id]) is CLAIMS[id].outcome] == []
+    assert [id for id in claims if CHECKS[id](PRINTED[id]).outcome is CLAIMS[id].outcome] == []

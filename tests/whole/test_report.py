@@ -19,7 +19,7 @@ from paper_checks.claims import CLAIMS, Outcome
 from paper_checks.figures import FIGURES
 from paper_checks.findings import Finding, collect, summary
 from paper_checks.report import Report, as_json
-from paper_checks.report_page import page as page_of
+from paper_checks.report import page as page_of
 from paper_checks.terminal import verdicts
 from stickslip_sym import InputError
 from stickslip_sym.comparison.trade import Row
@@ -64,7 +64,7 @@ def run_checks(*arguments, **environment):
 def test_a_report_of_a_run(tmp_path):
     """One report, drawn once, is looked at from all sides."""
     pytest.importorskip("matplotlib")
-    chosen = " or ".join(f"test_{id}_" for id in CHECKED)
+    chosen = " or ".join(CHECKED)
     folder = tmp_path / "new"
     done = run_checks("-k", chosen, "--report", str(folder), "--color=yes", COLUMNS="80", TERM="xterm")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -155,14 +155,14 @@ def check_terminal(printed):
     assert sum(line.split()[1:3] == ["reproduced", "proof"] for line in lines) == len(CHECKED)
 
 
-@pytest.mark.parametrize("width", [20, 40, 59, 60, 80, 120, 300])
+@pytest.mark.parametrize("width", [40, 60, 80, 120, 300])
 def test_no_line_is_wider_than_the_terminal(width):
     findings = [
         Finding(id, "some value of ours", claim.outcome, "", "a", "b", "c") for id, claim in CLAIMS.items()
     ]
     console = Console(width=width - 1, color_system=None)
     with console.capture() as captured:
-        console.print(verdicts(findings, width - 1))
+        console.print(verdicts(findings))
     lines = captured.get().splitlines()
     assert max(map(len, lines)) < width
     squeezed = "".join("".join(lines).split())
@@ -265,7 +265,7 @@ def test_numbers_of_laws_have_their_names():
 @pytest.mark.thorough
 def test_a_report_that_cannot_be_written_is_refused_at_once(tmp_path):
     (tmp_path / "file").write_text("")
-    done = run_checks("--report", str(tmp_path / "file"), "-k", "test_N1_")
+    done = run_checks("--report", str(tmp_path / "file"), "-k", "N1")
     assert done.returncode == pytest.ExitCode.USAGE_ERROR
     assert "give a folder that can be made" in done.stderr
 

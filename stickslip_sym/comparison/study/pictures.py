@@ -1,175 +1,187 @@
 """The figures of a study. No text of a user's stands in them: what the law is called, the page says."""
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stickslip_sym.comparison.study.plane import Plane
 from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.errors import NotConverged, NoThreshold
 from stickslip_sym.core.uncertain import UFloat
-from stickslip_sym.model.fitting.result import Fit
+from stickslip_sym.model.fitting.curve import draw_law
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.regimes.drawing import phase_plane
-from stickslip_sym.motion.regimes.regime import Regime
-from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
+from stickslip_sym.motion.regimes.drawing import phase_plane_of
+from stickslip_sym.motion.simulation.trajectory import Phase
+from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
 
-__all__ = ["ALT", "CAPTIONS", "draw_law", "draw_phase_plane", "draw_plane", "draw_time", "picture"]
+__all__ = ["Plane", "pictures", "plane"]
 
+Look = dict[str, Any]
+Study: TypeAlias = Any
+"""A `Study`, which asks for its pictures and so cannot be imported."""
 _SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
 _BAND = 1.96  # standard errors, 95 % of a normal distribution
-_SMOOTH = 60  # points of a curve in slip, for each period of free vibration
-_MANY = 1000  # points of the motion in the phase plane
-_AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "harmonic": ("0.35", "-.")}
-ALT = {
-    "law": "Coefficient of friction over slip speed, with measured points and the 95 % band where there are any.",
-    "plane": "Thresholds of damping over belt speed, with regions of coexistence, and the operating point.",
-    "time": "Velocity of the mass over time, from x = 0 with the belt's speed.",
-    "phase": "Phase plane: velocity over displacement, with attractors and separatrices.",
-}
-CAPTIONS = {
-    "law": "Friction law. The threshold depends on slip speeds from 0 to 2V only, or little more.",
-    "plane": "Damping over belt speed. Below the threshold a mass that sticks goes on sticking and slipping. "
-    "Hatched: between the threshold and the stability of the equilibrium (dashed) the initial condition decides, "
-    "or a limit cycle in pure slip attracts.",
-    "time": "Motion from x = 0 with the belt’s speed. Thick lines are stick.",
-    "phase": "Phase plane. A separatrix parts the initial conditions that lead to different attractors.",
-}
+_POINTS = 33  # of a curve over belt speed
+_WIDEST = 2.0  # times the belt speed
+_RTOL = 1e-4  # of that curve, below the width of a line
+_MANY = 2000  # points of the motion over time
 _HEIGHT = 1.35  # of the plane, over the highest of thresholds at the operating point and its damping
+_AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "harmonic": ("0.35", "-.")}
 
 
-def picture(draw: Callable[[Any], None]) -> str:
-    """Return a figure of one panel as a data URI; `draw` is given the axes.
+@dataclass(frozen=True)
+class Plane:
+    """Thresholds over belt speed, all else as at the operating point.
+
+    Attributes
+    ----------
+    V : numpy.ndarray
+        Belt speeds in m/s.
+    averages : mapping of str to numpy.ndarray
+        The thresholds by averages of slopes, in kg/s.
+    exact, uncertainty : numpy.ndarray
+        The threshold, NaN where there is none, and its standard error, in kg/s.
+    """
+
+    V: FloatArray
+    averages: Mapping[str, FloatArray]
+    exact: FloatArray
+    uncertainty: FloatArray
+
+
+def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -> Plane:
+    """Return the thresholds from near rest to twice a belt speed, or as far as mu was measured.
+
+    - `law`: with all parameters bound; with their standard errors, where they have any.
+    - `given`: N, m and k.
+
+    Raises `InputError` where the law has no value, and `OutOfTime` when the time is up.
+    """
+    top = _WIDEST * speed if law.v_max is None else min(_WIDEST * speed, float(law.v_max) / 2)
+    V = np.linspace(top / _POINTS, top, _POINTS)
+    averages = {name: pure_slip_damping(law, V=V, N=given["N"], method=name).value for name in _AVERAGES}
+    return Plane(V, averages, *_exact(law, V, given))
+
+
+def _exact(law: FrictionLaw, V: FloatArray, given: Mapping[str, float | UFloat]) -> FloatArray:
+    """Return the thresholds at belt speeds and their standard errors, NaN where there are none."""
+    try:
+        found = pure_slip_damping(law, V=V, N=given["N"], m=given["m"], k=given["k"], rtol=_RTOL)
+        spread = 0.0 if found.budget is None else found.budget.uncertainty
+    except (NotConverged, NoThreshold):
+        if len(V) == 1:
+            return np.full((2, 1), np.nan)
+        return np.concatenate([_exact(law, V[i : i + 1], given) for i in range(len(V))], axis=1)
+    return np.array([found.value, np.broadcast_to(spread, V.shape)])
+
+
+def pictures(study: Study) -> Iterator[tuple[str, str, str, str]]:
+    """Yield name, data URI, alternative text and caption of each figure whose part could be computed.
 
     Raises `InputError` if matplotlib is not installed.
     """
-    with styled():
-        figure, axes = new_figure(*_SIZE)
-        draw(axes[0, 0])
-        return svg_uri(figure)
+    for name, (part, draw, alt, caption) in _PICTURES.items():
+        if getattr(study, part) is not None:
+            with styled():
+                figure, axes = new_figure(*_SIZE)
+                draw(axes[0, 0], study)
+                yield name, svg_uri(figure), alt, caption
 
 
-def draw_law(ax: Any, law: FrictionLaw, V: float, *, measured: Measurements | None, fit: Fit | None) -> None:
-    """Draw mu over the slip speed, with the band of its errors, what was measured, and the range of 0 to 2V."""
-    top = 2.2 * V if measured is None else max(2.2 * V, float(measured.v[-1]))
+def _law(ax: Any, study: Study) -> None:
+    law, V, measured = study.law, study.oscillator.V, study.measured
+    top = max(2.2 * V, 0.0 if measured is None else float(measured.v[-1]))
     top = top if law.v_max is None else min(top, float(law.v_max))
-    v = np.unique([*np.linspace(0, top, 241), *np.geomspace(1e-4, 1, 81) * top])[1:]
-    if measured is not None:
-        if measured.sigma is not None:
-            ax.errorbar(
-                measured.v, measured.mu, measured.sigma, fmt="none", ecolor="0.35", elinewidth=0.6, alpha=0.6
-            )
-        ax.plot(measured.v, measured.mu, ".", color="0.35", markersize=3.5, label="measured")
-    band = _band(law, v) if fit is None else fit.band(v)
-    if band is not None:
-        ax.fill_between(v, *band, color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
-    ax.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=r"$\mu(v)$")
-    ax.axvspan(
-        0,
-        min(2 * V, top),
-        facecolor="0.93",
-        edgecolor="0.8",
-        linewidth=0.6,
-        zorder=0,
-        label="0 to $2V$",
-    )
+    span: Look = {"facecolor": "0.93", "edgecolor": "0.8", "linewidth": 0.6, "zorder": 0}
+    ax.axvspan(0, min(2 * V, top), label="0 to $2V$", **span)
     ax.axvline(V, color="black", linestyle=":", linewidth=1, label="belt speed $V$")
-    ax.legend(loc="best")
-    finish(ax, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$", xlim=(0, top))
+    draw_law(ax, law, top, measured, r"$\mu(v)$")
+    ax.set(xlim=(0, top))
 
 
-def _band(law: FrictionLaw, v: NDArray[np.float64]) -> tuple[FloatArray, FloatArray] | None:
-    """Return the band that the parameters' standard errors give the curve, to first order."""
-    if not law.uncertain:
-        return None
-    from uncertainties import covariance_matrix
-
-    covariance = np.array(covariance_matrix(list(law.uncertain.values())))
-    by = np.array([np.broadcast_to(law.partial(name).at_speeds(v), v.shape) for name in law.uncertain])
-    half = _BAND * np.sqrt(np.einsum("in,ij,jn->n", by, covariance, by))
-    mu = law.at_speeds(v)
-    return mu - half, mu + half
-
-
-def draw_plane(ax: Any, plane: Plane, osc: Oscillator, errors: Mapping[str, UFloat]) -> None:
-    """Draw thresholds over belt speed, where motions coexist, and the operating point."""
-    top = _HEIGHT * _highest(plane, osc.V, osc.c)
-    _regions(ax, plane)
-    if plane.uncertainty is not None:
-        half = _BAND * plane.uncertainty
-        ends = plane.exact - half, plane.exact + half
-        ax.fill_between(plane.V, *ends, color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
-    ax.plot(plane.V, plane.exact, color=BLUE, linewidth=2, label=f"threshold ({plane.method})")
-    for name, (color, style) in _AVERAGES.items():
-        ax.plot(plane.V, plane.averages[name], color=color, linestyle=style, label=name.replace("_", " "))
-    spread = {name: errors[name].std_dev if name in errors else 0.0 for name in ("V", "c")}
-    ax.errorbar(
-        [osc.V], [osc.c], [_BAND * spread["c"]], [_BAND * spread["V"]], fmt="o", color="black", markersize=6,
-        markerfacecolor="white", markeredgewidth=1.5, zorder=5, label="operating point",
-    )  # fmt: skip
-    ax.legend(loc="upper right", fontsize=7.5)
-    finish(ax, xlabel="belt speed $V$ (m/s)", ylabel="damping $c$ (kg/s)", xlim=(0, plane.V[-1]))
-    ax.set_ylim(min(0.0, 1.2 * osc.c), top)
-
-
-def _highest(plane: Plane, V: float, c: float) -> float:
-    """Return the height of what matters near the operating point."""
-    near = plane.V >= V / 3
-    curves = np.concatenate([plane.exact[near], plane.averages["equilibrium"][near]])
-    finite = curves[np.isfinite(curves)]
-    return float(max(finite.max(initial=0.0), c, 1e-9))
-
-
-def _regions(ax: Any, plane: Plane) -> None:
-    """Hatch where rest and stick-slip coexist, and where a limit cycle in pure slip is stable."""
-    rest, exact = plane.averages["equilibrium"], plane.exact
+def _plane(ax: Any, study: Study) -> None:
+    found: Plane = study.plane
+    osc: Oscillator = study.oscillator
+    rest, exact = found.averages["equilibrium"], found.exact
     # Opaque: an SVG gives a hatch the opacity of its face.
-    both = {"facecolor": "#fcf0e8", "edgecolor": ORANGE, "hatch": "////", "linewidth": 0}
-    slips = {"facecolor": "#e8f6f1", "edgecolor": GREEN, "hatch": r"\\\\..", "linewidth": 0}
+    both: Look = {"facecolor": "#fcf0e8", "edgecolor": ORANGE, "hatch": "////", "linewidth": 0}
+    slips: Look = {"facecolor": "#e8f6f1", "edgecolor": GREEN, "hatch": r"\\\\..", "linewidth": 0}
     for lower, upper, style, label in (
         (rest, exact, both, "rest or stick-slip, by the initial condition"),
         (exact, rest, slips, "limit cycle in pure slip"),
     ):
-        where = np.isfinite(lower) & np.isfinite(upper) & (upper > lower)
+        if (where := upper > lower).any():  # where neither is NaN
+            ax.fill_between(found.V, lower, upper, where=where, label=label, **style)
+    if np.nanmax(found.uncertainty, initial=0.0) > 0:
+        half = _BAND * found.uncertainty
+        band: Look = {"color": "#56B4E9", "alpha": 0.45, "linewidth": 0}
+        ax.fill_between(found.V, exact - half, exact + half, label="95 % band", **band)
+    ax.plot(found.V, exact, color=BLUE, linewidth=2, label="threshold")
+    for name, (color, dashes) in _AVERAGES.items():
+        ax.plot(found.V, found.averages[name], color=color, linestyle=dashes, label=name.replace("_", " "))
+    spread = {name: _BAND * (study.standard_error(name) or 0.0) for name in "Vc"}
+    ax.errorbar(
+        [osc.V], [osc.c], [spread["c"]], [spread["V"]], fmt="o", color="black", markersize=6,
+        markerfacecolor="white", markeredgewidth=1.5, zorder=5, label="operating point",
+    )  # fmt: skip
+    ax.legend(loc="upper right", fontsize=7.5)
+    finish(ax, xlabel="belt speed $V$ (m/s)", ylabel="damping $c$ (kg/s)", xlim=(0, found.V[-1]))
+    near = np.concatenate([exact, rest])[np.tile(found.V >= osc.V / 3, 2)]
+    highest = max(near[np.isfinite(near)].max(initial=0.0), osc.c, 1e-9)
+    ax.set_ylim(min(0.0, 1.2 * osc.c), _HEIGHT * highest)
+
+
+def _time(ax: Any, study: Study) -> None:
+    end = study.motion.stretches[-1].end
+    t = np.linspace(0, end, _MANY)
+    state = study.motion.at(t)
+    sticks = state.phase == Phase.STICK
+    for name, where, color, width in (("slip", ~sticks, BLUE, 1.2), ("stick", sticks, ORANGE, 3.0)):
         if where.any():
-            ax.fill_between(plane.V, lower, upper, where=where, label=label, **style)
-
-
-def draw_time(ax: Any, motion: Trajectory) -> None:
-    """Draw the velocity over time; thick lines are stick."""
-    osc = motion.oscillator
-    _stretches(ax, motion, 2 * np.pi / osc.omega)
-    ax.axhline(osc.V, color="black", linestyle=":", linewidth=0.8, zorder=0, label="belt speed")
+            v = np.where(where, state.v, np.nan)
+            ax.plot(t, v, color=color, linewidth=width, solid_capstyle="butt", label=name)
+    ax.axhline(study.oscillator.V, color="black", linestyle=":", linewidth=0.8, zorder=0, label="belt speed")
     ax.legend(loc="lower right", ncols=3)
-    finish(ax, xlabel="time $t$ (s)", ylabel=r"velocity $\dot x$ (m/s)", xlim=(0, motion.stretches[-1].end))
+    finish(ax, xlabel="time $t$ (s)", ylabel=r"velocity $\dot x$ (m/s)", xlim=(0, end))
     low, high = ax.get_ylim()
-    ax.set_ylim(low - 0.22 * (high - low), high)  # room for the legend
+    ax.set_ylim(low - 0.22 * (high - low), high)  # for the legend
 
 
-def _stretches(ax: Any, motion: Trajectory, period: float) -> None:
-    named = set[str]()
-    for stretch in motion.stretches:
-        sticks = stretch.phase is Phase.STICK
-        slips = _SMOOTH * (1 + int((stretch.end - stretch.start) / period))
-        t = np.linspace(stretch.start, stretch.end, 2 if sticks else slips)
-        _, v = stretch.course(t)
-        look = {"color": ORANGE, "linewidth": 3.0} if sticks else {"color": BLUE, "linewidth": 1.2}
-        name = "stick" if sticks else "slip"
-        ax.plot(t, v, solid_capstyle="butt", label="_" if name in named else name, **look)
-        named.add(name)
-
-
-def draw_phase_plane(ax: Any, regime: Regime, motion: Trajectory | None) -> None:
-    """Draw attractors and separatrices, and a motion among them."""
-    handles = phase_plane(ax, regime)
-    if motion is not None:
-        state = motion.at(np.linspace(0, motion.stretches[-1].end, _MANY))
-        (handles["motion over time"],) = ax.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0)
+def _phase_plane(ax: Any, study: Study) -> None:
+    handles = phase_plane_of(ax, study.regime)
+    if study.motion is not None:
+        state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
+        handles += ax.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0, label="motion over time")
     finish(ax)
-    ax.legend(
-        handles.values(), handles.keys(), loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7.5
-    )
+    place: Look = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "fontsize": 7.5}
+    ax.legend(handles=handles, **place)
+
+
+_PICTURES = {
+    "law": (
+        "law", _law,
+        "Coefficient of friction over slip speed, with measured points and the 95 % band where there are any.",
+        "Friction law. The threshold depends on slip speeds from 0 to 2V only, or little more.",
+    ),
+    "plane": (
+        "plane", _plane,
+        "Thresholds of damping over belt speed, with regions of coexistence, and the operating point.",
+        "Damping over belt speed. Below the threshold a mass that sticks goes on sticking and slipping. "
+        "Hatched: between the threshold and the stability of the equilibrium (dashed) the initial condition "
+        "decides, or a limit cycle in pure slip attracts.",
+    ),
+    "time": (
+        "motion", _time,
+        "Velocity of the mass over time, from x = 0 with the belt's speed.",
+        "Motion from x = 0 with the belt’s speed. Thick lines are stick.",
+    ),
+    "phase": (
+        "regime", _phase_plane,
+        "Phase plane: velocity over displacement, with attractors and separatrices.",
+        "Phase plane. A separatrix parts the initial conditions that lead to different attractors.",
+    ),
+}  # fmt: skip
+"""By name: the part of a study that it shows, how it is drawn, its alternative text and its caption."""

@@ -7,27 +7,19 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import sympy as sp
 
 from stickslip_sym.comparison.compare import Answer, compare
-from stickslip_sym.comparison.study.pictures import (
-    ALT,
-    CAPTIONS,
-    draw_law,
-    draw_phase_plane,
-    draw_plane,
-    draw_time,
-    picture,
-)
-from stickslip_sym.comparison.study.plane import Plane, plane
+from stickslip_sym.comparison.study.pictures import Plane, pictures, plane
 from stickslip_sym.core import symbols
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputError, InputWarning, NoClosedForm, StickSlipError
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.core.uncertain import UFloat
+from stickslip_sym.core.uncertain import with_error as text_with_error
 from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.formula.closed_form import ClosedForm, derive
 from stickslip_sym.model.fitting.result import Averaged, ByLaw, Fit, Fits
@@ -89,7 +81,7 @@ class Study:
     answers : tuple of Answer
         Thresholds by every method.
     choice : Averaged or None
-        The threshold by every law that fits the measurements, and its average.
+        The threshold by every law that fits the measurements, and its average, where more than one fits.
     forms : mapping of str to ClosedForm or str
         Closed forms by criterion, or why there is none.
     regime, motion, plane, margins
@@ -134,12 +126,12 @@ class Study:
     @property
     def by_law(self) -> tuple[ByLaw, ...]:
         """Law, weight, threshold and its standard error, where more than one law fits the measurements."""
-        return self.choice.rows if self.choice is not None and len(self.choice.rows) > 1 else ()
+        return () if self.choice is None else self.choice.rows
 
     @property
     def needed(self) -> tuple[float, float | None] | None:
         """The pure-slip damping and its standard error: averaged over laws, if more than one fits."""
-        if self.choice is not None and self.by_law:
+        if self.choice is not None:
             return self.choice.value, self.choice.standard_error
         if self.threshold is None:
             return None
@@ -149,13 +141,13 @@ class Study:
     @property
     def nearest(self) -> Margin | None:
         """The quantity that reaches the threshold by the smallest change; None where none does."""
-        first = next(iter(self.margins.rows), None) if self.margins is not None else None
-        return first if first is not None and math.isfinite(first.change) else None
+        rows = () if self.margins is None else self.margins.rows
+        return next((row for row in rows if math.isfinite(row.change)), None)
 
     @property
     def probability(self) -> float | None:
         """That stick-slip is possible, c below the threshold; averaged over laws, if more than one fits."""
-        if self.choice is not None and self.by_law:
+        if self.choice is not None:
             return self.choice.above(self.oscillator.c, self.standard_error("c") or 0.0)
         if self.margins is None:
             return None
@@ -164,46 +156,61 @@ class Study:
         return sampled.probability if sampled is not None and known else self.margins.probability
 
     @property
-    def verdict(self) -> str:
-        """The motions that attract others, in a line."""
-        if self.regime is None:
-            return f"motions not found: {self.refused['motions']}"
-        motions = [str(attractor) for attractor in self.regime.attractors] or ["none"]
-        said = " or ".join(motions) + (", by the initial condition" if self.regime.coexist else "")
-        return "; ".join([said, *(f"undecided: {text}" for text in self.regime.undecided)])
-
-    @property
     def headline(self) -> str:
         """The decision: whether there is stick-slip, and how far the damping is from the threshold."""
-        if self.regime is None:
-            words = "Whether there is stick-slip was not found"
-        elif self.regime.stick_slip is None:
-            words = "Whether there is stick-slip is not decided" if self.regime.undecided else "No stick-slip"
-        elif self.regime.coexist:
-            words = "Stick-slip possible, depending on the initial condition"
-        else:
-            words = "Stick-slip from every initial condition"
-        if self.needed is None:
-            return f"{words}; no threshold was computed to compare c with"
-        value, error = self.needed
-        c, own = self.oscillator.c, self.standard_error("c") or 0.0
-        apart = 100 * abs(c / value - 1) if value > 0 else 0.0
-        apart_text = f"{apart:{'.0f' if apart >= 10 else '.2g'}} % " if value > 0 else ""
+        found, needed, chance = self.regime, self.needed, self.probability
+        words = (
+            "Whether there is stick-slip was not found" if found is None
+            else "Stick-slip is possible, depending on the initial condition" if found.stick_slip and found.coexist
+            else "There is stick-slip from every initial condition" if found.stick_slip
+            else "Whether there is stick-slip is not decided" if found.undecided
+            else "There is no stick-slip"
+        )  # fmt: skip
+        if needed is None:
+            return f"{words}, and no threshold was found to compare c with."
+        (value, error), c, own = needed, self.oscillator.c, self.standard_error("c") or 0.0
+        apart, spread = 100 * abs(c / value - 1) if value > 0 else 0.0, math.hypot(error or 0.0, own)
+        far = f"{apart:{'.0f' if apart >= 10 else '.2g'}} % " if value > 0 else ""
         side = "below" if c < value else "above"
-        text = f"{words}: c = {_rounded(c, own)} is {apart_text}{side} the threshold {_rounded(value, error)} kg/s"
-        if self.by_law:
-            text += f", averaged over {len(self.by_law)} laws"
-        remarks = []
-        if value <= 0:
-            remarks.append("no damping is needed")
-        if (spread := math.hypot(error or 0.0, own)) > 0:
-            remarks.append(f"{abs(c - value) / spread:.2g} standard errors")
-        if (chance := self.probability) is not None:
-            shown = f"= {chance:.2g}"
-            if min(chance, 1 - chance) < _LEAST:
-                shown = f"< {_LEAST:g}" if chance < _LEAST else f"> {1 - _LEAST:g}"
+        averaged = f", averaged over {len(self.by_law)} laws" if self.by_law else ""
+        remarks = ["no damping is needed"] if value <= 0 else []
+        remarks += [f"{abs(c - value) / spread:.2g} standard errors"] if spread > 0 else []
+        if chance is not None:
+            sure = f"< {_LEAST:g}" if chance < _LEAST else f"> {1 - _LEAST:g}"
+            shown = sure if min(chance, 1 - chance) < _LEAST else f"= {chance:.2g}"
             remarks.append(f"P {shown} that stick-slip is possible")
-        return text + (f" ({', '.join(remarks)})" if remarks else "")
+        more = f" ({', '.join(remarks)})" if remarks else ""
+        threshold = f"the threshold of {_rounded(value, error)} kg/s"
+        return f"{words}: c = {_rounded(c, own)} kg/s is {far}{side} {threshold}{averaged}{more}."
+
+    @property
+    def verdict(self) -> str:
+        """The motions that attract others, in a sentence."""
+        if self.regime is None:
+            return f"The motions were not found: {self.refused['motions']}."
+        motions = [str(attractor) for attractor in self.regime.attractors]
+        undecided = "".join(f" Undecided: {text}." for text in self.regime.undecided)
+        if len(motions) > 1:
+            return f"The initial condition decides whether a motion comes to {' or to '.join(motions)}.{undecided}"
+        far = ", but those far out grow without bound" if self.regime.unbounded else ""
+        return f"Motions come to {(motions or ['no attractor'])[0]}{far}.{undecided}"
+
+    @property
+    def findings(self) -> list[str]:
+        """What the study says, in sentences: the decision, the attractors, the threshold, the nearest change."""
+        found = [self.headline, self.verdict]
+        if self.threshold is not None:
+            found.append(f"The pure-slip damping is {self.threshold}.")
+        if self.by_law:
+            laws = [
+                f"{_rounded(one.value, one.standard_error)} kg/s by {one.law} (weight {one.weight:.2g})"
+                for one in self.by_law
+            ]
+            found.append(f"It is {', '.join(laws)}.")
+        if self.nearest is not None:
+            change = f"{100 * self.nearest.change:+.3g} % in {self.nearest.name}"
+            found.append(f"The smallest change of one quantity that reaches the threshold is {change}.")
+        return found + [f"The {part} could not be computed: {why}." for part, why in self.refused.items()]
 
     def value(self, name: str) -> float:
         """Return the value of a quantity or a parameter in SI units."""
@@ -224,7 +231,23 @@ class Study:
         InputError
             If matplotlib, jinja2 or latex2mathml is not installed.
         """
-        return _page(self)
+        title = self.title if len(self.title) <= _LONGEST_NAME else f"{self.title[: _LONGEST_NAME - 1]}…"
+        return render(
+            _TEMPLATE,
+            title=f"Stick–slip study: {title}",
+            study=self,
+            value=lambda name: with_error(self.value(name), self.standard_error(name)),
+            units=QUANTITIES,
+            digits=_digits,
+            duration=duration,
+            reach=_REACH,
+            least=_LEAST,
+            figures=list(pictures(self)),
+            formula=_formula,
+            c=symbols.c,
+            mu=sp.Function("mu")(symbols.v),
+            time=f"{self.time} in {self.seconds:.1f} s",
+        )
 
     def save(self, path: str | Path) -> Path:
         """Write the page to a file.
@@ -251,44 +274,36 @@ class Study:
         return target
 
     def __str__(self) -> str:
-        lines = [f"warning: {text}" for text in self.warnings]
-        lines += [
-            self.headline,
-            f"{self.law.name or self.law.text}, {_point(self)}",
-            f"attractors: {self.verdict}",
-        ]
-        if self.threshold is not None:
-            lines.append(f"pure-slip damping {self.threshold}")
-        if self.by_law:
-            laws = [
-                f"{one.law} ({one.weight:.2g}): {_rounded(one.value, one.standard_error)}" for one in self.by_law
-            ]
-            lines.append(f"by law (weight): {'; '.join(laws)} kg/s")
-        if self.nearest is not None:
-            change = f"{self.nearest.name} by {100 * self.nearest.change:+.3g} %"
-            lines.append(f"smallest change of one quantity to the threshold: {change}")
-        lines += [f"{part}: {reason}" for part, reason in self.refused.items()]
-        return "\n".join(lines)
+        values = (
+            f"{name} = {self.value(name):g} {QUANTITIES[name].unit}{' (default)' if name in self.defaults else ''}"
+            for name in ("c", "V", "N", "m", "k")
+        )
+        point = f"{self.law.name or self.law.text}, {', '.join(values)}"
+        headline, *others = self.findings
+        return "\n".join([*(f"warning: {text}" for text in self.warnings), headline, point, *others])
 
     def __repr__(self) -> str:
-        return f"Study: {'; '.join(str(self).splitlines())}"
+        return f"Study: {' '.join(str(self).splitlines())}"
 
 
 def _rounded(value: float, error: float | None) -> str:
-    if not error:
-        return f"{value:.4g}"
-    from uncertainties import ufloat
-
-    return f"{ufloat(value, error):.2u}".replace("+/-", " +/- ")
+    return text_with_error(value, error) if error else f"{value:.4g}"
 
 
-def _point(found: Study) -> str:
-    """Return the quantities of the operating point in a line, with units, defaults marked."""
-    return ", ".join(
-        f"{name} = {getattr(found.oscillator, name):g} {QUANTITIES[name].unit}"
-        f"{' (default)' if name in found.defaults else ''}"
-        for name in ("c", "V", "N", "m", "k")
-    )
+def _digits(found: Threshold) -> int:
+    """Return the digits of a threshold that its own error leaves."""
+    error = found.relative_error
+    return _DIGITS if not error else min(max(1 - math.floor(math.log10(error)), 2), _DIGITS)
+
+
+def _formula(left: sp.Expr, expr: sp.Expr) -> Markup:
+    """Return a formula as it fits a page: set, as text, or its length."""
+    text = printing.text(expr)
+    if len(text) <= _WIDEST:
+        return equation(left, expr)
+    if len(text) <= _LONGEST:
+        return element("code", f"{printing.text(left)} = {text}")
+    return element("p", f"A formula of {len(text)} characters; derive gives it.", class_="note")
 
 
 def study(
@@ -341,7 +356,7 @@ def study(
     >>> from stickslip_sym import Oscillator, laws
     >>> found = study(laws.linear.typical(), Oscillator(m=1, k=100, c=2, V=0.5, N=9.81))
     >>> found.headline
-    'No stick-slip: c = 2 is 36 % above the threshold 1.472 kg/s'
+    'There is no stick-slip: c = 2 kg/s is 36 % above the threshold of 1.472 kg/s.'
     """
     begin = time.perf_counter()
     fit = law.best if isinstance(law, Fits) else law if isinstance(law, Fit) else None
@@ -352,6 +367,7 @@ def study(
     with limited(time_limit):  # refuses what is no time
         refused: dict[str, str] = {}
     seconds = _EACH if time_limit is None else time_limit
+    each = seconds / _SHARE
 
     def part(what: str, compute: Callable[[], Part]) -> Part | None:
         try:
@@ -361,64 +377,60 @@ def study(
             refused[what] = str(error)
             return None
 
+    def estimate(law: FrictionLaw) -> _Estimate:
+        one = pure_slip_damping(law, **point, rtol=_ROUGH, time_limit=each)
+        return _Estimate(float(one.value), None if one.budget is None else float(one.budget.uncertainty))
+
     point = {key: carried.get(key, getattr(osc, key)) for key in "VNmk"}
-    rest = {key: value for key, value in point.items() if key != "V"}
+    rest = {key: point[key] for key in "Nmk"}
     samples = _SAMPLES if obstacle(friction, osc.V) is None else 0
-    each = seconds / _SHARE
+    periods = _PERIODS * 2 * math.pi / osc.omega
+    own = [] if fit is None else [text for text in (fit.extrapolation(osc.V), *fit.warnings) if text]
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        answers = compare(friction, rtol=_RTOL, time_limit=each, **point).answers
-        forms = {key: _form(friction, key, seconds) for key in catalogue}
-        motions = part("motions", lambda: regime(friction, osc))
-        periods = _PERIODS * 2 * math.pi / osc.omega
-        motion = part("motion in time", lambda: simulate(friction, osc, t_end=periods, x0=0.0, v0=osc.V))
-        curves = part("plane of c over V", lambda: plane(friction, rest, osc.V))
-        found = part(
-            "margins",
-            lambda: margins(friction, osc, errors=carried, rtol=_LOOSE, samples=samples, reach=_REACH, each=each),
-        )
-    choice = part("the choice of law", lambda: _average(law, point, each)) if isinstance(law, Fits) else None
-    own = [] if fit is None else [text for text in (fit.extrapolation(osc.V), *fit.warnings) if text]
-    for text in own:
-        warnings.warn(text, InputWarning, stacklevel=2)
-    return Study(
+        parts: dict[str, Any] = {
+            "answers": compare(friction, rtol=_RTOL, time_limit=each, **point).answers,
+            "forms": {key: _form(friction, key, seconds) for key in catalogue},
+            "regime": part("motions", lambda: regime(friction, osc)),
+            "motion": part("motion in time", lambda: simulate(friction, osc, t_end=periods, x0=0.0, v0=osc.V)),
+            "plane": part("plane of c over V", lambda: plane(friction, rest, osc.V)),
+            "margins": part(
+                "margins",
+                lambda: margins(
+                    friction, osc, errors=carried, rtol=_LOOSE, samples=samples, reach=_REACH, each=each
+                ),
+            ),
+        }
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", InputWarning)  # of laws that are not studied
+        choice = part("choice of law", lambda: law.average(estimate)) if isinstance(law, Fits) else None
+    said: dict[str, type[Warning]] = dict.fromkeys(own, InputWarning)
+    said |= {str(one.message): one.category for one in caught}
+    for text, category in said.items():
+        warnings.warn(text, category, stacklevel=2)
+    found = Study(
         title=name or friction.name or friction.text,
         law=friction,
         oscillator=osc,
         errors=carried,
         fit=fit,
         measured=measured if fit is None else fit.measured,
-        answers=answers,
-        choice=choice,
-        forms=forms,
-        regime=motions,
-        motion=motion,
-        plane=curves,
-        margins=found,
+        choice=choice if choice is not None and len(choice.rows) > 1 else None,
         refused=refused,
-        warnings=(*own, *_repeated(caught)),
+        warnings=tuple(text for text, category in said.items() if issubclass(category, InputWarning)),
         defaults=tuple(defaults),
         time=now(),
         seconds=time.perf_counter() - begin,
+        **parts,
     )
+    if (threshold := found.threshold) is not None:
+        part("derivatives of the threshold", lambda: threshold.sensitivity)
+    return found
 
 
 class _Estimate(NamedTuple):
     value: float
-    uncertainty: float
-
-
-def _average(fits: Fits, point: Mapping[str, float | UFloat], seconds: float) -> Averaged:
-    """Return the threshold by every law that fits, with its standard error to first order."""
-
-    def threshold(law: FrictionLaw) -> _Estimate:
-        V, N, m, k = (point[key] for key in "VNmk")
-        one = pure_slip_damping(law, V=V, N=N, m=m, k=k, rtol=_ROUGH, time_limit=seconds)
-        return _Estimate(float(one.value), 0.0 if one.budget is None else float(one.budget.uncertainty))
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", InputWarning)  # of laws that are not studied
-        return fits.average(threshold)
+    uncertainty: float | None
 
 
 def _form(law: FrictionLaw, criterion: str, seconds: float) -> ClosedForm | str:
@@ -429,101 +441,3 @@ def _form(law: FrictionLaw, criterion: str, seconds: float) -> ClosedForm | str:
         return derive(law, criterion, time_limit=max(seconds, 1e-3), search=False)
     except (NoClosedForm, InputError) as error:
         return str(error)
-
-
-def _repeated(caught: Iterable[warnings.WarningMessage]) -> tuple[str, ...]:
-    """Repeat warnings, each once, and return those on the input."""
-    texts = {str(one.message): one for one in caught}
-    for text, one in texts.items():
-        warnings.warn(text, one.category, stacklevel=3)
-    return tuple(text for text, one in texts.items() if issubclass(one.category, InputWarning))
-
-
-# -- the page -----------------------------------------------------------------------------------------
-
-
-def _page(study: Study) -> str:
-    """Return the whole page."""
-    title = study.title if len(study.title) <= _LONGEST_NAME else f"{study.title[: _LONGEST_NAME - 1]}…"
-    return render(
-        _TEMPLATE,
-        title=f"Stick–slip study: {title}",
-        study=study,
-        state=_state(study),
-        value=lambda name: with_error(study.value(name), study.standard_error(name)),
-        number_of=study.value,
-        error_of=study.standard_error,
-        uncertain=[one.name for one in study.margins.rows if study.standard_error(one.name)]
-        if study.margins
-        else [],
-        units=QUANTITIES,
-        digits=_digits,
-        duration=duration,
-        reach=_REACH,
-        least=_LEAST,
-        figures=[(key, uri, ALT[key], CAPTIONS[key]) for key, uri in _pictures(study).items()],
-        slopes=_slopes(study),
-        formulas=_formulas(study),
-        time=f"{study.time} in {study.seconds:.1f} s",
-    )
-
-
-def _pictures(study: Study) -> dict[str, str]:
-    """Return the figures as data URIs, by name; one whose part could not be computed is not among them."""
-    law, V, regime, motion, curves = study.law, study.oscillator.V, study.regime, study.motion, study.plane
-    drawn = {"law": picture(lambda ax: draw_law(ax, law, V, measured=study.measured, fit=study.fit))}
-    if curves is not None:
-        drawn["plane"] = picture(lambda ax: draw_plane(ax, curves, study.oscillator, study.errors))
-    if motion is not None:
-        drawn["time"] = picture(lambda ax: draw_time(ax, motion))
-    if regime is not None:
-        drawn["phase"] = picture(lambda ax: draw_phase_plane(ax, regime, motion))
-    return drawn
-
-
-def _state(study: Study) -> str:
-    if study.regime is None or study.regime.coexist:
-        return "either"
-    return "rests" if study.regime.stick_slip is None else "sticks"
-
-
-def _digits(found: Threshold) -> int:
-    """Return the digits of a threshold that its own error leaves."""
-    error = found.relative_error
-    return _DIGITS if not error else min(max(1 - math.floor(math.log10(error)), 2), _DIGITS)
-
-
-def _slopes(study: Study) -> object:
-    """Return how the threshold changes with each quantity and parameter, or why that is not known."""
-    if study.threshold is None:
-        return "There is no threshold here."
-    try:
-        return study.threshold.sensitivity
-    except StickSlipError as error:
-        return f"Not found: {error}"
-
-
-def _formulas(study: Study) -> list[tuple[str, str, str]]:
-    law = study.law
-    parts: list[tuple[str, str, str]] = (
-        []
-        if law.curve is not None
-        else [("law", _formula(sp.Function("mu")(symbols.v), law.expr), "friction law")]
-    )
-    for criterion, form in study.forms.items():
-        name = criterion.replace("_", " ")
-        if isinstance(form, ClosedForm):
-            about = f"{name}, {form.verdict.status.value}: {form.verdict.evidence}"
-            parts.append((criterion, _formula(symbols.c, form.expr), about))
-        else:
-            parts.append((criterion, "", f"{name}: {form}"))
-    return parts
-
-
-def _formula(left: sp.Expr, expr: sp.Expr) -> Markup:
-    text = printing.text(expr)
-    if len(text) <= _WIDEST:
-        return equation(left, expr)
-    if len(text) <= _LONGEST:
-        return element("code", f"{printing.text(left)} = {text}")
-    return element("p", f"A formula of {len(text)} characters; derive gives it.", class_="note")

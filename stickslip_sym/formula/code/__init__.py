@@ -1,5 +1,4 @@
 """Criteria as source text of other languages, which needs nothing of this package.
 
-One more language is one file here with its page of text, a subclass of `language.Language`, and its line in
-`languages.LANGUAGES`.
+One more language is an entry in `languages.LANGUAGES`, its words, and a page of text.
 """

@@ -1,35 +1,110 @@
-"""The table of languages; each is imported when it is first asked for, as the command line shows this table."""
+"""The table of languages. It imports nothing large, for the command line shows it."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
 
-from stickslip_sym.core.numbers import lookup
+__all__ = ["LANGUAGES", "Language"]
 
-if TYPE_CHECKING:
-    from stickslip_sym.formula.code.language import Language
-
-__all__ = ["DESCRIPTIONS", "LANGUAGES", "find"]
-
-DESCRIPTIONS = {
-    "python": "A NumPy module.",
-    "c": "C99; it needs libm only.",
-    "octave": "Octave or MATLAB.",
-}
-"""What a file in each language is, by the name of its module here."""
-
-LANGUAGES: "dict[str, Language]" = {}
-"""Languages that are loaded; one that is put here, with a description, is known by its name from then on."""
+_HERE = Path(__file__).parent
 
 
-def find(name: str) -> "Language":
-    """Return a language by its name.
+@dataclass(frozen=True)
+class Language:
+    """A language: its words, and its page of text.
 
-    Raises
-    ------
-    InputError
-        If there is none of that name.
+    Attributes
+    ----------
+    name : str
+        Of its column in the table of functions.
+    description : str
+        What a file in it is.
+    file : Path
+        The page: sections that begin with "@@ section", with $fields.
+    prefixes : tuple of str
+        An argument's name cannot begin with one of them, and cannot be one of the page's words.
+    argument : str
+        An argument inside a term, with {} for its number; the first one has the number `first`.
+    declared : str
+        An argument in the head of a function.
+    power : str
+        The power of two numbers.
+    extremes : tuple of str
+        Of two numbers: the larger one, the smaller one.
+    comment : str
+        What a line of a comment begins with.
+    next_line, next_row : str
+        Between numbers that stand on two lines, and between the rows of a table.
+    never : tuple of str
+        What a comment may not hold.
+    main_first : bool
+        Whether the functions that are called from outside stand before what they use.
     """
-    lookup("language", name, DESCRIPTIONS)
-    if name not in LANGUAGES:
-        LANGUAGES[name] = import_module(f"stickslip_sym.formula.code.{name}").language
-    return LANGUAGES[name]
+
+    name: str
+    description: str
+    file: Path
+    prefixes: tuple[str, ...] = ()
+    argument: str = "a[{}]"
+    first: int = 0
+    declared: str = "{}"
+    power: str = "pow({}, {})"
+    nan: str = "NAN"
+    infinity: str = "HUGE_VAL"
+    extremes: tuple[str, str] = ("fmax", "fmin")
+    comment: str = ""
+    next_line: str = ",\n    "
+    next_row: str = ",\n    "
+    never: tuple[str, ...] = ()
+    main_first: bool = False
+
+    @cached_property
+    def page(self) -> dict[str, str]:
+        """The sections of the page by their names."""
+        parts = self.file.read_text(encoding="utf-8").split("@@ ")[1:]
+        return dict(part.split("\n", 1) for part in parts)
+
+    @cached_property
+    def words(self) -> frozenset[str]:
+        """Names that an argument cannot have."""
+        return frozenset(self.page["words"].split())
+
+
+LANGUAGES = {
+    "python": Language(
+        "python",
+        "A NumPy module.",
+        _HERE / "python.txt",
+        power="np.power({}, {})",
+        nan="np.nan",
+        infinity="1e999",  # a parameter may be called np
+        extremes=("np.maximum", "np.minimum"),
+        next_row="],\n    [",
+        never=("\\", '"""'),
+    ),
+    "c": Language(
+        "c",
+        "C99; it needs libm only.",
+        _HERE / "c.txt",
+        prefixes=("M_", "FP_"),  # of macros
+        declared="double {}",
+        comment="   ",
+        never=("*/",),
+    ),
+    "octave": Language(
+        "octave",
+        "Octave or MATLAB.",
+        _HERE / "octave.txt",
+        argument="a({})",
+        first=1,
+        power="({})^({})",
+        nan="NaN",
+        infinity="Inf",
+        extremes=("max", "min"),
+        comment="% ",
+        next_line=", ...\n    ",
+        next_row="; ...\n    ",
+        main_first=True,
+    ),
+}
+"""Languages by name. One that is put here is known by its name, and an option of the command, from then on."""

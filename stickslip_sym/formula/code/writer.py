@@ -1,21 +1,30 @@
 """Criteria as text of another language: the branches of a call, and no need of this package."""
 
-from collections.abc import Mapping
+import math
+import re
+from collections.abc import Iterable, Mapping
+from functools import reduce
+from string import Template
 from typing import Protocol
 
 import sympy as sp
+from sympy.printing.printer import Printer
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import row
+from stickslip_sym.core.numbers import lookup
+from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.code.language import Language, WrittenFunction, WrittenTerm
-from stickslip_sym.formula.code.languages import find
-from stickslip_sym.formula.evaluation.branches import Table
+from stickslip_sym.formula.code.languages import LANGUAGES, Language
+from stickslip_sym.formula.evaluation.branches import Branch, Table
 from stickslip_sym.formula.evaluation.evaluator import Evaluator, TermFunction
+from stickslip_sym.formula.evaluation.making import compared
+from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["code", "require_shapes"]
+__all__ = ["code", "require_shapes", "text_of"]
 
 
 class Fast(Protocol):
@@ -35,11 +44,10 @@ def code(criteria: Mapping[str, tuple[Fast, str]], language: str) -> str:
     InputError
         If there is no such language, or it lacks a function, or a profile's shape has no value.
     """
-    written = find(language)
-    functions = [_function(name, *one, written) for name, one in criteria.items()]
-    texts = [_text(function, written) for function in functions]
-    body = written.together(functions, texts)
-    return written.head("\n   ".join(function.about for function in functions), body) + body
+    writer = _Writer(lookup("language", language, LANGUAGES))
+    for name, (average, about) in criteria.items():
+        writer.add(name, average, about)
+    return writer.text()
 
 
 def require_shapes(law: FrictionLaw) -> None:
@@ -61,56 +69,213 @@ def _in_shapes(law: FrictionLaw) -> set[Expr]:
     return {symbol for term in law.terms for meaning in term.shapes.values() for symbol in meaning.free_symbols}
 
 
-def _function(name: str, average: Fast, about: str, language: Language) -> WrittenFunction:
-    law = average.law
-    require_shapes(law)
-    fixed = _in_shapes(law)
-    free = {key: symbol for key, symbol in average.arguments.items() if symbol not in fixed}
-    names = {symbol: language.argument.format(index=i) for i, symbol in enumerate(free.values(), language.first)}
-    names |= {symbol: language.number(float(law.values[str(symbol)])) for symbol in fixed}
-    values = [float(law.values[key]) if symbol in fixed else 1.0 for key, symbol in average.arguments.items()]
-    reach = (
-        float("inf") if law.v_max is None else float(law.v_max) / (1 if average.criterion.weight is None else 2)
-    )
-    return WrittenFunction(
-        name,
-        tuple(language.argument_name(key) for key in free),
-        tuple(bool(symbol.is_nonnegative) for symbol in free.values()),
-        tuple(_term(term, values, names, language, law) for term in average.evaluator.terms),
-        reach,
-        f"{name}: {about}",
-    )
+# -- expressions and numbers -------------------------------------------------------------------------
 
 
-def _term(
-    term: TermFunction, values: list[float], names: Mapping[Expr, str], language: Language, law: FrictionLaw
-) -> WrittenTerm:
-    branches = term.branches(term.shape_values(values))
-    if branches is None:
-        raise InputError(
-            f"the term {term.term.expr} of the law {law.name or law.text} has no branches that could be written; "
-            "call the function instead"
+def text_of(expr: Expr, names: Mapping[Expr, str], language: Language) -> str:
+    """Return an expression in a language.
+
+    Raises
+    ------
+    InputError
+        For a function that the language has not.
+    """
+    return str(_Printer(language, names).doprint(expr))
+
+
+class _Printer(Printer):  # type: ignore[misc]  # SymPy is untyped
+    """Expressions as a language writes them, with the names of the table of functions."""
+
+    def __init__(self, language: Language, names: Mapping[Expr, str]) -> None:
+        super().__init__()
+        self._language, self._names = language, names
+
+    def _print_Symbol(self, expr: Expr) -> str:
+        return self._names[expr]
+
+    def _print_Number(self, expr: Expr) -> str:
+        return _number(float(expr), self._language)
+
+    _print_NumberSymbol = _print_Number  # noqa: N815  # as SymPy calls it
+
+    def _print_Add(self, expr: Expr) -> str:
+        return " + ".join(self._print(term) for term in expr.args)
+
+    def _print_Mul(self, expr: Expr) -> str:
+        return "*".join(self._in_brackets(factor) for factor in expr.args)
+
+    def _print_Pow(self, expr: Expr) -> str:
+        if expr.exp == -1:
+            return f"(1.0/{self._in_brackets(expr.base)})"
+        return self._language.power.format(self._print(expr.base), self._print(expr.exp))
+
+    def _print_Max(self, expr: Expr) -> str:
+        return self._of_pairs(self._language.extremes[0], expr)
+
+    def _print_Min(self, expr: Expr) -> str:
+        return self._of_pairs(self._language.extremes[1], expr)
+
+    def _of_pairs(self, function: str, expr: Expr) -> str:
+        texts: list[str] = [self._print(argument) for argument in expr.args]
+        return reduce(lambda left, right: f"{function}({left}, {right})", texts)
+
+    def _in_brackets(self, expr: Expr) -> str:
+        text = self._print(expr)
+        return f"({text})" if expr.is_Add or expr.is_Mul else str(text)
+
+    def emptyPrinter(self, expr: Expr) -> str:  # as SymPy calls it
+        """Print a function by its row of the table."""
+        known, name = row(expr), self._language.name
+        text = None if known is None else known.call(name, *[self._print(a) for a in expr.args])
+        if text is None:
+            raise InputError(f"{str(expr)[:60]} cannot be written as code: {name} has no {type(expr).__name__}")
+        return text
+
+
+def _number(value: float, language: Language) -> str:
+    """Return a number, exact when it is read back."""
+    if math.isnan(value):
+        return language.nan
+    return language.infinity if value == math.inf else repr(float(value))
+
+
+def _polynomial(coefficients: tuple[float, ...], language: Language) -> str:
+    """Return a polynomial in z by Horner's rule."""
+    *rest, last = (_number(c, language) for c in coefficients)
+    text = f"{last}*z" if rest else f"{last} + 0.0*z"
+    for i, coefficient in enumerate(reversed(rest)):
+        text = f"{coefficient} + {text}" if i == len(rest) - 1 else f"({coefficient} + {text})*z"
+    return text
+
+
+# -- criteria ----------------------------------------------------------------------------------------
+
+
+class _Writer:
+    """Fills the page of a language."""
+
+    def __init__(self, language: Language) -> None:
+        self.language = language
+        self.names: list[str] = []
+        self.about: list[str] = []
+        self.functions: list[str] = []
+        self.parts: list[str] = []  # tables, and terms
+
+    def text(self) -> str:
+        """Return the whole text."""
+        page, functions = self.language.page, self.functions
+        tables = page.get("tables", "") if any("in_table(" in part for part in self.parts) else ""
+        main = self.names[0]
+        if len(self.names) > 1 and "several" in page:
+            handles = "\n".join(f"  criteria.{name} = @{name};" for name in self.names)
+            main, functions = "damping_criteria", [self._filled("several", handles=handles), *functions]
+        body = [page["shared"], tables, *self.parts, *functions]
+        if self.language.main_first:
+            body = [*functions, *self.parts, page["shared"]]
+        lines = "\n".join(self.about).splitlines()
+        about = "\n".join(self.language.comment + line.strip() for line in lines)
+        for text in self.language.never:
+            about = about.replace(text, "")
+        return "".join([self._filled("head", about=about, first=main), *body])
+
+    def _filled(self, section: str, **fields: object) -> str:
+        return Template(self.language.page[section]).substitute(fields)
+
+    def _numbers(self, values: Iterable[float]) -> str:
+        """Return numbers with commas, a few on each line."""
+        texts = [_number(value, self.language) for value in values]
+        return self.language.next_line.join(", ".join(texts[i : i + 4]) for i in range(0, len(texts), 4))
+
+    def add(self, name: str, average: Fast, about: str) -> None:
+        """Write a criterion: its terms, and the function that adds them up."""
+        law, language = average.law, self.language
+        require_shapes(law)
+        values, fixed = law.values, _in_shapes(law)
+        free = {key: symbol for key, symbol in average.arguments.items() if symbol not in fixed}
+        texts = {symbol: language.argument.format(i) for i, symbol in enumerate(free.values(), language.first)}
+        texts |= {symbol: _number(float(values[str(symbol)]), language) for symbol in fixed}
+        point = [float(values[key]) if symbol in fixed else 1.0 for key, symbol in average.arguments.items()]
+        reach = (
+            math.inf if law.v_max is None else float(law.v_max) / (1 if average.criterion.weight is None else 2)
         )
-    return WrittenTerm(
-        term.number,
-        (names[symbols.V], names[symbols.N], language.number(term.size),
-         *(language.text(sp.sympify(base), names) for base in term.bases)),
-        (0.0, 1.0, 0.0, *term.amplitude),
-        (1.0, 0.0, -1.0, *term.ratio),
-        branches.starts,
-        branches.branches,
-    )  # fmt: skip
+        terms, verdicts = [], []
+        for i, term in enumerate(average.evaluator.terms):
+            terms.append(f"{name}_term_{i}(a)")
+            verdicts.append(self._add_term(f"{name}_term_{i}", term, point, texts, law))
+        arguments = [self._argument(key) for key in free]
+        self.names.append(name)
+        order, constant = list(Status), Verdict(Status.PROVED, "a constant law has no slope")
+        worst = max(verdicts, key=lambda verdict: order.index(verdict.status), default=constant)
+        self.about.append(f"{name}: {about}\nAs written {worst}")
+        self.functions.append(
+            self._filled(
+                "function",
+                name=name,
+                arguments=", ".join(arguments),
+                declared=", ".join(language.declared.format(argument) for argument in arguments),
+                total=" + ".join(terms) or f"0.0*{language.argument.format(language.first)}",
+                flags="".join("1" if symbol.is_nonnegative else "0" for symbol in free.values()),
+                fastest=_number(reach, language),
+            )
+        )
 
+    def _argument(self, name: str) -> str:
+        """Return an argument's name, with one more underscore after a word of the language."""
+        if name.startswith(self.language.prefixes) or name.rstrip("_") in self.language.words:
+            return f"{name}_"
+        return re.sub("^_+", "x_", name)
 
-def _text(function: WrittenFunction, language: Language) -> str:
-    parts, terms = [], []
-    for i, term in enumerate(function.terms):
-        name, bodies = f"{function.name}_term_{i}", []
-        for j, branch in enumerate(term.branches):
-            table = f"{function.name}_table_{i}_{j}"
-            if isinstance(branch, Table):
-                parts.append(language.table(table, branch))
-            bodies.append(language.body(branch, table, symbols.V))
-        parts.append(language.term(name, term, bodies))
-        terms.append(name)
-    return language.arranged(language.function(function, terms), parts)
+    def _add_term(
+        self, name: str, term: TermFunction, point: list[float], texts: Mapping[Expr, str], law: FrictionLaw
+    ) -> Verdict:
+        """Write number * prod bases^amplitude * F(prod bases^ratio) and the tables of F, and compare them."""
+        shapes = term.shape_values(point)
+        branches = term.branches(shapes)
+        if branches is None:
+            raise InputError(
+                f"the term {term.term.expr} of the law {law.name or law.text} has no branches that could be "
+                "written; call the function instead"
+            )
+        language = self.language
+        bases = [texts[symbols.V], texts[symbols.N], _number(term.size, language)]
+        bases += [text_of(sp.sympify(base), texts, language) for base in term.bases]
+        ends = [*branches.starts[1:], math.inf]
+        cases = [
+            self._case(f"{name}_table_{i}", start, end, branch)
+            for i, (start, end, branch) in enumerate(zip(branches.starts, ends, branches.branches, strict=True))
+        ]
+        self.parts.append(
+            self._filled(
+                "term",
+                name=name,
+                number=_number(term.number, language),
+                count=len(bases),
+                bases=", ".join(bases),
+                amplitude=self._numbers((0.0, 1.0, 0.0, *term.amplitude)),
+                ratio=self._numbers((1.0, 0.0, -1.0, *term.ratio)),
+                cases="".join(cases).rstrip("\n"),
+            )
+        )
+        exact = dict(zip(term.average.shapes, map(sp.Rational, shapes), strict=True))
+        return compared(branches, term.average.profile, term.average.criterion, exact)
+
+    def _case(self, name: str, start: float, end: float, branch: Branch) -> str:
+        """Return the statements that compute g and the power between two ratios; write the table, if it is one."""
+        language = self.language
+        if isinstance(branch, Table):
+            rows = language.next_row.join(self._numbers(row) for row in branch.rows)
+            self.parts.append(self._filled("table", name=name, rows=rows))
+            panels, width = branch.rows.shape
+            z, g = "r", self._filled("lookup", name=name, panels=panels, width=width).strip()
+        else:
+            plain = {1.0: "r", 2.0: "r*r", -1.0: "1.0/r", -2.0: "1.0/(r*r)"}
+            several = any(len(coefficients) > 1 for _, coefficients in branch.parts)
+            power = language.power.format("r", _number(branch.variable, language))
+            z = plain.get(branch.variable, power) if several else "r"
+            g = " + ".join(
+                f"({_polynomial(coefficients, language)})"
+                + ("" if function is None else f"*({text_of(function, {symbols.V: 'r'}, language)})")
+                for function, coefficients in branch.parts
+            )
+        bounds = {"start": _number(start, language), "end": _number(end, language)}
+        return self._filled("case", z=z, g=g, power=_number(branch.power, language), **bounds)

@@ -17,11 +17,12 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import average_of
-from stickslip_sym.formula.evaluation.branches import Branches, MeanSlope, alike, branches_of, power_of
-from stickslip_sym.formula.evaluation.values import reach_of
+from stickslip_sym.formula.evaluation.branches import Branches, alike, power_of
+from stickslip_sym.formula.evaluation.making import branches_of
+from stickslip_sym.formula.evaluation.values import MeanSlope, reach_of
 from stickslip_sym.model.terms import Term
 
-__all__ = ["Evaluator", "Product", "TermFunction"]
+__all__ = ["Evaluator", "TermFunction"]
 
 _BITS = 900.0  # binary exponents that no product may pass, lest something overflows on the way
 _CANCELLED = 4.0  # the sum of the terms' sizes over the size of their sum, from where the slope is looked at
@@ -35,25 +36,17 @@ Exact = Callable[[Mapping[Expr, Expr]], Any]
 """From the exact values of all arguments to the criterion, as a number."""
 
 
-class Product:
-    """A number times powers of what is accurate in floats: arguments, their sums, and whatever else is one factor.
-
-    Attributes
-    ----------
-    number : float
-    powers : dict of Expr to float
-    """
-
-    def __init__(self, expr: Expr) -> None:
-        number: Expr = sp.Integer(1)
-        self.powers: dict[Expr, float] = {}
-        for base, exponent in sp.factor(expr).as_powers_dict().items():
-            if base.is_number and exponent.is_number:
-                number *= base**exponent
-            else:
-                base, power = (base, exponent) if exponent.is_Rational else (base**exponent, sp.Integer(1))
-                self.powers[base] = self.powers.get(base, 0.0) + float(power)
-        self.number = float(number)
+def factors_of(expr: Expr) -> tuple[float, dict[Expr, float]]:
+    """Write a product as a number times powers of what is accurate in floats: arguments, and sums of them."""
+    number: Expr = sp.Integer(1)
+    powers: dict[Expr, float] = {}
+    for base, exponent in sp.factor(expr).as_powers_dict().items():
+        if base.is_number and exponent.is_number:
+            number *= base**exponent
+        else:
+            base, power = (base, exponent) if exponent.is_Rational else (base**exponent, sp.Integer(1))
+            powers[base] = powers.get(base, 0.0) + float(power)
+    return float(number), powers
 
 
 class _Base:
@@ -91,12 +84,12 @@ class TermFunction:
 
     def __init__(self, term: Term, criterion: Criterion, arguments: Sequence[Expr]) -> None:
         self.term, self.average = term, average_of(term.profile, criterion)
-        amplitude, scale = Product(term.amplitude / term.scale), Product(term.scale)
-        self.number, self.size = amplitude.number, scale.number
-        self.bases = list(dict.fromkeys([*amplitude.powers, *scale.powers]))
+        self.number, amplitude = factors_of(term.amplitude / term.scale)
+        self.size, scale = factors_of(term.scale)
+        self.bases = list(dict.fromkeys([*amplitude, *scale]))
         self._base_functions = [_Base(base, arguments) for base in self.bases]
-        self.amplitude = [amplitude.powers.get(base, 0.0) for base in self.bases]
-        self.ratio = [-scale.powers.get(base, 0.0) for base in self.bases]
+        self.amplitude = [amplitude.get(base, 0.0) for base in self.bases]
+        self.ratio = [-scale.get(base, 0.0) for base in self.bases]
         self._shapes = [function_of(arguments, meaning, "numpy") for meaning in term.shapes.values()]
         self._asked: dict[tuple[float, ...], int] = {}
         self._branches: dict[tuple[float, ...], tuple[Branches | None, float]] = {}
@@ -159,16 +152,17 @@ class TermFunction:
         columns = np.stack([np.broadcast_to(shape, count) for shape in shapes])
         kinds, which = np.unique(columns, axis=1, return_inverse=True)
         result = np.full(count, np.nan)
-        for kind in range(kinds.shape[1]):
+        for kind, shape_values in enumerate(kinds.T.tolist()):
             here = np.flatnonzero(which.ravel() == kind)
             some = [value if isinstance(value, float) else value[here] for value in values]
-            result[here] = self._with_shapes(some, tuple(float(x) for x in kinds[:, kind]))
+            result[here] = self._with_shapes(some, tuple(shape_values))
         return result
 
     def _with_shapes(self, values: Sequence[Numbers], shapes: tuple[float, ...]) -> Numbers:
+        count = _count(values)
         if shapes:
             self._require_conditions(shapes)
-            self._asked[shapes] = asked = self._asked.get(shapes, 0) + max(_count(values), 1)
+            self._asked[shapes] = asked = self._asked.get(shapes, 0) + max(count, 1)
             if asked < _WORTH_BRANCHES:
                 return math.nan
         if shapes not in self._branches:
@@ -176,23 +170,15 @@ class TermFunction:
         branches, largest = self._branches[shapes]
         if branches is None:
             return math.nan
-        bases = [base(values) for base in self._base_functions]
-        unsafe = _outside([values[0], values[1], *bases], largest)
+        factors = [values[0], values[1], *(base(values) for base in self._base_functions)]
+        unsafe = _outside(factors, largest)
         if unsafe is False:
-            return self._plain(branches, values[0], values[1], bases)
-        count = _count(values)
-        if unsafe is True:
-            columns = [np.atleast_1d(np.asarray(value)) for value in (values[0], values[1], *bases)]
-            result = self._apart(branches, columns)
-            return result if count else float(result[0])
-        result = np.empty(count)
-        columns = [np.broadcast_to(np.asarray(value), count) for value in (values[0], values[1], *bases)]
-        safe, here = np.flatnonzero(~unsafe), np.flatnonzero(unsafe)
-        if safe.size:
-            speed, force, *others = (column[safe] for column in columns)
-            result[safe] = self._plain(branches, speed, force, others)
-        result[here] = self._apart(branches, [column[here] for column in columns])
-        return result
+            return self._plain(branches, *factors)
+        arrays = [np.broadcast_to(np.asarray(factor), count or 1) for factor in factors]
+        result = np.array(self._plain(branches, *arrays))
+        here = np.flatnonzero(np.broadcast_to(unsafe, count or 1))
+        result[here] = self._apart(branches, *(array[here] for array in arrays))
+        return result if count else float(result[0])
 
     def _with_largest(self, branches: Branches | None) -> tuple[Branches | None, float]:
         """Return the size that V, N and the bases may have so that no product of their powers overflows."""
@@ -202,7 +188,7 @@ class TermFunction:
         total += (1 + branches.steepest) * sum(map(abs, self.ratio))
         return branches, float(2.0 ** (_BITS / total))
 
-    def _plain(self, branches: Branches, speed: Numbers, force: Numbers, bases: Sequence[Numbers]) -> Numbers:
+    def _plain(self, branches: Branches, speed: Numbers, force: Numbers, *bases: Numbers) -> Numbers:
         """Multiply, always in the same order."""
         factor: Numbers = 1 / self.size
         amplitude: Numbers = self.number
@@ -213,35 +199,25 @@ class TermFunction:
                 amplitude = amplitude * power_of(base, a)
         return branches(speed * factor) * (amplitude * force)
 
-    def _apart(self, branches: Branches, columns: Sequence[FloatArray]) -> FloatArray:
+    def _apart(self, branches: Branches, speed: FloatArray, force: FloatArray, *bases: FloatArray) -> FloatArray:
         """Multiply with mantissas and exponents apart: nothing over- or underflows on the way."""
-        speed, force, *bases = columns
-        count = max(column.size for column in columns)
-        one = np.ones(count)
-        ratio: list[Power] = [(speed, 1.0), *zip(bases, self.ratio, strict=True)]
-        r = scaled_product(1 / self.size, ratio, one)
-        result = np.full(count, np.nan)
-        good = np.flatnonzero(np.isfinite(r))
-        values, powers = branches.apart(r[good])
-        bases = [np.broadcast_to(base, count)[good] for base in bases]
-        exponents: list[float | FloatArray] = [
-            a + powers * e for a, e in zip(self.amplitude, self.ratio, strict=True)
-        ]
-        factors: list[Power] = [
-            (np.broadcast_to(force, count)[good], 1.0), (np.broadcast_to(speed, count)[good], powers)
-        ]  # fmt: skip
-        result[good] = scaled_product(
-            self.number, [*factors, *zip(bases, exponents, strict=True)], values * self.size**-powers
+        r = scaled_product(
+            1 / self.size, [(speed, 1.0), *zip(bases, self.ratio, strict=True)], np.ones(speed.size)
         )
+        good = np.isfinite(r)
+        values, powers = branches.apart(r[good])
+        factors: list[Power] = [(force[good], 1.0), (speed[good], powers)]
+        factors += [
+            (base[good], a + powers * e) for base, a, e in zip(bases, self.amplitude, self.ratio, strict=True)
+        ]
+        result = np.full(speed.size, np.nan)
+        result[good] = scaled_product(self.number, factors, values * self.size**-powers)
         return result
 
 
 def _count(values: Sequence[Numbers]) -> int:
     """Return the length of the arrays among some values; 0 where all are floats."""
-    for value in values:
-        if not isinstance(value, float):
-            return value.size
-    return 0
+    return next((value.size for value in values if not isinstance(value, float)), 0)
 
 
 def _outside(values: Sequence[Numbers], largest: float) -> BoolArray | bool:
@@ -250,14 +226,11 @@ def _outside(values: Sequence[Numbers], largest: float) -> BoolArray | bool:
     result: BoolArray | bool = False
     for value in values:
         if isinstance(value, float):
-            if not smallest < abs(value) < largest:
-                return True
-            continue
-        if value.min() > smallest and value.max() < largest:  # as it nearly always is
-            continue
-        size = np.abs(value)
-        if not (size.min() > smallest and size.max() < largest):
-            result = result | ~((size > smallest) & (size < largest))
+            result = result | (not smallest < abs(value) < largest)
+        elif not (value.min() > smallest and value.max() < largest):  # as it nearly always is
+            size = np.abs(value)
+            outside = ~((size > smallest) & (size < largest))
+            result = result | outside if outside.any() else result
     return result
 
 

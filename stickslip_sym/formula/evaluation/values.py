@@ -3,10 +3,10 @@
 From the closed form in ball arithmetic where there is one, else by a Gauss rule in the same arithmetic. Its
 panels halve towards x = 0, so that all scales are met, and are split at kinks. In the outer half 1 - s = u^2,
 for there a weight may vanish like a square root; in the innermost one 1 + s is a power of u too, for the slope may
-be x^q.
+be x^q. Beside it: the mean size of the slope, and the speed at which a profile ends.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
 
@@ -15,7 +15,7 @@ import sympy as sp
 from flint import acb, arb, arb_poly, arb_series, ctx, fmpq
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import (
     BallFunction,
     ball_function,
@@ -30,7 +30,7 @@ from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.exact import without_squares
 from stickslip_sym.model.expression.pieces import branch_from, jumps, places
 
-__all__ = ["BITS", "Values", "mean_power", "reach_of", "slope_of"]
+__all__ = ["BITS", "MeanSlope", "Unresolved", "Values", "mean_power", "radius_of", "reach_of", "slope_of"]
 
 BITS = 110
 """The working precision of values."""
@@ -39,7 +39,7 @@ _PRECISIONS = (BITS, 3 * BITS, 9 * BITS)  # in which the closed form is tried
 _ENOUGH = 70  # bits of relative accuracy that a value of the closed form needs
 _NODES = 22  # in a panel no longer than its distance to x = 0: they give 2^-110
 _DEEPEST = 1200  # panels towards x = 0
-_LAST, _COUNTED = 24, 12  # the coefficients by which a radius of convergence is judged
+_COUNTED = 36  # coefficients by which a radius of convergence is judged
 _FAR = 64.0  # a radius that is as good as infinite
 _INSIDE = 0.25  # of the radius of convergence: a panel of that length from x = 0 is the innermost
 _PLACES, _SHARES = (0.375, 2.2, 17.0), (0.2, 0.5, 0.8)  # r at which a closed form is checked; shares of its range
@@ -47,9 +47,14 @@ _SAME = 2.0**-40  # by which it agrees: the rule may not resolve a narrow transi
 _LONGEST = 0.5  # such a panel: there the other end of a weight is far enough away
 _CLOSE, _STEEP = 2.0**-5, 8  # without a power series: the innermost panel, where p is this power of the variable
 _SPLITS = (1, 2, 4, 8, 16, 32)  # parts of a panel that are tried, for profiles with a narrow transition
-_PROBES = (*(k / 4 for k in range(-12, 8)), 4, 7)
-"""Binary exponents of the r at which that is judged: a transition lies anywhere in the panels of one octave."""
+_PROBES = (20, *(k / 4 for k in range(-12, 8)), 4, 7)
+"""Binary exponents of the r at which that is judged: a wave for ever is met first; a transition lies anywhere in
+the panels of one octave."""
 _AGREED = 2.0**-62  # of two numbers of parts
+
+
+class Unresolved(ArithmeticError):
+    """No number of parts gives the values of an average: its profile waves for ever."""
 
 
 class Values:
@@ -61,7 +66,7 @@ class Values:
         g in the symbol v, and in shapes.
     criterion : Criterion
     closed : sympy.Expr or None
-        F in the symbol V.
+        F in the symbol V; forgotten where it is not the average by the Gauss rule too, at a few places.
     point : mapping
         Values of the shapes in them.
 
@@ -80,42 +85,34 @@ class Values:
         inner = [sp.Rational(float(low + high) / 2) for low, high in pairwise([arb(0), *self.kinks])]
         outer = sp.Rational(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
         self._pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
+        self.last_piece = self._pieces[-1]
         self._slopes = [ball_function(slope_of(piece), symbols.v, point) for piece in self._pieces]
-        heights = [
+        self._jumps = [
             (ball_value(place, point).real, ball_value(height, point).real) for place, height in jumps(profile)
         ]
-        self._jumps = [(place, height) for place, height in heights if bool(place > 0)]
-        self._closed = closed
-        self._formulas: dict[int, BallFunction | None] = {}
+        mean_slope, shapes = MeanSlope(profile, criterion, list(point)), [float(value) for value in point.values()]
+        self.mean_slope: Callable[[FloatArray], FloatArray] = lambda r: mean_slope(r, *shapes)
+        self.reach = reach_of(profile, point)
         self.radius = self._radius()
         self._inner, self._order = (min(_INSIDE * self.radius, _LONGEST), 2) if self.radius else (_CLOSE, _STEEP)
         self._split: int | None = None
-        self.reach = reach_of(profile, point)
-        if closed is not None and not self._agrees():
-            self._closed = None
+        self._formulas: dict[int, BallFunction] = {}
+        self._closed = closed
+        if closed is not None:
+            tried = _PLACES if self.reach == np.inf else [share * self.reach / 2 for share in _SHARES]
+            with working_precision(BITS):
+                pairs = [(value, self._by_rule(r)) for r in map(arb, tried) if (value := self._by_formula(r))]
+            if not all(bool(abs(value - right) <= _SAME * abs(value)) for value, right in pairs):
+                self._closed = None
 
-    def _agrees(self) -> bool:
-        """Whether the closed form is the average by the Gauss rule too, at a few places."""
-        places = _PLACES if self.reach == np.inf else [share * self.reach / 2 for share in _SHARES]
-        with working_precision(BITS):
-            for place in map(arb, places):
-                value = self._by_formula(place)
-                if value is not None and not bool(abs(value - self._by_rule(place)) <= _SAME * abs(value)):
-                    return False
-        return True
-
-    @property
-    def last_piece(self) -> Expr:
-        """The profile beyond its last kink."""
-        return self._pieces[-1]
+    # -- power series ------------------------------------------------------------------------------
 
     def _radius(self) -> float:
-        """Return the radius of convergence of g' at x = 0, by the root test; 0 where it has no power series."""
-        coefficients = self.taylor(_LAST + _COUNTED)
+        """Return the radius of convergence of g' at x = 0; 0 where it has no power series."""
+        coefficients = self.taylor(_COUNTED)
         if coefficients is None:
             return 0.0
-        rate = max(float(abs(c).upper()) ** (1 / k) for k, c in enumerate(coefficients) if k >= _LAST)
-        return min(1 / rate, _FAR) if rate else _FAR
+        return min(radius_of(coefficients), _FAR)
 
     def taylor(self, count: int) -> list[arb] | None:
         """Return the coefficients of the slope g' in powers of x, or None."""
@@ -150,33 +147,28 @@ class Values:
         coefficients = [series[k] for k in range(count)]
         return coefficients if all(c.is_finite() for c in coefficients) else None
 
-    def __call__(self, r: arb) -> arb:
-        """Return F(r)."""
-        if self._closed is not None and (value := self._by_formula(r)) is not None:
-            return value
-        return self._by_rule(r)
+    # -- values ------------------------------------------------------------------------------------
 
-    def _by_rule(self, r: arb) -> arb:
-        if self.criterion.weight is None:
-            return -self._slope(r)
-        if self._split is None:
-            self._split = self._parts()
-        return self._averaged(r, self._split)
+    def __call__(self, r: arb) -> arb:
+        """Return F(r).
+
+        Raises
+        ------
+        Unresolved
+        """
+        value = self._by_formula(r) if self._closed is not None else None
+        return self._by_rule(r) if value is None else value
 
     def _by_formula(self, r: arb) -> arb | None:
         """Return the closed form's value, with more bits where it cancels; None where that does not help."""
         for bits in _PRECISIONS:
             with working_precision(bits):
-                if bits not in self._formulas:
-                    try:
-                        self._formulas[bits] = ball_function(self._closed, symbols.V, self.point)
-                    except InputError:  # a special function that has no balls; the rule has no need of it
-                        self._formulas[bits] = None
-                formula = self._formulas[bits]
-                if formula is None:
-                    return None
                 try:
-                    whole = formula(acb(r), False)
+                    if bits not in self._formulas:
+                        self._formulas[bits] = ball_function(self._closed, symbols.V, self.point)
+                    whole = self._formulas[bits](acb(r), False)
+                except InputError:  # a special function that has no balls; the rule has no need of it
+                    return None
                 except (ValueError, ZeroDivisionError):
                     continue
                 value = whole.real
@@ -184,31 +176,44 @@ class Values:
                     return value
         return None
 
+    def _by_rule(self, r: arb) -> arb:
+        if self.criterion.weight is None:
+            piece = sum(1 for kink in self.kinks if bool(kink < r))
+            return -self._slopes[piece](acb(r), False).real
+        if self._split is None:
+            self._split = self._parts()
+        return self._averaged(r, self._split)
+
     def _parts(self) -> int:
-        """Return into how many parts each panel is cut."""
+        """Return into how many parts each panel is cut: the least with which twice as many agree, at all probes.
+
+        They agree beside <|g'|>, for F itself may vanish there.
+        """
         probes = [arb(3).sqrt() * arb(2) ** k for k in _PROBES]
         if self.reach < np.inf:
             probes = [arb(share * self.reach / 2) for share in _SHARES]
-        for split, finer in pairwise(_SPLITS):
-            pairs = [(self._averaged(r, split), self._averaged(r, finer)) for r in probes]
-            if all(abs(float(a.mid()) - float(b.mid())) <= 0 or abs(a - b) < _AGREED * abs(b) for a, b in pairs):
-                return split
-        return _SPLITS[-1]
+        splits = iter(pairwise(_SPLITS))
+        split, finer = next(splits)
+        for r in probes:
+            while not self._agree(r, split, finer):
+                if (step := next(splits, None)) is None:
+                    raise Unresolved(f"{self.profile} is not resolved at r = {float(r):g}")
+                split, finer = step
+        return split
 
-    def _slope(self, x: arb) -> arb:
-        piece = sum(1 for kink in self.kinks if bool(kink < x))
-        return self._slopes[piece](acb(x), False).real
+    def _agree(self, r: arb, split: int, finer: int) -> bool:
+        size = _AGREED * float(self.mean_slope(np.array([float(r)]))[0])
+        return bool(abs(self._averaged(r, split) - self._averaged(r, finer)) <= size)
 
     def _averaged(self, r: arb, split: int) -> arb:
         total = arb(0)
-        places = [kink / r for kink in self.kinks if bool(kink < 2 * r)]
-        for piece, (low, high) in enumerate(pairwise([arb(0), *places, arb(2)])):
-            slope = self._slopes[piece]
+        ends = [arb(0), *(kink / r for kink in self.kinks if bool(kink < 2 * r)), arb(2)]
+        for slope, (low, high) in zip(self._slopes, pairwise(ends), strict=False):
             for left, right in _panels(low, high, arb(self._inner) * min(1 / r, arb(1))):
                 for p, weight in _nodes(self.criterion, left, right, split, self._order):
                     total += weight * slope(acb(r * p), False).real
         for place, height in self._jumps:
-            if bool(place < 2 * r):
+            if bool(place > 0) and bool(place < 2 * r):
                 total += height * _weight(self.criterion, place / r, 2 - place / r) / r
         return -total
 
@@ -232,6 +237,12 @@ def _legendre(n: int, bits: int) -> list[tuple[arb, arb]]:
     del bits  # they are those of the working precision
     rule = [arb.legendre_p_root(n, k, weight=True) for k in range(n)]
     return [((1 + x.mid()) / 2, weight.mid() / 2) for x, weight in rule]
+
+
+def _nodes(criterion: Criterion, left: arb, right: arb, split: int, order: int) -> list[tuple[arb, arb]]:
+    """Return p = 1 + s and w(s) ds at the nodes of a panel."""
+    ends = (tuple(int(part) for part in end.mid().man_exp()) for end in (left, right))
+    return _rule(criterion, *ends, split, order)
 
 
 @lru_cache(maxsize=4096)
@@ -259,23 +270,22 @@ def _rule(
     return pairs
 
 
-def _nodes(criterion: Criterion, left: arb, right: arb, split: int, order: int) -> list[tuple[arb, arb]]:
-    """Return p = 1 + s and w(s) ds at the nodes of a panel."""
-    ends = (tuple(int(part) for part in end.mid().man_exp()) for end in (left, right))
-    return _rule(criterion, *ends, split, order)
-
-
 def _weight(criterion: Criterion, p: arb, q: arb) -> arb:
     """Return w(s) for p = 1 + s and q = 1 - s."""
-    if not criterion.is_polynomial:
-        return 2 * (p * q).sqrt() / arb.pi()
-    return _shifted(criterion)(p)
+    return _shifted(criterion)(p) if criterion.is_polynomial else 2 * (p * q).sqrt() / arb.pi()
 
 
 @lru_cache(maxsize=16)
 def _shifted(criterion: Criterion) -> arb_poly:
     """Return a weight that is a polynomial in powers of p = 1 + s."""
     return arb_poly([arb(rational(c)) for c in reversed(criterion.from_rest.all_coeffs())])
+
+
+def radius_of(coefficients: Sequence[arb]) -> float:
+    """Return the radius of convergence of a power series, by the root test on its last third."""
+    first = 2 * len(coefficients) // 3
+    rate = max(float(abs(c).upper()) ** (1 / k) for k, c in enumerate(coefficients[first:], first))
+    return 1 / rate if rate else np.inf
 
 
 def mean_power(criterion: Criterion, exponent: fmpq) -> arb:
@@ -293,6 +303,49 @@ def mean_power(criterion: Criterion, exponent: fmpq) -> arb:
 def slope_of(profile: Expr) -> Expr:
     """Return g', with sech(a)^2 for 1 - tanh(a)^2, which cancels."""
     return without_squares(sp.diff(profile, symbols.v))
+
+
+# -- in floats -----------------------------------------------------------------------------------------
+
+
+class MeanSlope:
+    """<|g'|> of a profile to a few per cent, the unit in which errors of F are measured.
+
+    Call it with an array of r, and of each parameter.
+    """
+
+    _LEVELS, _POINTS = 70, 6  # panels towards x = 0, nodes in each
+
+    def __init__(self, profile: Expr, criterion: Criterion, parameters: Sequence[Expr]) -> None:
+        slope, self._local = slope_of(profile), criterion.weight is None
+        functions = [slope]
+        if self._local:
+            # At one point the rounding of r itself counts.
+            self._p, self._w = np.ones(1), np.ones(1)
+            functions.append(symbols.v * sp.diff(slope, symbols.v))
+        else:
+            x, w = np.polynomial.legendre.leggauss(self._POINTS)
+            scale = 2.0 ** -np.arange(self._LEVELS)[:, None]
+            self._p, self._w = (scale * (x + 3) / 2).ravel(), (scale * w / 2).ravel()
+            self._w *= np.abs(
+                np.polyval(np.array(criterion.from_rest.all_coeffs(), dtype=float), self._p)
+                if criterion.is_polynomial
+                else 2 / np.pi * np.sqrt(self._p * (2 - self._p))
+            )
+        self._functions: list[Callable[..., FloatArray]] = [
+            function_of([symbols.v, *parameters], function, "numpy") for function in functions
+        ]
+
+    def __call__(self, r: FloatArray, *parameters: float | FloatArray) -> FloatArray:
+        """Return <|g'|> at each r."""
+        columns = [np.asarray(parameter)[..., None] for parameter in parameters]
+        x = r[:, None] * self._p
+        with np.errstate(all="ignore"):
+            sizes = [
+                np.nansum(np.broadcast_to(np.abs(function(x, *columns)), x.shape) * self._w, axis=1)
+                for function in self._functions
+            ]
+        return np.asarray(np.max(sizes, axis=0))
 
 
 _GRID = 2.0 ** np.arange(-30, 40, 1 / 16)  # where an argument is looked at for a change of its sign

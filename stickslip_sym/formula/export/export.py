@@ -83,7 +83,7 @@ def export_code(forms: Written | Sequence[Written], language: str) -> str:
     --------
     >>> from stickslip_sym import derive
     >>> export_code(derive("0.4 - 0.1*v"), "c").splitlines()[-2]
-    '    return fabs(sum) < HUGE_VAL ? sum + 0.0 : NAN;'
+    '    return checked(damping_term_0(a), a, "111", HUGE_VAL);'
     """
     listed = [forms] if isinstance(forms, Written) else list(forms)
     if not listed:

@@ -1,33 +1,24 @@
 """Antiderivatives of a term of a law times a polynomial kernel, one rule for each family of terms.
 
-A rule takes (rest, kernel, u) and returns F with F' = rest * kernel, real and smooth for u >= 0, or None
-where it does not apply. F is proved by differentiation wherever it is used, so a wrong rule cannot give a wrong
-result.
+A rule returns F with F' = polynomial times factors, real and smooth for u >= 0, or None where it does not apply. F
+is proved by differentiation wherever it is used, so a wrong rule cannot give a wrong result.
 """
 
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import Lerch
-from stickslip_sym.formula.finding.ladders import (
-    LADDERS,
-    POWER_LADDERS,
-    asinh_ladder,
-    by_parts,
-    climb,
-    erf_ladder,
-)
+from stickslip_sym.formula.finding.ladders import LADDERS, by_parts, polylog
 from stickslip_sym.formula.finding.matching import (
-    as_function,
-    as_linear,
+    Rule,
     as_power,
-    as_single,
     as_stretched,
+    coefficients,
     first_rule,
     minus_discriminant,
     partial_fractions,
 )
-from stickslip_sym.model.terms import grouped, split_polynomial
+from stickslip_sym.model.terms import grouped
 
 __all__ = ["antiderivative"]
 
@@ -36,244 +27,213 @@ _HALF = sp.Rational(1, 2)
 
 def antiderivative(rest: Expr, kernel: Expr, u: Expr) -> tuple[str, Expr] | None:
     """Return the names of the rules that integrate rest * kernel, term by term, and what they give, or None."""
-    found, total = [], sp.Integer(0)
+    names, total = [], sp.Integer(0)
     for part, constant in grouped(rest, u).items():
         by_rule = first_rule(_RULES, part, kernel, u)
         if by_rule is None:
             return None
-        found.append(by_rule[0])
+        names.append(by_rule[0])
         total += constant * by_rule[1]
-    return ", ".join(dict.fromkeys(found)), total
+    return ", ".join(dict.fromkeys(names)), total
 
 
-def _polynomial(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
-    """Integrate a polynomial."""
-    return sp.Poly(rest * kernel, u).integrate().as_expr() if rest.is_polynomial(u) else None
+def _integral(polynomial: Expr, u: Expr) -> Expr:
+    return sp.Poly(polynomial, u).integrate().as_expr()
 
 
-def _function(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
-    """Integrate u^n times one function of a linear argument (`LADDERS`)."""
-    for function, ladder in LADDERS.items():
-        match = as_function(rest, u, function)
-        if match is not None:
-            polynomial, argument, *_ = match
-            return climb(polynomial * kernel, ladder, argument, u)
-    return None
-
-
-def _function_power(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
-    """Integrate u^n tanh(x)^k and u^n sech(x)^k, k = 2, 3, ..."""
-    single = as_single(rest, u)
-    if single is None or not single[1].is_Pow:
+def _ladder(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n times a power of a function of a linear argument."""
+    base, power = (node, 1) if isinstance(node, sp.exp) else node.as_base_exp()
+    line = coefficients(base.args[0], u)
+    ladder, x = LADDERS[base.func], sp.Dummy("x", real=True)
+    if len(line) != 2 or (power != 1 and base.func not in (sp.tanh, sp.sech)):
         return None
-    polynomial, (base, n) = single[0], single[1].as_base_exp()
-    ladder = POWER_LADDERS.get(base.func)
-    if ladder is None or not (n.is_Integer and n > 1) or as_linear(base.args[0], u) is None:
-        return None
-    return climb(polynomial * kernel, lambda x, j: ladder(x, int(n), j), base.args[0], u)
+    return by_parts(polynomial, lambda j: ladder(x, int(power), j).subs(x, base.args[0]) / line[0] ** j, u)
 
 
-def _power(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
+def _by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+    """W f^k - integral of W (f^k)', W' the polynomial, f a function whose derivative has none of its kind."""
+    function, power = node.as_base_exp()
+    line = coefficients(function.args[0], u)
+    if len(line) == 2 and function.args[0] != u:
+        # In x = a u + b, where W = 0 at x = 0: of a logarithm's power is left a polynomial times a lower one.
+        x = sp.Dummy("x", positive=isinstance(function, sp.log) or None, real=True)
+        inner = sp.expand(polynomial.subs(u, (x - line[1]) / line[0]) / line[0])
+        found: Expr | None = _by_parts(inner, function.func(x) ** power, x)
+        return None if found is None else found.subs(x, function.args[0])
+    whole, slope = _integral(polynomial, u), sp.diff(function, u)
+    factor = sp.cancel(whole * slope) if slope.is_rational_function(u) else whole * slope
+    left = antiderivative(power * factor * function ** (power - 1), sp.Integer(1), u)
+    return None if left is None else whole * node - left[1]
+
+
+def _reduced(polynomial: Expr, alpha: Expr, beta: Expr, u: Expr) -> tuple[Expr, Expr]:
+    """Return A and a remainder of the lowest degree with A' alpha + A beta + remainder = polynomial.
+
+    So A alpha w + the integral of remainder w is that of polynomial w, where (alpha w)' = beta w.
+    """
+    total, left = sp.Integer(0), sp.Poly(polynomial, u)
+    alpha, beta = sp.Poly(alpha, u), sp.Poly(beta, u)
+    drop = max(alpha.degree() - 1, beta.degree())
+    while left.degree() >= drop and not left.is_zero:
+        k = left.degree() - drop
+        step = sp.Poly(left.LC() / (k * alpha.nth(drop + 1) + beta.nth(drop)) * u**k, u)
+        total += step.as_expr()
+        left -= step.diff(u) * alpha + step * beta
+        left = sp.Poly({power: c for power, c in left.terms() if power[0] < k + drop} or {(0,): 0}, u)
+    return total, left.as_expr()
+
+
+def _power(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """Integrate u^n (a u + b)^p, p no integer (for b = 0: p > -1)."""
-    match = as_power(rest, u)
+    match = as_power(node, u)
     if match is None:
         return None
-    polynomial, base, rate, shift, p = match
-    if shift == 0:
-        terms = sp.Poly(polynomial * kernel, u).terms()
-        return sp.Add(*[c * base**p * u ** (n + 1) / (n + 1 + p) for (n,), c in terms])
-
-    def ladder(j: int) -> Expr:
-        return base ** (p + j) / (sp.rf(p + 1, j) * rate**j)
-
-    return by_parts(polynomial * kernel, ladder, u)
+    base, rate, _, p = match
+    return by_parts(polynomial, lambda j: base ** (p + j) / (sp.rf(p + 1, j) * rate**j), u)
 
 
-def _root(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
+def _root(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """u^n (a u^2 + b u + c)^(k/2), k odd and >= -1, the quadratic positive: asinh. Holds u/sqrt(u^2 + w^2)."""
-    single = as_single(rest, u)
-    if single is None or not single[1].is_Pow:
+    base, exponent = node.as_base_exp()
+    quadratic, times = coefficients(base, u), exponent + _HALF
+    if len(quadratic) != 3 or not (times.is_Integer and times >= 0):
         return None
-    polynomial, (base, exponent) = single[0], single[1].as_base_exp()
-    if not base.is_polynomial(u) or sp.degree(base, u) != 2:
-        return None
-    a, b, c = sp.Poly(base, u).all_coeffs()
+    a, b, c = quadratic
     gap = sp.factor(4 * a * c - b**2)
-    if not (a.is_positive and gap.is_positive and (exponent + _HALF).is_integer and exponent >= -_HALF):
+    if not (a.is_positive and gap.is_positive):
         return None
-    argument = (2 * a * u + b) / sp.sqrt(gap)
-    factor = 2 * sp.sqrt(a / gap)  # 1/sqrt(base) = factor/sqrt(1 + argument^2)
-    polynomial = polynomial * base ** (exponent + _HALF) * kernel
-
-    def ladder(x: Expr, j: int) -> Expr:
-        return asinh_ladder(x, j - 1).subs(sp.sqrt(1 + x**2), factor * sp.sqrt(base))
-
-    return factor * climb(polynomial, ladder, argument, u)
+    above, constant = _reduced(polynomial * base**times, base, sp.diff(base, u) / 2, u)
+    return above * sp.sqrt(base) + constant / sp.sqrt(a) * sp.asinh((2 * a * u + b) / sp.sqrt(gap))
 
 
-def _log_of_polynomial(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
-    """Integrate u^n log(Q(u)) by parts: what is left, the integral of u^n times Q'/Q, is rational."""
-    single = as_single(rest, u)
-    if single is None or not isinstance(single[1], sp.log) or not single[1].args[0].is_polynomial(u):
-        return None
-    polynomial, logarithm = single
-    whole = sp.Poly(polynomial * kernel, u).integrate().as_expr()
-    left = _rational(whole * sp.diff(logarithm, u), sp.Integer(1), u)
-    return None if left is None else whole * logarithm - left
-
-
-def _gaussian(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
+def _gaussian(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """Integrate u^n exp(-a u^2 + b u + c), a > 0."""
-    match = as_function(rest, u, sp.exp, degree=2)
-    if match is None:
+    quadratic = coefficients(node.args[0], u)
+    if len(quadratic) != 3 or not (-quadratic[0]).is_positive:
         return None
-    polynomial, _, a, b, c = match
-    root = sp.sqrt(-a)
-    argument = root * (u + b / (2 * a))
-    factor = sp.exp(c - b**2 / (4 * a)) * sp.sqrt(sp.pi) / 2
-    return factor * climb(polynomial * kernel, lambda x, j: erf_ladder(x, j - 1), argument, u)
+    a, b, c = -quadratic[0], *quadratic[1:]
+    x, root, middle = sp.Dummy("x", real=True), sp.sqrt(a), b / (2 * a)
+    inner = sp.expand(polynomial.subs(u, x / root + middle)) / root
+    above, constant = _reduced(inner, sp.Integer(1), -2 * x, x)
+    integral = above * sp.exp(-(x**2)) + constant * sp.sqrt(sp.pi) / 2 * sp.erf(x)
+    return sp.exp(c + a * middle**2) * integral.subs(x, root * (u - middle))
 
 
-def _stretched(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
+def _stretched(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate u^q exp(-(u/w)^d), d and q symbolic: lower incomplete gamma functions."""
-    match = as_stretched(rest, u)
+    match = as_stretched(factors, u)
     if match is None:
         return None
-    polynomial, q, k, d = match
+    front, q, k, d = match
     w = sp.powdenest(k ** (-1 / d))
-    terms = sp.Poly(polynomial * kernel, u).terms()
+    terms = sp.Poly(front * polynomial, u).terms()
     return sp.Add(*[c * w ** (n + 1 + q) / d * sp.lowergamma((n + 1 + q) / d, (u / w) ** d) for (n,), c in terms])
 
 
-def _binomial(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
-    """Integrate u^n (b + a u^d)^p, a and b positive, d > 0 free: b^p u^(n+1)/(n+1) 2F1(-p, q; 1 + q; -a u^d/b).
-
-    Here q = (n + 1)/d. Where d is a number, the average is a hypergeometric series in V, which is proved.
-    """
-    single = as_single(rest, u)
-    if single is None or not single[1].is_Pow:
-        return None
-    polynomial, (base, p) = single[0], single[1].as_base_exp()
-    b, power = base.as_independent(u, as_Add=True)
-    a, monomial = power.as_independent(u, as_Add=False)
-    of, d = monomial.as_base_exp()
-    if of != u or p.has(u) or d.has(u) or d.is_number:
-        return None
-    if not (a.is_positive and b.is_positive and d.is_positive):
-        return None
-    z = -a * u**d / b
-    terms = sp.Poly(polynomial * kernel, u).terms()
-    return b**p * sp.Add(*[
-        c * u ** (n + 1) / (n + 1) * sp.hyper((-p, (n + 1) / d), (1 + (n + 1) / d,), z) for (n,), c in terms
-    ])  # fmt: skip
+def _rational(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
+    """Integrate rational functions whose denominator splits into factors of degree 1 and 2."""
+    parts = partial_fractions(polynomial * factors, u)
+    fractions = [] if parts is None else [_fraction(*fraction, u) for fraction in parts[1]]
+    return None if parts is None or None in fractions else _integral(parts[0], u) + sp.Add(*fractions)
 
 
-def _rational(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
-    """Integrate rational functions whose denominator splits into factors of degree 1 and 2.
-
-    A quadratic factor must have a discriminant of known sign.
-    """
-    parts = partial_fractions(rest * kernel, u)
-    if parts is None:
-        return None
-    polynomial, fractions = parts
-    total = sp.Poly(polynomial, u).integrate().as_expr()
-    for numerator, base, power in fractions:
-        if sp.degree(base, u) == 1:
-            part = _over_linear(numerator, base, power, u)
-        else:
-            part = _over_quadratic(numerator, base, power, u)
-        if part is None:
-            return None
-        total += part
-    return total
-
-
-def _over_linear(numerator: Expr, base: Expr, power: int, u: Expr) -> Expr:
-    if power > 1:
-        return numerator * base ** (1 - power) / (1 - power)
-    return numerator * sp.log(sp.expand(base / (base.subs(u, 0) or 1)))
-
-
-def _over_quadratic(numerator: Expr, base: Expr, power: int, u: Expr) -> Expr | None:
-    """Integrate (A u + B) / base^power by Hermite's reduction; None if the roots may be real or complex."""
-    _, b, c = sp.Poly(base, u).all_coeffs()
-    A = sp.Poly(numerator, u).coeff_monomial(u)
-    B = sp.Poly(numerator, u).coeff_monomial(1) - A * b / 2
-    gap = minus_discriminant(b, c)
-    total = A / 2 * (sp.log(sp.expand(base / c)) if power == 1 else base ** (1 - power) / (1 - power))
-    while power > 1:
-        total += B * (2 * u + b) / ((power - 1) * gap * base ** (power - 1))
-        B *= sp.Rational(2 * (2 * power - 3), power - 1) / gap
-        power -= 1
+def _fraction(numerator: Expr, monic: list[Expr], power: int, u: Expr) -> Expr | None:
+    """Integrate (A u + B)/(u^2 + b u + c)^power by Hermite's reduction, or B/(u + c)^power."""
+    base = sp.Poly(monic, u).as_expr()
+    *middle, c = monic[1:]
+    over = sp.log(sp.expand(base / (c or 1))) if power == 1 else base ** (1 - power) / (1 - power)
+    if not middle:
+        return numerator * over
+    (b,), line = middle, sp.Poly(numerator, u)
+    A, gap = line.nth(1), minus_discriminant(middle[0], c)
+    B, total = line.nth(0) - A * b / 2, A / 2 * over
+    for k in range(power - 1, 0, -1):
+        total += B * (2 * u + b) / (k * gap * base**k)
+        B *= sp.Rational(2 * (2 * k - 1), k) / gap
+    root = sp.sqrt(sp.Abs(gap))
     if gap.is_positive:
-        root = sp.sqrt(gap)
         return total + 2 * B / root * sp.atan((2 * u + b) / root)
     if gap.is_negative:
-        root = sp.sqrt(-gap)
         return total + B / root * sp.log((2 * u + b - root) / (2 * u + b + root))
-    return None
+    if power > 1:
+        return None
+    # Roots that may be real or complex: the arctangent over its root, which is analytic in the discriminant.
+    reach = u / (2 * c + b * u)
+    return total + 2 * B * reach * sp.hyper((_HALF, 1), (3 * _HALF,), -gap * reach**2)
 
 
-def _exponential_over_linear(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
+def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """exp(-a u) times a rational function with linear denominators, a > 0: E_1."""
-    exponentials = [factor for factor in sp.Mul.make_args(rest) if isinstance(factor, sp.exp)]
-    if len(exponentials) != 1:
+    rational, exponential = factors.as_independent(sp.exp, as_Add=False)
+    parts = partial_fractions(polynomial * rational, u)
+    line = coefficients(exponential.args[0], u) if isinstance(exponential, sp.exp) else []
+    if parts is None or len(line) != 2 or not line[0].is_negative or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
-    (exponential,) = exponentials
-    others = [factor for factor in sp.Mul.make_args(rest) if factor != exponential]
-    parts = partial_fractions(sp.Mul(*others, kernel), u)
-    linear = as_linear(exponential.args[0], u)
-    if parts is None or linear is None or not linear[0].is_negative:
-        return None
-    rate = linear[0]
-    polynomial, fractions = parts
-    total = climb(polynomial, LADDERS[sp.exp], exponential.args[0], u)
-    for numerator, base, power in fractions:
-        if sp.degree(base, u) != 1:
-            return None
-        while power > 1:
-            total += numerator * exponential / ((1 - power) * base ** (power - 1))
-            numerator *= rate / (power - 1)
-            power -= 1
-        front = sp.exp(sp.expand(exponential.args[0] - rate * base))
-        total -= numerator * front * sp.expint(1, -rate * base)
+    total = _ladder(parts[0], exponential, u) or sp.Integer(0)
+    for numerator, (_, shift), power in parts[1]:
+        base = u + shift
+        for k in range(power - 1, 0, -1):
+            total -= numerator * exponential / (k * base**k)
+            numerator *= line[0] / k
+        total -= numerator * sp.exp(sp.expand(line[1] - line[0] * shift)) * sp.expint(1, -line[0] * base)
     return total
 
 
-def _exponential_tanh(rest: Expr, kernel: Expr, u: Expr) -> Expr | None:
+def _logarithm_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
+    """Integrate log(a u + b) times a rational function with linear denominators: Li_2.
+
+    With w = u + b/a and q = w - (u + s), log(a w)^2/2 + log(a w) log(1 - q/w) - Li_2(q/w) has the derivative
+    log(a w)/(u + s), and q/w is below 1.
+    """
+    rational, logarithm = factors.as_independent(sp.log, as_Add=False)
+    parts = partial_fractions(polynomial * rational, u)
+    line = coefficients(logarithm.args[0], u) if isinstance(logarithm, sp.log) else []
+    if parts is None or len(line) != 2 or any(len(base) > 2 for _, base, _ in parts[1]):
+        return None
+    whole, total, start = _integral(parts[0], u), sp.Integer(0), line[1] / line[0]
+    for numerator, (_, s), power in parts[1]:
+        if power > 1:
+            whole += numerator * (u + s) ** (1 - power) / (1 - power)
+        elif s == start:
+            total += numerator * logarithm**2 / 2
+        else:
+            z = sp.factor((start - s) / (u + start))
+            total += numerator * (logarithm**2 / 2 + logarithm * sp.log(1 - z) - polylog(2, z))
+    left = _rational(whole * sp.diff(logarithm, u), sp.Integer(1), u)
+    return None if left is None else total + whole * logarithm - left
+
+
+def _exponential_tanh(polynomial: Expr, exponential: Expr, tanh: Expr, u: Expr) -> Expr | None:
     """Integrate u^n exp(-a u) tanh(k u), a > 0, k > 0, by the Lerch transcendent.
 
     exp(-r x) tanh(x) = exp(-r x) - 2 exp(-(r + 2) x) Phi(-exp(-2 x), 0, 1 + r/2), x = k u, r = a/k.
     """
-    polynomial, others = split_polynomial(rest, u)
-    if {factor.func for factor in others} != {sp.exp, sp.tanh} or len(others) != 2:
-        return None
-    exponential, tanh = sorted(others, key=lambda factor: factor.func is sp.tanh)
-    decay, slope = as_linear(exponential.args[0], u), as_linear(tanh.args[0], u)
-    if decay is None or slope is None or slope[1] != 0 or not decay[0].is_negative:
+    decay, slope = (coefficients(factor.args[0], u) for factor in (exponential, tanh))
+    if not isinstance(tanh, sp.tanh) or not len(decay) == len(slope) == 2 or slope[1] != 0:
         return None
     k, r = slope[0], -decay[0] / slope[0]
+    if not r.is_positive:
+        return None
 
     def ladder(j: int) -> Expr:
         z = -sp.exp(-2 * k * u)
         lerch = 2 * _HALF**j * z * Lerch(z, j, 1 + r / 2)
         return (-1 / k) ** j * exponential * (r**-j + lerch)
 
-    return by_parts(polynomial * kernel, ladder, u)
+    return by_parts(polynomial, ladder, u)
 
 
-_RULES = {
-    "polynomial": _polynomial,
-    "partial fractions": _rational,
-    "repeated integrals": _function,
-    "repeated integrals of a power": _function_power,
-    "power": _power,
-    "integration by parts": _log_of_polynomial,
-    "square root of a quadratic": _root,
-    "Gaussian": _gaussian,
-    "incomplete gamma": _stretched,
-    "Lerch transcendent": _exponential_tanh,
-    "exponential integral": _exponential_over_linear,
-    "hypergeometric function of a power": _binomial,
-}
+_RULES = (
+    Rule("polynomial", (), _integral),
+    Rule("partial fractions", None, _rational),
+    Rule("repeated integrals", (tuple(LADDERS),), _ladder),
+    Rule("integration by parts", ((sp.log, sp.atan, sp.asinh, sp.erf),), _by_parts),
+    Rule("power", (sp.Pow,), _power),
+    Rule("square root of a quadratic", (sp.Pow,), _root),
+    Rule("Gaussian", (sp.exp,), _gaussian),
+    Rule("incomplete gamma", None, _stretched),
+    Rule("Lerch transcendent", (sp.exp, sp.tanh), _exponential_tanh),
+    Rule("exponential integral", None, _exponential_over_linear),
+    Rule("dilogarithm", None, _logarithm_over_linear),
+)

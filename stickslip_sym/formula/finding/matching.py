@@ -1,10 +1,10 @@
-"""Taking the terms of a law apart: which family a term belongs to, and its parts.
+"""Which rule is for a term: its polynomial, the kinds of its other factors, and what they hold.
 
-Each function returns the parts of a term of one kind, or None where the term is not of that kind. `u` is
-the slip speed, nonnegative; parameters are positive.
+`u` is the slip speed, nonnegative; parameters are positive.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -12,76 +12,83 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.model.terms import split_polynomial
 
 __all__ = [
-    "as_function", "as_linear", "as_power", "as_single", "as_stretched", "first_rule",
-    "minus_discriminant", "partial_fractions",
-]  # fmt: skip
+    "Rule",
+    "as_power",
+    "as_stretched",
+    "coefficients",
+    "first_rule",
+    "minus_discriminant",
+    "partial_fractions",
+]
+
+Kinds = tuple[type[Expr] | tuple[type[Expr], ...], ...]
 
 
-def first_rule(rules: Mapping[str, Callable[..., Expr]], *arguments: Expr) -> tuple[str, Expr] | None:
-    """Return the name of the first rule that applies and its result, or None."""
-    for name, rule in rules.items():
-        result = rule(*arguments)
+class Rule(NamedTuple):
+    """How a polynomial times factors of some kinds is integrated or averaged.
+
+    `apply` takes the polynomial, each factor that is none, and what `first_rule` was given beside; without `kinds`
+    it takes the product of these factors instead. It returns None where the rule does not apply.
+    """
+
+    name: str
+    kinds: Kinds | None
+    apply: Callable[..., Expr | None]
+
+
+def first_rule(rules: Sequence[Rule], rest: Expr, kernel: Expr, u: Expr, *more: Expr) -> tuple[str, Expr] | None:
+    """Return the name of the first rule that applies to a term times a polynomial, and its result, or None."""
+    polynomial, factors = split_polynomial(rest, u)
+    for name, kinds, apply in rules:
+        if kinds is None:
+            result = apply(polynomial * kernel, sp.Mul(*factors), u, *more)
+        elif len(kinds) == len(factors) and all(map(_is_of_kind, ordered := _in_order(factors), kinds)):
+            result = apply(polynomial * kernel, *ordered, u, *more)
+        else:
+            continue
         if result is not None:
             return name, result
     return None
 
 
-def as_single(rest: Expr, u: Expr) -> tuple[Expr, Expr] | None:
-    """Match polynomial * factor, one factor that is no polynomial; return both."""
-    polynomial, others = split_polynomial(rest, u)
-    return (polynomial, others[0]) if len(others) == 1 else None
+def _in_order(factors: list[Expr]) -> list[Expr]:
+    return sorted(factors, key=lambda factor: str(factor.func))
 
 
-def as_linear(expr: Expr, u: Expr) -> tuple[Expr, Expr] | None:
-    """Return (rate, shift) of rate * u + shift with rate != 0, or None."""
-    if not expr.is_polynomial(u) or sp.degree(expr, u) != 1:
+def _is_of_kind(factor: Expr, kind: type[Expr] | tuple[type[Expr], ...]) -> bool:
+    """Tell whether a factor is a function of some kind or a whole power of it, or a power."""
+    base, exponent = factor.as_base_exp()
+    whole = isinstance(base, sp.Function) and exponent.is_Integer and exponent > 0
+    return isinstance(base if whole else factor, kind)
+
+
+def coefficients(expr: Expr, u: Expr) -> list[Expr]:
+    """Return the coefficients of a polynomial in u from the highest, or no coefficient of what is none."""
+    return list(sp.Poly(expr, u).all_coeffs()) if expr.is_polynomial(u) else []
+
+
+def as_power(node: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
+    """Match (rate u + shift)^p, p no integer; return base, rate, shift, p."""
+    base, p = node.as_base_exp()
+    line = coefficients(base, u)
+    return (base, *line, p) if len(line) == 2 and not (p.has(u) or p.is_integer) else None
+
+
+def as_stretched(factors: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
+    """Match u^q exp(-k u^d + b); return exp(b), q, k, d."""
+    power, exponential = factors.as_independent(sp.exp, as_Add=False)
+    base, q = power.as_base_exp()
+    if not isinstance(exponential, sp.exp) or base not in (u, 1):
         return None
-    rate, shift = sp.Poly(expr, u).all_coeffs()
-    return rate, shift
-
-
-def as_function(rest: Expr, u: Expr, function: Expr, degree: int = 1) -> tuple[Expr, ...] | None:
-    """Match p(u) * function(polynomial of a degree); return p, the argument, its coefficients from the highest."""
-    single = as_single(rest, u)
-    if single is None or not isinstance(single[1], function):
-        return None
-    argument = single[1].args[0]
-    if not argument.is_polynomial(u) or sp.degree(argument, u) != degree:
-        return None
-    return (single[0], argument, *sp.Poly(argument, u).all_coeffs())
-
-
-def as_power(rest: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr, Expr] | None:
-    """Match polynomial * (rate * u + shift)**p, p no integer; return polynomial, base, rate, shift, p."""
-    single = as_single(rest, u)
-    if single is None or not single[1].is_Pow:
-        return None
-    polynomial, (base, exponent) = single[0], single[1].as_base_exp()
-    linear = as_linear(base, u)
-    if linear is None or exponent.has(u) or exponent.is_integer:
-        return None
-    return (polynomial, base, *linear, exponent)
-
-
-def as_stretched(rest: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
-    """Match p(u) * u**q * exp(-k u**d + b); return p * exp(b), q, k, d."""
-    polynomial, others = split_polynomial(rest, u)
-    exponentials = [factor for factor in others if isinstance(factor, sp.exp)]
-    powers = [factor for factor in others if factor.is_Pow and factor.base == u]
-    if len(exponentials) != 1 or len(others) != 1 + len(powers):
-        return None
-    exponent = sp.expand_power_base(sp.expand(exponentials[0].args[0]))
+    exponent = sp.expand_power_base(sp.expand(exponential.args[0]))
     constant, varying = exponent.as_independent(u, as_Add=True)
     factor, monomial = varying.as_independent(u, as_Add=False)
-    base, d = monomial.as_base_exp()
-    if base != u or d.has(u):
-        return None
-    q = sp.Mul(*powers).as_base_exp()[1] if powers else sp.Integer(0)
-    return polynomial * sp.exp(constant), q, -factor, d
+    of, d = monomial.as_base_exp()
+    return (sp.exp(constant), q if base == u else sp.Integer(0), -factor, d) if of == u and not d.has(u) else None
 
 
-def partial_fractions(rest: Expr, u: Expr) -> tuple[Expr, list[tuple[Expr, Expr, int]]] | None:
-    """Split a rational function into a polynomial and fractions (numerator, base, power).
+def partial_fractions(rest: Expr, u: Expr) -> tuple[Expr, list[tuple[Expr, list[Expr], int]]] | None:
+    """Split a rational function into a polynomial and fractions: numerator, coefficients of the base, power.
 
     Bases have degree 1 or 2 and leading coefficient 1; None for a factor of higher degree, or one that is
     not known to be positive for all u >= 0.
@@ -96,26 +103,22 @@ def partial_fractions(rest: Expr, u: Expr) -> tuple[Expr, list[tuple[Expr, Expr,
             polynomial += numerator / constant
             continue
         base, power = varying.as_base_exp()
-        monic = sp.Poly(base, u)
-        if monic.degree() > 2 or not power.is_Integer:
+        lead, *others = coefficients(base, u)
+        monic = [sp.Integer(1), *(sp.cancel(c / lead) for c in others)]
+        if not power.is_Integer or not _is_positive(monic):
             return None
-        lead = monic.LC()
-        coefficients = [sp.cancel(c / lead) for c in monic.all_coeffs()]
-        if not _is_positive(coefficients):
-            return None
-        base = sp.Poly(coefficients, u).as_expr()
-        fractions.append((numerator / (constant * lead**power), base, int(power)))
+        fractions.append((numerator / (constant * lead**power), monic, int(power)))
     return polynomial, fractions
 
 
-def _is_positive(coefficients: list[Expr]) -> bool:
-    """Tell whether a monic polynomial of degree 1 or 2 is known to be positive for all u >= 0."""
-    *middle, c = coefficients[1:]
-    if c == 0 and not middle:
-        return True  # u itself: for u > 0, as in a piece of a law
-    if not c.is_positive:
-        return False
-    return all(b.is_nonnegative or minus_discriminant(b, c).is_positive for b in middle)
+def _is_positive(monic: list[Expr]) -> bool:
+    """Tell whether a monic polynomial of degree 1 or 2 is known to be positive for all u > 0."""
+    match monic[1:]:
+        case [c]:
+            return c == 0 or bool(c.is_positive)  # u itself: as in a piece of a law
+        case [b, c]:
+            return bool(c.is_positive and (b.is_nonnegative or minus_discriminant(b, c).is_positive))
+    return False
 
 
 def minus_discriminant(b: Expr, c: Expr) -> Expr:

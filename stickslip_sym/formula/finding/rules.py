@@ -1,14 +1,14 @@
 """A slope average, integrated term by term: by our own rules first, by SymPy's integrator last.
 
-What comes out of here is a proposal. Antiderivatives carry the certificate by which they are proved, and
+What comes out of here is a proposal. It carries the theorem by which it may be proved, and
 every closed form passes a numerical gate before it is returned.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from itertools import pairwise
 
 import sympy as sp
+from sympy.functions.elementary.hyperbolic import HyperbolicFunction
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
@@ -16,17 +16,15 @@ from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.finding import search
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
-from stickslip_sym.formula.finding.harmonics import harmonic_average, kinked_polynomial_average, series_average
-from stickslip_sym.formula.finding.search import Found, Nothing
+from stickslip_sym.formula.finding.harmonics import average_of_pieces, harmonic_average
+from stickslip_sym.formula.finding.search import NothingFound, Progress
+from stickslip_sym.formula.finding.series import series_average
 from stickslip_sym.formula.proof.recurrence import AverageSeries, definition
 from stickslip_sym.formula.proof.theorems import By, PieceByPiece, ends_of_pieces, value_at
 from stickslip_sym.model.expression.pieces import pieces_of
-from stickslip_sym.model.terms import grouped
+from stickslip_sym.model.terms import grouped, split_polynomial
 
-__all__ = ["Part", "Progress", "integrate_terms"]
-
-Progress = Callable[[str], None]
-"""Told in a few words what is being done."""
+__all__ = ["Part", "integrate_terms"]
 
 
 @dataclass(frozen=True)
@@ -55,18 +53,7 @@ class Part:
 
 
 def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Progress) -> list[Part]:
-    """Integrate a profile term by term.
-
-    Parameters
-    ----------
-    mu : sympy.Expr
-        The coefficient as a function of v.
-    criterion : Criterion
-        With a weight.
-    seconds : float
-        For SymPy's integrator, each time that it is asked.
-    progress : callable
-        Told what is being done, in a few words.
+    """Integrate a profile mu(v) term by term; `seconds` are for SymPy's integrator, each time that it is asked.
 
     Raises
     ------
@@ -75,58 +62,62 @@ def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Pr
     """
     parts = []
     for rest, constant in grouped(mu, symbols.v).items():
-        split = pieces_of(rest)
-        integrate = _by_antiderivatives if criterion.is_polynomial else _by_averages
-        found = integrate(*split, criterion, seconds, progress)
-        if isinstance(found, Nothing):
-            raise NoClosedForm(f"no rule for the {criterion.name} criterion covers it, and {found.reason}")
-        rule, value, primitives = found
-        integral = definition(constant * rest, criterion)
-        whole = constant * value + (criterion.boundary(constant * rest) if primitives else 0)
+        pieces, places = pieces_of(rest)
+        ends = ends_of_pieces(places, 2 * symbols.V)
+        try:
+            rule, value, primitives = _averaged(pieces, ends, criterion, seconds, progress)
+        except NothingFound as nothing:
+            raise NoClosedForm(f"no rule for the {criterion.name} criterion covers it, and {nothing}") from None
+        term = constant * rest
         by: By | None = None
-        if primitives:
-            by = PieceByPiece([constant * primitive for primitive in primitives], symbols.v, split[1])
-        elif not split[1]:
-            by = AverageSeries(rest, criterion, constant, value)
-        parts.append(Part(constant * rest, integral, whole, rule, by))
+        whole = constant * value + (criterion.boundary(term) if criterion.is_polynomial else 0)
+        if primitives and not value.has(sp.hyper):
+            by = PieceByPiece([constant * primitive for primitive in primitives], symbols.v, places)
+        elif not places:
+            by = AverageSeries(rest, criterion, constant, whole / constant)
+        parts.append(Part(term, definition(term, criterion), whole, rule, by))
     return parts
 
 
-_Integrated = tuple[str, Any, list[Any]] | Nothing
-"""The rule's name, the value, and the antiderivatives of the pieces where there are such; or why not."""
-
-
-def _by_antiderivatives(
-    pieces: list[Expr], places: list[Expr], criterion: Criterion, seconds: float, progress: Progress
-) -> _Integrated:
-    """Integrate by an antiderivative of each piece."""
-    kernel = criterion.kernel
-    primitives, rules = [], []
-    for piece in pieces:
-        by_rule = antiderivative(piece, kernel, symbols.v)
-        if by_rule is not None:
-            found = Found(*by_rule)
-        elif not places and (average := series_average(piece, symbols.v, symbols.V, criterion)) is not None:
-            return "hypergeometric series", average, []
+def _averaged(
+    pieces: list[Expr], ends: list[Expr], criterion: Criterion, seconds: float, progress: Progress
+) -> tuple[str, Expr, list[Expr]]:
+    """Return a rule's name, the average of a term in pieces, and their antiderivatives where there are such."""
+    v, V = symbols.v, symbols.V
+    average: tuple[str, Expr] | None
+    if not criterion.is_polynomial:
+        if len(pieces) > 1:
+            of_pieces = average_of_pieces(pieces, ends, v, V)
+            average = None if of_pieces is None else ("Fourier sums between kinks", of_pieces)
+            reason = "of terms in pieces only polynomials, and powers of 1/v, have a harmonic average here"
         else:
+            average = harmonic_average(pieces[0], v, V)
+            # SymPy's integrator is not asked: of these integrals it does none that has no rule, and one wrong.
+            reason = "SymPy's integrator does no integral of this kind"
+        if average is None:
+            raise NothingFound(reason)
+        return (*average, [])
+    found = []
+    for piece in pieces:
+        primitive = antiderivative(piece, criterion.kernel, v)
+        if primitive is None and len(pieces) == 1:
+            polynomial, factors = split_polynomial(piece, v)
+            series = series_average(polynomial, sp.Mul(*factors), v, V, criterion)
+            if series is not None:
+                return "hypergeometric series", series, []
+        if primitive is None:
             limit = 0.0 if _is_hopeless(piece) else seconds
-            searched = search.antiderivative(piece, kernel, symbols.v, limit, progress)
-            if isinstance(searched, Nothing):
-                return searched
-            found = searched
-        rules.append(found.rule)
-        primitives.append(found.value)
-    ends = ends_of_pieces(places, 2 * symbols.V)
+            primitive = search.RULE, search.antiderivative(piece, criterion.kernel, v, limit, progress)
+        found.append(primitive)
+    primitives = [primitive for _, primitive in found]
     try:
-        value = sp.Add(
-            *[
-                value_at(primitive, symbols.v, high) - value_at(primitive, symbols.v, low)
-                for primitive, low, high in zip(primitives, ends, ends[1:], strict=False)
-            ]
-        )
+        values = [
+            value_at(primitive, v, high) - value_at(primitive, v, low)
+            for primitive, (low, high) in zip(primitives, pairwise(ends), strict=True)
+        ]
     except ValueError as failure:
-        return Nothing(str(failure))
-    return ", ".join(dict.fromkeys(rules)), value, primitives
+        raise NothingFound(str(failure)) from None
+    return ", ".join(dict.fromkeys(rule for rule, _ in found)), sp.Add(*values), primitives
 
 
 def _is_hopeless(piece: Expr) -> bool:
@@ -135,23 +126,5 @@ def _is_hopeless(piece: Expr) -> bool:
     Times v^3 it hangs on powers v^p with a free p, and takes 0.4 to 1 s for nothing on hyperbolic functions, which
     the rules integrate as far as they have integrals here.
     """
-    powers = piece.atoms(sp.Pow)
-    free = any(power.exp.free_symbols and power.has(symbols.v) for power in powers)
-    return free or piece.has(sp.tanh, sp.sech, sp.coth, sp.sinh, sp.cosh)
-
-
-def _by_averages(
-    pieces: list[Expr], places: list[Expr], criterion: Criterion, seconds: float, progress: Progress
-) -> _Integrated:
-    """Take the harmonic average of a term by a rule that gives it at once."""
-    if places:
-        average = kinked_polynomial_average(pieces, ends_of_pieces(places, 2 * symbols.V), symbols.v, symbols.V)
-        if average is None:
-            return Nothing("of terms in pieces only polynomials have a harmonic average here")
-        return "Fourier sums between kinks", average, []
-    found = harmonic_average(pieces[0], symbols.v, symbols.V)
-    if found is None:
-        # SymPy's integrator is not asked: of these integrals it does none that has no rule, and one wrong.
-        return Nothing("SymPy's integrator does no integral of this kind")
-    rule, average = found
-    return rule, average, []
+    free = any(power.exp.free_symbols and power.has(symbols.v) for power in piece.atoms(sp.Pow))
+    return free or piece.has(HyperbolicFunction)

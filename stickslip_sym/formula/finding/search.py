@@ -11,70 +11,57 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time, time_left
 
-__all__ = ["Found", "Nothing", "antiderivative", "carried_out", "confine", "limit"]
+__all__ = ["RULE", "NothingFound", "Progress", "antiderivative", "carried_out", "confine", "limit"]
 
-_RULE = "SymPy's integrator"
+Progress = Callable[[str], None]
+"""Told in a few words what is being done."""
+
+RULE = "SymPy's integrator"
 _PATIENCE = 8.0  # times as long as its own time a process may take on a busy machine
 _OUT_OF_TIME = 24  # the signal that ends a process whose time is up
 _MEMORY = 4  # GB that the process may take: SymPy's intermediate results can explode
+_UNFINISHED = (sp.oo, sp.zoo, sp.nan, sp.I)
 
 
-@dataclass(frozen=True)
-class Found:
-    """What came out, and the name of the rule that gave it."""
-
-    rule: str
-    value: Expr
+class NothingFound(Exception):
+    """Why nothing was found, in words."""
 
 
-@dataclass(frozen=True)
-class Nothing:
-    """Why nothing came out, in words that follow the name of what was asked."""
-
-    reason: str
-
-
-def antiderivative(
-    f: Expr, polynomial: Expr, x: Expr, seconds: float, progress: Callable[[str], None]
-) -> Found | Nothing:
-    """Return an antiderivative of f(x) polynomial(x), or why none came in so many seconds.
+def antiderivative(f: Expr, polynomial: Expr, x: Expr, seconds: float, progress: Progress) -> Expr:
+    """Return an antiderivative of f(x) polynomial(x), or raise `NothingFound`.
 
     SymPy is asked for f x^n, without the coefficients of the polynomial: with them it finds less, and some wrong.
     """
     start = time.monotonic()
     if seconds > 0:
-        progress(f"{_RULE} for at most {seconds:.0f} s: {f}")
+        progress(f"{RULE} for at most {seconds:.0f} s: {f}")
     terms = sp.Poly(polynomial, x).terms()
     result = _done(sp.Tuple(*[sp.Integral(f * x**n, x) for (n,), _ in terms]), seconds)
-    if isinstance(result, Nothing):
-        return Nothing(f"{_RULE} {result.reason}")
-    if result.has(sp.Integral, sp.Piecewise, sp.oo, sp.zoo, sp.nan, sp.I):
-        return Nothing(f"{_RULE} ended after {time.monotonic() - start:.1f} s without a usable result")
-    return Found(
-        _RULE, sp.Add(*[coefficient * value for (_, coefficient), value in zip(terms, result, strict=True)])
-    )
+    if result.has(sp.Integral, sp.Piecewise, *_UNFINISHED):
+        raise NothingFound(f"{RULE} ended after {time.monotonic() - start:.1f} s without a usable result")
+    return sp.Add(*[coefficient * value for (_, coefficient), value in zip(terms, result, strict=True)])
 
 
 def limit(expr: Expr, variable: Expr, place: Expr, seconds: float) -> Expr | None:
     """Return the finite limit of an expression from above, or from below at infinity; None if none came."""
-    found = _done(sp.Limit(expr, variable, place, "-" if place == sp.oo else "+"), seconds)
-    unfinished = isinstance(found, Nothing) or found.has(
-        sp.Limit, sp.AccumBounds, sp.oo, sp.zoo, sp.nan, sp.I, variable
-    )
-    return None if unfinished else found
+    try:
+        found = _done(sp.Limit(expr, variable, place, "-" if place == sp.oo else "+"), seconds)
+    except NothingFound:
+        return None
+    return None if found.has(sp.Limit, sp.AccumBounds, variable, *_UNFINISHED) else found
 
 
 def _done(expr: Expr, seconds: float) -> Expr:
-    """Carry out an integral or a limit by SymPy, or return `Nothing`."""
+    """Carry out an integral or a limit by SymPy."""
     if seconds <= 0:
-        return Nothing("was not asked")
+        raise NothingFound(f"{RULE} was not asked")
+    late = NothingFound(f"{RULE} found nothing in its {seconds:.0f} s")
     try:
         # On any exception, Ctrl-C included, `run` kills the process and waits for it.
         done = subprocess.run(
@@ -86,14 +73,17 @@ def _done(expr: Expr, seconds: float) -> Expr:
         )
     except subprocess.TimeoutExpired:
         check_time()
-        return Nothing(f"found nothing in its {seconds:.0f} s")
+        raise late from None
     if done.returncode == -_OUT_OF_TIME:
-        return Nothing(f"found nothing in its {seconds:.0f} s")
+        raise late
     if done.returncode != 0:
         said = done.stderr.decode(errors="replace").strip().splitlines()
         why = f": {said[-1][:200]}" if said else ""
-        return Nothing(f"failed without a look at it: its process ended with {done.returncode}{why}")
-    return pickle.loads(done.stdout)
+        raise NothingFound(f"{RULE} failed without a look at it: its process ended with {done.returncode}{why}")
+    result = pickle.loads(done.stdout)
+    if isinstance(result, str):
+        raise NothingFound(f"{RULE} {result}")
+    return result
 
 
 def confine(seconds: float) -> None:
@@ -108,20 +98,17 @@ def confine(seconds: float) -> None:
         resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time() + seconds) + 1, resource.RLIM_INFINITY))
 
 
-def carried_out(expr: Expr) -> Expr:
+def carried_out(expr: Expr) -> Expr | str:
     """Carry out an integral or a limit, or say how that ended."""
     try:
         return expr.doit()
     except MemoryError:
-        return Nothing(f"needed more than {_MEMORY} GB")
+        return f"needed more than {_MEMORY} GB"
     except Exception as error:  # SymPy raises many kinds
-        return Nothing(f"gave up with {type(error).__name__}: {str(error)[:200]}")
+        return f"gave up with {type(error).__name__}: {str(error)[:200]}"
 
 
 if __name__ == "__main__":
-    # As the module's own, for the classes to be the parent's.
-    from stickslip_sym.formula.finding import search
-
     asked, limit_of_time = pickle.load(sys.stdin.buffer)
-    search.confine(limit_of_time)
-    sys.stdout.buffer.write(pickle.dumps(search.carried_out(asked)))
+    confine(limit_of_time)
+    sys.stdout.buffer.write(pickle.dumps(carried_out(asked)))

@@ -1,14 +1,15 @@
-"""Laurent series at 0, with exact coefficients, of the formulas that harmonic averages have."""
+"""Laurent series at 0, with exact coefficients, of the formulas that averages have."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import reduce
+from itertools import islice
+from operator import add, mul
 
 import sympy as sp
-from sympy.polys.rings import PolyElement
 
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.formula.proof.differential import Algebra
+from stickslip_sym.formula.proof.algebra import Algebra, Element
 
 __all__ = ["Expansion", "Series"]
 
@@ -17,19 +18,37 @@ _HALF = sp.Rational(1, 2)
 
 @dataclass(frozen=True)
 class Series:
-    """x^order (c_0 + c_1 x + ...), known as far as the coefficients go."""
+    """x^order (c_0 + c_1 x + ...), known as far as the coefficients go; c_0 is not 0, or there are none."""
 
     order: int
-    coefficients: list[PolyElement]
+    coefficients: list[Element]
+
+    @classmethod
+    def of(cls, order: int, coefficients: Iterable[Element]) -> "Series":
+        """Return a series without its leading zeros."""
+        found = list(coefficients)
+        zeros = next((i for i, c in enumerate(found) if c), len(found))
+        return cls(order + zeros, found[zeros:])
 
     @property
     def known(self) -> int:
         """The first power of x whose coefficient is not known."""
         return self.order + len(self.coefficients)
 
-    def coefficient(self, power: int) -> PolyElement | int:
-        """Return the coefficient of a power below `known`."""
-        return self.coefficients[power - self.order] if power >= self.order else 0
+    def coefficient(self, power: int) -> Element | None:
+        """Return the coefficient of a power below `known`, None where the series has not begun."""
+        return self.coefficients[power - self.order] if power >= self.order else None
+
+    def __add__(self, other: "Series") -> "Series":
+        powers = range(min(self.order, other.order), min(self.known, other.known))
+        pairs = ([c for c in (self.coefficient(n), other.coefficient(n)) if c is not None] for n in powers)
+        return Series.of(powers.start, [reduce(add, pair) for pair in pairs])
+
+    def __mul__(self, other: "Series") -> "Series":
+        count = min(len(self.coefficients), len(other.coefficients))
+        left, right = self.coefficients, other.coefficients
+        values = [reduce(add, [left[i] * right[n - i] for i in range(n + 1)]) for n in range(count)]
+        return Series.of(self.order + other.order, values)
 
 
 class Expansion:
@@ -47,155 +66,106 @@ class Expansion:
 
     def _made(self, expr: Expr) -> Series:
         if not expr.has(self.x):
-            return self._constant(self.algebra.constant(expr))
+            return self._constant(self.algebra.of(expr))
         if expr == self.x:
-            return Series(1, self._constant(self.algebra.ring.one).coefficients)
-        if expr.is_Add:
-            return reduce(self._sum, map(self.of, expr.args))
-        if expr.is_Mul:
-            return reduce(self._product, map(self.of, expr.args))
-        if expr.is_Pow:
+            return Series(1, self._constant(self.algebra.of(sp.S.One)).coefficients)
+        if expr.is_Add or expr.is_Mul:
+            return reduce(add if expr.is_Add else mul, map(self.of, expr.args))
+        if isinstance(expr, sp.exp | sp.sin | sp.cos) and expr.args[0].is_Add:
+            expanded = sp.expand(expr, power_exp=True, trig=True)
+            if expanded != expr:
+                return self.of(expanded)
+        if expr.is_Pow and not isinstance(expr, sp.exp):
             return self._power(self.of(expr.base), expr.exp)
         if expr.func in (sp.log, sp.atan, sp.asinh, sp.erf):
             return self._integrated(expr)
-        return self._function(expr.func, expr.args)
+        if isinstance(expr, sp.hyper):
+            return self._hypergeometric(expr.args[0], expr.args[1], self.of(expr.args[2]))
+        if isinstance(expr, sp.elliptic_pi):
+            return self._third_kind(*map(self.of, expr.args))
+        rule = _AS_HYPERGEOMETRIC.get(expr.func)
+        if rule is None:
+            raise ValueError(f"the series of {expr.func.__name__} at {self.x} = 0 is not known here")
+        return self.of(rule(*expr.args))
 
-    def _constant(self, value: PolyElement) -> Series:
-        return Series(0, [value, *[self.algebra.ring.zero] * (self.terms - 1)])
-
-    def _sum(self, a: Series, b: Series) -> Series:
-        low, high = min(a.order, b.order), min(a.known, b.known)
-        return self._stripped(Series(low, [a.coefficient(n) + b.coefficient(n) for n in range(low, high)]))
-
-    def _stripped(self, a: Series) -> Series:
-        zeros = next((i for i, c in enumerate(a.coefficients) if c != 0), len(a.coefficients))
-        return Series(a.order + zeros, a.coefficients[zeros:])
-
-    def _product(self, a: Series, b: Series) -> Series:
-        count = min(len(a.coefficients), len(b.coefficients))
-        values = [self.algebra.ring.zero] * count
-        for i, left in enumerate(a.coefficients[:count]):
-            if left != 0:
-                for j, right in enumerate(b.coefficients[: count - i]):
-                    if right != 0:
-                        values[i + j] += self.algebra.product(left, right)
-        return self._stripped(Series(a.order + b.order, values))
+    def _constant(self, value: Element) -> Series:
+        return Series(0, [value, *[self.algebra.of(sp.S.Zero)] * (self.terms - 1)])
 
     def _power(self, base: Series, exponent: Expr) -> Series:
         """Return base^p by the series of (1 + x)^p; p an integer, or a half, or base(0) != 0."""
-        lead = base.coefficients[0] if base.coefficients else self.algebra.ring.zero
-        if lead == 0:
-            raise ValueError("a base is 0 as far as its series goes")
-        order = exponent * base.order
+        if not base.coefficients:
+            raise ValueError("too many terms of a base cancel")
+        order, lead = exponent * base.order, base.coefficients[0]
         if not order.is_Integer:
-            raise ValueError("a fractional power of V is no series at V = 0")
+            raise ValueError(f"a fractional power of {self.x} is no series at {self.x} = 0")
         if exponent.is_Integer:
-            front = self.algebra.power(lead, int(exponent))
+            front = lead ** int(exponent)
         elif exponent.is_Rational and exponent.q in (2, 4):
-            front = self.algebra.power(self.algebra.root_of_constant(lead, exponent.q), int(exponent.p))
+            front = self.algebra.root_of_constant(lead, int(exponent.q)) ** int(exponent.p)
         else:
-            front = self.algebra.constant(self.algebra.expression(lead) ** exponent)
-        inverse = self.algebra.inverse(lead)
-        rest = Series(0, [self.algebra.product(c, inverse) for c in base.coefficients])
-        rest = self._sum(rest, Series(0, [-self.algebra.ring.one, *[self.algebra.ring.zero] * (self.terms - 1)]))
-        series = self._composed([sp.ff(exponent, k) / sp.factorial(k) for k in range(self.terms)], rest)
-        return Series(int(order) + series.order, [self.algebra.product(front, c) for c in series.coefficients])
+            front = self.algebra.of(self.algebra.expression(lead) ** exponent)
+        minus_rest = Series.of(1, [self.algebra.of(sp.S.NegativeOne) * c / lead for c in base.coefficients[1:]])
+        series = self._hypergeometric([-exponent], [], minus_rest)
+        return Series(int(order), [front * c for c in series.coefficients])
 
-    def _composed(self, taylor: Sequence[Expr], inner: Series) -> Series:
+    def _hypergeometric(self, upper: Iterable[Expr], lower: Iterable[Expr], z: Series) -> Series:
+        """Return the sum of (upper)_k/(lower)_k z^k/k!."""
+
+        def of_power(k: int) -> Expr:
+            above, below = (sp.Mul(*[sp.rf(a, k) for a in parameters]) for parameters in (upper, lower))
+            return above / below / sp.factorial(k)
+
+        return self._composed(map(of_power, range(self.terms)), z)
+
+    def _composed(self, taylor: Iterable[Expr], inner: Series) -> Series:
         """Return sum taylor[k] inner^k for an inner series that vanishes at 0."""
         if inner.order < 1:
             raise ValueError("a function is needed at another place than 0")
-        total = self._constant(self.algebra.constant(sp.sympify(taylor[0])))
-        power = self._constant(self.algebra.ring.one)
-        for value in taylor[1:]:
-            power = self._product(power, inner)
-            factor = self.algebra.constant(sp.sympify(value))
-            total = self._sum(
-                total, Series(power.order, [self.algebra.product(factor, c) for c in power.coefficients])
-            )
+        total, power = self._constant(self.algebra.of(sp.S.Zero)), self._constant(self.algebra.of(sp.S.One))
+        for value in islice(taylor, self.terms):
+            total += self._constant(self.algebra.of(value)) * power
+            power *= inner
             if not power.coefficients or power.order >= self.terms:
                 break
         return total
 
-    def _function(self, kind: Expr, arguments: Sequence[Expr]) -> Series:
-        counted = range(self.terms)
-        if kind in (sp.besseli, sp.besselj) and arguments[0] in (0, 1):
-            order, sign = int(arguments[0]), 1 if kind is sp.besseli else -1
-            taylor = [sp.Integer(0)] * (2 * self.terms + 2)
-            for k in counted:
-                taylor[2 * k + order] = sp.Rational(
-                    sign**k, 2 ** (2 * k + order) * sp.factorial(k) * sp.factorial(k + order)
-                )
-            return self._composed(taylor[: self.terms], self.of(arguments[1]))
-        if kind is sp.hyper:
-            upper, lower, z = arguments
-            values = [
-                sp.prod([sp.rf(a, k) for a in upper]) / sp.prod([sp.rf(b, k) for b in lower]) / sp.factorial(k)
-                for k in counted
-            ]
-            return self._composed(values, self.of(z))
-        if kind in (sp.elliptic_e, sp.elliptic_k) and len(arguments) == 1:
-            ratio = [sp.rf(_HALF, k) ** 2 / sp.factorial(k) ** 2 for k in counted]
-            if kind is sp.elliptic_e:
-                ratio = [value / (1 - 2 * k) for k, value in enumerate(ratio)]
-            return self._composed([sp.pi / 2 * value for value in ratio], self.of(arguments[0]))
-        if kind is sp.elliptic_pi and len(arguments) == 2:
-            return self._third_kind(self.of(arguments[0]), self.of(arguments[1]))
-        inner = self.of(arguments[0])
-        if kind is sp.exp:
-            front, rest = self._split(inner, sp.exp)
-            return self._product(
-                self._constant(front), self._composed([1 / sp.factorial(k) for k in counted], rest)
-            )
-        if kind in (sp.sin, sp.cos):
-            front, rest = self._split(inner, kind)
-            other, _ = self._split(inner, sp.cos if kind is sp.sin else sp.sin)
-            sign = 1 if kind is sp.sin else -1
-            even, odd = (
-                [sp.Integer(0) if (k - j) % 2 else sp.Rational((-1) ** (k // 2), sp.factorial(k)) for k in counted]
-                for j in (0, 1)
-            )
-            parts = [
-                self._product(self._constant(factor), self._composed(taylor, rest))
-                for factor, taylor in ((front, even), (sign * other, odd))
-            ]
-            return self._sum(*parts)
-        raise ValueError(f"the series of {kind.__name__} at V = 0 is not known here")
-
     def _integrated(self, expr: Expr) -> Series:
         """Return f(z) = f(z(0)) + the integral of its derivative."""
-        slope = self.of(sp.diff(expr, self.x))
+        inner, slope = self.of(expr.args[0]), self.of(sp.diff(expr, self.x))
         if slope.order < 0 and slope.coefficients:
             raise ValueError(f"{expr} is infinite at {self.x} = 0")
-        front, _ = self._split(self.of(expr.args[0]), expr.func)
-        grown = [
-            self.algebra.product(c, self.algebra.scalar(sp.Rational(1, slope.order + k + 1)))
-            for k, c in enumerate(slope.coefficients)
-        ]
-        return self._sum(self._constant(front), Series(slope.order + 1, grown))
-
-    def _split(self, inner: Series, function: Expr) -> tuple[PolyElement, Series]:
-        """Return function(inner(0)) and inner - inner(0)."""
         if inner.order < 0 or inner.known < 1:
-            raise ValueError(f"{function.__name__} of what is not known at 0")
-        value = inner.coefficient(0)
-        if value == 0:
-            return self.algebra.constant(function(sp.Integer(0))), inner
-        front = self.algebra.constant(function(self.algebra.expression(value)))
-        return front, self._sum(inner, self._constant(-value))
+            raise ValueError(f"{expr} is not known at {self.x} = 0")
+        start = inner.coefficient(0)
+        front = expr.func(sp.S.Zero if start is None else self.algebra.expression(start))
+        grown = [c / self.algebra.of(sp.Integer(n)) for n, c in enumerate(slope.coefficients, slope.order + 1)]
+        return self._constant(self.algebra.of(front)) + Series(slope.order + 1, grown)
 
     def _third_kind(self, n: Series, m: Series) -> Series:
         """pi/2 sum over k and j of n^k m^j (1/2)_j (1/2)_(k+j)/(j! (k+j)!)."""
         if n.order < 1:
             raise ValueError("elliptic_pi is needed at another place than 0")
-        total, power = self._constant(self.algebra.ring.zero), self._constant(self.algebra.ring.one)
+        total, power = self._constant(self.algebra.of(sp.S.Zero)), self._constant(self.algebra.of(sp.S.One))
         for k in range(self.terms):
-            values = [
-                sp.pi / 2 * sp.rf(_HALF, j) * sp.rf(_HALF, k + j) / sp.factorial(j) / sp.factorial(k + j)
-                for j in range(self.terms)
-            ]
-            total = self._sum(total, self._product(power, self._composed(values, m)))
-            power = self._product(power, n)
+            front = self.algebra.of(sp.pi / 2 * sp.rf(_HALF, k) / sp.factorial(k))
+            series = self._hypergeometric([_HALF, _HALF + k], [sp.Integer(1 + k)], m)
+            total += self._constant(front) * power * series
+            power *= n
             if power.order >= self.terms:
                 break
         return total
+
+
+def _of_bessel(sign: int) -> Callable[[Expr, Expr], Expr]:
+    return lambda n, z: (z / 2) ** n / sp.factorial(n) * sp.hyper((), (n + 1,), sign * z**2 / 4)
+
+
+_AS_HYPERGEOMETRIC: dict[type[Expr], Callable[..., Expr]] = {
+    sp.exp: lambda z: sp.hyper((), (), z),
+    sp.cos: lambda z: sp.hyper((), (_HALF,), -(z**2) / 4),
+    sp.sin: lambda z: z * sp.hyper((), (3 * _HALF,), -(z**2) / 4),
+    sp.besseli: _of_bessel(1),
+    sp.besselj: _of_bessel(-1),
+    sp.elliptic_k: lambda m: sp.pi / 2 * sp.hyper((_HALF, _HALF), (1,), m),
+    sp.elliptic_e: lambda m: sp.pi / 2 * sp.hyper((-_HALF, _HALF), (1,), m),
+}

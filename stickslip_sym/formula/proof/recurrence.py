@@ -9,27 +9,28 @@ analytic for V > 0 that agree near 0 agree for every V > 0.
 """
 
 from dataclasses import dataclass
+from functools import reduce
+from operator import add
 
 import sympy as sp
+from sympy.polys.matrices import DomainMatrix
 from sympy.polys.polyerrors import BasePolynomialError
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import NoClosedForm
-from stickslip_sym.core.functions import is_analytic
 from stickslip_sym.core.symbols import V
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.proof.differential import Algebra, Differential
-from stickslip_sym.formula.proof.expansions import Expansion, Series
+from stickslip_sym.formula.proof.algebra import Algebra, Element
+from stickslip_sym.formula.proof.expansions import Expansion
 from stickslip_sym.formula.proof.normal_form import normal_form
-from stickslip_sym.formula.proof.theorems import is_positive, is_smooth
-from stickslip_sym.model.terms import split_polynomial
+from stickslip_sym.formula.proof.smoothness import is_positive, is_smooth
 from stickslip_sym.output import printing
 
 __all__ = ["AVERAGES_AGREE", "AverageSeries", "definition", "prove_average"]
 
 _SPARE = (2, 6, 14)  # terms of a series beyond those that are compared, for those that cancel
-
+_HIGHEST_ORDER = 4  # of a differential equation that is looked for
 
 AVERAGES_AGREE = (
     "both sides satisfy one linear differential equation in V, begin with the same coefficients at V = 0, and are "
@@ -94,18 +95,16 @@ def prove_average(term: Expr, value: Expr, criterion: Criterion) -> None:
     if term.is_Pow and term.base == u and not term.exp.is_Integer:
         _require_moment(term.exp, value, criterion)
         return
-    # Bessel functions of higher orders by their recurrence, J_(k+1) = 2 k J_k/z - J_(k-1).
-    value = value.replace(lambda node: isinstance(node, sp.besselj), sp.expand_func)
     parameters = sorted((term.free_symbols | value.free_symbols) - {u, V}, key=str)
-    recurrence, start = _recurrence(term, u)
     n = sp.Dummy("n")
+    recurrence, start = _recurrence(term, u, n)
     weighted, common = _weighted(recurrence, criterion, n)
-    first = _fixed_from(weighted[-1] * common, n, start)
-    algebra = Algebra(V, [*parameters, sp.pi])
+    first = _fixed_from(weighted[-1].as_expr() * common, n, start)
     count = first + len(weighted) - 1  # coefficients that the recurrence does not fix
-    _require_real_analytic(value, V)
+    algebra = Algebra(V, parameters)
+    _require_real_analytic(value)
     _require_same_start(algebra, term, value, criterion, count)
-    _require_equation(Differential(algebra).of(V * value), algebra, weighted, n, count)
+    _require_equation(algebra.of(V * value), weighted, n, count)
 
 
 def _require_moment(p: Expr, value: Expr, criterion: Criterion) -> None:
@@ -118,54 +117,45 @@ def _require_moment(p: Expr, value: Expr, criterion: Criterion) -> None:
         raise ValueError("the value is not known to be the Beta integral")
 
 
-def _recurrence(term: Expr, u: Expr) -> tuple[list[Expr], int]:
-    """Return p_k with sum_k p_k(n) g_(n+k) = 0 for n >= start, each a function of n."""
-    if term.is_polynomial(u):
-        return [lambda n: sp.Integer(1)], int(sp.degree(term, u)) + 1 if term.has(u) else 1
+# -- the recurrence of the term, and of the average ------------------------------------------------
+
+
+def _recurrence(term: Expr, u: Expr, n: Expr) -> tuple[list[Expr], int]:
+    """Return p_k(n) and the first n with sum_k p_k(n) g_(n+k) = 0 from it on, g_j = 0 for j < 0."""
     if term.is_rational_function(u):
         above, below = (sp.Poly(part, u) for part in sp.fraction(sp.cancel(term)))
         if below.nth(0) == 0:
             raise ValueError(f"{term} is not known to be finite at {u} = 0")
         _require_no_zero(below.as_expr(), u)
         coefficients = below.all_coeffs()  # sum_k below_(d-k) g_(n+k)
-        return [lambda n, c=c: c for c in coefficients], max(above.degree() - below.degree() + 1, 0)
-    polynomial, others = split_polynomial(term, u)
-    shift, f = sp.degree(polynomial, u) if polynomial.has(u) else 0, sp.Mul(*others)
-    if sp.Poly(polynomial, u).length() != 1:
-        raise ValueError(f"{polynomial} is not one power")
-    if not is_smooth(f, u):
-        raise ValueError(f"{f} is not known to be smooth for {u} >= 0")
-    equation = _equation(f, u)
+        return coefficients, max(above.degree() - below.degree() + 1, 0)
+    if not is_smooth(term, u):
+        raise ValueError(f"{term} is not known to be smooth for {u} >= 0")
+    equation = _equation(term, u)
     _require_no_zero(equation[-1].as_expr(), u)
-    parts: dict[int, list[tuple[Expr, int]]] = {}
+    # c u^m g^(i) adds c j...(j - i + 1) g_j to the coefficient of u^(j - i + m).
+    lowest = min(i - m for i, coefficient in enumerate(equation) for (m,) in coefficient.monoms())
+    parts: dict[int, Expr] = {}
     for i, coefficient in enumerate(equation):
         for (m,), c in coefficient.terms():
-            if c != 0:
-                parts.setdefault(i - m, []).append((c, i))
-    low = min(parts)
-
-    def part(k: int) -> Expr:
-        """Note that c u^m f^(i) adds c j...(j - i + 1) f_j to that of u^(j - i + m), here j = n - shift + k."""
-        terms = parts.get(low + k, [])
-        return lambda n: sp.Add(*[c * sp.ff(n - shift + k, i) for c, i in terms])
-
-    return [part(k) for k in range(max(parts) - low + 1)], max(int(shift) + low, int(shift))
+            k = i - m - lowest
+            parts[k] = parts.get(k, 0) + c * sp.ff(n + k, i)
+    return [parts.get(k, sp.Integer(0)) for k in range(max(parts) + 1)], max(lowest, 0)
 
 
-def _equation(f: Expr, u: Expr) -> list[Expr]:
-    """Return polynomials a_i with sum_i a_i f^(i) = 0."""
-    slope = sp.diff(f, u)
-    for ratio, orders in (
-        (slope / f, (0, 1)),
-        (sp.diff(slope, u) / slope, (1, 2)),
-        (sp.diff(slope, u) / f, (0, 2)),
-    ):
-        ratio = sp.cancel(sp.powsimp(ratio)) if ratio.has(u) else ratio
-        if ratio.is_rational_function(u):
-            above, below = (sp.Poly(part, u) for part in sp.fraction(sp.cancel(sp.together(ratio))))
-            equation = [sp.Poly(0, u)] * (orders[1] + 1)
-            equation[orders[0]], equation[orders[1]] = -above, below
-            return equation
+def _equation(f: Expr, u: Expr) -> list[sp.Poly]:
+    """Return polynomials a_i with sum_i a_i f^(i) = 0, of the lowest order."""
+    algebra = Algebra(u, sorted(f.free_symbols - {u}, key=str))
+    derivatives: list[Element] = [algebra.of(f)]
+    for _ in range(_HIGHEST_ORDER):
+        derivatives.append(derivatives[-1].derivative)
+        monomials = sorted(set().union(*(d.polynomial.monoms() for d in derivatives)))
+        rows = [[d.polynomial.get(m, algebra.field.zero) for d in derivatives] for m in monomials]
+        kernel = DomainMatrix(rows, (len(rows), len(derivatives)), algebra.field).nullspace()
+        if kernel.shape[0]:
+            solution = sp.together(sp.Matrix(kernel.to_Matrix().row(0)))
+            below = sp.lcm_list([sp.denom(entry) for entry in solution])
+            return [sp.Poly(sp.cancel(entry * below), u) for entry in solution]
     raise ValueError(f"no differential equation of {f} is known here")
 
 
@@ -176,36 +166,28 @@ def _require_no_zero(polynomial: Expr, u: Expr) -> None:
             raise ValueError(f"{factor} is not known to have no zero for {u} >= 0")
 
 
-def _weighted(recurrence: list[Expr], criterion: Criterion, n: Expr) -> tuple[list[Expr], Expr]:
+def _weighted(recurrence: list[Expr], criterion: Criterion, n: Expr) -> tuple[list[sp.Poly], Expr]:
     """Return q_k with sum_k q_k(n) b_(n+k) g_(n+k) = 0, polynomials in n, and what was divided out of them."""
-    r = len(recurrence) - 1
-    above, below = _ratio(criterion, n)
-    terms = []
-    for k, p in enumerate(recurrence):
-        factors = [below.subs(n, n + i) if i < k else above.subs(n, n + i) for i in range(r)]
-        terms.append(p(n) * sp.prod(factors))
-    fractions = [sp.fraction(sp.cancel(term)) for term in terms]
-    below = sp.lcm_list([q for _, q in fractions]) if r else fractions[0][1]
-    whole = [sp.Poly(sp.cancel(p * below / q), n) for p, q in fractions]
-    common = whole[0]
-    for q in whole[1:]:
-        common = sp.gcd(common, q)
-    return [sp.Poly(sp.cancel(q.as_expr() / common.as_expr()), n) for q in whole], common
+    ratio = _ratio(criterion, n)
+    terms = [sp.cancel(p / sp.prod([ratio.subs(n, n + i) for i in range(k)])) for k, p in enumerate(recurrence)]
+    above = sp.lcm_list([sp.denom(term) for term in terms])
+    whole = [sp.Poly(sp.cancel(term * above), n) for term in terms]
+    common = reduce(sp.gcd, whole).as_expr()
+    return [sp.Poly(sp.cancel(q.as_expr() / common), n) for q in whole], common
 
 
-def _ratio(criterion: Criterion, n: Expr) -> tuple[Expr, Expr]:
-    """Return b_(n+1)/b_n as a fraction of polynomials in n."""
+def _ratio(criterion: Criterion, n: Expr) -> Expr:
+    """Return b_(n+1)/b_n."""
     if not criterion.is_polynomial:
-        return (n + 1) * (2 * n + 1), n * (n + 2)
+        return (n + 1) * (2 * n + 1) / (n * (n + 2))
     moment = sp.Add(*[w * 2**j / (n + j) for (j,), w in criterion.from_rest.terms()])  # <(1 + s)^(n-1)> over 2^n
-    above, below = sp.fraction(sp.cancel(2 * (n + 1) * moment.subs(n, n + 1) / (n * moment)))
-    return above, below
+    return sp.cancel(2 * (n + 1) * moment.subs(n, n + 1) / (n * moment))
 
 
 def _fixed_from(leading: Expr, n: Expr, start: int) -> int:
     """Return the n >= 1 from which the recurrence fixes every coefficient; no root of `leading` comes after."""
     first = max(start, 1)
-    constant, factors = sp.factor_list(leading.as_expr(), n)
+    constant, factors = sp.factor_list(leading, n)
     for factor, _ in factors:
         polynomial = sp.Poly(factor, n)
         if polynomial.degree() > 1 and polynomial.domain.is_ZZ:
@@ -222,109 +204,44 @@ def _fixed_from(leading: Expr, n: Expr, start: int) -> int:
     return first
 
 
-def _require_real_analytic(expr: Expr, V: Expr, inside: bool = False) -> None:
-    """Refuse a formula that may leave the domain on which its functions are analytic.
-
-    Poles do not matter, save inside of a function: where a formula equals a function without poles except at
-    isolated places, it has none.
-    """
-    if not expr.has(V) or expr == V:
-        return
-    if isinstance(expr, sp.Tuple) or is_analytic(expr):
-        fine = True
-    elif expr.is_Pow and not expr.exp.has(V):
-        free = expr.exp.is_Integer and (expr.exp > 0 or not inside)
-        fine = free or _positive(expr.base, V)
-    elif isinstance(expr, sp.log):
-        fine = _positive(expr.args[0], V)
-    elif isinstance(expr, sp.hyper):
-        upper, lower, z = expr.args
-        fine = len(upper) <= len(lower) or (len(upper) == len(lower) + 1 and _positive(-z, V))
-        fine = fine and not any(b.is_integer and b.is_nonpositive for b in lower)
-    elif isinstance(expr, sp.elliptic_e | sp.elliptic_k | sp.elliptic_pi):
-        fine = all(_positive(sp.factor(1 - argument), V) for argument in expr.args)
-    else:
-        fine = isinstance(expr, sp.besseli | sp.besselj) and expr.args[0] in (0, 1)
-    if not fine:
-        raise ValueError(f"{expr} is not known to be analytic for {V} > 0")
-    rational = expr.is_Add or expr.is_Mul or (expr.is_Pow and expr.exp.is_Integer)
-    for argument in expr.args:
-        _require_real_analytic(argument, V, inside or not rational)
+# -- what the closed form must fulfil --------------------------------------------------------------
 
 
-def _positive(expr: Expr, V: Expr) -> bool:
-    """Tell whether an expression is known to be positive for V > 0.
-
-    So is c sqrt(R) + L, c > 0, where L is positive, and where c^2 R > L^2.
-    """
-    if is_positive(expr, V):
-        return True
-    if expr.is_Mul or expr.is_Pow:
-        return all(_positive(factor.as_base_exp()[0], V) for factor in sp.Mul.make_args(expr))
-    if not expr.is_Add:
-        return False
-    if all(_positive(term, V) for term in expr.args):
-        return True
-    expr = sp.expand(expr)
-    roots = {node for node in expr.atoms(sp.Pow) if node.exp == sp.Rational(1, 2) and node.has(V)}
-    if len(roots) != 1:
-        return False
-    (root,) = roots
-    c, L = expr.coeff(root), expr.coeff(root, 0)
-    if not c.is_positive or L.has(root) or sp.expand(expr - c * root - L) != 0:
-        return False
-    return is_positive(L, V) or _outweighs(c**2 * root.base - L**2, L, V)
-
-
-def _outweighs(above: Expr, L: Expr, V: Expr) -> bool:
-    """Tell whether `above` is positive for V > 0, save at zeros of even order where L is positive."""
-    if not above.is_polynomial(V):
-        return False
-    constant, factors = sp.factor_list(above, V)
-    if not sp.sympify(constant).is_positive:
-        return False
-    for factor, power in factors:
-        if is_positive(factor, V):
-            continue
-        places = sp.roots(factor, V)
-        if power % 2 or sum(places.values()) < sp.degree(factor, V):
-            return False
-        if not all(place.is_nonpositive or L.subs(V, place).is_positive for place in places):
-            return False
-    return True
+def _require_real_analytic(value: Expr) -> None:
+    """Refuse a formula that may leave the domain on which its functions are analytic."""
+    if not is_smooth(value, V, inside=False):
+        raise ValueError(f"{value} is not known to be analytic for {V} > 0")
 
 
 def _require_same_start(algebra: Algebra, term: Expr, value: Expr, criterion: Criterion, count: int) -> None:
     """Compare V value(V) and -sum b_n g_n V^n in the coefficients of V^n, n < count."""
     u = symbols.v
     for spare in _SPARE:
-        of_term: Series = Expansion(algebra, u, count + spare).of(term)
-        of_value: Series = Expansion(algebra, V, count + spare).of(V * value)
+        of_term = Expansion(algebra, u, count + spare).of(term)
+        of_value = Expansion(algebra, V, count + spare).of(V * value)
         if min(of_term.known, of_value.known) >= count:
             break
     else:
         raise ValueError("too many terms of a series cancel")
     if of_term.order < 0 and of_term.coefficients:
         raise ValueError(f"{term} is infinite at {u} = 0")
+    zero = algebra.of(sp.S.Zero)
     for power in range(min(of_value.order, 0), count):
-        weight = power * criterion.mean_power(power - 1) if power > 0 else sp.Integer(0)
-        if of_value.coefficient(power) != -algebra.constant(weight) * of_term.coefficient(power):
+        weight = power * criterion.mean_power(power - 1) if power > 0 else sp.S.Zero
+        if (of_value.coefficient(power) or zero) + algebra.of(weight) * (of_term.coefficient(power) or zero):
             raise ValueError(f"the coefficients of V^{power - 1} are not known to be equal")
 
 
-def _require_equation(product: Expr, algebra: Algebra, weighted: list[Expr], n: Expr, count: int) -> None:
+def _require_equation(product: Element, weighted: list[sp.Poly], n: Expr, count: int) -> None:
     """Apply sum_k V^(r-k) q_k(theta - k), theta = V d/dV, to V F: a polynomial below V^count must be left."""
-    r = len(weighted) - 1
+    algebra, r = product.algebra, len(weighted) - 1
     shifted = [sp.Poly(q.as_expr().subs(n, n - k), n) for k, q in enumerate(weighted)]
-    differential = Differential(algebra)
-    left, power = algebra.ring.zero, product
+    terms, power = [], product
     for i in range(max(q.degree() for q in shifted) + 1):
-        if i:
-            power = differential.derivative(power) * algebra.scalar(V)
         factor = sp.Add(*[V ** (r - k) * q.coeff_monomial(n**i) for k, q in enumerate(shifted)])
-        left += power * algebra.scalar(factor)
-    if left == 0:
-        return
+        terms.append(power * algebra.of(factor))
+        power = power.derivative * algebra.of(V)
+    left = reduce(add, terms).polynomial
     rest = algebra.field.to_sympy(left.coeff(1)) if left.is_ground else None
-    if rest is None or not rest.is_polynomial(V) or sp.degree(rest, V) >= count:
+    if rest is None or not rest.is_polynomial(V) or (rest != 0 and sp.degree(rest, V) >= count):
         raise ValueError("the closed form is not known to satisfy the differential equation of the average")

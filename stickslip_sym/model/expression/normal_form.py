@@ -3,7 +3,9 @@
 Every rule is an identity for real v >= 0 and positive parameters. Closed forms are known for the right sides.
 """
 
+from collections.abc import Callable
 from functools import reduce
+from operator import mul
 
 import sympy as sp
 
@@ -15,6 +17,12 @@ from stickslip_sym.model.expression.pieces import joined
 __all__ = ["normal_form"]
 
 _MOST_EXPANDED = 6  # of a power of a sum of two terms that a rule makes
+_RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.cosh: sp.sech, sp.tanh: sp.coth}
+_OF_LOGARITHMS: dict[type[Expr], Callable[[Expr], Expr]] = {
+    sp.tanh: lambda x: (x**2 - 1) / (x**2 + 1), sp.sech: lambda x: 2 * x / (x**2 + 1),
+    sp.sinh: lambda x: (x - 1 / x) / 2, sp.cosh: lambda x: (x + 1 / x) / 2,
+}  # fmt: skip
+"""Hyperbolic functions of log(x)."""
 
 
 def normal_form(expr: Expr) -> Expr:
@@ -33,38 +41,32 @@ def normal_form(expr: Expr) -> Expr:
 
 def _rebuilt(node: Expr, parts: list[Expr]) -> Expr:
     """Return a node of normal arguments in its normal form."""
-    if not node.has(symbols.v) or not parts or node.has(sp.Piecewise):
-        return node if not parts or not node.has(symbols.v) or list(node.args) == parts else _remade(node, parts)
+    if not parts or not node.has(symbols.v) or isinstance(node, sp.core.relational.Relational):
+        return node
+    if isinstance(node, sp.Piecewise):
+        return node.func(*zip(parts[::2], parts[1::2], strict=True))
     if node.is_Pow and len(parts) == 2:
         return _power(*parts)
-    if isinstance(node, sp.exp) or (node.is_Pow and node.base is sp.E):
-        return _exponential(parts[0])
+    if isinstance(node, sp.exp):
+        return _exponential(*parts)
     made = node.func(*parts)
     if isinstance(made, sp.log):
         return _logarithm(made)
-    if isinstance(made, sp.tanh | sp.sinh | sp.cosh | sp.sech) and isinstance(made.args[0], sp.log | sp.Mul):
+    if made.func in _OF_LOGARITHMS:
         return _of_logarithm(made)
-    if made.is_Mul:
-        return _product(made)
-    return made
-
-
-def _remade(node: Expr, parts: list[Expr]) -> Expr:
-    return node if isinstance(node, sp.Piecewise) or node.has(sp.core.relational.Relational) else node.func(*parts)
+    return _product(made) if made.is_Mul else made
 
 
 def _power(base: Expr, exponent: Expr) -> Expr:
     if exponent.has(symbols.v):
         return sp.exp(exponent * sp.log(base)) if base.is_positive and not base.has(symbols.v) else base**exponent
-    if isinstance(base, sp.cosh) and exponent.is_negative:
-        base, exponent = sp.sech(base.args[0]), -exponent
+    if base.func in _RECIPROCALS and exponent.is_negative:
+        base, exponent = _RECIPROCALS[base.func](base.args[0]), -exponent
     if isinstance(base, sp.sech) and exponent.is_Integer and exponent.is_even and exponent > 0:
         return sp.expand((1 - sp.tanh(base.args[0]) ** 2) ** (exponent / 2))
-    if base.is_Add and exponent.is_Integer and -_MOST_EXPANDED <= exponent < 0:
-        reciprocal = _reciprocal_of_exponentials(base)
-        if reciprocal is not None:
-            return reduce(lambda a, b: sp.expand(a * b), [reciprocal] * int(-exponent))
     if base.is_Add and exponent.is_Integer and exponent < 0:
+        if exponent >= -_MOST_EXPANDED and (reciprocal := _reciprocal_of_exponentials(base)) is not None:
+            return reduce(lambda a, b: sp.expand(a * b), [reciprocal] * int(-exponent))
         whole = sp.Integer(base.primitive()[0].p)
         if whole != 1:  # SymPy keeps 1/(5*(v + 1)), but takes 5*(v + 1) for 5*v + 5
             return whole**exponent * sp.Add(*(term / whole for term in base.args)) ** exponent
@@ -74,18 +76,17 @@ def _power(base: Expr, exponent: Expr) -> Expr:
 def _reciprocal_of_exponentials(base: Expr) -> Expr | None:
     """Return 1/(a exp(x) + b exp(y)), b and y perhaps without v, by a hyperbolic function; None for other sums."""
     terms = [term.as_independent(sp.exp, as_Add=False) for term in base.args]
-    if len(terms) != 2 or any(front.has(symbols.v) or not front.is_positive for front, _ in terms):
+    if len(terms) != 2 or any(
+        front.has(symbols.v) or not front.is_positive or not (rest == 1 or isinstance(rest, sp.exp))
+        for front, rest in terms
+    ):
         return None
-    (a, x), (b, y) = ((front, rest.args[0] if isinstance(rest, sp.exp) else sp.log(rest)) for front, rest in terms)
-    if any(not (rest == 1 or isinstance(rest, sp.exp)) for _, rest in terms):
-        return None
+    (a, x), (b, y) = ((front, sp.log(rest) if rest == 1 else rest.args[0]) for front, rest in terms)
     if a == b and x + y == 0:
         return sp.sech(x) / (2 * a)
     if x == 0:
         (a, x), (b, y) = (b, y), (a, x)
-    if y != 0:
-        return None
-    return (1 - sp.tanh((x + sp.log(a / b)) / 2)) / (2 * b)
+    return (1 - sp.tanh((x + sp.log(a / b)) / 2)) / (2 * b) if y == 0 else None
 
 
 def _exponential(argument: Expr) -> Expr:
@@ -116,21 +117,17 @@ def _of_logarithm(expr: Expr) -> Expr:
     front, logarithm = expr.args[0].as_independent(sp.log, as_Add=False)
     if not isinstance(logarithm, sp.log) or front.has(symbols.v):
         return expr
-    x = power(logarithm.args[0], front)
-    square = power(logarithm.args[0], 2 * front)
-    return {
-        sp.tanh: (square - 1) / (square + 1), sp.sech: 2 * x / (square + 1),
-        sp.sinh: (x - 1 / x) / 2, sp.cosh: (x + 1 / x) / 2,
-    }[expr.func]  # fmt: skip
+    return _OF_LOGARITHMS[expr.func](power(logarithm.args[0], front))
 
 
 def _product(expr: Expr) -> Expr:
     """Return a product of an exponential and hyperbolic sines and cosines as a sum of exponentials."""
-    waves = [factor for factor in expr.args if factor.has(sp.sinh, sp.cosh) and factor.has(symbols.v)]
-    decays = [factor for factor in expr.args if isinstance(factor, sp.exp) and factor.has(symbols.v)]
+    moving = [factor for factor in expr.args if factor.has(symbols.v)]
+    waves = [factor for factor in moving if factor.has(sp.sinh, sp.cosh)]
+    decays = [factor for factor in moving if isinstance(factor, sp.exp)]
     if not decays or not waves or any(not isinstance(factor, sp.sinh | sp.cosh) for factor in waves):
         return expr
     others = sp.Mul(*(factor for factor in expr.args if factor not in (*waves, *decays)))
-    total = sp.expand(sp.Mul(*decays, *(wave.rewrite(sp.exp) for wave in waves)))
+    total = sp.expand(reduce(mul, [*decays, *(wave.rewrite(sp.exp) for wave in waves)]))
     terms = [sp.powsimp(term, combine="exp") for term in sp.Add.make_args(total)]
     return sp.Add(*(others * term.replace(sp.exp, lambda x: sp.exp(sp.factor_terms(x))) for term in terms))

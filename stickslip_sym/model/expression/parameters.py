@@ -1,7 +1,8 @@
 """`Parameter`: a named number of a friction law, with its meaning, unit and typical value."""
 
 import keyword
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import SupportsFloat
 
@@ -12,17 +13,20 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import fraction
 from stickslip_sym.model.expression.parsing import NAME, taken
-from stickslip_sym.model.expression.units import check_unit
+from stickslip_sym.model.expression.units import parse_unit
 from stickslip_sym.output import markup
 from stickslip_sym.output.notation import notation_of
 
-__all__ = ["Parameter", "described_by", "parameter_table"]
+__all__ = ["Parameter", "parameter_table"]
+
+_ARGUMENTS = frozenset({"self", "digits", "on_invalid"})
 
 
+@dataclass(frozen=True)
 class Parameter:
     """A parameter of a friction law.
 
-    Parameters
+    Attributes
     ----------
     name : str
         A letter, then letters, digits or underscores.
@@ -37,54 +41,26 @@ class Parameter:
         values that break it are refused.
     """
 
-    def __init__(
-        self,
-        name: str,
-        meaning: str = "",
-        unit: str | None = None,
-        typical: str | None = None,
-        positive: bool = True,
-    ) -> None:
-        _check_name(name)
-        self.name = name
-        self.meaning = meaning
-        self.unit = unit
-        self.typical = typical
-        self.positive = positive
-        if unit is not None:
-            check_unit(unit)
-        if typical is not None and fraction(typical, name) < 0 and positive:
+    name: str
+    meaning: str = ""
+    unit: str | None = None
+    typical: str | None = None
+    positive: bool = True
+
+    def __post_init__(self) -> None:
+        _check_name(self.name)
+        if self.unit is not None:
+            parse_unit(self.unit)
+        if self.typical is not None and fraction(self.typical, self.name) < 0 and self.positive:
             raise InputError(
-                f"the typical value {typical} of {name!r} is negative, but the parameter is declared positive; "
-                "declare it with positive=False if any sign is meant"
+                f"the typical value {self.typical} of {self.name!r} is negative, but the parameter is declared "
+                "positive; declare it with positive=False if any sign is meant"
             )
 
     @cached_property
     def symbol(self) -> Expr:
         """The parameter in an expression."""
         return sp.Symbol(self.name, positive=True) if self.positive else sp.Symbol(self.name, real=True)
-
-    def __repr__(self) -> str:
-        return f"Parameter({self.name!r}, {self.meaning!r}, unit={self.unit!r}, typical={self.typical!r})"
-
-
-def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, SupportsFloat]) -> markup.Markup:
-    """Return the parameters of a law, with the values that they have, as HTML."""
-    names = notation_of(parameters)
-    rows = [
-        [
-            markup.formula(names[name]),
-            f"{float(values[name]):g}" if name in values else "",
-            parameter.typical or "",
-            parameter.unit or "",
-            parameter.meaning,
-        ]
-        for name, parameter in parameters.items()
-    ]
-    return markup.table(["parameter", "value", "typical", "unit", "meaning"], rows)
-
-
-_ARGUMENTS = frozenset({"self", "digits", "on_invalid"})
 
 
 def _check_name(name: str) -> None:
@@ -106,7 +82,17 @@ def _check_name(name: str) -> None:
         raise InputError(f"{name!r} is the name of a function or a constant; rename the parameter")
 
 
-def described_by(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:
-    """Return the parameters that a user describes, by name."""
-    described = {parameter.name: parameter for parameter in parameters}
-    return described | {key: Parameter(key, unit=unit) for key, unit in (units or {}).items()}
+def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, SupportsFloat]) -> markup.Markup:
+    """Return the parameters of a law, with the values that they have, as HTML."""
+    names = notation_of(parameters)
+    rows = [
+        [
+            markup.formula(names[name]),
+            f"{float(values[name]):g}" if name in values else "",
+            parameter.typical or "",
+            parameter.unit or "",
+            parameter.meaning,
+        ]
+        for name, parameter in parameters.items()
+    ]
+    return markup.table(["parameter", "value", "typical", "unit", "meaning"], rows)

@@ -9,7 +9,8 @@ keep the work that a short text can ask for small.
 import keyword
 import re
 import unicodedata
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import reduce
 from typing import NoReturn
@@ -20,14 +21,17 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, in_laws, power
 from stickslip_sym.core.numbers import bits, suggestion, within
-from stickslip_sym.model.expression.pieces import Bound, absolute, in_pieces, larger, sign, smaller
+from stickslip_sym.model.expression.pieces import Bound, absolute, bound_of, in_pieces, larger, sign, smaller
 
 __all__ = ["KINKED", "MAX_BITS", "NAME", "parse_expression", "taken"]
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 """What a name looks like: ASCII letters, digits and underscores, at most 40."""
 
-KINKED: dict[str, Callable[..., Expr]] = {"Abs": absolute, "Min": smaller, "Max": larger, "sign": sign}
+KINKED: dict[str, Callable[..., Expr]] = {
+    "Abs": absolute, "Min": lambda *parts: reduce(smaller, parts), "Max": lambda *parts: reduce(larger, parts),
+    "sign": sign,
+}  # fmt: skip
 """The functions that make kinks; Min and Max take two arguments or more."""
 
 _ALIASES = {"abs": "Abs", "min": "Min", "max": "Max", "sgn": "sign", "piecewise": "Piecewise"}
@@ -37,7 +41,7 @@ _INSTEAD = {
     "log10": "log(x)/log(10)", "log2": "log(x)/log(2)", "log1p": "log(1 + x)", "expm1": "exp(x) - 1",
     "exp2": "2^x", "pow": "x^y", "cbrt": "x^(1/3)", "root": "x^(1/n)", "square": "x^2", "erfi": "erf and exp",
     "cosec": "1/sin(x)", "csc": "1/sin(x)", "sec": "1/cos(x)", "cot": "1/tan(x)", "frac": "a/b",
-    "csch": "1/sinh(x)", "coth": "1/tanh(x)", "logistic": "1/(1 + exp(-x))", "sigmoid": "1/(1 + exp(-x))",
+    "csch": "1/sinh(x)", "logistic": "1/(1 + exp(-x))", "sigmoid": "1/(1 + exp(-x))",
     "Heaviside": "Piecewise((0, v < place), 1)", "heaviside": "Piecewise((0, v < place), 1)",
     "where": "Piecewise((formula, v < place), last formula)", "clip": "Min(Max(x, low), high)",
 }  # fmt: skip
@@ -59,7 +63,7 @@ _SIGNS = {
 }  # fmt: skip
 """Signs that have one meaning, with the plain ones."""
 _PLAIN = frozenset({*"+-*/^()|,.<>", "<=", ">=", "=="})
-_RELATIONS = {"<": ("<", True), "<=": ("<", False), ">": (">", True), ">=": (">", False)}
+_RELATIONS = ("<", "<=", ">", ">=")
 _ADVICE = {":": ": write one formula, without assignments", "%": ": write a decimal number"}
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _LEFT_SIDE = re.compile(r"\s*\\?(?:mu|μ|µ)\s*(?:\(\s*v\s*\))?\s*=(?!=)")
@@ -90,19 +94,10 @@ def taken() -> set[str]:
 
 
 def parse_expression(text: str, symbol: Callable[[str], Expr]) -> Expr:
-    """Translate a formula into a SymPy expression.
+    """Translate a formula into a SymPy expression; `symbol` gives that of a name, or refuses it.
 
-    Parameters
-    ----------
-    text : str
-        A formula with + - * / ^ and functions; ``**`` is a power like ``^``. Decimal numbers stay exact.
-    symbol : callable
-        Given a name, returns its symbol (or any SymPy expression), or raises `InputError`.
-
-    Raises
-    ------
-    InputError
-        With the position of the first character that cannot be used, and what is allowed there.
+    A formula has + - * / ^ and functions; ``**`` is a power like ``^``. Decimal numbers stay exact. A refusal has
+    the position of the first character that cannot be used, and says what is allowed there.
     """
     if not isinstance(text, str):
         raise InputError(f"a formula is text, got {type(text).__name__}")
@@ -196,10 +191,12 @@ class _Parser:
         self.text, self.symbol = text, symbol
         self.tokens = _tokens(text)
         self.place = self.depth = self.kinks = 0
-        rows = {name: function.kind for name, function in in_laws().items()}
-        self.functions: dict[str, Callable[[Expr], Expr]] = rows | {"erfc": lambda x: 1 - sp.erf(x)}
+        self.functions: dict[str, Callable[..., Expr]] = {
+            **{name: function.kind for name, function in in_laws().items()},
+            "erfc": lambda x: 1 - sp.erf(x), "sqrt": sp.sqrt, **KINKED,
+        }  # fmt: skip
+        self.known = [*self.functions, "Piecewise"]
         self.constants = {constant.name: constant.value for constant in CONSTANTS.values() if constant.in_laws}
-        self.callable = [*self.functions, "sqrt", *KINKED, "Piecewise"]
 
     # -- tokens --
 
@@ -225,16 +222,24 @@ class _Parser:
     def _fail_after_operand(self, opened: _Token | None) -> NoReturn:
         """Refuse what stands where an operator, or the end of the formula, is expected."""
         token = self.next
-        if token.text == "|" or (opened is not None and opened.text == "|"):
-            token = token if token.text == "|" else opened or token
-            self.fail(token, "a bar without its partner; write |v - a| or Abs(v - a)")
         if token.text == ",":
             self.fail(token, "a comma stands between two formulas; a decimal number has a point: write 0.2")
         if token.text in (*_RELATIONS, "=="):
             self.fail(token, f"a comparison is no number; {_PIECEWISE}")
+        for bar in (token, opened):
+            if bar is not None and bar.text == "|":
+                self.fail(bar, "a bar without its partner; write |v - a| or Abs(v - a)")
         if opened is not None:
             self.fail(opened, "the formula cannot be read: this parenthesis is not closed")
         self.fail(token, "the formula cannot be read: an operator is missing here")
+
+    @contextmanager
+    def pointing_at(self, token: _Token) -> Iterator[None]:
+        """Point at the token whose meaning is refused."""
+        try:
+            yield
+        except InputError as error:
+            self.fail(token, str(error))
 
     # -- grammar --
 
@@ -270,40 +275,32 @@ class _Parser:
 
     def factor(self) -> Expr:
         """Return a power with its sign; exponents have theirs: -v^-2 is -(v^(-2))."""
-        bases: list[tuple[int, _Token, Expr]] = []
-        while True:
-            side = 1
-            while operator := self.take("+", "-"):
-                side = -side if operator.text == "-" else side
-            token = self.next
-            bases.append((side, token, self.operand()))
-            if not self.take("^"):
-                break
-            if len(bases) > _MAX_DEPTH:
-                self.fail(token, f"more than {_MAX_DEPTH} powers of each other")
-        side, token, result = bases.pop()
-        result = side * result
-        for side, below, base in reversed(bases):
-            result, token = side * self._checked(below, self._power(token, base, result)), below
-        return result
+        side = 1
+        while operator := self.take("+", "-"):
+            side = -side if operator.text == "-" else side
+        token, result = self.next, self.operand()
+        if self.take("^"):
+            below = self.next
+            exponent = self.nested(below, self.factor)
+            result = self._checked(token, self._power(below, result, exponent))
+        return side * result
 
     def operand(self) -> Expr:
         token = self.next
-        self.place += 1
         if token.kind == "number":
+            self.place += 1
             return sp.Rational(token.text)
         if token.kind == "name":
-            following = self.take("(")
-            return self._name(token) if following is None else self._nested(token, lambda: self._call(token))
-        if token.text in ("(", "|") and token.kind == "sign":
-            return self._nested(token, lambda: self._enclosed(token))
-        self.place -= 1
+            self.place += 1
+            return self.nested(token, lambda: self._call(token)) if self.take("(") else self._name(token)
+        if self.take("(", "|"):
+            return self.nested(token, lambda: self._enclosed(token))
         self.fail(token, "the formula cannot be read: a number, a name or a parenthesis is missing here")
 
-    def _nested(self, token: _Token, read: Callable[[], Expr]) -> Expr:
+    def nested(self, token: _Token, read: Callable[[], Expr]) -> Expr:
         self.depth += 1
         if self.depth > _MAX_DEPTH:
-            self.fail(token, f"more than {_MAX_DEPTH} nested parentheses")
+            self.fail(token, f"more than {_MAX_DEPTH} parentheses and powers in each other")
         result = read()
         self.depth -= 1
         return result
@@ -311,31 +308,29 @@ class _Parser:
     def _enclosed(self, opened: _Token) -> Expr:
         inner = self.sum()
         self.close(opened, ")" if opened.text == "(" else "|")
-        if opened.text == "(":
-            return inner
-        self._count_kinks(opened, 1)
-        return self._guarded(opened, lambda: absolute(inner))
+        return inner if opened.text == "(" else self._kinked(opened, "Abs", [inner])
 
     def _name(self, token: _Token) -> Expr:
         name = token.text
-        if name in self.callable or name in _ALIASES:
+        if name in self.known or name in _ALIASES:
             self.fail(token, f"{name} is a function; write {name}(...)")
         if not NAME.fullmatch(name) or keyword.iskeyword(name):
             self.fail(token, f"{name[:45]!r} is not a usable name: ASCII letters, digits, '_', at most 40")
         if name in self.constants:
             return self.constants[name]
-        return self._guarded(token, lambda: self.symbol(name))
+        with self.pointing_at(token):
+            return self.symbol(name)
 
     def _call(self, token: _Token) -> Expr:
         name = _ALIASES.get(token.text, token.text)
-        if name in _INSTEAD and name not in self.functions:
-            self.fail(token, f"there is no function {name!r}; write {_INSTEAD[name]}")
-        if name not in self.callable:
-            hint, known = suggestion(name, [*self.callable, *_ALIASES]), ", ".join(self.callable)
-            product = "" if hint else f"; a product is written {name[:40]}*(...)"
-            self.fail(token, f"there is no function {name[:40]!r}{hint}{product}; known: {known}")
         if name == "Piecewise":
             return self._piecewise(token)
+        if name not in self.functions:
+            if name in _INSTEAD:
+                self.fail(token, f"there is no function {name!r}; write {_INSTEAD[name]}")
+            hint, known = suggestion(name, [*self.known, *_ALIASES]), ", ".join(self.known)
+            product = "" if hint else f"; a product is written {name[:40]}*(...)"
+            self.fail(token, f"there is no function {name[:40]!r}{hint}{product}; known: {known}")
         arguments = [] if self.next.text == ")" else [self.sum()]
         while self.take(","):
             arguments.append(self.sum())
@@ -345,55 +340,62 @@ class _Parser:
             count = "two arguments or more" if several else "one argument; a decimal number has a point, as in 0.2"
             self.fail(token, f"{name} takes {count}")
         if name in KINKED:
-            self._count_kinks(token, len(arguments))
-            kinked = KINKED[name]
-            return self._guarded(token, lambda: reduce(kinked, arguments) if several else kinked(*arguments))
-        return self._checked(token, self._function(token, name, *arguments))
-
-    def _function(self, token: _Token, name: str, argument: Expr) -> Expr:
+            return self._kinked(token, name, arguments)
+        (argument,) = arguments
         if name == "sqrt":
-            return self._power(token, argument, sp.S.Half)
+            return self._checked(token, self._power(token, argument, sp.S.Half))
         # A tower such as exp(exp(exp(exp(9)))) is short to write, and no computer holds its value.
         if argument.is_number and name not in ("log", "ln") and not within(argument, _MAX_ARGUMENT):
             self.fail(token, f"a number in {name}(...) is real and at most {_MAX_ARGUMENT} in size")
-        return self.functions[name](argument)
+        return self._checked(token, self.functions[name](argument))
 
     # -- pieces --
+
+    def _kinked(self, token: _Token, name: str, arguments: list[Expr]) -> Expr:
+        self._count_kinks(token, len(arguments))
+        with self.pointing_at(token):
+            return KINKED[name](*arguments)
 
     def _piecewise(self, token: _Token) -> Expr:
         pieces = [self._piece()]
         while self.take(","):
             pieces.append(self._piece())
         self.close(token, ")")
-        *branches, (place, rest, end) = pieces
+        *branches, (place, last, end) = pieces
         self._count_kinks(token, len(branches))
-        for start, _, bound in branches:
+        bounds: list[tuple[Expr, Bound]] = []
+        for start, formula, bound in branches:
             if bound is None:
                 self.fail(start, f"{_PIECEWISE}; only the last one may end in True")
-        bounds = [(formula, bound) for _, formula, bound in branches if bound is not None]
+            bounds.append((formula, bound))
         if not bounds or (end is not None and not any(end.completes(bound) for _, bound in bounds)):
             self.fail(place, f"{_PIECEWISE}; the last one may end in True")
-        return self._guarded(token, lambda: in_pieces(bounds, rest))
+        with self.pointing_at(token):
+            return in_pieces(bounds, last)
 
     def _piece(self) -> tuple[_Token, Expr, Bound | None]:
         """Return where a piece stands, its formula, and where that holds; None is everywhere."""
-        token = self.next
+        token, bound = self.next, None
+        if token.text == ")":
+            self.fail(token, _PIECEWISE)
         if not self._is_pair():
-            if token.text == ")":
-                self.fail(token, _PIECEWISE)
             return token, self.sum(), None
-        self.place += 1
+        self.take("(")
         formula = self.sum()
         self.take(",")
-        bound = self._bound(token)
+        if self.next.text == "True":
+            self.place += 1
+        else:
+            left, relation = self.sum(), self.take(*_RELATIONS)
+            bound = bound_of(left, relation.text, self.sum()) if relation else None
+            if bound is None:
+                self.fail(token, _PIECEWISE)
         if not self.take(")"):
             self.fail(token, _PIECEWISE)
         return token, formula, bound
 
     def _is_pair(self) -> bool:
         """Return whether a comma stands within the parenthesis that begins here, and not deeper."""
-        if self.next.text != "(":
-            return False
         depth = 0
         for token in self.tokens[self.place :]:
             depth += (token.text == "(") - (token.text == ")")
@@ -401,23 +403,12 @@ class _Parser:
                 return depth == 1
         return False
 
-    def _bound(self, token: _Token) -> Bound | None:
-        """Return where a piece holds, from its condition v < place or place > v; None for True."""
-        if self.next.text == "True":
-            self.place += 1
-            return None
-        left = self.sum()
-        relation = self.take(*_RELATIONS)
-        right = self.sum() if relation else None
-        if relation is not None:
-            side, strict = _RELATIONS[relation.text]
-            v = self.symbol("v")
-            for one, place, holds in ((left, right, side), (right, left, "<>"[side == "<"])):
-                if one == v:
-                    return Bound(holds, place, strict)
-        self.fail(token, _PIECEWISE)
-
     # -- limits --
+
+    def _count_kinks(self, token: _Token, more: int) -> None:
+        self.kinks += more
+        if self.kinks > _MAX_KINKS:
+            self.fail(token, f"Abs, Min, Max and Piecewise have more than {_MAX_KINKS} arguments in all")
 
     def _power(self, token: _Token, base: Expr, exponent: Expr) -> Expr:
         if exponent.is_number and not within(exponent, _MAX_EXPONENT):
@@ -436,18 +427,6 @@ class _Parser:
         if bits(_coefficient(result)) > MAX_BITS:
             self.fail(token, "a number in the formula grows too large")
         return result
-
-    def _count_kinks(self, token: _Token, more: int) -> None:
-        self.kinks += more
-        if self.kinks > _MAX_KINKS:
-            self.fail(token, f"Abs, Min, Max and Piecewise have more than {_MAX_KINKS} arguments in all")
-
-    def _guarded(self, token: _Token, make: Callable[[], Expr]) -> Expr:
-        """Point at the token whose meaning was refused."""
-        try:
-            return make()
-        except InputError as error:
-            self.fail(token, str(error))
 
 
 def _coefficient(expr: Expr) -> Expr:

@@ -1,62 +1,68 @@
-"""Reading a friction coefficient: text or a SymPy expression becomes an expression of this package's symbols."""
+"""Reading a friction coefficient: text or a SymPy expression becomes an expression of this package's symbols.
+
+A name that is probably no parameter, but a constant or the slip speed v misspelt, is refused or warned of. One
+that is described, by its unit or as a `Parameter`, is what its description says, and never suspect.
+"""
 
 import math
-from collections.abc import Callable
-from functools import reduce
+import warnings
+from collections.abc import Callable, Sequence
+from difflib import get_close_matches
 from typing import Any
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.errors import InputError, InputWarning
 from stickslip_sym.core.functions import NumberPower, fold, power, row
 from stickslip_sym.core.numbers import bits, exact
-from stickslip_sym.model.expression.misspelt import check_constant, check_speed
 from stickslip_sym.model.expression.normal_form import normal_form
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.parsing import KINKED, MAX_BITS, parse_expression
-from stickslip_sym.model.expression.pieces import Bound, in_pieces
+from stickslip_sym.model.expression.pieces import bound_of, in_pieces
 
 __all__ = ["read_formula", "read_static"]
 
-MAX_POWER_OF_V = 24
-MAX_POWER_OF_SUM = 16
-MAX_TERMS = 600
-
+_MAX_POWER_OF_V = 24
+_MAX_POWER_OF_SUM = 16
+_MAX_TERMS = 600
 _PLAIN = (sp.Add, sp.Mul, sp.Pow, sp.Number, sp.NumberSymbol, sp.Symbol, NumberPower)
+
+_CONSTANTS = {
+    "e": "write exp(x) for a power of Euler's number, and exp(1) for the number",
+    **dict.fromkeys(("exp1", "exp_1", "euler", "euler_e", "e_euler"), "write exp(1)"),
+    **dict.fromkeys(("pi", "pii", "ppi", "pie", "py"), "write pi"),
+    **dict.fromkeys(("inf", "infinity", "infty", "oo", "nan"), "a law has finite numbers only"),
+}
+"""Names of constants, in small letters, with what to do."""
+_SPEEDS = (
+    "speed", "velocity", "velo", "vel", "slip", "vrel", "vslip", "vsliding", "vslide", "vrelative", "relv",
+    "slipspeed", "slipvelocity", "slidingspeed", "slidingvelocity", "relativespeed", "relativevelocity",
+    "relspeed", "relvelocity", "xdot", "dxdt",
+)  # fmt: skip
+"""Words for the slip speed, in small letters and without underscores."""
+_LONG_SPEEDS = [word for word in _SPEEDS if len(word) > 4]
+_CLOSE = 0.75  # difflib's ratio, of similar words: a letter wrong, missing or added in a word of four or more
+_LIKE_V = frozenset({"vr", "vv", "v"})  # besides v: perhaps a reference speed
+_DEPTH = 5  # calls from a line that makes a law to the warning
+_SHOWN = 5  # names in a message
 
 
 def read_formula(formula: str | float | Expr, table: dict[str, Parameter], *, constant: bool = False) -> Expr:
-    """Read a coefficient; parameters that it uses and `table` does not have are added there.
+    """Read a coefficient; parameters that it uses and `table`, of those described, does not have are added there.
 
-    Parameters
-    ----------
-    formula : str, number or sympy.Expr
-    table : dict of str to Parameter
-        Those that are described: no name in it is suspected of being another one misspelt.
-    constant : bool
-        Whether the formula needs no v, as that of a static coefficient.
-
-    Raises
-    ------
-    InputError
-        If the formula cannot be read, or holds what a law may not hold.
-
-    Warns
-    -----
-    InputWarning
-        If a name is probably v misspelt.
+    A static coefficient is `constant`: it needs no v.
     """
-    seen: set[str] = set()
+    names: set[str] = set()
     undescribed: list[str] = []
 
     def symbol(name: str) -> Expr:
-        seen.add(name)
+        names.add(name)
         if name == "v":
             return symbols.v
         if name not in table:
-            check_constant(name)
+            _check_constant(name)
             table[name] = Parameter(name)
             undescribed.append(name)
         return table[name].symbol
@@ -70,46 +76,17 @@ def read_formula(formula: str | float | Expr, table: dict[str, Parameter], *, co
     else:
         raise InputError(f"a law is text or a SymPy expression, got {type(formula).__name__}")
     _check_value(expr)
-    _check_size(expr)
     expr = normal_form(expr)
-    check_speed(undescribed, has_v=constant or "v" in seen, bare=expr.is_Symbol)
+    _check_speed(undescribed, has_v=constant or "v" in names, bare=expr.is_Symbol)
     return expr
 
 
-def _check_value(expr: Expr) -> None:
-    if expr.has(sp.zoo, sp.oo, sp.nan, sp.I):
-        raise InputError(f"the formula is not finite and real: it reduces to {str(expr)[:60]}")
-    for node in expr.atoms(sp.Pow):
-        if node.base.is_negative and node.exp.is_integer is False:
-            raise InputError(f"{str(node)[:60]} is not real: only whole powers of a negative number are")
-
-
-def _check_size(expr: Expr) -> None:
-    """Refuse powers that later algebra could not expand in any reasonable time."""
-    for node in expr.atoms(sp.Pow):
-        base, exponent = node.args
-        if base == symbols.v and exponent.is_number and abs(exponent) > MAX_POWER_OF_V:
-            raise InputError(f"{node} is too high a power of v; at most v^{MAX_POWER_OF_V} is supported")
-        if base.is_Add and exponent.is_Integer and abs(exponent) > MAX_POWER_OF_SUM:
-            raise InputError(
-                f"{str(node)[:60]} is too high a power of a sum; at most (...)^{MAX_POWER_OF_SUM} is supported"
-            )
-    if _terms(expr) > MAX_TERMS:
-        raise InputError(
-            f"the formula has over {MAX_TERMS} terms when its products are multiplied out; shorten it"
-        )
-
-
-def _terms(expr: Expr) -> int:
-    """Return a bound on the number of terms after expansion."""
-    if expr.is_Add:
-        return sum(map(_terms, expr.args))
-    if expr.is_Mul:
-        return math.prod(map(_terms, expr.args))
-    if expr.is_Pow and expr.exp.is_Integer:
-        terms, power = _terms(expr.base), abs(int(expr.exp))
-        return math.comb(terms + power - 1, power)
-    return max(map(_terms, expr.args), default=1)
+def read_static(static: str | float | Expr, table: dict[str, Parameter]) -> Expr:
+    """Read a static coefficient, as `read_formula` reads a coefficient; it does not depend on v."""
+    read = read_formula(static, table, constant=True)
+    if read.has(symbols.v):
+        raise InputError("the static coefficient is one number; it cannot depend on v")
+    return read
 
 
 def _rebuilt(expr: Expr, symbol: Callable[[str], Expr]) -> Expr:
@@ -124,15 +101,19 @@ def _rebuilt(expr: Expr, symbol: Callable[[str], Expr]) -> Expr:
             if bits(number) > MAX_BITS:
                 raise InputError("a number in the formula has too many digits")
             return number
-        if node is sp.true or isinstance(node, sp.core.relational.Relational):
-            return None if node is sp.true else _bound(node, *parts)
+        if node is sp.true:
+            return None
+        if isinstance(node, sp.core.relational.Relational):
+            if (bound := bound_of(parts[0], node.rel_op, parts[1])) is None:
+                raise InputError(f"the pieces of a law end at v < place or v > place; got {node}")
+            return bound
         if isinstance(node, sp.Piecewise):
             *branches, (last, end) = zip(parts[::2], parts[1::2], strict=True)
-            if not (end is None or any(end.completes(bound) for _, bound in branches if bound)):
+            if not (end is None or any(end.completes(bound) for _, bound in branches)):
                 raise InputError("the last piece of a law holds at all other speeds; its condition is True")
-            return in_pieces([(branch, bound) for branch, bound in branches if bound], last)
+            return in_pieces(branches, last)
         if kinked := KINKED.get(type(node).__name__):
-            return reduce(kinked, parts) if len(parts) > 1 else kinked(*parts)
+            return kinked(*parts)
         if isinstance(node, sp.erfc):
             return 1 - sp.erf(*parts)
         function = row(node)
@@ -145,20 +126,78 @@ def _rebuilt(expr: Expr, symbol: Callable[[str], Expr]) -> Expr:
     return fold(expr, rebuilt)
 
 
-def _bound(relation: Expr, left: Expr, right: Expr) -> Bound:
-    """Return where a piece with a condition v < place, or place < v, holds."""
-    if isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan | sp.LessThan | sp.GreaterThan):
-        strict = isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan)
-        side = "<" if isinstance(relation, sp.StrictLessThan | sp.LessThan) else ">"
-        for v, place, holds in ((left, right, side), (right, left, "<>"[side == "<"])):
-            if v == symbols.v:
-                return Bound(holds, place, strict)
-    raise InputError(f"the pieces of a law end at v < place or v > place; got {relation}")
+# -- what later algebra can hold -------------------------------------------------------------------
 
 
-def read_static(static: str | float | Expr, table: dict[str, Parameter]) -> Expr:
-    """Read a static coefficient, as `read_formula` reads a coefficient; it does not depend on v."""
-    read = read_formula(static, table, constant=True)
-    if read.has(symbols.v):
-        raise InputError("the static coefficient is one number; it cannot depend on v")
-    return read
+def _check_value(expr: Expr) -> None:
+    """Refuse what is not real, and powers that later algebra could not expand in any reasonable time."""
+    if expr.has(sp.zoo, sp.oo, sp.nan, sp.I):
+        raise InputError(f"the formula is not finite and real: it reduces to {str(expr)[:60]}")
+    for node in expr.atoms(sp.Pow):
+        base, exponent = node.args
+        if base.is_negative and exponent.is_integer is False:
+            raise InputError(f"{str(node)[:60]} is not real: only whole powers of a negative number are")
+        if base == symbols.v and exponent.is_number and abs(exponent) > _MAX_POWER_OF_V:
+            raise InputError(f"{node} is too high a power of v; at most v^{_MAX_POWER_OF_V} is supported")
+        if base.is_Add and exponent.is_Integer and abs(exponent) > _MAX_POWER_OF_SUM:
+            raise InputError(
+                f"{str(node)[:60]} is too high a power of a sum; at most (...)^{_MAX_POWER_OF_SUM} is supported"
+            )
+    if fold(expr, _terms) > _MAX_TERMS:
+        raise InputError(
+            f"the formula has over {_MAX_TERMS} terms when its products are multiplied out; shorten it"
+        )
+
+
+def _terms(node: Expr, parts: list[int]) -> int:
+    """Return a bound on the number of terms after expansion."""
+    if node.is_Add:
+        return sum(parts)
+    if node.is_Mul:
+        return math.prod(parts)
+    if node.is_Pow and node.exp.is_Integer:
+        exponent = abs(int(node.exp))
+        return math.comb(parts[0] + exponent - 1, exponent)
+    return max(parts, default=1)
+
+
+# -- names that are no parameters ------------------------------------------------------------------
+
+
+def _check_constant(name: str) -> None:
+    """Refuse the name of a parameter that is meant as a number."""
+    plain = name.rstrip("_")
+    if advice := "a law is real" if plain == "I" else _CONSTANTS.get(plain.lower()):
+        raise InputError(f"{name!r} looks like a constant; {advice}. {_or_declare(name)}")
+
+
+def _check_speed(names: Sequence[str], *, has_v: bool, bare: bool) -> None:
+    """Refuse parameters without a description that are meant as the slip speed, or warn of them.
+
+    A word such as speed is refused, and in a formula without v every name that begins with v. Of vr beside v, and
+    of a formula of several parts without v, it warns; a `bare` one, a single name, is meant as a constant.
+    """
+    for name in names:
+        plain = name.replace("_", "").lower()
+        # Not vel_0 nor speed1: a digit makes it one speed among others.
+        similar = plain.isalpha() and get_close_matches(plain, _LONG_SPEEDS, n=1, cutoff=_CLOSE)
+        if plain in _SPEEDS or similar or (not has_v and name[0] in "vV"):
+            missing = "" if has_v else "the formula has no v, and "
+            what = f"{missing}{name!r} looks like the slip speed, which is v"
+            raise InputError(f"{what}; write v. {_or_declare(name)}")
+        if has_v and plain in _LIKE_V:
+            _warn(f"{name!r} is taken for a parameter; the slip speed is v. {_or_declare(name)}")
+    if names and not (has_v or bare):
+        shown = ", ".join(names[:_SHOWN])
+        _warn(
+            f"the formula has no v, so mu is the same at every slip speed; its parameters: {shown}. If one of "
+            "them is the slip speed, write v; if mu is constant, add 0*v to say so"
+        )
+
+
+def _or_declare(name: str) -> str:
+    return f"If it is a parameter, say its unit: units={{{name!r}: ...}}"
+
+
+def _warn(message: str) -> None:
+    warnings.warn(message, InputWarning, stacklevel=_DEPTH)

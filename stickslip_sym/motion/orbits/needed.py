@@ -27,8 +27,7 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.slip import Dimensionless, End, follow
-from stickslip_sym.motion.slip import _rise as rise_at
-from stickslip_sym.motion.slip import _slope as slope_at
+from stickslip_sym.motion.steps import rise_at, slope_at
 
 __all__ = [
     "BEYOND", "FOUND", "LOST", "MOST_GAPS", "NONE", "SOUGHT", "begun", "by_zeta", "gap", "halves", "needed",
@@ -81,33 +80,36 @@ def halves(
       slip speed.
     """
     pieces = rise[0]
-    whole = len(pieces[0]) - 1
+    whole = len(pieces) - 1
     w = 1.0 - A
-    graze = 2.0 * zeta * w - push + eta * rise_at(pieces, 0, whole, 0, w)
+    graze = 2.0 * zeta * w - push + eta * rise_at((pieces, 0, whole, 0), w)
     q = 0.0 if w == 0.0 else graze
-    at_rest = eta * rise_at(pieces, 0, whole, 0, 1.0) if rise[1][len(rise[1]) - 1] > 1.0 else 0.0
+    at_rest = eta * rise_at((pieces, 0, whole, 0), 1.0) if rise[1][len(rise[1]) - 1] > 1.0 else 0.0
     most = _FEW if rtol >= _STIFF else _STEPS
     horizon = _PATIENT * (1.0 + 2.0 * abs(zeta) + abs(push) + abs(at_rest))
     # From here on q is the displacement from rest: near w = 1 its errors are to be small beside that.
     rest = 2.0 * zeta - push + at_rest
     push, q, graze = push + rest, q - rest, graze - rest
     wedge = (wanted, D, source)
-    end, tau, q_f, w_f, r_f, D_f, _, _ = follow(
-        rise, eta, zeta, push, 1.0, q, w, horizon, rtol, 1.0, _MAXIMUM, math.inf, most, wedge, False
+    end, tau, q_f, w_f, r_f, D_f, _, _, _ = follow(
+        rise, eta, zeta, push, 1.0, q, w, horizon, rtol, _MAXIMUM, math.inf, most, wedge, False
     )
     highest = w_f
     if end == _MAXIMUM:
         wedge_there = (wanted, D_f, source)
-        end, more, q_f, w_f, r_f, D_f, _, _ = follow(
-            rise, eta, zeta, push, 1.0, q_f, w_f, horizon, rtol, 1.0, _LEVEL, 1.0, most, wedge_there, False
+        end, more, q_f, w_f, r_f, D_f, _, _, _ = follow(
+            rise, eta, zeta, push, 1.0, q_f, w_f, horizon, rtol, _LEVEL, 1.0, most, wedge_there, False
         )
         tau += more
     way = 1 if end == _LEVEL else -1 if end == _OUTSIDE else -2 if end in (_NO_MORE, _FAILED) else 0
-    end, tau_b, _, _, r_b, D_b, _, _ = follow(
-        rise, eta, zeta, push, 1.0, graze, w, horizon, rtol, -1.0, _LEVEL, 1.0, most, wedge, False
+    # Backward in time the equations are the same, with q and all of their factors negated.
+    constant, linear, factor, own, shifts = source
+    wedge = (wanted, D, (-constant, -linear, -factor, own, shifts))
+    end, tau_b, _, _, r_b, D_b, _, _, _ = follow(
+        rise, -eta, -zeta, -push, 1.0, -graze, w, horizon, rtol, _LEVEL, 1.0, most, wedge, False
     )
     back = 1 if end == _LEVEL else -2 if end in (_NO_MORE, _FAILED) else 0
-    return (way, r_f, D_f, tau), (back, r_b, D_b, tau_b), highest
+    return (way, r_f, D_f, tau), (back, -r_b, D_b, tau_b), highest
 
 
 @compilable
@@ -124,8 +126,8 @@ def gap(
         constant, linear, factor, pieces, _ = source
         b = constant + linear
         if factor != 0.0:
-            b += factor * rise_at(pieces, 0, len(pieces[0]) - 1, 0, 1.0)
-        lifted = eta * rise_at(rise[0], 0, len(rise[0][0]) - 1, 0, 1.0)
+            b += factor * rise_at((pieces, 0, len(pieces) - 1, 0), 1.0)
+        lifted = eta * rise_at((rise[0], 0, len(rise[0]) - 1, 0), 1.0)
         rounding = _ROUNDING * (1.0 + (abs(lifted) + abs(push) + abs(zeta)) / abs(r_f))
         return math.log(r_f / r_b), (b - D_f / r_f) / r_f - (b - D_b / r_b) / r_b, False, rounding
     if rtol < _COARSE and (way == -2 or back == -2):
@@ -141,11 +143,11 @@ def begun(rise: Any, eta: float, push: float, A: float) -> Any:
     It begins with the harmonic balance over slip speeds from 1 - A to 1 + A.
     """
     pieces = rise[0]
-    whole, end = len(pieces[0]) - 1, rise[1][len(rise[1]) - 1]
+    whole, end = len(pieces) - 1, rise[1][len(rise[1]) - 1]
     zeta, largest = 0.0, 0.0
     for i in range(_PHASES):
         cosine = math.cos((i + 0.5) * math.pi / _PHASES)
-        lifted = eta * rise_at(pieces, 0, whole, 0, min(1.0 - A * cosine, end))
+        lifted = eta * rise_at((pieces, 0, whole, 0), min(1.0 - A * cosine, end))
         zeta += lifted * cosine / (A * _PHASES)
         largest = max(largest, abs(lifted))
     flat = largest <= _FLAT * abs(eta) and abs(push) <= _FLAT * abs(eta)
@@ -154,7 +156,7 @@ def begun(rise: Any, eta: float, push: float, A: float) -> Any:
     reach = 0.1 * max(abs(zeta), largest + abs(push))
     if abs(eta) > _STRONG and end > 1.0:
         # As friction grows the threshold tends to where the fold of the slow motion comes to rest.
-        falling = -0.5 * eta * slope_at(pieces, 0, whole, 0, 1.0)
+        falling = -0.5 * eta * slope_at((pieces, 0, whole, 0), 1.0)
         if falling > 0.0:
             zeta, reach = falling, 1e-3 * falling
     error = 0.0 if flat else math.inf

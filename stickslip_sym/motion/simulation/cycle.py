@@ -16,7 +16,7 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.slip import EVERY_TURN, Dimensionless, End
+from stickslip_sym.motion.slip import Dimensionless, End
 from stickslip_sym.output import markup
 
 __all__ = ["StickSlipCycle", "peak_velocity", "stick_slip_cycle"]
@@ -96,32 +96,21 @@ def stick_slip_cycle(
     law, rtol = as_law(law), read_rtol(rtol)
     with deadline.time_limit(time_limit):
         system = Dimensionless.of(law, osc)
-        tau, q, w, side = 0.0, 0.0, 0.0, 1
-        places, velocities = [0.0], [1.0]
-        turned = False
-        while True:
-            slip = system.slip(q, w, side, until=EVERY_TURN, level=1.0, rtol=rtol)
-            tau, q, w = tau + slip.tau, slip.q, slip.w
-            places.append(q)
-            velocities.append(1 - side * w)
-            if slip.end is End.MINIMUM:
-                return None
-            if slip.end in (End.MAXIMUM, End.LEVEL):
-                continue
-            if slip.end is not End.RETURN or (turned and not system.sticks(q)):
-                return None
-            if system.sticks(q):
-                break
-            side, turned = -1, True
-    onset = osc.onset(law)
+        slips = [system.slip(0.0, 0.0, until=End.MINIMUM, level=1.0, rtol=rtol)]
+        if slips[0].end is End.RETURN and not system.sticks(slips[0].q):
+            slips.append(system.slip(slips[0].q, 0.0, -1, level=1.0, rtol=rtol))
+    if slips[-1].end is not End.RETURN or not system.sticks(slips[-1].q):
+        return None
+    q, tau, onset = slips[-1].q, sum(slip.tau for slip in slips), osc.onset(law)
+    q_least, q_most, _, w_most = zip(*(slip.extremes for slip in slips), strict=True)
     return StickSlipCycle(
         period=(tau - q) / osc.omega,
         stick_time=-q / osc.omega,
         slip_time=tau / osc.omega,
-        x_min=onset + osc.length * min(places),
-        x_max=onset + osc.length * max(places),
-        v_min=osc.V * min(velocities),
-        v_max=osc.V * max(velocities),
+        x_min=onset + osc.length * min(q_least),
+        x_max=onset + osc.length * max(q_most),
+        v_min=osc.V * (1 - w_most[0]),
+        v_max=osc.V * (1 + sum(w_most[1:])),
     )
 
 

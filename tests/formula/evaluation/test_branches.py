@@ -19,8 +19,9 @@ import stickslip_sym as ss
 from stickslip_sym.core.balls import working_precision
 from stickslip_sym.core.symbols import v
 from stickslip_sym.criteria.criterion import harmonic, least_squares
-from stickslip_sym.formula.evaluation.branches import Sum, Table, branches_of
+from stickslip_sym.formula.evaluation.branches import Sum, Table
 from stickslip_sym.formula.evaluation.evaluator import Evaluator
+from stickslip_sym.formula.evaluation.making import branches_of
 from stickslip_sym.formula.evaluation.values import BITS, Values
 
 PROFILES = [
@@ -58,7 +59,7 @@ def test_a_table_with_two_columns_exchanged_is_noticed():
     law = ss.FrictionLaw("tanh(v)")
     branches = branches_of(law.expr, harmonic)
     (table,) = [branch for branch in branches.branches if isinstance(branch, Table)]
-    table.rows[:, [1, 2]] = table.rows[:, [2, 1]]
+    table.rows[:, [4, 5]] = table.rows[:, [5, 4]]
     average, columns = ss.slope_average(law, harmonic), {"V": np.array([1.1, 3.3]), "N": np.ones(2)}
     try:
         table.__dict__.pop("_columns", None)

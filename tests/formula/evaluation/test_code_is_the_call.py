@@ -4,12 +4,15 @@ import ctypes
 import inspect
 import shutil
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from forms import some
 
 import stickslip_sym as ss
+from stickslip_sym.formula.evaluation.branches import Table
+from stickslip_sym.formula.evaluation.evaluator import TermFunction
 
 LAWS = {
     "1/(1 + exp((v - v_0)/w))": {"v_0": 0.1, "w": 0.02},
@@ -102,6 +105,31 @@ def test_code_equals_the_call(seed, tmp_path):
         assert np.isfinite(expected[written]).all(), where
         # What a call takes from balls, near the end of a law, code leaves out.
         assert written.sum() >= np.isfinite(expected).sum() - 2, where
+
+
+ANDERSSON = [("andersson", "least_squares")]  # its transition is far narrower than its scale
+
+
+@pytest.mark.parametrize(
+    ("name", "criterion"),
+    some([(name, criterion) for name in ss.laws for criterion in ss.criteria.catalogue], *ANDERSSON),
+)
+def test_what_is_written_is_checked(name, criterion):
+    """The verdict is that of the branches which the text holds, each against an enclosure of the definition."""
+    text = ss.slope_average(ss.laws[name].typical(), criterion).code("python")
+    assert "As written CHECKED" in text or "As written PROVED: a constant law" in text
+
+
+def test_a_wrong_coefficient_in_a_text_refutes_it(monkeypatch):
+    average = ss.slope_average(ss.laws.tanh.typical())
+    right = average.evaluator.terms[-1].branches()
+    rows = [getattr(branch, "rows", None) for branch in right.branches]
+    wrong = tuple(
+        b if row is None else Table(row * (1 + 1e-13)) for b, row in zip(right.branches, rows, strict=True)
+    )
+    assert "As written CHECKED" in average.code("c")
+    monkeypatch.setattr(TermFunction, "branches", lambda *args: replace(right, branches=wrong))
+    assert "As written REFUTED" in average.code("c")
 
 
 def test_a_divergent_average_is_refused():

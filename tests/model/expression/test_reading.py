@@ -31,6 +31,7 @@ SPELLED = [
     ("1/(b + a*exp(v/w))^2", lambda v: (b + a * math.exp(v / w)) ** -2),
     ("1/(exp(v/a) + exp(-v/a))", lambda v: 1 / (math.exp(v / a) + math.exp(-v / a))),
     ("a/cosh(v/w)", lambda v: a / math.cosh(v / w)),
+    ("a*coth(v + w) + b/tanh(v + w)", lambda v: (a + b) / math.tanh(v + w)),
     ("a/cosh(v/w)^2", lambda v: a / math.cosh(v / w) ** 2),
     ("exp(-2*b*v)*cosh(b*v)", lambda v: math.exp(-2 * b * v) * math.cosh(b * v)),
     ("v*exp(-b*v)*sinh(a*v)^2", lambda v: v * math.exp(-b * v) * math.sinh(a * v) ** 2),
@@ -70,7 +71,9 @@ SAME = [
     ("exp(-p*log(1 + v))", "(1 + v)^(-p)"), ("2^(-v/w)", "exp(-v*log(2)/w)"), ("erfc(v)", "1 - erf(v)"),
     ("exp(-2*v)*cosh(v)", "(exp(-v) + exp(-3*v))/2"), ("log(1 + w/v)", "log(1 + v/w) - log(v) + log(w)"),
     ("tanh(log(v))", "(v^2 - 1)/(v^2 + 1)"), ("Min(1, w/v)", "Piecewise((1, v < w), w/v)"),
-    ("1/(5*v + 5)", "0.2/(1 + v)"),
+    ("1/(5*v + 5)", "0.2/(1 + v)"), ("1/tanh(v + a)", "coth(v + a)"),
+    ("1/cosh(v) + Abs(v - a)", "sech(v) + Abs(v - a)"),
+    ("Piecewise((1/cosh(v), v < a), exp(-p*log(1 + v)))", "Piecewise((sech(v), v < a), (1 + v)^(-p))"),
 ]  # fmt: skip
 
 

@@ -6,13 +6,12 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
 
 from derivations import chapter, paper
 from paper_checks.computed import LAWS, law, oscillator
-from paper_checks.conftest import Find
+from paper_checks.findings import Find, Finding, Printed, check
 from paper_checks.printed import acceleration, displacement, kinetic, relative
 from stickslip_sym import Phase, Status, simulate
 from stickslip_sym.core.symbols import N, V, c, k, m, u, v
@@ -41,8 +40,8 @@ def motions() -> list[tuple[str, float, Trajectory]]:
     ]
 
 
-@pytest.mark.claim("E1")
-def test_E1_stick(find: Find, printed: dict[str, Any]) -> None:
+@check("E1")
+def stick(find: Find, printed: Printed) -> Finding:
     """In stick the velocity is the belt's, static friction holds, and stick ends where it cannot."""
     velocity, limit = (float(printed[name].subs(POINT)) for name in ("velocity", "limit"))
     force = sp.lambdify((c, displacement, paper.velocity), printed["force"].subs(POINT) / limit)
@@ -54,11 +53,11 @@ def test_E1_stick(find: Find, printed: dict[str, Any]) -> None:
         worst_force = max(worst_force, float(np.max(np.abs(force(damping, motion.x, motion.v)[held]))))
         onsets = [new for old, new in pairwise(motion.events) if old.begins is Phase.STICK]
         worst_onset = max([worst_onset, *(abs(force(damping, e.x, e.v) - 1) for e in onsets)])
-    find(
+    return find(
         ours=f"|f| <= {worst_force:.10f} mu_s N",
         holds="in stick the mass has the belt's velocity, and slip begins where static friction cannot hold it",
-        checked=f"over {sticks} samples of stick |x' - V| = {worst_speed:g} m/s, "
-        f"|f| at most {worst_force:.12f} mu_s N, and at every onset of slip f = mu_s N to {worst_onset:.1e}",
+        checked=f"over {sticks} samples of stick |x' - V| is {worst_speed:g} m/s and |f| at most "
+        f"{worst_force:.12f} mu_s N; at every onset of slip f equals mu_s N to {worst_onset:.1e}",
         difference=f"{worst_onset:.0e} of the force",
         reproduced=sticks > 0
         and worst_speed == 0
@@ -67,8 +66,8 @@ def test_E1_stick(find: Find, printed: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.claim("E2")
-def test_E2_slip(find: Find, printed: dict[str, Any]) -> None:
+@check("E2")
+def slip(find: Find, printed: Printed) -> Finding:
     """Between events the simulated motion solves (2), as an integrator that knows no events solves it."""
     sign = sp.Symbol("sign")
     right = printed["right"].subs(sp.sign(relative), sign)
@@ -81,10 +80,10 @@ def test_E2_slip(find: Find, printed: dict[str, Any]) -> None:
                 continue
             side = -1.0 if start.begins is Phase.SLIP_BACK else 1.0
             sides.add(side)
-            end = integrated(rate, name, damping, side, start.t, stop.t, (start.x, start.v))
+            end = integrated(rate, name, damping, side, (start.t, stop.t), (start.x, start.v))
             error = max(abs(end[0] - stop.x) / SIZE, abs(end[1] - stop.v) / oscillator().V)
             worst, pieces = max(worst, float(error)), pieces + 1
-    find(
+    return find(
         ours=f"same motion to {worst:.0e}",
         holds="simulated slip solves (2) for both signs of the relative velocity",
         checked=f"{pieces} slip phases, v_r of both signs, end where LSODA takes the same onset, to {worst:.1e}",
@@ -94,13 +93,7 @@ def test_E2_slip(find: Find, printed: dict[str, Any]) -> None:
 
 
 def integrated(
-    rate: Callable[..., float],
-    name: str,
-    damping: float,
-    side: float,
-    start: float,
-    stop: float,
-    state: tuple[float, float],
+    rate: Callable[..., float], name: str, damping: float, side: float, times: tuple[float, float], state: Any
 ) -> Any:
     """Integrate an acceleration for one sign of v_r by a multistep method."""
     # The law from its formula, not from `FrictionLaw.mu`, which the simulation uses.
@@ -110,24 +103,24 @@ def integrated(
         slip = min(max(side * (y[1] - belt), 0.0), FASTEST)
         return [y[1], rate(y[0], y[1], mu(slip), side, damping)]
 
-    return solve_ivp(rates, (start, stop), state, method="LSODA", rtol=1e-11, atol=1e-13).y[:, -1]
+    return solve_ivp(rates, times, state, method="LSODA", rtol=1e-11, atol=1e-13).y[:, -1]
 
 
-def monotone(mu: Any, speed: Any, way: str) -> Verdict:
+def monotone(mu: Any, speed: Any, trend: str) -> Verdict:
     """Prove that mu falls or rises at a speed, where mu_s is above mu_m."""
     difference = sp.Symbol("D", positive=True)
     mu_s, mu_m = (paper.polynomial[name] for name in ("mu_s", "mu_m"))
     slope = sp.diff(mu, u).subs(u, speed).subs(mu_s, mu_m + difference)
-    return prove_positive(sp.factor(SIGN[way] * slope))
+    return prove_positive(sp.factor(SIGN[trend] * slope))
 
 
-@pytest.mark.claim("E3")
-def test_E3_exponential_law(find: Find, printed: dict[str, Any]) -> None:
+@check("E3")
+def exponential_law(find: Find, printed: Printed) -> Finding:
     """The law (3) starts at mu_s, falls everywhere and tends to mu_m."""
     mu = printed["(3)"]
     start, end = mu.subs(u, 0), sp.limit(mu, u, sp.oo)
     between = monotone(mu, u, printed["between"])
-    find(
+    return find(
         ours=f"{start} to {end}",
         holds="the law starts, falls and ends as stated",
         proved=f"mu(0) = {start}, mu(oo) = {end}; with mu_s > mu_m it {printed['between']}: {between}",
@@ -138,15 +131,15 @@ def test_E3_exponential_law(find: Find, printed: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.claim("E4")
-def test_E4_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
+@check("E4")
+def polynomial_law(find: Find, printed: Printed) -> Finding:
     """The law (4) starts at mu_s, falls to mu_m at v_m, and rises beyond."""
     mu, v_m = printed["(4)"], printed["at"]
     start, lowest = mu.subs(u, 0), sp.simplify(mu.subs(u, v_m))
     p = sp.Symbol("p", positive=True)
     before = monotone(mu, v_m / (1 + p), printed["before"])
     after = monotone(mu, v_m * (1 + p), printed["after"])
-    find(
+    return find(
         ours=f"{lowest} at {v_m}",
         holds="the law has its minimum where stated, and falls before and rises after it",
         proved=f"mu(0) = {start}, mu({v_m}) = {lowest}; {printed['before']} at {v_m}/(1 + p): {before}; "
@@ -164,96 +157,55 @@ def original(name: str) -> Derivation:
     return chapter(name)({})
 
 
-def by_chapter(find: Find, name: str, printed: dict[str, Any], holds: str, *, also: bool = True) -> None:
+def by_chapter(
+    find: Find, printed: Printed, *, name: str, holds: str, also: Callable[[Printed], bool] = lambda printed: True
+) -> Finding:
     """Find that the steps that lead to printed equations, and their whole chapter, are PROVED."""
     equations = paper.equations()
     altered = {label: side for label, side in printed.items() if label in equations and side != equations[label]}
     derivation = chapter(name)(altered) if altered else original(name)
     labels = [step.label for step in derivation.steps if step.label in printed]
-    verdicts = [derivation[label].verdict for label in labels]
+    verdicts = "; ".join(str(derivation[label].verdict) for label in labels)
     kind = "proved" if derivation.status is Status.PROVED else "checked"
-    find(
+    return find(
         ours=f"{', '.join(labels)} {derivation.status.value}",
         holds=holds,
-        **{kind: f"{len(derivation.steps)} steps of {name}; " + "; ".join(map(str, verdicts))},
+        **{kind: f"the chapter {name} has {len(derivation.steps)} steps; {verdicts}"},
         difference="0" if derivation.status is Status.PROVED else derivation.status.value,
-        reproduced=also and bool(labels) and derivation.status is Status.PROVED,
+        reproduced=also(printed) and bool(labels) and derivation.status is Status.PROVED,
     )
 
 
-@pytest.mark.claim("E5")
-def test_E5_work_and_energy(find: Find, printed: dict[str, Any]) -> None:
-    """(5) follows from Newton's law, and the spring's work vanishes: (6)."""
-    words = (
-        "the work of friction and damping from P to Q is the change of kinetic energy, at one place of the mass"
-    )
-    balance = original("energy_balance")["(6)"].statement.rhs
-    by_chapter(find, "energy_balance", printed, words, also=balance == printed["(6)"])
+def balance_as_printed(printed: Printed) -> bool:
+    """Whether the sum of the works in (6) is the printed one."""
+    return bool(original("energy_balance")["(6)"].statement.rhs == printed["(6)"])
 
 
-@pytest.mark.claim("E7")
-def test_E7_damped_slip_loses_energy(find: Find, printed: dict[str, Any]) -> None:
-    """With V_Q below V_P the integral of (6) is negative."""
-    loss = original("energy_balance")["(7)"]
-    words = "damped slip loses kinetic energy from P to Q, so the integral of (6) is negative"
-    sign = "negative" if loss.verdict.status is Status.PROVED else "not negative"
-    by_chapter(find, "energy_balance", printed, words, also=sign == printed["(7)"])
+def loss_as_printed(printed: Printed) -> bool:
+    """Whether the integral of (7) has the printed sign."""
+    proved = original("energy_balance")["(7)"].verdict.status is Status.PROVED
+    return bool(printed["(7)"] == ("negative" if proved else "not negative"))
 
 
-@pytest.mark.claim("E9")
-def test_E9_linearised_force(find: Find, printed: dict[str, Any]) -> None:
-    """(8) put into (2) gives (9)."""
-    by_chapter(
-        find, "linearised_force", printed, "a coefficient linear in v_r makes the friction force that of (9)"
-    )
-
-
-@pytest.mark.claim("E10")
-def test_E10_balance(find: Find, printed: dict[str, Any]) -> None:
-    """(9) put into (6) gives (10)."""
-    by_chapter(find, "linearised_force", printed, "the balance of work rearranges to (10)")
-
-
-@pytest.mark.claim("E11")
-def test_E11_pure_slip_condition(find: Find, printed: dict[str, Any]) -> None:
-    """(10) holds for a closed motion if and only if (11) does."""
-    by_chapter(
-        find, "linearised_force", printed, "with the linear coefficient pure slip needs c = a N, and only that"
-    )
-
-
-@pytest.mark.claim("E13")
-def test_E13_change_of_variable(find: Find, printed: dict[str, Any]) -> None:
-    """(12) becomes (13)."""
-    by_chapter(
-        find, "least_squares", printed, "the change of variable takes (12) to (13), limits and weight included"
-    )
-
-
-@pytest.mark.claim("E15")
-def test_E15_least_squares(find: Find, printed: dict[str, Any]) -> None:
-    """A vanishing gradient gives (15), and the Hessian of S is positive definite there."""
+def extremum_as_printed(printed: Printed) -> bool:
+    """Whether the Hessian of S where the gradient vanishes is that of the printed extremum."""
     steps = [step for step in original("least_squares").steps if "Hessian" in step.operation]
     definite = len(steps) == 2 and all(step.verdict.status is Status.PROVED for step in steps)
-    words = "a and b are as printed, and they are the minimum"
-    by_chapter(
-        find, "least_squares", printed, words, also=printed["extremum"] == ("minimum" if definite else "unknown")
-    )
+    return bool(printed["extremum"] == ("minimum" if definite else "unknown"))
 
 
-@pytest.mark.claim("E16")
-def test_E16_criterion(find: Find, printed: dict[str, Any]) -> None:
-    """(15) put into (11) gives (16)."""
-    by_chapter(find, "least_squares", printed, "the criterion (16) follows for any mu")
-
-
-@pytest.mark.claim("E17")
-def test_E17_exponential_law(find: Find, printed: dict[str, Any]) -> None:
-    """(3) put into (16) gives (17)."""
-    by_chapter(find, "exponential_law", printed, "the exponential law makes (16) the closed form (17)")
-
-
-@pytest.mark.claim("E18")
-def test_E18_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
-    """(4) put into (16) gives (18)."""
-    by_chapter(find, "polynomial_law", printed, "the polynomial law makes (16) the closed form (18)")
+for id, name, holds, more in (
+    ("E5", "energy_balance", "the work of friction and damping from P to Q is the change of kinetic energy, at "
+     "one place of the mass", {"also": balance_as_printed}),
+    ("E7", "energy_balance", "damped slip loses kinetic energy from P to Q, so the integral of (6) is negative",
+     {"also": loss_as_printed}),
+    ("E9", "linearised_force", "a coefficient linear in v_r makes the friction force that of (9)", {}),
+    ("E10", "linearised_force", "the balance of work rearranges to (10)", {}),
+    ("E11", "linearised_force", "with the linear coefficient pure slip needs c = a N, and only that", {}),
+    ("E13", "least_squares", "the change of variable takes (12) to (13), limits and weight included", {}),
+    ("E15", "least_squares", "a and b are as printed, and they are the minimum", {"also": extremum_as_printed}),
+    ("E16", "least_squares", "the criterion (16) follows for any mu", {}),
+    ("E17", "exponential_law", "the exponential law makes (16) the closed form (17)", {}),
+    ("E18", "polynomial_law", "the polynomial law makes (16) the closed form (18)", {}),
+):  # fmt: skip
+    check(id, name=name, holds=holds, **more)(by_chapter)

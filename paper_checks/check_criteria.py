@@ -2,10 +2,8 @@
 
 from decimal import Decimal
 from functools import cache
-from typing import Any
 
 import numpy as np
-import pytest
 import sympy as sp
 from scipy.optimize import brentq
 
@@ -23,7 +21,7 @@ from paper_checks.computed import (
     threshold,
     thresholds,
 )
-from paper_checks.conftest import Find
+from paper_checks.findings import Find, Finding, Printed, check
 from paper_checks.proved import agrees, apart, enclosed, returns_undamped
 from paper_checks.wording import by_law, formula, percent
 from stickslip_sym import Phase, Status, laws, regime, simulate, slope_average
@@ -44,12 +42,12 @@ D = sp.Symbol("D", positive=True)
 """The difference of the coefficients, mu_s - mu_m."""
 
 
-@pytest.mark.claim("S1")
-def test_S1_mass_and_stiffness(find: Find, printed: dict[str, Any]) -> None:
+@check("S1")
+def mass_and_stiffness(find: Find, printed: Printed) -> Finding:
     """The symbols on which (16), (17) and (18) depend."""
     symbols = {label: ", ".join(sorted(map(str, expr.free_symbols))) for label, expr in printed.items()}
     free = not any(expr.has(m, k) for expr in printed.values())
-    find(
+    return find(
         ours="none" if free else "m or k appears",
         holds=f"mass and stiffness are {'not ' if free else ''}in (16), (17) and (18)",
         proved="; ".join(f"the symbols of {label} are {names}" for label, names in symbols.items()),
@@ -58,8 +56,8 @@ def test_S1_mass_and_stiffness(find: Find, printed: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.claim("S4")
-def test_S4_falls_with_belt_speed(find: Find, printed: dict[str, Any]) -> None:
+@check("S4")
+def falls_with_belt_speed(find: Find, printed: Printed) -> Finding:
     """(17) averages a falling slope with a positive weight, (18) has a negative derivative; exact thresholds."""
     curvature = sp.diff(laws.exponential.expr, v, 2).subs(MU_S, MU_M + D)
     proofs = {
@@ -69,7 +67,7 @@ def test_S4_falls_with_belt_speed(find: Find, printed: dict[str, Any]) -> None:
         "(18) falls with V": prove_positive(-sp.diff(printed["(18)"], V).subs(MU_S, MU_M + D)).status,
     }
     falls = all(bool((np.diff(thresholds(name)) < 0).all()) for name in LAWS)
-    find(
+    return find(
         ours="falls" if falls else "does not fall",
         holds=f"the pure-slip damping {'falls' if falls else 'does not fall'} with the belt speed, for both laws",
         proved="; ".join(what for what, status in proofs.items() if status is Status.PROVED),
@@ -80,8 +78,8 @@ def test_S4_falls_with_belt_speed(find: Find, printed: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.claim("S5")
-def test_S5_exponential_law_without_damping(find: Find, printed: dict[str, Any]) -> None:
+@check("S5")
+def exponential_law_without_damping(find: Find, printed: Printed) -> Finding:
     """How fast each threshold goes to 0 with V, and whether the undamped mass sticks at every belt speed."""
     name = "exponential"
     at_speed = {
@@ -111,7 +109,7 @@ def test_S5_exponential_law_without_damping(find: Find, printed: dict[str, Any])
         Phase.SLIP_FORWARD,
     }
     agree = agree and sticks_at_last(slower) and slips
-    find(
+    return find(
         ours=f"infinite; but undamped no stick beyond V = {last:.1f} m/s",
         holds="no belt speed makes the threshold vanish; but it falls more slowly than (17), and fast enough the "
         "undamped mass never sticks",
@@ -153,8 +151,8 @@ def last_with_stick() -> float:
     return low
 
 
-@pytest.mark.claim("S6")
-def test_S6_polynomial_law_above_its_speed(find: Find, printed: dict[str, Any]) -> None:
+@check("S6")
+def polynomial_law_above_its_speed(find: Find, printed: Printed) -> Finding:
     """The exact transition speed at c = 0, over k, and the stiffness from which it stays below the paper's."""
     name, stated = "polynomial", Decimal(printed["speed"])
     roots = sp.solve(printed["(18)"].subs(paper.polynomial["v_m"], 1), V)
@@ -174,7 +172,7 @@ def test_S6_polynomial_law_above_its_speed(find: Find, printed: dict[str, Any]) 
         ("no stick-slip" if free else "stick-slip") == printed["faster"]
         and Decimal(by_18).quantize(stated) == Decimal(exact[100.0]).quantize(stated) == stated
     )  # fmt: skip
-    find(
+    return find(
         ours=f"{exact[100.0]:.5f} v_m",
         holds=f"at k = 100 N/m no belt above {stated} v_m makes stick-slip, but with a softer spring some do",
         proved=f"at k = 100 N/m, at {sum(not one for one in returns.values())} of {len(beyond)} belt "
@@ -215,8 +213,8 @@ def exact_transition_speed(k: float) -> float:
     return float(brentq(lambda V: threshold("polynomial", V=V, k=k), 0.85, 1.0, rtol=1e-10))
 
 
-@pytest.mark.claim("S9")
-def test_S9_difference_of_coefficients(find: Find, printed: dict[str, Any]) -> None:
+@check("S9")
+def difference_of_coefficients(find: Find, printed: Printed) -> Finding:
     """(17) and (18) are the difference times a factor without it; the exact threshold grows with it."""
     factors = [sp.cancel(printed[label].subs(MU_S, MU_M + D) / D) for label in ("(17)", "(18)")]
     linear = not any(factor.has(D, MU_M, MU_S) for factor in factors)
@@ -225,7 +223,7 @@ def test_S9_difference_of_coefficients(find: Find, printed: dict[str, Any]) -> N
     exact = [np.array([thresholds(name, mu_m)[: slow.size] for mu_m in ("0.4", "0.3", "0.2")]) for name in LAWS]
     exactly = all(bool((np.diff(values, axis=0) > 0).all()) for values in exact)
     ratios = [values[2] / values[0] for values in exact]
-    find(
+    return find(
         ours="rises" if rises and exactly else "does not rise",
         holds=f"the pure-slip damping {'rises' if rises and exactly else 'does not rise'} with mu_s - mu_m",
         proved=f"(17) and (18) are {'' if linear else 'not '}proportional to mu_s - mu_m",
@@ -237,8 +235,8 @@ def test_S9_difference_of_coefficients(find: Find, printed: dict[str, Any]) -> N
     )
 
 
-@pytest.mark.claim("S10")
-def test_S10_equilibrium_criteria(find: Find, printed: dict[str, Any]) -> None:
+@check("S10")
+def equilibrium_criteria(find: Find, printed: Printed) -> Finding:
     """The error of the equilibrium criterion, as the amplitude V of the pure-slip orbit grows."""
     # Faster, the polynomial law's threshold comes near 0, and relative errors lose their meaning.
     slow = SPEEDS[:80]
@@ -249,7 +247,7 @@ def test_S10_equilibrium_criteria(find: Find, printed: dict[str, Any]) -> None:
         by_law(percent(values[place], digits=digits) for values in error)
         for place, digits in ((0, 2), (AT_05, 1), (-1, 1))
     )
-    find(
+    return find(
         ours=f"{here} at V = 0.5 m/s",
         holds=f"the criterion of the equilibrium errs, {'' if grows else 'not always '}more at larger amplitudes",
         estimated=f"-N mu'(V) is off by {slowest} at V = 0.01 m/s, by {here} at 0.5 m/s and by {fastest} at "
@@ -261,8 +259,8 @@ def test_S10_equilibrium_criteria(find: Find, printed: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.claim("S11")
-def test_S11_no_closed_form(find: Find, printed: dict[str, Any]) -> None:
+@check("S11")
+def no_closed_form(find: Find, printed: Printed) -> Finding:
     """Put x' = V cos(theta) and the nonlinear coefficient into (6), and look for a closed form of c."""
     osc = oscillator()
     velocity = osc.V * np.cos(np.linspace(0, 2 * np.pi, 400, endpoint=False))
@@ -277,12 +275,12 @@ def test_S11_no_closed_form(find: Find, printed: dict[str, Any]) -> None:
         balance = float(abs(work.mean() / (c * velocity**2).mean()))
         answers.append("closed form" if balance < NONE else "no closed form")
         words.append(
-            f"{name} law: c = {formula(form.expr)}, {form.verdict.status.value}, "
-            f"{percent(float(apart(Enclosure.of(c, c), enclosed(name))))} from the threshold at V = 0.5 m/s"
+            f"for the {name} law c = {formula(form.expr)} is {form.verdict.status.value}, and off the threshold "
+            f"at V = 0.5 m/s by {percent(float(apart(Enclosure.of(c, c), enclosed(name))))}"
         )
-        errors.append(f"{name} law: it balances (6) to {balance:.0e}")
+        errors.append(f"for the {name} law it balances (6) to {balance:.0e}")
     agree = [answer == printed["nonlinear coefficient"] for answer in answers]
-    find(
+    return find(
         ours=" and ".join(sorted(set(answers))),
         holds="a nonlinear coefficient has closed forms, and they are closer to the threshold than the paper's"
         if "closed form" in answers

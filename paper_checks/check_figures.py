@@ -4,7 +4,6 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import pytest
 
 from paper_checks.computed import (
     AT_05,
@@ -17,7 +16,7 @@ from paper_checks.computed import (
     response,
     thresholds,
 )
-from paper_checks.conftest import Find
+from paper_checks.findings import Find, Finding, Printed, check
 from paper_checks.proved import (
     SPEED_TEXTS,
     agrees,
@@ -42,19 +41,9 @@ ENDS = {motion: motion.value for motion in Motion} | {Motion.REST: "damped slip"
 """The paper's words for how a motion from the belt's speed ends."""
 
 
-@pytest.mark.claim("F3")
-def test_F3_exponential_law(find: Find, printed: dict[str, Any]) -> None:
-    """Five motions of the exponential law, from simulation."""
-    check_motions(find, "exponential", printed)
-
-
-@pytest.mark.claim("F4")
-def test_F4_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
-    """Five motions of the polynomial law, from simulation."""
-    check_motions(find, "polynomial", printed)
-
-
-def check_motions(find: Find, name: str, printed: dict[str, Any]) -> None:
+@check("F3", name="exponential")
+@check("F4", name="polynomial")
+def motions(find: Find, printed: Printed, *, name: str) -> Finding:
     """Simulate the five motions of a figure, and compare their kinds, stick intervals, periods and peaks."""
     runs = [response(name, float(c)) for c in printed["dampings"]]
     cycles = [run for run in runs if run.kind == "stick-slip"]
@@ -73,7 +62,7 @@ def check_motions(find: Find, name: str, printed: dict[str, Any]) -> None:
         and bool((np.diff(sticks) < 0).all()) == FALLS[printed["stick"]]
         and bool((np.diff(periods) < 0).all()) == FALLS[printed["period"]]
     )
-    find(
+    return find(
         ours=", ".join(
             kind if kind == end else f"{kind} for a while, then {end}"
             for kind, end in zip(kinds, ends, strict=True)
@@ -90,14 +79,14 @@ def check_motions(find: Find, name: str, printed: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.claim("F5")
-def test_F5_phase_plots(find: Find, printed: dict[str, Any]) -> None:
+@check("F5")
+def phase_plots(find: Find, printed: Printed) -> Finding:
     """Q has the place of P one cycle later; its velocity is V or it is not."""
     runs = {c: response("exponential", float(c)) for c in printed["coincide"]}
     V = oscillator().V
     lack = {c: 1 - run.after_a_cycle / V for c, run in runs.items()}
     swings = np.array([run.swing for run in runs.values()])
-    find(
+    return find(
         ours="V_Q/V = " + ", ".join(f"{1 - value:.4f}" for value in lack.values()),
         holds="after a cycle the mass is back at P with the belt's speed in stick-slip and pure slip only",
         estimated="; ".join(
@@ -110,8 +99,8 @@ def test_F5_phase_plots(find: Find, printed: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.claim("F6")
-def test_F6_exponential_law(find: Find, printed: dict[str, Any]) -> None:
+@check("F6")
+def exponential_law(find: Find, printed: Printed) -> Finding:
     """(17) and the criterion of the equilibrium against the exact threshold, V from 0.01 to 1 m/s."""
     proved = [threshold for threshold in enclosed_over_speeds("exponential") if threshold is not None]
     everywhere = len(proved) == SPEEDS.size and agrees(proved, thresholds("exponential"))
@@ -126,9 +115,9 @@ def test_F6_exponential_law(find: Find, printed: dict[str, Any]) -> None:
     least = {name: max(values) for name, values in lower.items()}
     most = {name: max(float(sizes(one)[1]) for one in off[name]) for name in off}
     closer = min(most, key=lambda name: most[name])
-    told = max(least.values()) > min(most.values())
+    decided = max(least.values()) > min(most.values())
     here = percent(*(float(values[min(AT_05, len(values) - 1)]) for values in off.values()))
-    find(
+    return find(
         ours=f"(17) within {most['(17)']:.1%}, equilibrium {most['equilibrium']:.0%}",
         holds="(17) agrees well with the threshold at every belt speed; the criterion of the equilibrium does not",
         proved=f"at each of {len(proved)} belt speeds (17) is off the threshold by less than {most['(17)']:.2%}; "
@@ -140,7 +129,7 @@ def test_F6_exponential_law(find: Find, printed: dict[str, Any]) -> None:
         checked="collocation of the grazing orbit lies in each of the enclosures",
         difference=f"{100 * float(off['(17)'][worst['(17)']]):+.2f} % at most",
         reproduced=everywhere
-        and told
+        and decided
         and closer == printed["closer"]
         and is_criterion(printed["equilibrium"], "exponential", "equilibrium")
         and most["(17)"] < WELL
@@ -148,8 +137,8 @@ def test_F6_exponential_law(find: Find, printed: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.claim("F7")
-def test_F7_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
+@check("F7")
+def polynomial_law(find: Find, printed: Printed) -> Finding:
     """Where (18) is closer to the exact threshold than Thomsen & Fidlin, at this stiffness and at others."""
     values = {name: over_speeds(printed[name], "polynomial") for name in ("(18)", "equilibrium", THOMSEN)}
     off = {name: abs(value - thresholds("polynomial")) for name, value in values.items()}
@@ -166,10 +155,10 @@ def test_F7_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
         name: [nearer(balls["(18)"][i], balls[name][i], one) for i, one in enumerate(proved) if one is not None]
         for name in (THOMSEN, "equilibrium")
     }
-    told = everywhere and None not in beats[THOMSEN] + beats["equilibrium"]
+    decided = everywhere and None not in beats[THOMSEN] + beats["equilibrium"]
     wins = [SPEED_TEXTS[i] for i, beaten in zip(positive, beats[THOMSEN], strict=True) if beaten]
     beats_equilibrium = all(beats["equilibrium"]) and bool((off["(18)"] < off["equilibrium"]).all())
-    told = told and beats[THOMSEN] == (off["(18)"] < off[THOMSEN])[positive].tolist()
+    decided = decided and beats[THOMSEN] == (off["(18)"] < off[THOMSEN])[positive].tolist()
 
     def closer(k: float) -> Any:
         exact = thresholds("polynomial", k=k)
@@ -180,7 +169,7 @@ def test_F7_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
     negative = all(ball.high < 0 for name in ("(18)", THOMSEN) for ball in balls[name][len(positive) :])
     some = [k for k in STIFFNESSES if closer(k).any()]
     stiff = f"up to k = {some[-1]:.0f} N/m; stiffer, at none" if some else "at no k from 100 N/m on"
-    find(
+    return find(
         ours=f"closer than Thomsen & Fidlin for {first} only",
         holds=f"(18) is {'' if beats_equilibrium else 'not '}closer than Galvanetto & Bishop at every belt speed, "
         f"and than Thomsen & Fidlin {'everywhere' if here.all() else 'for fast belts only'}",
@@ -189,14 +178,15 @@ def test_F7_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
         + (f", from V = {wins[0]} to {wins[-1]} m/s" if wins else "")
         + f"; at the other {len(proved) - len(positive)} no c >= 0 lets the slip from P return"
         + (", as both formulas have it, which are negative there" if negative else ""),
-        estimated=f"largest deviations {', '.join(f'{name} {size:.4f}' for name, size in largest.items())} kg/s; "
+        estimated="the largest deviations are "
+        f"{', '.join(f'{size:.4f} kg/s ({name})' for name, size in largest.items())}; "
         f"with negative thresholds (18) is closer than Thomsen & Fidlin at {here.sum()} of {here.size} speeds, "
         f"{first}; as k grows, it is closer at some V <= 1 m/s {stiff} (tried to 1e6 N/m): theirs is the limit of "
         "weak friction",
         difference=f"{100 * (values['(18)'] / thresholds('polynomial') - 1)[AT_05]:+.2f} % at V = 0.5 m/s, "
         f"Thomsen & Fidlin {100 * (values[THOMSEN] / thresholds('polynomial') - 1)[AT_05]:+.2f} %",
-        reproduced=told and theirs and bool(here.all()) and beats_equilibrium,
-        qualified=told
+        reproduced=decided and theirs and bool(here.all()) and beats_equilibrium,
+        qualified=decided
         and theirs
         and min(largest, key=lambda name: largest[name]) == printed["closest"]
         and beats_equilibrium
@@ -205,27 +195,17 @@ def test_F7_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.claim("F8")
-def test_F8_points_A_and_B(find: Find, printed: dict[str, Any]) -> None:
-    """The motions of the exponential law at the points A and B of Fig. 6."""
-    check_points(find, "exponential", printed)
-
-
-@pytest.mark.claim("F9")
-def test_F9_points_C_and_D(find: Find, printed: dict[str, Any]) -> None:
-    """The motions of the polynomial law at the points C and D of Fig. 7."""
-    check_points(find, "polynomial", printed)
-
-
-def check_points(find: Find, name: str, printed: dict[str, Any]) -> None:
-    """Simulate the motions at two points, and tell on which side of the exact threshold they lie."""
+@check("F8", name="exponential")
+@check("F9", name="polynomial")
+def points_beside_the_threshold(find: Find, printed: Printed, *, name: str) -> Finding:
+    """Simulate the motions at two points, and decide on which side of the exact threshold they lie."""
     c = float(printed["c"])
     points = {point: stated for point, stated in printed.items() if point != "c"}
     runs = {point: response(name, c, float(V)) for point, (V, _) in points.items()}
     exact = {point: enclosed(name, V=V) for point, (V, _) in points.items()}
     sticks = {point: Fraction(c) < bounds.low for point, bounds in exact.items()}
-    told = all(sticks[point] or Fraction(c) > bounds.high for point, bounds in exact.items())
-    find(
+    decided = all(sticks[point] or Fraction(c) > bounds.high for point, bounds in exact.items())
+    return find(
         ours=", ".join(run.kind for run in runs.values()),
         holds="the motions at both points are as stated, one below its threshold and one above",
         proved="; ".join(
@@ -233,16 +213,16 @@ def check_points(find: Find, name: str, printed: dict[str, Any]) -> None:
             + ("below" if sticks[point] else "above")
             for point, (V, _) in points.items()
         ),
-        estimated="; ".join(f"{point}: {runs[point].kind}" for point in points) + ", by simulation",
+        estimated="simulated, " + "; ".join(f"the motion at {point} is {runs[point].kind}" for point in points),
         difference="none",
         reproduced=all(run.kind == points[point][1] for point, run in runs.items())
-        and told
+        and decided
         and all(sticks[point] == (motion == "stick-slip") for point, (_, motion) in points.items()),
     )
 
 
-@pytest.mark.claim("F10")
-def test_F10_friction_parameters(find: Find, printed: dict[str, Any]) -> None:
+@check("F10")
+def friction_parameters(find: Find, printed: Printed) -> Finding:
     """The exact threshold for three mu_m: at every belt speed where it is positive, and as an area."""
     regions = {
         name: np.array([np.maximum(thresholds(name, mu_m), 0) for mu_m in printed["mu_m"]]) for name in LAWS
@@ -250,10 +230,11 @@ def test_F10_friction_parameters(find: Find, printed: dict[str, Any]) -> None:
     areas = {name: [float(area) for area in region.mean(axis=1)] for name, region in regions.items()}
     shrinks = [bool((np.diff(region[:, region.max(axis=0) > 0], axis=0) < 0).all()) for region in regions.values()]
     grows = [bool((np.diff(region[:, region.max(axis=0) > 0], axis=0) > 0).all()) for region in regions.values()]
-    find(
+    return find(
         ours=by_law(" > ".join(f"{area:.3f}" for area in areas[name]) + " kg m/s^2" for name in LAWS),
         holds=f"the region of stick-slip {'shrinks' if all(shrinks) else 'does not shrink'} as mu_m grows",
-        estimated=f"area under the exact threshold for V up to 1 m/s and mu_m = {', '.join(printed['mu_m'])}: "
+        estimated="the area under the exact threshold for V up to 1 m/s is, for mu_m = "
+        f"{', '.join(printed['mu_m'])}: "
         + "; ".join(f"{name} {' '.join(f'{area:.4f}' for area in areas[name])} kg m/s^2" for name in LAWS)
         + f"; it {'falls' if all(shrinks) else 'does not fall'} at every single V",
         difference="none",

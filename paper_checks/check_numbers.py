@@ -5,13 +5,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import pytest
 import sympy as sp
 from scipy.optimize import brentq
 
 from derivations import chapter
 from paper_checks.computed import law, oscillator, threshold
-from paper_checks.conftest import Find
+from paper_checks.findings import Find, Finding, Printed, check
 from stickslip_sym import Status, peak_velocity, pure_slip_damping
 from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
 from stickslip_sym.motion.thresholds.threshold import Threshold
@@ -21,30 +20,18 @@ AGREE = 1e-8  # kg/s between thresholds by simulation and by collocation, which 
 SCAN = Scan(np.round(np.arange(0.0, 6.0 + SCAN_STEP / 2, SCAN_STEP), 3))
 
 
-@pytest.mark.claim("N1")
-def test_N1_damping_ratios(find: Find, printed: dict[str, Any]) -> None:
+@check("N1")
+def damping_ratios(find: Find, printed: Printed) -> Finding:
     """c/(2 sqrt(k m)), rounded to the digits that the paper prints."""
     stated = [Decimal(text) for text in printed["ratios"]]
     ratios = [oscillator(float(c)).zeta for c in printed["dampings"]]
-    find(
+    return find(
         ours=" ".join(f"{ratio:.6g}" for ratio in ratios),
         holds="the damping ratios are those printed",
-        proved=f"c/(2 sqrt(k m)) for c = {', '.join(printed['dampings'])} kg/s, to the digits printed",
+        proved=f"c/(2 sqrt(k m)) has the printed digits for c = {', '.join(printed['dampings'])} kg/s",
         difference="0 in the digits printed",
         reproduced=[Decimal(ratio).quantize(p) for ratio, p in zip(ratios, stated, strict=True)] == stated,
     )
-
-
-@pytest.mark.claim("N2")
-def test_N2_exponential_law(find: Find, printed: dict[str, Any]) -> None:
-    """The scan gives the paper's number, and so does the exact threshold to the scan's resolution."""
-    check_pure_slip(find, "exponential", float(printed["c"]))
-
-
-@pytest.mark.claim("N3")
-def test_N3_polynomial_law(find: Find, printed: dict[str, Any]) -> None:
-    """The scan gives the paper's number; the exact threshold is lower, and the band says by how much."""
-    check_pure_slip(find, "polynomial", float(printed["c"]))
 
 
 @cache
@@ -63,19 +50,22 @@ def peaks_at(name: str, velocity: float) -> float:
     return float(brentq(lambda c: peak_velocity(law(name), oscillator(c)) - velocity, 2.0, 4.0, xtol=1e-11))
 
 
-def check_pure_slip(find: Find, name: str, stated: float) -> None:
+@check("N2", name="exponential")
+@check("N3", name="polynomial")
+def pure_slip_damping_of(find: Find, printed: Printed, *, name: str) -> Finding:
     """Hold a printed threshold against the paper's procedure, the exact threshold and the band's effect.
 
     The procedure takes |v_r| <= 1e-4 m/s for stick, so it finds the damping at which the velocity peaks
     that much below the belt speed; and it reports the next multiple of 0.001 kg/s.
     """
+    stated = float(printed["c"])
     scanned, proved, banded = pure_slip(name)
     exact, enclosure = float(proved.value), proved.enclosure
     assert enclosure is not None
     side = "above" if stated > enclosure.high else "below" if stated < enclosure.low else "at"
     apart = max(abs(exact - threshold(name)), abs(peaks_at(name, oscillator().V) - exact))
     agree = apart < AGREE and exact in enclosure
-    find(
+    return find(
         ours=f"scan {scanned:.3f}, exact {exact:.6f}",
         holds=f"{stated:g} kg/s is what the paper's procedure gives, and it is {side} the threshold"
         + (", to its last digit" if 0 <= stated - exact <= SCAN_STEP else " by more than its last digit"),
@@ -90,14 +80,14 @@ def check_pure_slip(find: Find, name: str, stated: float) -> None:
     )
 
 
-@pytest.mark.claim("N4")
-def test_N4_transition_speed(find: Find, printed: dict[str, Any]) -> None:
+@check("N4")
+def transition_speed(find: Find, printed: Printed) -> Finding:
     """(18) vanishes at sqrt(21/26) v_m and nowhere else, and that is 0.9 v_m to one digit."""
     ratio = sp.sqrt(sp.Rational(printed["ratio"]))
     rounded = Decimal(printed["rounded"])
     derivation = chapter("polynomial_law")({"transition speed": ratio * sp.Symbol("v_m", positive=True)})
     step = derivation["transition speed"]
-    find(
+    return find(
         ours=f"{float(ratio):.6f}",
         holds="(18) vanishes at this speed and at no other, and its rounded value is right to one digit",
         proved=f"{step.operation}: {step.verdict}; sqrt({printed['ratio']}) = {float(ratio):.8f}",

@@ -5,13 +5,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 from derivations import chapter
 from paper_checks.computed import LAWS, law, needed, orbit, oscillator, response, sticks_and_slips, threshold
-from paper_checks.conftest import Find
+from paper_checks.findings import Find, Finding, Printed, check
 from paper_checks.proved import agrees, enclosed, lowest_velocity
 from paper_checks.wording import by_law, listed, percent
 from stickslip_sym import Oscillator, Status, enclose, simulate
@@ -29,8 +28,8 @@ SOFT, COARSE, FINE = 10.0, 1e-3, 1e-6  # N/m below which friction is strong; rel
 SCANNED = np.linspace(0.0, 6.0, 61)  # kg/s
 
 
-@pytest.mark.claim("S2")
-def test_S2_natural_frequency(find: Find, printed: dict[str, Any]) -> None:
+@check("S2")
+def natural_frequency(find: Find, printed: Printed) -> Finding:
     """The exact threshold at other frequencies with the same k m, and over k from 1 to 1e6 N/m at m = 1 kg."""
     off, with_k, proved, agree = [], {}, {}, True
     for name in LAWS:
@@ -50,7 +49,7 @@ def test_S2_natural_frequency(find: Find, printed: dict[str, Any]) -> None:
     by_frequency = float(np.abs(off).max())
     by_k = float(np.abs(list(with_k.values())).max())
     stiff = max(float(abs(change[STIFFNESSES >= 100]).max()) for change in with_k.values())
-    find(
+    return find(
         ours=f"none at fixed k m; {100 * by_k:.1f} % with k",
         holds="the natural frequency does not matter, but sqrt(k m) does, though little for stiff springs",
         proved=f"at m = 1 kg and k = {', '.join(f'{k:g}' for k in STIFFNESSES)} N/m the threshold is "
@@ -96,8 +95,8 @@ def next_peak(name: str, osc: Oscillator) -> float:
     return float(-found.fun)
 
 
-@pytest.mark.claim("S3")
-def test_S3_pure_slip_motion(find: Find, printed: dict[str, Any]) -> None:
+@check("S3")
+def pure_slip_motion(find: Find, printed: Printed) -> Finding:
     """The orbit that grazes the belt's speed: its lowest velocity, and its overtones."""
     belt = oscillator().V
     bound = float(printed["lowest"].subs(V, belt))
@@ -108,7 +107,7 @@ def test_S3_pure_slip_motion(find: Find, printed: dict[str, Any]) -> None:
     sides = ["below" if v.high < bound else "above" if v.low > bound else "at" for v in proved]
     holds = {"harmonic": overtones < HARMONIC, "far from harmonic": overtones > 1}[printed["motion"]]
     closed = max(abs(orbit(name).gap) for name in LAWS) < CLOSED * belt
-    find(
+    return find(
         ours=f"lowest {by_law(f'{v:.5f} m/s' for v in lowest)}",
         holds="in pure slip the velocity stays within -V and V, or nearly, and one of the motions is near a sine",
         proved=f"the lowest velocity of the orbit that reaches V = {belt:g} m/s lies in "
@@ -125,8 +124,8 @@ def test_S3_pure_slip_motion(find: Find, printed: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.claim("S7")
-def test_S7_one_value_separates(find: Find, printed: dict[str, Any]) -> None:
+@check("S7")
+def one_value_separates(find: Find, printed: Printed) -> Finding:
     """Stick-slip cycles over c from 0 to 6 kg/s, and the band of c in which pure slip attracts."""
     impedance = oscillator().impedance
     graze, hopf = ({name: impedance * float(needed(name).at(A)) for name in LAWS} for A in (1.0, 0.0))
@@ -154,19 +153,19 @@ def test_S7_one_value_separates(find: Find, printed: dict[str, Any]) -> None:
     agree = [abs(width - printed["width of pure slip"]) < NONE for width in widths]
     between = (graze["exponential"] + hopf["exponential"]) / 2
     both = comes_to_rest(between) and sticks_and_slips("exponential", between)
-    find(
+    return find(
         ours=f"pure slip attracts over {by_law(f'{width:.3f} kg/s' for width in widths)}",
         holds=f"{'one' if separates else 'no single'} damping separates stick-slip from slip, but a range of "
         "dampings has stable pure slip, or rest beside stick-slip",
-        proved=f"{lemma.title.lower()}: {len(lemma.steps)} steps of one_threshold; the thresholds are "
-        f"{by_law(f'{proved[name]} kg/s' for name in LAWS)}, the Hopf points "
+        proved=f"the chapter one_threshold proves in {len(lemma.steps)} steps: {lemma.title.lower()}; the "
+        f"thresholds are {by_law(f'{proved[name]} kg/s' for name in LAWS)}, the Hopf points "
         f"{by_law(f'{hopf_proved[name]} kg/s, ' + ('above' if wider[name] else 'below') for name in LAWS)}",
-        estimated="stick-slip cycles end there, for c = 0 to 6 kg/s in steps of 0.1; polynomial law: a stable "
-        f"pure-slip cycle for every c from {graze['polynomial']:.4f} to "
-        f"{hopf['polynomial']:.4f} kg/s, so two values separate three motions; exponential law: an unstable "
-        f"one for every c from {hopf['exponential']:.4f} to {graze['exponential']:.4f} kg/s, and the initial "
-        f"condition decides: at {between:.3f} kg/s motions from near rest and from the paper's own "
-        + ("do not part" if not both else "part, the first comes to rest and the other sticks and slips"),
+        estimated="stick-slip cycles end there, for c = 0 to 6 kg/s in steps of 0.1; with the polynomial law a "
+        f"stable pure-slip cycle exists for every c from {graze['polynomial']:.4f} to "
+        f"{hopf['polynomial']:.4f} kg/s, so two values separate three motions; with the exponential law an "
+        f"unstable one exists for every c from {hopf['exponential']:.4f} to {graze['exponential']:.4f} kg/s, "
+        f"and the initial condition decides: at {between:.3f} kg/s motions from near rest and from the paper's "
+        "own " + ("do not part" if not both else "part, the first comes to rest and the other sticks and slips"),
         difference=by_law(f"{width:.3f} kg/s" for width in widths),
         reproduced=separates and all(agree),
         qualified=separates and any(agree) and both,
@@ -182,8 +181,8 @@ def comes_to_rest(c: float) -> bool:
     return bool(abs(motion.v[motion.t > 39]).max() < SLIGHT * abs(motion.v[0]))
 
 
-@pytest.mark.claim("S8")
-def test_S8_amplitude_at_the_threshold(find: Find, printed: dict[str, Any]) -> None:
+@check("S8")
+def amplitude_at_the_threshold(find: Find, printed: Printed) -> Finding:
     """The peaks of the velocity at the paper's damping, and the Floquet exponent of the grazing orbit."""
     osc = oscillator()
     run = response("exponential", float(printed["c"]))
@@ -198,7 +197,7 @@ def test_S8_amplitude_at_the_threshold(find: Find, printed: dict[str, Any]) -> N
     proved = enclosed("exponential")
     decays = Fraction(printed["c"]) > proved.high
     half = float(run.times[np.argmax(run.peaks < osc.V / 2)])
-    find(
+    return find(
         ours=f"{100 * change:.2f} % of V a period, at most in five",
         holds="the amplitude looks constant for some periods, and it is not: the orbit is "
         + ("unstable" if exponent > 0 else "stable"),
@@ -206,7 +205,7 @@ def test_S8_amplitude_at_the_threshold(find: Find, printed: dict[str, Any]) -> N
         + (", so the slip from P does not come back to the belt's speed" if decays else ""),
         estimated=f"the peaks of the velocity are {listed(run.peaks[:6], 5)} m/s; the grazing orbit has the "
         f"Floquet exponent {exponent:+.3f} 1/s, and what the peaks lose grows at {rate:+.3f} 1/s: the orbit is "
-        f"{'unstable' if exponent > 0 else 'stable'}, deviations change e-fold in {abs(1 / exponent):.2f} s, and "
+        f"{'unstable' if exponent > 0 else 'stable'}, and deviations change e-fold in {abs(1 / exponent):.2f} s; "
         f"the peak is below V/2 after {half:.1f} s",
         difference=f"{100 * change:.2f} % of V a period",
         reproduced=as_drawn and exponent < 0 and abs(change - printed["change in a period"]) < NONE,

@@ -1,0 +1,303 @@
+"""One step of a slip phase: explicit, implicit, and one that ends where something happens.
+
+Explicit steps are those of DOP853, a Runge-Kutta method of order 8; in a fast decay of w they are those of the
+linearly implicit Euler method, extrapolated to order 8. A step that is to end at an extremum of w, or at a level,
+is taken again with other lengths: it is as accurate as the integration, and there are no interpolants.
+
+Arguments, in the notation of `slip`:
+
+- `law`: the polynomials of the rise, the first and the last interval of the smooth segment that w is in, and an
+  interval near w;
+- `system`: eta, push = eta (side mu_static - mu(0+)), side, and 2 zeta;
+- `wedge`: whether D is wanted, its value, and the fields of a `Wedge`.
+
+Hairer, Norsett, Wanner: Solving Ordinary Differential Equations I, II.5 (DOP853); II, IV.9 (extrapolation).
+"""
+
+import math
+from typing import Any
+
+from scipy.integrate import DOP853
+
+from stickslip_sym.motion.compiled import compilable
+
+__all__ = [
+    "AMPLIFIED",
+    "EXPLICIT",
+    "IMPLICIT",
+    "SLIDING",
+    "interval",
+    "located",
+    "rate_at",
+    "rise_at",
+    "slope_at",
+    "stepped",
+]
+
+EXPLICIT, IMPLICIT, SLIDING = 0, 1, 2
+AMPLIFIED = 4e3
+"""Rounding errors of the rows by the extrapolation, the sum of its weights."""
+
+_BEYOND = 4.0  # half-widths of an interval from its middle, up to which a polynomial is continued
+_SMALL = 0.01  # states below count as that large in an error: less than order 1, since events are where w is 0
+_ROWS = 8  # of the extrapolation
+_ULP = 2.0**-52
+_OFF = 1e-9  # of tau, over which a straight line is off by less than rounding
+_BISECTIONS = 100  # at most, for the root that ends a step
+
+_A: tuple[tuple[float, ...], ...] = tuple(map(tuple, DOP853.A.tolist()))
+_B, _E, _F = (tuple(row[:12].tolist()) for row in (DOP853.B, DOP853.E5, DOP853.E3))
+_A21 = _A[1][0]
+_A31, _A32 = _A[2][:2]
+_A41, _, _A43 = _A[3][:3]
+_A51, _, _A53, _A54 = _A[4][:4]
+_A61, _, _, _A64, _A65 = _A[5][:5]
+_A71, _, _, _A74, _A75, _A76 = _A[6][:6]
+_A81, _, _, _A84, _A85, _A86, _A87 = _A[7][:7]
+_A91, _, _, _A94, _A95, _A96, _A97, _A98 = _A[8][:8]
+_A101, _, _, _A104, _A105, _A106, _A107, _A108, _A109 = _A[9][:9]
+_A111, _, _, _A114, _A115, _A116, _A117, _A118, _A119, _A1110 = _A[10][:10]
+_A121, _, _, _A124, _A125, _A126, _A127, _A128, _A129, _A1210, _A1211 = _A[11][:11]
+_B1, _, _, _, _, _B6, _B7, _B8, _B9, _B10, _B11, _B12 = _B
+_E1, _, _, _, _, _E6, _E7, _E8, _E9, _E10, _E11, _E12 = _E
+_F1, _, _, _, _, _F6, _F7, _F8, _F9, _F10, _F11, _F12 = _F
+
+
+@compilable
+def interval(pieces: Any, first: int, last: int, near: int, w: float) -> int:
+    """Return the number of the interval of w among those from first to last; it is likely to be near."""
+    if pieces[near][0] <= w and (near == last or w < pieces[near + 1][0]):
+        return near
+    beyond = last + 1
+    while beyond - first > 1:
+        middle = (first + beyond) // 2
+        if w >= pieces[middle][0]:
+            first = middle
+        else:
+            beyond = middle
+    return first
+
+
+@compilable
+def rate_at(law: Any, system: Any, q: float, w: float) -> float:
+    """Return w'. Beyond the ends of a segment its law goes on as a polynomial, and then as a constant."""
+    pieces, first, last, near = law
+    eta, push, side, damping = system
+    c = pieces[interval(pieces, first, last, near, w)]
+    t = (w - c[1]) * c[2]
+    if t < -_BEYOND:
+        t = -_BEYOND
+    elif t > _BEYOND:
+        t = _BEYOND
+    t2 = t * t
+    t4 = t2 * t2
+    # Estrin's scheme: its products do not wait for one another, as those of Horner's do.
+    lower = (c[3] + c[4] * t) + (c[5] + c[6] * t) * t2 + ((c[7] + c[8] * t) + (c[9] + c[10] * t) * t2) * t4
+    upper = (c[11] + c[12] * t) + (c[13] + c[14] * t) * t2 + ((c[15] + c[16] * t) + c[17] * t2) * t4
+    rate: float = push - eta * (lower + upper * (t4 * t4)) + side * q - damping * w
+    return rate
+
+
+@compilable
+def rise_at(law: Any, w: float) -> float:
+    """Return mu(V w) - mu(0+), which is -w' where nothing but friction acts, with eta = 1."""
+    return -rate_at(law, (1.0, 0.0, 0.0, 0.0), 0.0, w)
+
+
+@compilable
+def slope_at(law: Any, w: float) -> float:
+    """Return the derivative of the rise by w."""
+    pieces, first, last, near = law
+    c = pieces[interval(pieces, first, last, near, w)]
+    t = min(max((w - c[1]) * c[2], -_BEYOND), _BEYOND)
+    slope: float = 0.0
+    for k in range(14, 0, -1):
+        slope = slope * t + k * c[k + 3]
+    return slope * c[2]  # type: ignore[no-any-return]
+
+
+@compilable
+def stepped(
+    kind: int, law: Any, system: Any, q: float, w: float, r: float, h: float, rtol: float, wedge: Any
+) -> Any:
+    """Take a step of a kind, and return q, w, w' and D at its end, and the error over the tolerance."""
+    if kind == EXPLICIT:
+        return _explicit(law, system, q, w, r, h, rtol, wedge)
+    return _implicit(law, system, q, w, r, h, rtol, wedge)
+
+
+@compilable
+def _explicit(law: Any, system: Any, q: float, w: float, r1: float, h: float, rtol: float, wedge: Any) -> Any:
+    """Take a step of DOP853."""
+    side = system[2]
+    p1 = 1.0 - side * w
+    q2, w2 = q + h * (_A21 * p1), w + h * (_A21 * r1)
+    p2, r2 = 1.0 - side * w2, rate_at(law, system, q2, w2)
+    q3, w3 = q + h * (_A31 * p1 + _A32 * p2), w + h * (_A31 * r1 + _A32 * r2)
+    p3, r3 = 1.0 - side * w3, rate_at(law, system, q3, w3)
+    q4, w4 = q + h * (_A41 * p1 + _A43 * p3), w + h * (_A41 * r1 + _A43 * r3)
+    p4, r4 = 1.0 - side * w4, rate_at(law, system, q4, w4)
+    q5 = q + h * (_A51 * p1 + _A53 * p3 + _A54 * p4)
+    w5 = w + h * (_A51 * r1 + _A53 * r3 + _A54 * r4)
+    p5, r5 = 1.0 - side * w5, rate_at(law, system, q5, w5)
+    q6 = q + h * (_A61 * p1 + _A64 * p4 + _A65 * p5)
+    w6 = w + h * (_A61 * r1 + _A64 * r4 + _A65 * r5)
+    p6, r6 = 1.0 - side * w6, rate_at(law, system, q6, w6)
+    q7 = q + h * (_A71 * p1 + _A74 * p4 + _A75 * p5 + _A76 * p6)
+    w7 = w + h * (_A71 * r1 + _A74 * r4 + _A75 * r5 + _A76 * r6)
+    p7, r7 = 1.0 - side * w7, rate_at(law, system, q7, w7)
+    q8 = q + h * (_A81 * p1 + _A84 * p4 + _A85 * p5 + _A86 * p6 + _A87 * p7)
+    w8 = w + h * (_A81 * r1 + _A84 * r4 + _A85 * r5 + _A86 * r6 + _A87 * r7)
+    p8, r8 = 1.0 - side * w8, rate_at(law, system, q8, w8)
+    q9 = q + h * (_A91 * p1 + _A94 * p4 + _A95 * p5 + _A96 * p6 + _A97 * p7 + _A98 * p8)
+    w9 = w + h * (_A91 * r1 + _A94 * r4 + _A95 * r5 + _A96 * r6 + _A97 * r7 + _A98 * r8)
+    p9, r9 = 1.0 - side * w9, rate_at(law, system, q9, w9)
+    q10 = q + h * (_A101 * p1 + _A104 * p4 + _A105 * p5 + _A106 * p6 + _A107 * p7 + _A108 * p8 + _A109 * p9)
+    w10 = w + h * (_A101 * r1 + _A104 * r4 + _A105 * r5 + _A106 * r6 + _A107 * r7 + _A108 * r8 + _A109 * r9)
+    p10, r10 = 1.0 - side * w10, rate_at(law, system, q10, w10)
+    p = _A111 * p1 + _A114 * p4 + _A115 * p5 + _A116 * p6 + _A117 * p7 + _A118 * p8 + _A119 * p9 + _A1110 * p10
+    r = _A111 * r1 + _A114 * r4 + _A115 * r5 + _A116 * r6 + _A117 * r7 + _A118 * r8 + _A119 * r9 + _A1110 * r10
+    q11, w11 = q + h * p, w + h * r
+    p11, r11 = 1.0 - side * w11, rate_at(law, system, q11, w11)
+    p = _A121 * p1 + _A124 * p4 + _A125 * p5 + _A126 * p6 + _A127 * p7 + _A128 * p8 + _A129 * p9
+    r = _A121 * r1 + _A124 * r4 + _A125 * r5 + _A126 * r6 + _A127 * r7 + _A128 * r8 + _A129 * r9
+    q12, w12 = q + h * (p + _A1210 * p10 + _A1211 * p11), w + h * (r + _A1210 * r10 + _A1211 * r11)
+    p12, r12 = 1.0 - side * w12, rate_at(law, system, q12, w12)
+    p = _B1 * p1 + _B6 * p6 + _B7 * p7 + _B8 * p8 + _B9 * p9 + _B10 * p10 + _B11 * p11 + _B12 * p12
+    r = _B1 * r1 + _B6 * r6 + _B7 * r7 + _B8 * r8 + _B9 * r9 + _B10 * r10 + _B11 * r11 + _B12 * r12
+    q_end, w_end = q + h * p, w + h * r
+
+    scale_q, scale_w = rtol * (_SMALL + max(abs(q), abs(q_end))), rtol * (_SMALL + max(abs(w), abs(w_end)))
+    p = _E1 * p1 + _E6 * p6 + _E7 * p7 + _E8 * p8 + _E9 * p9 + _E10 * p10 + _E11 * p11 + _E12 * p12
+    r = _E1 * r1 + _E6 * r6 + _E7 * r7 + _E8 * r8 + _E9 * r9 + _E10 * r10 + _E11 * r11 + _E12 * r12
+    fifth = (p / scale_q) * (p / scale_q) + (r / scale_w) * (r / scale_w)
+    p = _F1 * p1 + _F6 * p6 + _F7 * p7 + _F8 * p8 + _F9 * p9 + _F10 * p10 + _F11 * p11 + _F12 * p12
+    r = _F1 * r1 + _F6 * r6 + _F7 * r7 + _F8 * r8 + _F9 * r9 + _F10 * r10 + _F11 * r11 + _F12 * r12
+    third = (p / scale_q) * (p / scale_q) + (r / scale_w) * (r / scale_w)
+    both = fifth + 0.01 * third
+    error = h * fifth / math.sqrt(2.0 * both) if both > 0.0 else both
+
+    wanted, D, source = wedge
+    if wanted:
+        speeds = (w, w2, w3, w4, w5, w6, w7, w8, w9, w10, w11, w12)
+        rates = [0.0] * 12
+        for i in range(12):
+            a, b = _of_wedge(law, system, source, speeds[i])
+            change = 0.0
+            for j in range(i):
+                change += _A[i][j] * rates[j]
+            rates[i] = a * (D + h * change) + b
+        for i in range(12):
+            D += h * _B[i] * rates[i]
+    return q_end, w_end, rate_at(law, system, q_end, w_end), D, error
+
+
+@compilable
+def _of_wedge(law: Any, system: Any, source: Any, w: float) -> tuple[float, float]:
+    """Return a and b of the wedge's equation D' = a D + b."""
+    pieces, first, last, _ = law
+    eta, _, side, damping = system
+    constant, linear, factor, own, _ = source
+    push = constant + linear * w
+    if factor != 0.0:
+        # On this segment also where w is at its end, and another one begins.
+        inside = max(w, pieces[first][0])
+        if last + 1 < len(pieces):
+            inside = min(inside, pieces[last + 1][0] * (1.0 - _ULP))
+        push += factor * rise_at((own, 0, len(own) - 1, 0), inside)
+    return -eta * slope_at(law, w) - damping, (1.0 - side * w) * push
+
+
+@compilable
+def _implicit(law: Any, system: Any, q: float, w: float, r: float, h: float, rtol: float, wedge: Any) -> Any:
+    """Take a step of the extrapolated linearly implicit Euler method."""
+    eta, push, side, damping = system
+    wanted, D, source = wedge
+    decay = eta * slope_at(law, w) + damping
+    of_q, of_w, of_D = [0.0] * _ROWS, [0.0] * _ROWS, [0.0] * _ROWS
+    error = 0.0
+    # No step is more accurate than the rounding of w', which the decay divides and the extrapolation multiplies.
+    rounding = AMPLIFIED * _ULP
+    terms = max(max(abs(push), abs(eta * rise_at(law, w))), max(abs(q), abs(damping * w)))
+    least_q, least_w = rounding * abs(q), rounding * (terms / max(abs(decay), 1.0) + abs(w))
+    for row in range(_ROWS):
+        s = h / (row + 1)
+        # (1 - s J) (dq, dw) = s (q', w') with J = ((0, -side), (side, -decay))
+        determinant = 1.0 + s * decay + s * s
+        x, y, z = q, w, D
+        for _ in range(row + 1):
+            dq, dw = s * (1.0 - side * y), s * rate_at(law, system, x, y)
+            x += ((1.0 + s * decay) * dq - s * side * dw) / determinant
+            y += (dw + s * side * dq) / determinant
+            if wanted:
+                a, b = _of_wedge(law, system, source, y)
+                z = (z + s * b) / (1.0 - s * a)
+        for k in range(row):
+            # Neville's scheme, from the row before to this one; x, y and z hold the column that is known.
+            ratio = (row + 1.0) / (row - k) - 1.0
+            next_q, next_w, next_D = (
+                x + (x - of_q[k]) / ratio,
+                y + (y - of_w[k]) / ratio,
+                z + (z - of_D[k]) / ratio,
+            )
+            of_q[k], of_w[k], of_D[k] = x, y, z
+            if k == row - 1:
+                off_q = (next_q - x) / (least_q + rtol * (_SMALL + max(abs(q), abs(next_q))))
+                off_w = (next_w - y) / (least_w + rtol * (_SMALL + max(abs(w), abs(next_w))))
+                error = math.sqrt(0.5 * (off_q * off_q + off_w * off_w))
+            x, y, z = next_q, next_w, next_D
+        of_q[row], of_w[row], of_D[row] = x, y, z
+    return x, y, rate_at(law, system, x, y), z, error
+
+
+@compilable
+def located(
+    kind: int, law: Any, system: Any, q: float, w: float, r: float, h: float, rtol: float, wedge: Any,
+    w_h: float, r_h: float, level: float, sign: float,
+) -> Any:  # fmt: skip
+    """Return the length of the step that ends at a level of w, or, if that is NaN, at an extremum; and that step.
+
+    - `h`: of a step that ends beyond, with `w_h` and `r_h`.
+    - `sign`: of w - level, or of w', before.
+    """
+    side, turns = system[2], math.isnan(level)
+    # Newton's method in a bracket, from where the inverse of the value is 0, as a cubic through both ends.
+    begin, end = (r, r_h) if turns else (w - level, w_h - level)
+    by, by_end = (_bend(law, system, w, r), _bend(law, system, w_h, r_h)) if turns else (r, r_h)
+    part = begin / (begin - end) if begin * end < 0.0 else 0.5
+    length = h * part
+    if by * by_end > 0.0:
+        length *= part * (3.0 - 2.0 * part)
+        length += (end - begin) * part * (1.0 - part) * ((1.0 - part) / by - part / by_end)
+    low, high = 0.0, h
+    q_now, w_now, r_now, D_now, error = q, w, r, 0.0, 0.0
+    for _ in range(_BISECTIONS):
+        if not low < length < high:
+            length = 0.5 * (low + high)
+        q_now, w_now, r_now, D_now, error = stepped(kind, law, system, q, w, r, length, rtol, wedge)
+        value, bend = r_now if turns else w_now - level, _bend(law, system, w_now, r_now)
+        if value * sign > 0.0:
+            low = length
+        else:
+            high = length
+        change = bend if turns else r_now
+        shift = -value / change if change != 0.0 else 0.0
+        if abs(shift) <= _OFF and (value == 0.0 or change != 0.0):
+            # What is left is a straight line, but for the extremum, at which w is stationary.
+            q_now += shift * (1.0 - side * w_now)
+            w_now += shift * (r_now + 0.5 * shift * bend)
+            r_now += shift * bend
+            length += shift
+            break
+        if high - low <= _OFF * _OFF * h:
+            break
+        length += shift
+    return length, q_now, w_now, r_now, D_now, error
+
+
+@compilable
+def _bend(law: Any, system: Any, w: float, r: float) -> float:
+    """Return w''."""
+    eta, _, side, damping = system
+    bend: float = side * (1.0 - side * w) - (eta * slope_at(law, w) + damping) * r
+    return bend
