@@ -182,10 +182,10 @@ class _Decider:
         cycle, stable = self._slip_cycles(near, known, margin)
         signs = Signs(rest=rest, falls=stable, returns=returns, held=held)
         motion, reason = np.full(zeta.shape, Motion.REST), np.full(zeta.shape, Reason.BETWEEN)
-        for some, what in ((returns | cycle, Motion.PURE_SLIP), (returns & held, Motion.STICK_SLIP)):
-            motion[some] = what
-        for some, why in ((~returns & rest & ~cycle, Reason.ABOVE), (returns & ~rest & ~cycle, Reason.BELOW)):
-            reason[some] = why
+        motion[returns | cycle] = Motion.PURE_SLIP
+        motion[returns & held] = Motion.STICK_SLIP
+        reason[~returns & rest & ~cycle] = Reason.ABOVE
+        reason[returns & ~rest & ~cycle] = Reason.BELOW
         motion[near], reason[near] = Motion.UNDECIDED, Reason.TOLERANCE
         curves = equilibrium * self.ratio, self._least_squares(), exact * self.ratio
         cells = Cells(
@@ -290,10 +290,8 @@ class _Decider:
 
     def _follow(self, cells: Cells, i: int, j: int) -> None:
         """Decide one cell by following motions."""
-        osc, rtol = (
-            replace(self.line.oscillators[i], c=float(self.line.c[i, j])),
-            max(self.rtol * _FINER, _TIGHTEST),
-        )
+        osc = replace(self.line.oscillators[i], c=float(self.line.c[i, j]))
+        rtol = max(self.rtol * _FINER, _TIGHTEST)
         reason, motion, found, why = Reason.SIMULATED, Motion.UNDECIDED, None, ""
         try:
             check_time()
