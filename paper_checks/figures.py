@@ -15,24 +15,12 @@ __all__ = ["FIGURES", "PaperFigure"]
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """A figure of the paper.
-
-    Attributes
-    ----------
-    number : int
-    title : str
-    shown : str
-        What the paper shows, drawn in black.
-    left_out : str
-        What the paper leaves out, drawn in colour.
-    claims : tuple of str
-    compute : callable
-    """
+    """A figure of the paper."""
 
     number: int
     title: str
-    shown: str
-    left_out: str
+    shown: str  # by the paper, drawn in black
+    left_out: str  # by the paper, drawn in colour
     claims: tuple[str, ...]
     compute: Callable[[], Any]
 
@@ -46,7 +34,7 @@ _STICK = "Thick lines are stick."
 _DAMPINGS = {id: tuple(map(float, PRINTED[id]["dampings"])) for id in ("F3", "F4")}
 _LATER = (
     "The peaks of the velocity over 25 s: whether a motion sticks for ever, comes to rest, or tends "
-    "to a limit cycle in slip, which five seconds do not tell."
+    "to a limit cycle in slip, which five seconds do not show."
 )
 _STATES = (
     "The equilibrium (cross) with its stability, every limit cycle in pure slip (dash-dotted if unstable), and "

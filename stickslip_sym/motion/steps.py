@@ -309,7 +309,7 @@ def _located(
         length += (end - begin) * part * (1.0 - part) * ((1.0 - part) / by - part / by_end)
     low, high = 0.0, h
     q_now, w_now, r_now, D_now, error = q, w, r, 0.0, 0.0
-    while high - low > _OFF * _OFF * h:
+    while True:
         if not low < length < high:
             length = 0.5 * (low + high)
         q_now, w_now, r_now, D_now, error = stepped(kind, law, system, q, w, r, length, rtol, wedge)
@@ -326,6 +326,8 @@ def _located(
             w_now += shift * (r_now + 0.5 * shift * bend)
             r_now += shift * bend
             length += shift
+            break
+        if high - low <= 4.0 * _ULP * h:
             break
         length += shift
     return length, q_now, w_now, r_now, D_now, error

@@ -1,7 +1,7 @@
 """What every drawing needs: matplotlib, or a word that it is missing; one style; the same file each time.
 
-Colours are Okabe and Ito's, which colour-blind readers tell apart. Nothing is told by colour alone: lines differ
-in style or width too, regions are hatched, and each is labelled.
+Colours are Okabe and Ito's, which colour-blind readers distinguish. Colour alone carries no meaning: lines
+differ in style or width too, regions are hatched, and each is labelled.
 """
 
 import io
@@ -112,7 +112,7 @@ class Drawn(ABC):
         """Return its matplotlib.figure.Figure."""
 
     def plot(self, path: str | Path | None = None) -> "Figure":
-        """Draw it: regions or basins told apart by colour and hatching, curves between them, orbits, or costs.
+        """Draw it: regions or basins in colours and hatching, curves between them, orbits, or costs.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class Panel(Drawn):
     """A result whose picture is one panel, which can be drawn into axes of a figure of one's own."""
 
     @abstractmethod
-    def _draw(self, ax: "Axes") -> "Sequence[Artist]":
+    def draw(self, ax: "Axes") -> "Sequence[Artist]":
         """Draw it, and return the handles of its legend."""
 
     def _title(self) -> str:
@@ -147,7 +147,7 @@ class Panel(Drawn):
         return ""
 
     def plot(self, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
-        """Draw it: regions or basins told apart by colour and hatching, curves between them, or orbits.
+        """Draw it: regions or basins in colours and hatching, curves between them, or orbits.
 
         Parameters
         ----------
@@ -167,7 +167,7 @@ class Panel(Drawn):
         """
         if ax is None:
             return super().plot(path)
-        ax.legend(handles=self._draw(ax), fontsize=8)
+        ax.legend(handles=self.draw(ax), fontsize=8)
         figure: Figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
         if path is not None:
             save(figure, Path(path))
@@ -175,7 +175,7 @@ class Panel(Drawn):
 
     def _figure(self) -> "Figure":
         figure, axes = new_figure(*_PANEL)
-        handles = self._draw(axes[0, 0])
+        handles = self.draw(axes[0, 0])
         axes[0, 0].set_title(self._title(), fontsize=10)
         figure.legend(
             handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6
@@ -209,13 +209,7 @@ def dense(ends: "FloatArray") -> "FloatArray":
 
 
 def save(figure: "Figure", path: Path) -> None:
-    """Write a drawing to a file, in the format of its name.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written, or matplotlib does not know its format.
-    """
+    """Write a drawing to a file, in the format of its name; refuse a format that matplotlib does not know."""
     require_name(path)
     try:
         with styled():
