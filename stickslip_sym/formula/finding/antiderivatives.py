@@ -12,6 +12,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import Lerch
 from stickslip_sym.formula.finding.matching import (
     Rule,
+    as_binomial,
     as_power,
     as_stretched,
     coefficients,
@@ -198,6 +199,18 @@ def _stretched(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     return sp.Add(*[c * w ** (n + 1 + q) / d * sp.lowergamma((n + 1 + q) / d, (u / w) ** d) for (n,), c in terms])
 
 
+def _binomial(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n (b + a u^d)^p: b^p u^(n+1)/(n+1) 2F1(-p, q; 1 + q; -a u^d/b), q = (n + 1)/d."""
+    match = as_binomial(node, u)
+    if match is None:
+        return None
+    b, a, d, p = match
+    return b**p * sp.Add(*[
+        c * u ** (n + 1) / (n + 1) * sp.hyper((-p, (n + 1) / d), (1 + (n + 1) / d,), -a * u**d / b)
+        for (n,), c in sp.Poly(polynomial, u).terms()
+    ])  # fmt: skip
+
+
 def _rational(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate rational functions whose denominator splits into factors of degree 1 and 2."""
     parts = partial_fractions(polynomial * factors, u)
@@ -303,4 +316,5 @@ _RULES = (
     Rule("Lerch transcendent", (sp.exp, sp.tanh), _exponential_tanh),
     Rule("exponential integral", None, _exponential_over_linear),
     Rule("dilogarithm", None, _logarithm_over_linear),
+    Rule("hypergeometric function of a power", (sp.Pow,), _binomial),
 )

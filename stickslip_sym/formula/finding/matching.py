@@ -13,6 +13,7 @@ from stickslip_sym.model.terms import split_polynomial
 
 __all__ = [
     "Rule",
+    "as_binomial",
     "as_power",
     "as_stretched",
     "coefficients",
@@ -72,6 +73,16 @@ def as_power(node: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
     base, p = node.as_base_exp()
     line = coefficients(base, u)
     return (base, *line, p) if len(line) == 2 and not (p.has(u) or p.is_integer) else None
+
+
+def as_binomial(node: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
+    """Match (b + a u^d)^p, all of a, b, d positive; return b, a, d, p."""
+    base, p = node.as_base_exp()
+    b, power = base.as_independent(u, as_Add=True)
+    a, monomial = power.as_independent(u, as_Add=False)
+    of, d = monomial.as_base_exp()
+    positive = a.is_positive and b.is_positive and d.is_positive
+    return (b, a, d, p) if of == u and positive and not (p.has(u) or d.has(u)) else None
 
 
 def as_stretched(factors: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:

@@ -16,12 +16,12 @@ from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.finding import search
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
-from stickslip_sym.formula.finding.averages import average_of_pieces, harmonic_average, series_average
+from stickslip_sym.formula.finding.averages import average_of_pieces, harmonic_average
 from stickslip_sym.formula.finding.search import NothingFound, Progress
 from stickslip_sym.formula.proof.recurrence import AverageSeries, definition
 from stickslip_sym.formula.proof.theorems import By, PieceByPiece, ends_of_pieces, value_at
 from stickslip_sym.model.expression.pieces import pieces_of
-from stickslip_sym.model.terms import grouped, split_polynomial
+from stickslip_sym.model.terms import grouped
 
 __all__ = ["Part", "integrate_terms"]
 
@@ -78,11 +78,6 @@ def _averaged(
     found = []
     for piece in pieces:
         primitive = antiderivative(piece, criterion.kernel, v)
-        if primitive is None and len(pieces) == 1:
-            polynomial, factors = split_polynomial(piece, v)
-            series = series_average(polynomial, sp.Mul(*factors), v, V, criterion)
-            if series is not None:
-                return "hypergeometric series", series, []
         if primitive is None:
             limit = 0.0 if _is_hopeless(piece) else seconds
             primitive = search.RULE, search.antiderivative(piece, criterion.kernel, v, limit, progress)
