@@ -70,14 +70,6 @@ def test_agrees_with_the_definition_to_45_digits(name, criterion, operating_poin
                 assert abs(got - expected) <= abs(expected) * mpmath.mpf(10) ** -AGREED_DIGITS
 
 
-@pytest.mark.parametrize("p", some([1.0, 0.1, 0.01, 3e-3, 1e-3, 1e-4, 1e-6], 2, 5))
-def test_a_thin_layer_is_not_overlooked(p):
-    """At V = 0.5 nothing of exp(-v/p) is left, yet it carries up to the whole of the criterion."""
-    form = ss.derive(ss.FrictionLaw("mu_m + a*exp(-v/p) + b*exp(-v/q)"))
-    values = {"V": 0.5, "N": 9.81, "mu_m": 0.2, "a": 0.1, "b": 0.1, "p": p, "q": 100.0}
-    assert form(**values) == pytest.approx(float(form.evaluate(20, **values)), rel=FLOAT_ERROR)
-
-
 RANDOM = [
     "a*exp(-p*v) + b*exp(-q*v)", "a*v^6*exp(-p*v)", "a/(1 + v/p) + b*v^2", "a*exp(-(v/p)^2) + b*tanh(v/q)",
     "a*exp(-p*(v + q))", "a*exp(-(p + q)*v)", "exp(-v)*exp(-p*v)", "(a + b*v)^3*exp(-p*(v + q))", "a*v^p",
@@ -222,7 +214,7 @@ HOPELESS = "mu_0 + d*cos(exp(v))"
 def test_sympy_is_the_last_resort_and_is_stopped_in_time(fresh_averages):
     said = []
     start = time.monotonic()
-    with pytest.raises(ss.NoClosedForm, match=r"the term d\*cos\(exp\(v\)\) has no closed form.*Take"):
+    with pytest.raises(ss.NoClosedForm):
         ss.derive(ss.FrictionLaw(HOPELESS), time_limit=3, progress=said.append)
     assert time.monotonic() - start < 6
     assert any("SymPy's integrator for at most 2 s" in line for line in said)
@@ -249,7 +241,7 @@ def test_what_became_of_a_search_is_said(fresh_averages, monkeypatch):
             raise NotImplementedError("not today")
 
     assert search.carried_out(Broken()) == "gave up with NotImplementedError: not today"
-    with pytest.raises(ss.NoClosedForm, match="was not asked"):
+    with pytest.raises(ss.NoClosedForm, match=r"the term d\*cos\(exp\(v\)\) has no .*was not asked.*Take"):
         ss.derive(ss.FrictionLaw(HOPELESS), search=False)
     x = sp.Symbol("x", positive=True)
     assert search.antiderivative(sp.cos(x), sp.Integer(1), x, 30.0, lambda _: None) == sp.sin(x)

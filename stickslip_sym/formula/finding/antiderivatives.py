@@ -109,12 +109,11 @@ def _integral(polynomial: Expr, u: Expr) -> Expr:
     return sp.Poly(polynomial, u).integrate().as_expr()
 
 
-def _ladder(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+def _ladder(polynomial: Expr, node: Expr, line: list[Expr], u: Expr) -> Expr | None:
     """Integrate u^n times a power of a function of a linear argument."""
     base, power = (node, 1) if isinstance(node, sp.exp) else node.as_base_exp()
-    line = coefficients(base.args[0], u)
     ladder, x = LADDERS[base.func], sp.Dummy("x", real=True)
-    if len(line) != 2 or (power != 1 and base.func not in (sp.tanh, sp.sech)):
+    if power != 1 and base.func not in (sp.tanh, sp.sech):
         return None
     return by_parts(polynomial, lambda j: ladder(x, int(power), j).subs(x, base.args[0]) / line[0] ** j, u)
 
@@ -175,12 +174,11 @@ def _root(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     return above * sp.sqrt(base) + constant / sp.sqrt(a) * sp.asinh((2 * a * u + b) / sp.sqrt(gap))
 
 
-def _gaussian(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+def _gaussian(polynomial: Expr, node: Expr, quadratic: list[Expr], u: Expr) -> Expr | None:
     """Integrate u^n exp(-a u^2 + b u + c), a > 0."""
-    quadratic = coefficients(node.args[0], u)
-    if len(quadratic) != 3 or not (-quadratic[0]).is_positive:
-        return None
     a, b, c = -quadratic[0], *quadratic[1:]
+    if not a.is_positive:
+        return None
     x, root, middle = sp.Dummy("x", real=True), sp.sqrt(a), b / (2 * a)
     inner = sp.expand(polynomial.subs(u, x / root + middle)) / root
     above, constant = _reduced(inner, sp.Integer(1), -2 * x, x)
@@ -250,7 +248,7 @@ def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr |
     line = coefficients(exponential.args[0], u) if isinstance(exponential, sp.exp) else []
     if parts is None or len(line) != 2 or not line[0].is_negative or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
-    total = _ladder(parts[0], exponential, u) or sp.Integer(0)
+    total = _ladder(parts[0], exponential, line, u) or sp.Integer(0)
     for numerator, (_, shift), power in parts[1]:
         base = u + shift
         for k in range(power - 1, 0, -1):
@@ -307,11 +305,11 @@ def _exponential_tanh(polynomial: Expr, exponential: Expr, tanh: Expr, u: Expr) 
 _RULES = (
     Rule("polynomial", (), _integral),
     Rule("partial fractions", None, _rational),
-    Rule("repeated integrals", (tuple(LADDERS),), _ladder),
+    Rule("repeated integrals", (tuple(LADDERS),), _ladder, degree=1),
     Rule("integration by parts", ((sp.log, sp.atan, sp.asinh, sp.erf),), _by_parts),
     Rule("power", (sp.Pow,), _power),
     Rule("square root of a quadratic", (sp.Pow,), _root),
-    Rule("Gaussian", (sp.exp,), _gaussian),
+    Rule("Gaussian", (sp.exp,), _gaussian, degree=2),
     Rule("incomplete gamma", None, _stretched),
     Rule("Lerch transcendent", (sp.exp, sp.tanh), _exponential_tanh),
     Rule("exponential integral", None, _exponential_over_linear),

@@ -9,7 +9,6 @@ the converse is not claimed. Laurent series at 0 have coefficients in the consta
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from itertools import islice
 from operator import add, mul
 
 import sympy as sp
@@ -386,25 +385,18 @@ class Expansion:
         series = self._hypergeometric([-exponent], [], minus_rest)
         return Series(int(order), [front * c for c in series.coefficients])
 
-    def _hypergeometric(self, upper: Iterable[Expr], lower: Iterable[Expr], z: Series) -> Series:
-        """Return the sum of (upper)_k/(lower)_k z^k/k!."""
-
-        def of_power(k: int) -> Expr:
-            above, below = (sp.Mul(*[sp.rf(a, k) for a in parameters]) for parameters in (upper, lower))
-            return above / below / sp.factorial(k)
-
-        return self._composed(map(of_power, range(self.terms)), z)
-
-    def _composed(self, taylor: Iterable[Expr], inner: Series) -> Series:
-        """Return sum taylor[k] inner^k for an inner series that vanishes at 0."""
-        if inner.order < 1:
+    def _hypergeometric(self, upper: Sequence[Expr], lower: Sequence[Expr], z: Series) -> Series:
+        """Return the sum of (upper)_k/(lower)_k z^k/k! for a series z that vanishes at 0."""
+        if z.order < 1:
             raise ValueError("a function is needed at another place than 0")
-        total, power = self._constant(self.algebra.of(sp.S.Zero)), self._constant(self.algebra.of(sp.S.One))
-        for value in islice(taylor, self.terms):
-            total += self._constant(self.algebra.of(value)) * power
-            power *= inner
+        value, power = sp.S.One, self._constant(self.algebra.of(sp.S.One))
+        total = power
+        for k in range(1, self.terms):
+            power *= z
             if not power.coefficients or power.order >= self.terms:
                 break
+            value *= sp.Mul(*[a + k - 1 for a in upper]) / sp.Mul(*[b + k - 1 for b in lower]) / k
+            total += self._constant(self.algebra.of(value)) * power
         return total
 
     def _integrated(self, expr: Expr) -> Series:

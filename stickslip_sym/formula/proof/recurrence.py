@@ -192,7 +192,7 @@ def _fixed_from(leading: Expr, n: Expr, start: int) -> int:
 
 def _require_real_analytic(value: Expr) -> None:
     """Refuse a formula that may leave the domain on which its functions are analytic."""
-    if not is_smooth(value, V, inside=False):
+    if not is_smooth(value, V, analytic=True, inside=False):
         raise ValueError(f"{value} is not known to be analytic for {V} > 0")
 
 

@@ -161,12 +161,12 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
 # -- where a formula is known to be continuous, analytic or positive --------------------------------
 
 
-def is_smooth(expr: Expr, x: Expr, *, inside: bool = True) -> bool:
+def is_smooth(expr: Expr, x: Expr, *, analytic: bool = False, inside: bool = True) -> bool:
     """Tell whether an expression is known to be continuous for all x that the assumptions of x allow.
 
     So an integral over [-1, 1] whose variable is nonnegative would be misjudged: who integrates compares the
-    limits with the assumptions of the variable. Unless `inside` of another function, poles do not matter, and
-    analytic is asked for: where a formula equals a function without poles except at isolated places, it has none.
+    limits with the assumptions of the variable. Analytic is more: no root of what may vanish. Unless `inside` of
+    another function poles do not matter: a formula that equals a function without poles elsewhere has none.
     """
     if not expr.has(x) or expr == x:
         return True
@@ -176,13 +176,13 @@ def is_smooth(expr: Expr, x: Expr, *, inside: bool = True) -> bool:
     if expr.is_Pow and not isinstance(expr, sp.exp):
         base, exponent = expr.args
         whole = exponent.is_Integer and (exponent > 0 or not inside)
-        from_zero = inside and not exponent.has(x) and base.is_nonnegative and exponent.is_positive
+        from_zero = not analytic and not exponent.has(x) and base.is_nonnegative and exponent.is_positive
         fine = bool(whole or from_zero or is_positive(base, x))
     else:
         domain = _DOMAINS.get(expr.func) or _DOMAINS.get(expr.func.__base__)
         fine = is_analytic(expr) if domain is None else bool(domain(x, *expr.args))
     return fine and all(
-        is_smooth(argument, x, inside=inside or not rational)
+        is_smooth(argument, x, analytic=analytic, inside=inside or not rational)
         for argument in expr.args
         if not isinstance(argument, sp.Tuple)
     )
