@@ -233,9 +233,10 @@ def _header(lines: Sequence[_Line], separator: str, name: str, *, unnamed: bool)
     headers = [Column.read(cell, unit) for cell, unit in zip(table[header], below, strict=False)]
     where = f"{name}, line {lines[header].number}"
     if separator == " " and width and len(headers) != width:
+        shown, count = repr(lines[header].text.strip()[:80]), f"{len(headers)} column{'s' * (len(headers) > 1)}"
         raise InputError(
-            f"{where}: {lines[header].text.strip()[:80]!r} has {len(headers)} column{'s' * (len(headers) > 1)}, parted by blanks, and "
-            f"the rows have {width}; part names of more words by two blanks, or all columns by tabs or semicolons"
+            f"{where}: {shown} has {count}, parted by blanks, and the rows have {width}; part names of more words "
+            "by two blanks, or all columns by tabs or semicolons"
         )
     return lines[header + bool(units)].number + 1, headers, where
 
