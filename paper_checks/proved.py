@@ -11,11 +11,8 @@ from paper_checks.computed import SPEEDS, law, oscillator, threshold, thresholds
 from stickslip_sym import symbols
 from stickslip_sym.core.balls import ball_value, working_precision
 from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
-from stickslip_sym.motion.thresholds.box_scene import BoxScene
-from stickslip_sym.motion.thresholds.box_transit import transit
-from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
-from stickslip_sym.motion.thresholds.proof import prove_threshold
-from stickslip_sym.motion.thresholds.theorem import Theorem
+from stickslip_sym.motion.thresholds.boxes import ExactPoint, transit
+from stickslip_sym.motion.thresholds.theorem import Theorem, checked_hypotheses, prove_threshold
 
 __all__ = [
     "SPEED_TEXTS",
@@ -40,17 +37,17 @@ _GUESS_ERROR = 1e-10  # relative error of collocation
 _FINE = 2e-4  # relative width of an enclosure at V = 1 m/s; criteria differ by about V^2, and it does too
 
 
-def box_scene(name: str, V: str, k: str = "100") -> BoxScene:
+def exact_point(name: str, V: str, k: str = "100") -> ExactPoint:
     """Return a law and the oscillator of the paper's section 3 in decimals, exactly."""
     osc = oscillator()
     N, m = (sp.Rational(repr(value)) for value in (osc.N, osc.m))
-    return BoxScene(law(name), sp.Rational(V), N, m, sp.Rational(k))
+    return ExactPoint(law(name), sp.Rational(V), N, m, sp.Rational(k))
 
 
 @cache
 def theorem(name: str, *, V: str = "0.5", k: str = "100", rtol: float = 1e-6) -> Theorem:
     """Prove the threshold at one operating point that has one; collocation says where it lies."""
-    return prove_threshold(box_scene(name, V, k), threshold(name, V=float(V), k=float(k)), _GUESS_ERROR, rtol)
+    return prove_threshold(exact_point(name, V, k), threshold(name, V=float(V), k=float(k)), _GUESS_ERROR, rtol)
 
 
 def enclosed(name: str, *, V: str = "0.5", k: str = "100", rtol: float = 1e-6) -> Enclosure:
@@ -84,7 +81,7 @@ def enclosed_over_speeds(name: str) -> list[Enclosure | None]:
 
 def _proved(name: str, V: str, guess: float) -> Enclosure | None:
     if guess > 0:
-        return prove_threshold(box_scene(name, V), guess, _GUESS_ERROR, _FINE * float(V) ** 2).enclosure
+        return prove_threshold(exact_point(name, V), guess, _GUESS_ERROR, _FINE * float(V) ** 2).enclosure
     if returns_undamped(name, V):
         raise AssertionError(f"collocation gives {guess:g} kg/s at V = {V} m/s, but undamped the slip returns")
     return None
@@ -93,9 +90,9 @@ def _proved(name: str, V: str, guess: float) -> Enclosure | None:
 @cache
 def returns_undamped(name: str, V: str, k: str = "100") -> bool:
     """Return whether the slip from P returns at c = 0; if not, it does for no c >= 0."""
-    box = box_scene(name, V, k)
-    checked_hypotheses(box)
-    return transit(box, sp.Integer(0), _BITS).returns
+    point = exact_point(name, V, k)
+    checked_hypotheses(point)
+    return transit(point, sp.Integer(0), _BITS).returns
 
 
 def _holds(enclosure: Enclosure | None, guess: float) -> bool:
@@ -112,7 +109,7 @@ def formula_over_speeds(expr: Any, name: str) -> list[Enclosure]:
     """Return enclosures of a formula with the paper's parameters at `SPEEDS`."""
     bound = law(name)
     point: dict[Any, Any] = {bound.parameters[given].symbol: value for given, value in bound.values.items()}
-    point |= {symbols.N: box_scene(name, "1").N}
+    point |= {symbols.N: exact_point(name, "1").N}
     with working_precision(_FORMULA_BITS):
         return [enclosure_of(ball_value(expr, {**point, symbols.V: sp.Rational(V)}).real) for V in SPEED_TEXTS]
 

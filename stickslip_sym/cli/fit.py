@@ -1,24 +1,22 @@
 """``stickslip fit``: laws fitted to measured friction, and ranked."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
-from stickslip_sym.cli.options import (
-    FILE_OF_MEASUREMENTS,
-    LAW_NAMES,
-    Given,
-    command,
-    file_option,
-    option,
-)  # fmt: skip
+import stickslip_sym as ss
+from stickslip_sym.cli.options import FILE_OF_MEASUREMENTS, LAW_NAMES, Given, command, file_option, option
 from stickslip_sym.cli.output import counted, echo_all
-from stickslip_sym.cli.reading import assignments, measurements
+from stickslip_sym.cli.reading import assignments, reading_of
 from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["laws_to_fit"]
+if TYPE_CHECKING:
+    from stickslip_sym.model.fitting.result import Fits
+
+__all__ = ["fitted", "laws_to_fit"]
 
 
 @command(
@@ -38,42 +36,43 @@ def run(given: Given) -> None:
 
     Example: stickslip fit disc.csv --law exponential --law stribeck --law "a + b/(d + v)" --plot fit.svg
     """
-    from stickslip_sym.model.fitting.fit import fit
-
-    files, profile = given["files"], given["profile"]
-    laws = laws_to_fit(given["law"], assignments(given["parameter"]), given)
-    plot = given["plot"] if len(files) == 1 else None
+    files, profile, plot = given["files"], given["profile"], given["plot"] if len(given["files"]) == 1 else None
+    laws = laws_to_fit(given["law"], given)
     contents = []
     for position, file in enumerate(files):
-        measured = measurements(given.__getitem__, file)
-        given.all_used()
-        with counted("laws") as progress:
-            fits = fit(measured, laws=laws, progress=progress)
+        fits = fitted(file, laws, given)
         intervals = fits.best.confidence(profile=True) if profile else {}
         if given["json"]:
             contents.append(fits.content() | ({"profile_95": intervals} if intervals else {}))
             continue
-        lines = [*(["" if position else None, f"{file}:"] if len(files) > 1 else [])]
-        lines += [in_options(str(fits)), "", in_options(str(fits.best))]
-        if intervals:
-            lines += ["", "95 % intervals from the sum of squares"]
-            lines += [f"  {name}: {low:.4g} to {high:.4g}" for name, (low, high) in intervals.items()]
-        click.echo("\n".join(line for line in lines if line is not None))
+        heads = [*([""] if position else []), f"{file}:"] if len(files) > 1 else []
+        lines = [*heads, in_options(str(fits)), "", in_options(str(fits.best))]
+        lines += ["", "95 % intervals from the sum of squares"] if intervals else []
+        lines += [f"  {name}: {low:.4g} to {high:.4g}" for name, (low, high) in intervals.items()]
+        click.echo("\n".join(lines))
         if plot is not None:
             fits.plot(plot)
     if given["json"]:
         echo_all("fit", contents, files)
 
 
-def laws_to_fit(texts: tuple[str, ...], fixed: dict[str, str], given: Given) -> list[Any]:
+def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> "Fits":
+    """Return the fits of laws to a file of measurements, the last that asks for options."""
+    reading = reading_of(given.__getitem__)
+    given.all_used()
+    measured = ss.read_measurements(file, **reading)
+    with counted("laws") as progress:
+        return ss.fit(measured, laws=laws, progress=progress)
+
+
+def laws_to_fit(texts: Sequence[str], given: Given) -> list[ss.FrictionLaw]:
     """Return the laws to fit, with the parameters that are fixed; all of the catalogue if none is named."""
     from stickslip_sym.model.expression.parsing import NAME
-    from stickslip_sym.model.law import FrictionLaw
-    from stickslip_sym.model.laws import laws as catalogue
 
+    fixed = assignments(given["parameter"])
     units = {} if all(map(NAME.fullmatch, texts)) else assignments(given["unit"], "--unit alpha=s/m")
-    laws = [catalogue.find(text) if NAME.fullmatch(text) else FrictionLaw(text, units=units) for text in texts]
-    laws = laws or list(catalogue.values())
+    laws = [ss.laws.find(text) if NAME.fullmatch(text) else ss.FrictionLaw(text, units=units) for text in texts]
+    laws = laws or list(ss.laws.catalogue.values())
     for name in fixed:
         if not any(name in law.parameters for law in laws):
             raise InputError(f"no law that is fitted has a parameter {name!r}; leave -p {name}=... out")

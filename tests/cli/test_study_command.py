@@ -1,11 +1,10 @@
-"""``stickslip study``: from files of three instruments to a page in one command each, and what is refused."""
+"""``stickslip study``: from a file of an instrument to a page in one command, and what is refused."""
 
 import json
 import re
 
 import numpy as np
 import pytest
-from commands import run
 from pages import check_well_formed
 
 import stickslip_sym as ss
@@ -13,47 +12,29 @@ import stickslip_sym as ss
 pytest.importorskip("matplotlib")
 
 
-def instruments():
-    """A falling line, as three instruments write it."""
+def test_from_a_file_to_a_page(tmp_path, run):
     rng = np.random.default_rng(9)
-    v = np.repeat(np.round(np.linspace(0.02, 1.2, 15), 4), 2)
-    mu = np.round(0.5 - 0.2 * v + 0.004 * rng.normal(size=30), 4)
-    way, order = rng.choice([-1, 1], 30), rng.permutation(30)
-    semicolon = "".join(f"{mu[i]};{1000 * v[i]:.1f}\n".replace(".", ",") for i in order)
-    forces = "".join(f"{way[i] * v[i] * 60:.6g}\t{way[i] * mu[i] * 20:.6g}\t0.02\n" for i in range(30))
-    return {
-        "comma": "v [m/s],mu\n" + "".join(f"{a},{b}\n" for a, b in zip(v, mu, strict=True)),
-        "semicolon": "Reibwert;Gleitgeschwindigkeit [mm/s]\n" + semicolon,
-        "forces": "speed (m/min)\tF_t [N]\tF_n [kN]\n" + forces,
-    }
-
-
-@pytest.mark.parametrize(
-    "name", ["comma", *(pytest.param(one, marks=pytest.mark.thorough) for one in ("semicolon", "forces"))]
-)
-def test_from_a_file_to_a_page(name, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "disc.csv").write_text(instruments()[name], encoding="utf-8")
-    code, out, err = run(monkeypatch, capsys, "study", "linear", "--fit", "disc.csv", "-c", "1.9(1)", "-V", "0.4")
+    v = np.repeat(np.linspace(0.02, 1.2, 15), 2)
+    rows = [f"{a:.4f},{b:.4f}\n" for a, b in zip(v, 0.5 - 0.2 * v + 0.004 * rng.normal(size=30), strict=True)]
+    (tmp_path / "disc.csv").write_text("v [m/s],mu\n" + "".join(rows))
+    code, out, err = run("study", "linear", "--fit", "disc.csv", "-c", "1.9(1)", "-V", "0.4")
     assert (code, err.splitlines()[0][:8]) == (0, "30 rows,")
     best = ss.fit(ss.read_measurements("disc.csv"), laws="linear").best
     exact = ss.pure_slip_damping(best.law.bind(**best.uncertain), V=0.4, N=9.81, m=1, k=100, method="orbit")
     shown = re.search(r"pure-slip damping is ([\d.]+) \+/- ([\d.]+) kg/s", out)
     assert float(shown[1]) == pytest.approx(exact.value, abs=5e-4)
     assert float(shown[2]) == pytest.approx(exact.budget.uncertainty, rel=0.05)
-    root = check_well_formed((tmp_path / "study.html").read_text(encoding="utf-8"))
-    text = "".join(root.itertext())
+    text = "".join(check_well_formed((tmp_path / "study.html").read_text(encoding="utf-8")).itertext())
     assert re.search(r"Measured \(disc.csv, \d{4}-\d\d-\d\d\): 30 rows", text)
     assert re.search(r"N = 9.81 N \(default\),\s+m = 1 kg \(default\)", text)
     assert "0.4 m/s (default)" not in text
 
 
 @pytest.mark.thorough
-def test_through_measured_points(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_through_measured_points(tmp_path, run):
     (tmp_path / "pin.csv").write_text("v,mu\n0,0.5\n0.1,0.45\n0.3,0.4\n0.6,0.38\n1.2,0.37\n")
     line = ["study", "--from-csv", "pin.csv", "-c", "1", "-o", "pin.html", "--time-limit", "1"]
-    code, out, _ = run(monkeypatch, capsys, *line)
+    code, out, _ = run(*line)
     assert code == 0
     assert "pin.html: " in out
     text = (tmp_path / "pin.html").read_text(encoding="utf-8")
@@ -61,10 +42,9 @@ def test_through_measured_points(tmp_path, monkeypatch, capsys):
     assert re.search(r"Measured \(pin.csv, \d{4}-\d\d-\d\d\): 5 rows", text)
 
 
-def test_numbers_for_a_program(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_numbers_for_a_program(tmp_path, run):
     line = ["study", "linear", "-c", "1.2", "-p", "mu_s=0.50+/-0.02", "-o", "page.html", "--json"]
-    code, out, err = run(monkeypatch, capsys, *line)
+    code, out, err = run(*line)
     assert (code, err) == (0, "")
     told = json.loads(out)
     law = ss.laws.linear.typical(mu_s="0.50+/-0.02")
@@ -106,23 +86,19 @@ def test_numbers_for_a_program(tmp_path, monkeypatch, capsys):
         ("linear --pdf page.html", "--pdf page.html: its ending is none of .pdf"),
     ],
 )
-def test_what_cannot_be_studied_is_refused_before_anything_is_written(
-    line, message, tmp_path, monkeypatch, capsys
-):
-    monkeypatch.chdir(tmp_path)
+def test_what_cannot_be_studied_is_refused_before_anything_is_written(line, message, tmp_path, run):
     (tmp_path / "a.csv").write_text("v,mu\n0.1,0.5\n0.2,n/a\n0.3,0.4\n0.4,0.3\n")
-    code, out, err = run(monkeypatch, capsys, "study", *line.split())
+    code, out, err = run("study", *line.split())
     assert (code, out) == (2, "")
     assert message in err
     assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
 
 
-def test_without_a_browser_nothing_is_computed(tmp_path, monkeypatch, capsys):
+def test_without_a_browser_nothing_is_computed(tmp_path, run, monkeypatch):
     from stickslip_sym.output import browser
 
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(browser.shutil, "which", lambda name: None)
-    code, out, err = run(monkeypatch, capsys, "study", "linear", "--pdf", "study.pdf")
+    code, out, err = run("study", "linear", "--pdf", "study.pdf")
     assert (code, out) == (2, "")
     assert "a PDF needs chromium or chrome" in err
     assert not list(tmp_path.iterdir())

@@ -10,7 +10,7 @@ import stickslip_sym as ss
 from stickslip_sym.core import balls, functions
 from stickslip_sym.core.functions import FUNCTIONS, Function
 from stickslip_sym.model.at_rest import gain
-from stickslip_sym.motion.thresholds.hypotheses import lipschitz_evidence
+from stickslip_sym.motion.thresholds.theorem import lipschitz_evidence
 from stickslip_sym.output import printing
 
 x = sp.Symbol("x", positive=True)

@@ -73,36 +73,23 @@ def read_unit(text: str) -> Unit | None:
     return _UNITS.get(text) or _UNITS.get(f"{above.strip() or '1'}/{below.strip()}")
 
 
-_WORDS: dict[tuple[str, ...], str] = {
-    ("v",): (
-        "v, speed, velocity, vel, v r, v rel, v slip, v sl, v slide, v sliding, slip speed, slip velocity, "
-        "slip rate, sliding speed, sliding velocity, slide speed, relative speed, relative velocity, rel speed, "
-        "rel velocity, surface speed, surface velocity, linear speed, linear velocity, lin speed, lin velocity, "
-        "belt speed, belt velocity, track speed, gleitgeschwindigkeit, geschwindigkeit, relativgeschwindigkeit, "
-        "rotational speed, angular velocity, angular speed, spindle speed, rpm, drehzahl"
-    ),
-    ("mu",): (
-        "mu, cof, mu k, mu d, friction coefficient, coefficient of friction, coeff of friction, friction coeff, "
-        "coefficient friction, friction factor, reibwert, reibungszahl, reibkoeffizient, "
-        "reibungskoeffizient, f t f n"
-    ),
-    ("F_t",): (
-        "f t, f f, f r, f x, f fric, f friction, f tan, f tangential, friction force, frictional force, "
-        "tangential force, lateral force, shear force, traction force, tangential load, reibkraft, reibungskraft"
-    ),
-    ("F_n",): (
-        "f n, f z, f normal, force normal, normal force, normal load, load, applied load, contact force, "
-        "normalkraft, last"
-    ),
-    ("mu", "F_t"): "friction, reibung",
-    ("sigma_mu", "sigma_F_t"): (
-        "sigma, sd, std, stdev, std dev, stddev, standard deviation, standard error, uncertainty, "
-        "standard uncertainty, error, err, scatter, standardabweichung"
-    ),
-    ("sigma_F_t",): "sigma f",
-    ("n", "F_n"): "n",
-    ("n",): "count, number of values, repeats, replicates, samples, anzahl",
-}
+_SPREAD = "sigma_mu", "sigma_F_t"
+_WORDS: dict[str, tuple[str, ...]] = {
+    r"(v|vel)(r|rel|slip|sl|slide|sliding)?|(slip)rate|rpm|drehzahl|(gleit|relativ)?geschwindigkeit": ("v",),
+    r"(slip|slide|sliding|rel|relative|surface|lin|linear|belt|track|rotational|angular|spindle)?(speed|velocity)":
+        ("v",),
+    r"mu[kd]?|cof|ftfn|(coefficient|coeff)friction|friction(coefficient|coeff|factor)": ("mu",),
+    r"reib(ungs)?koeffizient|reibwert|reibungszahl": ("mu",),
+    r"f(t|f|r|x|fric|friction|tan|tangential)|reib(ungs)?kraft": ("F_t",),
+    r"(friction|frictional|tangential|lateral|shear|traction)(force|load)": ("F_t",),
+    r"f(n|z|normal)|forcenormal|(normal|contact)force|(normal|applied)?load|normalkraft|last": ("F_n",),
+    r"friction|reibung": ("mu", "F_t"),
+    r"sigma|sd|std(dev)?|stdev|(standard)?(error|uncertainty)|standard(deviation|abweichung)|err|scatter": _SPREAD,
+    r"sigmaf": ("sigma_F_t",),
+    r"n": ("n", "F_n"),
+    r"count|numbervalues|repeats|replicates|samples|anzahl": ("n",),
+}  # fmt: skip
+"""What a name means, its words in small letters without blanks, signs and `_QUALIFIERS`."""
 _QUALIFIERS = frozenset({"mean", "average", "avg", "ave", "kinetic", "kin", "dynamic", "dyn", "abs", "of", "the"})
 """Words that change nothing: a mean coefficient of kinetic friction is one."""
 _GREEK = str.maketrans({"\N{MICRO SIGN}": " mu ", "μ": " mu ", "σ": " sigma "})
@@ -115,11 +102,8 @@ def _words(text: str) -> list[str]:
     return [word for word in _BREAKS.split(text.lower().translate(_GREEK)) if word and word not in _QUALIFIERS]
 
 
-_MEANINGS = {"".join(_words(word)): meanings for meanings, words in _WORDS.items() for word in words.split(", ")}
-
-
-_SPREADS = {words for words, meanings in _MEANINGS.items() if meanings == ("sigma_mu", "sigma_F_t")}
-_BEFORE = _SPREADS | {"s", "u", "d", "delta"}  # but mu_s and mu_d are coefficients
+def _meaning(name: str) -> tuple[str, ...]:
+    return next((meanings for pattern, meanings in _WORDS.items() if re.fullmatch(pattern, name)), ())
 
 
 def _meanings(name: str) -> tuple[str, ...]:
@@ -127,11 +111,12 @@ def _meanings(name: str) -> tuple[str, ...]:
     words = _words(name)
     for i in range(len(words)):
         first, second = "".join(words[:i]), "".join(words[i:])
-        before, meanings = _MEANINGS.get(first, ()), _MEANINGS.get(second, ())
+        before, meanings = _meaning(first), _meaning(second)
         if meanings and (not first or before == meanings):
             return meanings
-        spread = meanings if first in _BEFORE else before if second in _SPREADS else ()
-        if sigmas := tuple(f"sigma_{one}" for one in spread if one in ("mu", "F_t")):
+        spread_first = before == _SPREAD or first in ("s", "u", "d", "delta")  # but mu_s and mu_d are coefficients
+        of = meanings if spread_first else before if meanings == _SPREAD else ()
+        if sigmas := tuple(f"sigma_{one}" for one in of if one in ("mu", "F_t")):
             return sigmas
     return ()
 

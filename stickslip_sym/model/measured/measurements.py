@@ -9,15 +9,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real
 from stickslip_sym.model.measured.table import Table, read_table
 
 __all__ = ["Measurements", "read_measurements"]
-
-Column = FloatArray | ObjectArray
-"""Numbers in double precision, or fractions as the file has them."""
 
 _FEW = 0.05  # share of rows with the other sign, up to which they are noise of a small force
 _LARGEST_MU = 5.0  # no dry or lubricated contact comes near it
@@ -222,50 +219,39 @@ def read_measurements(
     table = read_table(path, columns or {}, track, leave_out=leave_out)
     v, mu, sigma, notes = _fold(table)
     counts = table.floats("n") if "n" in table.cells else None
-    good = np.array((v.astype(float) >= low) & (v.astype(float) <= high))
-    if not good.any():
+    order = np.argsort(v, kind="stable")
+    order = order[(v[order] >= low) & (v[order] <= high)]
+    if not len(order):
         raise InputError(
-            f"{table.name} has no row from {low:g} to {high:g} m/s; it reaches {float(min(v)):g} to "
-            f"{float(max(v)):g}"
+            f"{table.name} has no row from {low:g} to {high:g} m/s; it reaches {v.min():g} to {v.max():g}"
         )
     if speeds is not None:
-        notes.insert(0, f"{int(good.sum())} of {len(v)} from {low:g} to {high:g} m/s")
+        notes.insert(0, f"{len(order)} of {len(v)} from {low:g} to {high:g} m/s")
     if not keep_outliers:
         rule = (
             "mu is more than 6 robust standard deviations off a smooth curve; keep such rows by keep_outliers=True"
         )
-        off = _outliers(v, mu, good)
-        table.require(~off, "F_t" if "F_t" in table.cells else "mu", rule, "off a smooth curve")
-        good &= ~off
+        off = _outliers(mu[order])
+        smooth = ~np.isin(np.arange(len(v)), order[off])
+        table.require(smooth, "F_t" if "F_t" in table.cells else "mu", rule, "off a smooth curve")
+        order = order[~off]
     if table.faults:
         notes.append(f"rows left out: {table.left_out}")
-    order = np.flatnonzero(good)[np.argsort(v[good].astype(float), kind="stable")]
-    date = datetime.fromtimestamp(path.stat().st_mtime, UTC)
-    return Measurements(
-        v[order].astype(np.float64),
-        mu[order].astype(np.float64),
-        None if sigma is None else sigma[order].astype(np.float64),
-        _understood(table, len(order), notes),
-        path.stem,
-        order,
-        None if counts is None else counts[order],
-        f"{path.name}, {date:%Y-%m-%d}",
-    )
+    sigma, counts = (None if one is None else one[order] for one in (sigma, counts))
+    source = f"{path.name}, {datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}"
+    understood = _understood(table, len(order), notes)
+    return Measurements(v[order], mu[order], sigma, understood, path.stem, order, counts, source)
 
 
-def _outliers(v: Column, mu: Column, within: BoolArray) -> BoolArray:
-    """Return the rows whose coefficient is off a smooth curve through the others.
+def _outliers(y: FloatArray) -> BoolArray:
+    """Return which coefficients, at ascending speeds, are off a smooth curve through the others.
 
     A row is held against the medians of the three rows on either side: mu is between them on any smooth curve, or
     beyond by as much as neighbours differ. At the lowest speed friction may rise or fall steeply, as a static
     coefficient does, and only a multiple of what follows is refused.
     """
-    rows = np.flatnonzero(within)
-    rows = rows[np.argsort(v[rows].astype(float), kind="stable")]
-    y = mu[rows].astype(float)
-    outlying = np.zeros(len(v), dtype=bool)
     if len(y) < 2 * _BESIDE + 1:
-        return outlying
+        return np.zeros(len(y), dtype=bool)
     noise = _ROBUST * float(np.median(np.abs(y[1:-1] - (y[:-2] + y[2:]) / 2)))
     few = 1 + (_FEW_ROWS / len(y)) ** 2
     tolerance = _OUTLYING * few * max(noise, _RESOLUTION * float(np.median(np.abs(y))))
@@ -274,20 +260,15 @@ def _outliers(v: Column, mu: Column, within: BoolArray) -> BoolArray:
     i = np.arange(len(y))
     below, above = np.clip(i - _BESIDE, 0, None), np.clip(i + 1, None, len(y) - _BESIDE)
     below[:_BESIDE], above[-_BESIDE:] = above[:_BESIDE], below[-_BESIDE:]  # at an end, the rows on the other side
-    ends = np.sort([middle[below], middle[above]], axis=0)
-    at_end = below == above
-    change = np.where(
-        at_end, gaps.max(axis=1)[below], np.maximum(gaps.min(axis=1)[below], gaps.min(axis=1)[above])
-    )
+    low, high = np.sort([middle[below], middle[above]], axis=0)
+    least, largest = gaps.min(axis=1), gaps.max(axis=1)
+    change = np.where(below == above, largest[below], np.maximum(least[below], least[above]))
     slack = np.maximum(tolerance, _RISES * change)
-    off = (y < ends[0] - slack) | (y > ends[1] + slack)
-    lowest = i < _BESIDE
-    off[lowest] = np.abs(y[lowest]) > _RISES * np.abs(ends[1][lowest]) + slack[lowest]
-    outlying[rows] = off
-    return outlying
+    first = np.abs(y) > _RISES * np.abs(high) + slack
+    return np.asarray(np.where(i < _BESIDE, first, (y < low - slack) | (y > high + slack)))
 
 
-def _fold(table: Table) -> tuple[Column, Column, Column | None, list[str]]:
+def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, list[str]]:
     """Return slip speeds in m/s, coefficients, their standard deviations, and what was done with signs.
 
     Friction is against the motion, so with the speed its sign turns. Where speeds have both signs, or friction
@@ -298,38 +279,33 @@ def _fold(table: Table) -> tuple[Column, Column, Column | None, list[str]]:
     Raises `InputError` if the signs of speed and friction do not go together, a normal force or a standard
     deviation is not above 0, a coefficient is beyond 5, or a speed without unit above 100 m/s.
     """
-    friction = "F_t" if "F_t" in table.cells else "mu"
+    friction, load = ("F_t", "F_n") if "F_t" in table.cells else ("mu", None)
     deviation = next((key for key in ("sigma_mu", "sigma_F_t") if key in table.cells), None)
     if deviation is not None:
         rule = "a standard deviation is above 0"
         table.require(table.floats(deviation) > 0, deviation, rule, "without a standard deviation")
-    if friction == "F_t":
-        down = np.sign(table.floats("F_n"))
-        rule = "a normal force is not 0, and has one sign"
-        table.require(down == (1 if down.sum() >= 0 else -1), "F_n", rule, "without a normal force")
-
-    def per_load(quantity: str) -> Column:
-        column = table.numbers(quantity)
-        return column / np.abs(table.numbers("F_n")) if "F_t" in quantity else column
-
+    down = 1.0
+    if load is not None:
+        signs = np.sign(table.floats(load))
+        down = 1.0 if signs.sum() >= 0 else -1.0
+        table.require(signs == down, load, "a normal force is not 0, and has one sign", "without a normal force")
     rule = f"a coefficient of friction is below {_LARGEST_MU:g}"
-    small = np.abs(per_load(friction).astype(float)) <= _LARGEST_MU
-    table.require(small, friction, rule, "with abs(mu) above 5")
-    v, mu = table.numbers("v"), per_load(friction)
-    fast = np.abs(v.astype(float)) > _FASTEST
-    if fast.any() and not table.columns["v"].unit_text:
+    table.require(np.abs(table.numbers(friction, load)) <= _LARGEST_MU, friction, rule, "with abs(mu) above 5")
+    v, mu = table.numbers("v"), down * table.numbers(friction, load)
+    if (fast := np.abs(v) > _FASTEST).any() and not table.columns["v"].unit_text:
         row = int(np.argmax(fast))
         raise InputError(
             f"{table.place(row, 'v')}: got v = {table.cells['v'][row]}; without a unit a speed is in m/s; write "
             "it, like v [mm/s]"
         )
     turns, notes = _turns(table, v, mu, friction)
-    return np.abs(v), mu * turns, None if deviation is None else per_load(deviation), notes
+    sigma = None if deviation is None else np.abs(table.numbers(deviation, load if "F_t" in deviation else None))
+    return np.abs(v), mu * turns + 0.0, sigma, notes  # -0.0 becomes 0.0
 
 
-def _turns(table: Table, v: Column, mu: Column, friction: str) -> tuple[IntArray, list[str]]:
+def _turns(table: Table, v: FloatArray, mu: FloatArray, friction: str) -> tuple[FloatArray, list[str]]:
     """Return what each coefficient is multiplied by, 1 or -1, and what to say of it."""
-    v_sign, sign = (np.sign(column.astype(float)).astype(int) for column in (v, mu))
+    v_sign, sign = np.sign(v), np.sign(mu)
     reverses = bool((v_sign < 0).any() and (v_sign > 0).any())
     notes = ["both signs of speed folded"] if reverses else []
     against = v_sign * sign if reverses else sign

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
 from stickslip_sym.output.files import require_name
@@ -22,7 +22,7 @@ __all__ = ["Table", "read_table"]
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
 """What separates columns, by preference: a comma may also be a decimal sign, and blanks may stand in a name."""
 MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
-_EXACTLY = 5000  # rows up to which numbers are read exactly; more are averaged, or fitted, in double precision
+_EXACTLY = 5000  # rows up to which decimals and units are computed exactly: more are averaged, or fitted
 _LONGEST = 10_000  # characters of a line
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
@@ -62,12 +62,14 @@ class Table:
         """Return a column as it stands in the file, in double precision."""
         return np.array(self.cells[quantity], dtype=np.float64)
 
-    def numbers(self, quantity: str) -> FloatArray | ObjectArray:
-        """Return a column in SI units: fractions as the file has them where rows are few, else floats."""
-        size = self.columns[quantity].size
+    def numbers(self, quantity: str, per: str | None = None) -> FloatArray:
+        """Return a column in SI units, or its ratio to another, rounded but once where rows are few."""
+        size = self.columns[quantity].size / (self.columns[per].size if per else 1)
         if len(self.lines) > _EXACTLY:
-            return self.floats(quantity) * float(size)
-        return np.array([*(Fraction(cell) * size for cell in self.cells[quantity]), None])[:-1]
+            return self.floats(quantity) * float(size) / (self.floats(per) if per else 1.0)
+        below = self.cells[per] if per else ["1"] * len(self.lines)
+        pairs = zip(map(Fraction, self.cells[quantity]), map(Fraction, below), strict=True)
+        return np.array([float(above * size / one) for above, one in pairs])
 
     def place(self, row: int, quantity: str) -> str:
         """Return the file, the line and the column of a number."""
@@ -252,29 +254,29 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], count: int, separ
         i for i in range(count)
         if i not in read and 2 * sum(_is_number(row[i]) for row in looked_at) > len(looked_at)
     ]  # fmt: skip
+    advice = "; where a comma is the decimal sign, part the columns by semicolons, and write thousands without one"
     table.cells = {quantity: [] for quantity in table.columns}
     for line, row in rows:
-        where = f"{table.name}, line {line}, column "
         if len(row) < count or any(row[count:]):
+            column, got, reason = (
+                f"{min(max(read) + 1, len(row))}",
+                separator.join(row)[:60],
+                "of another number of columns",
+            )
             rule = f"the row has {_columns(len(row))}, and the header {count}"
-            if separator == "," and len(row) > count:
-                rule += (
-                    "; where a comma is the decimal sign, part the columns by semicolons, and write thousands "
-                    "without one"
-                )
-            got = repr(separator.join(row)[:60])
-            table.fault(line, f"{where}{min(max(read) + 1, len(row))}", got, rule, "of another number of columns")
-            continue
-        wrong = [i for i in numeric if not (_is_number(row[i]) or _NOTHING.fullmatch(row[i]))]
-        wrong += [i for i in read if not _NUMBERS[sign].fullmatch(row[i])]
-        if wrong:
-            i, rule = wrong[0], "a finite number is needed, like 0.35"
+            rule += advice if separator == "," and len(row) > count else ""
+        else:
+            wrong = [i for i in numeric if not (_is_number(row[i]) or _NOTHING.fullmatch(row[i]))]
+            wrong += [i for i in read if not _NUMBERS[sign].fullmatch(row[i])]
+            if not wrong:
+                table.lines.append(line)
+                for i, quantity in read.items():
+                    table.cells[quantity].append(row[i].replace(sign, "."))
+                continue
+            i, rule, reason = wrong[0], "a finite number is needed, like 0.35", "without a number"
             named = f", {table.columns[read[i]].text!r}" if i in read else ""
-            table.fault(line, f"{where}{i + 1}{named}", repr(row[i][:40]), rule, "without a number")
-            continue
-        table.lines.append(line)
-        for i, quantity in read.items():
-            table.cells[quantity].append(row[i].replace(sign, "."))
+            column, got = f"{i + 1}{named}", row[i][:40]
+        table.fault(line, f"{table.name}, line {line}, column {column}", repr(got), rule, reason)
 
 
 def _decimal_sign(rows: Sequence[tuple[int, list[str]]], read: Sequence[int], name: str) -> str:

@@ -1,22 +1,100 @@
-"""`critical`: every value of one quantity or parameter at which a given damping is just the pure-slip damping."""
+"""`critical`: every value of one quantity or parameter at which a given damping is just the pure-slip damping.
+
+An average that is a polynomial in the quantity gives all values as its roots. Otherwise threshold minus c is
+followed on a grid, to every change of sign, and to every extremum that comes close to one. Its sign is that of
+the gap between both halves of the grazing orbit at c (`needed`): it takes one gap, and a threshold some.
+"""
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Any
 
-from stickslip_sym.core import deadline
-from stickslip_sym.core.errors import InputError
+import numpy as np
+import sympy as sp
+from scipy.optimize import minimize_scalar
+
+from stickslip_sym.core import deadline, symbols
+from stickslip_sym.core.aliases import BoolArray, FloatArray
+from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold
 from stickslip_sym.core.numbers import lookup, read_rtol, real
-from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.criteria.criterion import Criterion, harmonic
+from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.margins.along import Along
-from stickslip_sym.motion.margins.value import Critical
-from stickslip_sym.motion.thresholds.methods import Method, find_method
+from stickslip_sym.motion.orbits.needed import by_zeta, gap
+from stickslip_sym.motion.roots import sign_changes
+from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.thresholds.averages import slope_mean
+from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
+from stickslip_sym.motion.thresholds.methods import Method, ask, find_method, methods
+from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
+from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
+from stickslip_sym.output import markup
 
-__all__ = ["critical"]
+__all__ = ["Critical", "critical", "excess"]
+
+_PER_DECADE = 8  # values sampled
+_WHOLE = (1e-12, 1e12)  # of a quantity in SI units, that is sampled
+_WEAKEST, _STRONGEST = 1e-3, 1e2  # N/(V sqrt(k m)) between which V, N, m and k are sought
+_AROUND = 100.0  # factor above and below a parameter's value within which it is sought
+_NEAR = 0.5  # relative distance of a harmonic average from c, within which a quantity is sought in any case
+_SHARE = 0.4  # of the last measured speed, up to which belt speeds are sought: motions slip at a little over 2 V
+_LOOSE = 1e-6  # relative error of the gap, or threshold, on the grid
+_STEPPED = 1e-12, 1e-6  # tolerances of the steps of a gap
+_STRONG, _STIFF = 30.0, 1e-9  # eta from which a gap is stiff, and the tolerance there
+_FINER, _TIGHTEST = 1e-3, 1e-12  # of rtol, the relative error of a threshold at a root; and the smallest
+_CLOSE = 1e-9  # tolerance of the logarithm of a root, which a Newton step with the exact slope then refines
+_BESIDE = 1e-4  # relative distance at which an absolute error is taken where the threshold is 0
+_NEWTON = 1e-6  # relative size of that step, up to which it is the last
+_NEWTON_STEPS = 4
+_ROUNDING = float(4 * np.finfo(np.float64).eps)  # relative, of a root
+_DIGITS = 20  # of the coefficients of a polynomial law
+_HALVINGS = 8  # bisections of an interval of the grid, for the last value at which mu is known at all speeds
+
+
+@dataclass(frozen=True)
+class Critical:
+    """A value of one quantity or parameter at which the given damping is just the pure-slip damping.
+
+    Attributes
+    ----------
+    of : str
+        Which one.
+    value : float
+        In SI units.
+    unit : str or None
+    method : str
+    relative_error : float or None
+        Estimated error, relative; with "proof" a bound; None where nothing is known of it.
+    sensitivity : mapping of str to float
+        How the value changes with c and with everything else, by name.
+    enclosure : Enclosure or None
+        With "proof": two values, at one of which the slip from P returns to the belt's speed and at the other not.
+    """
+
+    of: str
+    value: float
+    unit: str | None
+    method: str
+    relative_error: float | None
+    sensitivity: Mapping[str, float] = field(repr=False)
+    enclosure: Enclosure | None = None
+
+    def __str__(self) -> str:
+        accuracy = "unknown" if self.relative_error is None else f"{self.relative_error:.0e}"
+        unit = "" if self.unit in (None, "1") else f" {self.unit}"
+        proof = "" if self.enclosure is None else ", PROVED"
+        return f"{self.of} = {self.value:.10g}{unit} ({self.method}, relative error {accuracy}{proof})"
+
+    def __repr__(self) -> str:
+        return f"Critical: {self}"
+
+    def _repr_html_(self) -> str:
+        return markup.block(f"critical value: {self}")
 
 
 def critical(
@@ -55,9 +133,9 @@ def critical(
         Relative error that is good enough, 1e-12 to 1; the width of a proved enclosure.
     within : (float, float), optional
         Two values of one sign between which to look. If not given, a parameter is sought from 1/100 of its value
-        to 100 times it, and V, N, m and k where N/(V sqrt(k m)) is 1e-3 to 100; V also where the harmonic average
-        comes close to c. There are 8 points a decade: two
-        values closer together are found if the grid shows the extremum between them, and may otherwise be missed.
+        to 100 times it, and V, N, m and k where N/(V sqrt(k m)) is 1e-3 to 100, or the harmonic average comes
+        close to c. There are 8 points a decade: two values closer together are found if the grid shows the
+        extremum between them, and may otherwise be missed.
         An average that is linear or a polynomial needs no range: all values are found, by their polynomial.
     time_limit : float, optional
         Seconds of computation after which it is given up.
@@ -92,29 +170,309 @@ def critical(
     if of in numbers:
         raise InputError(f"{of} is what is sought; leave its value out")
     if osc is not None:
-        if numbers:
-            raise InputError(
-                f"{', '.join(numbers)} was given beside an Oscillator, which holds it; give one of both"
-            )
-        numbers = {name: getattr(osc, name) for name in values if name != of}
+        numbers = of_oscillator(osc, numbers, [name for name in values if name != of])
     missing = [name for name in ("c", "V", "N") if name not in (of, *numbers)]
     if missing and of != "c":
         raise InputError(f"{' and '.join(missing)} must be given to find {of}: {missing[0]}=...")
     rtol = read_rtol(rtol, least=1e-12, most=1.0)
     with deadline.time_limit(time_limit):
         if of == "c":
-            return (_damping(law, numbers, method, rtol),)
-        search = Along(law, of, numbers, within)
-        chosen = find_method(method)
-        if chosen is not None:
-            chosen.check(law, numbers.get("V", math.inf), search.has_oscillator)
-        return search.found(chosen, rtol)
+            one = pure_slip_damping(law, **numbers, method=method, rtol=rtol)
+            return (
+                Critical("c", one.value, "kg/s", one.method, one.relative_error, one.sensitivity, one.enclosure),
+            )
+        search = _Search(law, of, numbers, find_method(method), rtol)
+        return search.proved(within) if search.proof else search.found(within)
 
 
-def _damping(
-    law: FrictionLaw, values: Mapping[str, float], method: str | Criterion | Method, rtol: float
-) -> Critical:
-    found = pure_slip_damping(law, **values, method=method, rtol=rtol)
-    return Critical(
-        "c", found.value, "kg/s", found.method, found.relative_error, found.sensitivity, found.enclosure
+def excess(
+    points: OperatingPoints, c: float, method: Method | None, rtol: float = _LOOSE, *, by_gap: bool = True
+) -> FloatArray:
+    """Return for each operating point a number with the sign of threshold minus c; NaN where there is none.
+
+    - `method`: an average, or one that does not converge, has a threshold of its own; the others have one.
+    - `by_gap`: the gap of that one, infinite where a half of its orbit does not come to w = 1, instead of it.
+    """
+    if by_gap and (method is None or (method.criterion is None and method.converges)):
+        return np.array([_gap(points, row, c, rtol) for row in range(len(points))])
+    deadline.check_time()
+    if method is not None and method.criterion is not None:
+        return points.N * slope_mean(points.law, method.criterion, points.V) - c
+    found, _ = ask(points, method, rtol)
+    value = np.where(np.isfinite(found.relative_error), found.value, np.nan)
+    for row, refusal in found.refusals.items():
+        if isinstance(refusal, NoThreshold):
+            value[row] = -1.0 - abs(c)  # below c, by an unknown amount
+    off: FloatArray = value - c
+    return off
+
+
+def _gap(points: OperatingPoints, row: int, c: float, rtol: float) -> float:
+    """Return the gap of the grazing orbit at a damping; NaN where it is not known."""
+    deadline.check_time()
+    try:
+        system = Dimensionless.of(points.law, points.oscillator(row, c))
+    except NO_RESULT:
+        return math.nan
+    # The gap is of the order of friction, and its error of that of the steps.
+    steps = _STIFF if system.eta > _STRONG else min(max(rtol * system.eta, _STEPPED[0]), _STEPPED[1])
+    value, _, outside, _ = gap(
+        system.rise, system.eta, system.zeta, system.push(1), 1.0, steps, False, 0.0, by_zeta(system)
     )
+    return math.nan if outside and math.isfinite(system.w_max) else float(value)
+
+
+class _Search:
+    """The search for the roots of threshold minus c along one quantity or parameter.
+
+    - `values`: the others of c, V, N, m and k.
+    """
+
+    def __init__(
+        self, law: FrictionLaw, of: str, values: Mapping[str, float], method: Method | None, rtol: float
+    ) -> None:
+        self.law, self.of, self.rtol = law, of, rtol
+        self.quantities: dict[str, Any] = {name: value for name, value in values.items() if name != "c"}
+        self.c = values["c"]
+        given = {"m", "k"} & (self.quantities.keys() | {of})
+        if len(given) == 1:
+            raise InputError("give both the mass m and the stiffness k, or neither")
+        if method is not None:
+            method.check(law, values.get("V", math.inf), bool(given))
+        elif not given:
+            method = find_method(harmonic)
+        self.proof = method is not None and method.name == "proof"
+        self.method = methods()["simulation"] if self.proof else method
+        self.criterion = None if self.method is None else self.method.criterion
+        self.is_quantity = of in symbols.QUANTITIES
+        self.unit = symbols.QUANTITIES[of].unit if self.is_quantity else law.parameters[of].unit
+
+    def at(self, x: float | str | FloatArray) -> OperatingPoints:
+        """Return the operating point for a value of what is sought, or points for several of a quantity."""
+        if self.is_quantity:
+            return OperatingPoints.of(self.law, **self.quantities, **{self.of: x})
+        return OperatingPoints.of(self.law.bind(**{self.of: x}), **self.quantities)
+
+    def excess(self, x: FloatArray, rtol: float = _LOOSE, *, by_gap: bool = True) -> FloatArray:
+        """Return threshold minus c, or what has its sign, at values of what is sought; NaN where there is none."""
+        points = [self.at(x)] if self.is_quantity else [self.at(float(one)) for one in x]
+        return np.concatenate([[], *(excess(some, self.c, self.method, rtol, by_gap=by_gap) for some in points)])
+
+    def found(self, within: tuple[float, float] | None) -> tuple[Critical, ...]:
+        """Return the critical values, ascending."""
+        if self.criterion is not None:
+            roots = self._polynomial_roots(self.criterion)
+            if roots is not None:
+                low, high = within or (-math.inf, math.inf)
+                return tuple(self._result(x) for x in roots if low <= x <= high)
+            if self.of in ("m", "k"):
+                raise InputError(f'an average of slopes does not depend on {self.of}; try method="orbit"')
+        found = [self._result(x) for x in self._roots(self._grid(within))]
+        return tuple(sorted(found, key=lambda one: one.value))
+
+    # -- where to look -----------------------------------------------------------------------------
+
+    def _grid(self, within: tuple[float, float] | None) -> FloatArray:
+        """Return the values at which the excess is sampled, ascending in size, of one sign."""
+        if within is None and self.is_quantity:
+            return self._where_friction_matters()
+        if within is not None:
+            low, high = (real("within", end) for end in within)
+            if not (low * high > 0 and low < high):
+                raise InputError(f"within = ({low:g}, {high:g}) must be two numbers of one sign, ascending")
+        else:
+            value = self.law.values.get(self.of, self.law.parameters[self.of].typical)
+            if value is None or float(value) == 0:
+                raise InputError(f"where to look for {self.of} is not known; give within=(low, high)")
+            low, high = sorted(float(value) * factor for factor in (1 / _AROUND, _AROUND))
+        return math.copysign(1.0, low) * _spaced(*sorted((abs(low), abs(high))))
+
+    def _where_friction_matters(self) -> FloatArray:
+        """Return all values for an average, else where friction is neither weak nor very strong.
+
+        And where the harmonic average comes close to c, the limit for weak friction.
+        """
+        low, high = _WHOLE
+        if self.of == "V" and self.law.v_max is not None:
+            high = _SHARE * float(self.law.v_max)
+        x = _spaced(low, high)
+        if self.criterion is not None:
+            return x
+        points = self.at(x)
+        if not points.N.any():
+            raise InputError(f"without a normal force nothing depends on {self.of}")
+        eta = points.strength / points.V
+        with np.errstate(all="ignore"):
+            off = points.N * slope_mean(self.law, harmonic, points.V) - self.c
+            near = np.abs(off) <= _NEAR * (np.abs(off + self.c) + abs(self.c))
+        near[:-1] |= np.sign(off[:-1]) != np.sign(off[1:])
+        near = np.convolve(near & np.isfinite(off) & (self.of in "VN"), np.ones(5), "same") > 0
+        return x[near | ((eta >= _WEAKEST) & (eta <= _STRONGEST))]
+
+    # -- roots -------------------------------------------------------------------------------------
+
+    def _roots(self, x: FloatArray) -> list[float]:
+        """Return where the excess changes its sign, up to where motions leave the measured speeds."""
+        if not x.size:
+            return []
+        side = math.copysign(1.0, x[0])
+
+        def value(y: float, rtol: float = _LOOSE) -> float:
+            return float(self.excess(np.array([side * math.exp(y)]), rtol)[0])
+
+        def fine(y: float) -> float:
+            found = value(y, _tight(self.rtol))
+            if math.isnan(found):
+                raise NotConverged(f"there is no threshold at {self.of} = {side * math.exp(y):g}")
+            return found
+
+        with np.errstate(all="ignore"):
+            off = self.excess(x)
+            if self.law.v_max is not None:
+                edges = self._edges(x, ~np.isnan(off))
+                x, off = np.append(x, edges), np.append(off, self.excess(edges))
+                order = np.argsort(np.abs(x))
+                x, off = x[order], off[order]
+            x, off = self._known(x, off)
+        nodes = dict(zip(np.log(np.abs(x)).tolist(), off.tolist(), strict=True))
+        places = list(nodes)
+        for low, y, high in zip(places, places[1:], places[2:], strict=False):
+            before, here, after = nodes[low], nodes[y], nodes[high]
+            if before * here > 0 < here * after and abs(here) < min(abs(before), abs(after)):
+                sign = math.copysign(1.0, here)
+                dip = minimize_scalar(lambda y, sign=sign: sign * value(y), bounds=(low, high), method="bounded")
+                if dip.fun < 0:
+                    nodes[float(dip.x)] = sign * float(dip.fun)
+        places = sorted(nodes)
+        found = sign_changes(fine, places, [nodes[y] for y in places], _CLOSE)
+        return [side * math.exp(y) for y in found]
+
+    def _known(self, x: FloatArray, off: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Drop values without excess, also where an infinite gap beside a change of sign is no threshold's."""
+        while True:
+            known = ~np.isnan(off)
+            x, off = x[known], off[known]
+            if not x.size:
+                raise NotConverged(f"there is no threshold at any {self.of}; try another method")
+            changes = np.flatnonzero(off[1:] * off[:-1] < 0)
+            ends = np.union1d(changes, changes + 1)
+            infinite = ends[np.isinf(off[ends])]
+            if not infinite.size:
+                return x, off
+            off[infinite] = self.excess(x[infinite], by_gap=False)
+
+    def _edges(self, x: FloatArray, known: BoolArray) -> FloatArray:
+        """Return the last values at which motions stay within the measured speeds."""
+        edges = []
+        for i in np.flatnonzero(known[1:] != known[:-1]):
+            inside, outside = (x[i], x[i + 1]) if known[i] else (x[i + 1], x[i])
+            for _ in range(_HALVINGS):
+                middle = math.copysign(math.sqrt(inside * outside), inside)
+                if np.isnan(self.excess(np.array([middle]))[0]):
+                    outside = middle
+                else:
+                    inside = middle
+            edges.append(inside)
+        return np.array(edges)
+
+    def _polynomial_roots(self, criterion: Criterion) -> list[float] | None:
+        """Return the roots of an average that is a polynomial in what is sought, or None."""
+        law, N, V = self.law, self.quantities.get("N", 1.0), np.array([self.quantities.get("V", 1.0)])
+        if self.of == "N":
+            coefficients = [0.0, float(slope_mean(law, criterion, V)[0])]
+        elif self.of == "V":
+            if not law.expr.is_polynomial(symbols.v):
+                return None
+            # mu = sum of g_n v^n gives c = -N sum of n g_n <(1 + s)^(n-1)> V^(n-1).
+            terms = sp.Poly(law.expr, symbols.v).all_coeffs()[::-1]
+            coefficients = [
+                -N * n * float(g.evalf(_DIGITS, subs=law.point)) * float(criterion.mean_power(n - 1))
+                for n, g in enumerate(terms)
+                if n
+            ] or [0.0]
+        elif self.is_quantity or not law.expr.is_polynomial(law.parameters[self.of].symbol):
+            return None
+        else:
+            part, coefficients = law.bind(**{self.of: 0}), []
+            while not coefficients or self.of in part.parameters:  # Taylor's expansion at 0 ends
+                part = part.partial(self.of) if coefficients else part
+                mean = float(slope_mean(part, criterion, V)[0])
+                coefficients.append(N * mean / math.factorial(len(coefficients)))
+        coefficients[0] -= self.c
+        polynomial = np.polynomial.Polynomial(coefficients).trim()
+        roots: Any = polynomial.roots() if polynomial.degree() else np.empty(0)
+        positive = self.is_quantity or law.parameters[self.of].positive
+        real_roots = sorted(float(x.real) for x in roots if abs(x.imag) <= _CLOSE * abs(x))
+        return [x for x in real_roots if x > 0 or not positive]
+
+    # -- results -----------------------------------------------------------------------------------
+
+    def _result(self, x: float) -> Critical:
+        """Return a root by Newton's method from one close to it, with its error, from that of the threshold."""
+        if self.method is not None and self.criterion is not None:
+            step, sensitivity = self._step(x, float(self.excess(np.array([x]))[0]), self.method)
+            return Critical(self.of, x + step, self.unit, self.method.name, None, sensitivity)
+        for _ in range(_NEWTON_STEPS):
+            found, names = ask(self.at(x), self.method, _tight(self.rtol))
+            if not names[0] or math.isnan(found.value[0]):
+                raise NotConverged(f"there is no threshold at {self.of} = {x:.6g}; try another method")
+            by = self.method or methods()[names[0]]
+            step, sensitivity = self._step(x, float(found.value[0]) - self.c, by)
+            if abs(step) < _NEWTON * abs(x) or not 0 < (x + step) / x < 2:
+                break
+            x += step
+        off = float(found.relative_error[0] * abs(found.value[0]))
+        if not math.isfinite(off):  # where the threshold is 0 its relative error is nothing
+            beside, _ = ask(self.at(x * (1 + _BESIDE)), self.method, _TIGHTEST)
+            off = float(beside.relative_error[0] * abs(beside.value[0]))
+        error = (abs(sensitivity["c"]) * off + step**2 / abs(x)) / abs(x) + _ROUNDING
+        if abs(step) < _NEWTON * abs(x):
+            x += step
+        else:
+            error += abs(step / x)
+        if not error <= self.rtol:
+            raise NotConverged(
+                f"{self.of} = {x:.6g} is known to {error:.1e} relative only, not to rtol = {self.rtol:g}; "
+                "try another rtol"
+            )
+        return Critical(self.of, x, self.unit, by.name, error, sensitivity)
+
+    def _step(self, x: float, off: float, method: Method) -> tuple[float, dict[str, float]]:
+        """Return how far a root is off where threshold minus c is known, and how it changes with all else."""
+        if method.sensitivity is None:
+            raise InputError(f"how a threshold by {method.name!r} changes is not known; try another method")
+        found = method.sensitivity(self.at(x), np.array([self.c]))
+        by = {"c": -1.0} | {name: float(column[0]) for name, column in found.items()}
+        own = by.pop(self.of)
+        with np.errstate(all="ignore"):
+            sensitivity = {name: float(np.divide(-value, own)) for name, value in by.items()}
+        return -sensitivity["c"] * off, sensitivity
+
+    def proved(self, within: tuple[float, float] | None) -> tuple[Critical, ...]:
+        """Enclose the critical values that simulation finds."""
+        return tuple(self._proved(one) for one in self.found(within))
+
+    def _proved(self, one: Critical) -> Critical:
+        """Enclose a value: where the threshold grows with it, the slip returns above it, so minus it is sought."""
+        sign = -1 if one.sensitivity["c"] > 0 else 1
+
+        def decision(x: Fraction, bits: int) -> Transit:
+            points = self.at(str(sign * x))
+            point = ExactPoint(points.law, **points.exact_row(0))
+            checked_hypotheses(point)
+            return transit(point, Fraction(self.c), bits)
+
+        found = Search(decision, self.of).around(sign * one.value, one.relative_error or self.rtol, self.rtol)
+        enclosure = found if sign > 0 else Enclosure(-found.high, -found.low)
+        middle = float(enclosure)
+        error = float(enclosure.radius) / abs(middle)
+        return Critical(self.of, middle, one.unit, "proof", error, one.sensitivity, enclosure)
+
+
+def _tight(rtol: float) -> float:
+    """Return the relative error of a threshold at a root."""
+    return max(_FINER * rtol, _TIGHTEST)
+
+
+def _spaced(low: float, high: float) -> FloatArray:
+    return np.geomspace(low, high, max(3, math.ceil(math.log10(high / low) * _PER_DECADE) + 1))

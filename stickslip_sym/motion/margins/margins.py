@@ -7,15 +7,14 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.errors import InputError, NoThreshold, OutOfTime, StickSlipError
+from stickslip_sym.core.errors import InputError, OutOfTime, StickSlipError
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.margins.critical import critical
-from stickslip_sym.motion.margins.value import Critical
-from stickslip_sym.motion.thresholds.methods import Method, best_of
+from stickslip_sym.motion.margins.critical import Critical, critical, excess
+from stickslip_sym.motion.thresholds.methods import Method
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.motion.thresholds.uncertainty import standard_errors
 from stickslip_sym.output import markup
@@ -25,7 +24,6 @@ __all__ = ["Margin", "Margins", "Sampled", "carried_by", "margins"]
 
 _REACH = 10.0  # times a value, and its inverse: where a change is looked for
 _SEED = 20160428  # of the samples
-_LOOSE = 1e-6  # relative error of the threshold of a sample
 
 
 @dataclass(frozen=True)
@@ -266,36 +264,22 @@ def _probabilities(
         return probability, None
     errors = standard_errors(threshold.points)
     names, covariance = ((), np.zeros((0, 0))) if errors is None else (errors.names, errors.covariance[0])
+    (method,) = threshold.used.values()
     rng = np.random.default_rng(_SEED)
-    below = []
+    off: list[float] = []
     for _ in range(samples):
         shift = rng.multivariate_normal(np.zeros(len(names)), covariance) if names else ()
         damping = c + spread * rng.standard_normal()
-        below.append(_is_below(damping, threshold, dict(zip(names, shift, strict=True))))
-    decided = [one for one in below if one is not None]
-    if not decided:
+        try:
+            points = threshold.points.shifted(dict(zip(names, shift, strict=True)))
+            off += excess(points, damping, None if method.automatic else method).tolist()
+        except OutOfTime:
+            raise
+        except StickSlipError:  # no operating point
+            continue
+    below = np.sign(off)[np.abs(off) > 0] > 0  # neither 0 nor NaN
+    if not below.size:
         return probability, Sampled(math.nan, math.nan, 1.0)
-    share = float(np.mean(decided))
-    error = math.sqrt(max(share * (1 - share), 1 / len(decided)) / len(decided))
-    return probability, Sampled(share, error, 1 - len(decided) / samples)
-
-
-def _is_below(c: float, threshold: Threshold, shift: Mapping[str, float]) -> bool | None:
-    """Return whether a damping lies below the threshold at a shifted operating point; None if undecided."""
-    (method,) = threshold.used.values()
-    try:
-        points = threshold.points.shifted(shift)
-        computed = (
-            best_of(points, _LOOSE)[0]
-            if method.automatic
-            else method.compute(points, max(_LOOSE, method.tightest))
-        )
-    except OutOfTime:
-        raise
-    except StickSlipError:
-        return None
-    value, error = float(computed.value[0]), float(computed.relative_error[0])
-    if isinstance(computed.refusals.get(0), NoThreshold):
-        return False
-    own = error if math.isfinite(error) else 0.0 if method.criterion is not None else math.inf
-    return bool(c < value) if abs(c - value) > own * abs(value) else None
+    share = float(below.mean())
+    error = math.sqrt(max(share * (1 - share), 1 / below.size) / below.size)
+    return probability, Sampled(share, error, 1 - below.size / samples)

@@ -18,7 +18,7 @@ import sympy as sp
 from numpy.typing import ArrayLike
 from scipy.fft import dct, dst
 
-from stickslip_sym.core.aliases import BoolArray, FloatArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion, harmonic, least_squares
 from stickslip_sym.criteria.gauss import weight_of
@@ -69,6 +69,7 @@ class Expansion:
     cosines: FloatArray  # shape (n, H): column j belongs to the harmonic j
     sines: FloatArray  # the same
     largest: FloatArray  # largest slope on the orbit, in s/m, shape (n,)
+    phases: IntArray  # of the grid in half a period, shape (n,)
     tail: FloatArray
     """Size of the highest coefficients of friction, relative: above 1e-14 the grid did not resolve the law, shape
     (n,)."""
@@ -83,6 +84,14 @@ class Expansion:
             columns[entry.name] = np.pad(column, wider)
             columns[entry.name][rows] = getattr(finer, entry.name)
         return Expansion(**columns)
+
+    def distortion(self, strength: FloatArray) -> FloatArray:
+        """Return the amplitudes of the overtones times their orders, for N/sqrt(k m) in m/s.
+
+        Friction changes along an orbit as fast as its highest overtones do.
+        """
+        found: FloatArray = strength * (np.abs(self.sines) @ np.arange(self.sines.shape[1]))
+        return found
 
     @property
     def resolved(self) -> BoolArray:
@@ -136,8 +145,8 @@ def _expand(law: FrictionLaw, V: FloatArray, A: FloatArray, size: int) -> Expans
     high, largest = np.abs(feed[:, size - size // 4 :]).max(axis=1), np.abs(g).max(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         tail = np.where(high == 0, 0.0, high / largest)
-    slowing = f[:, 1] / (2 * A[:, 0])
-    return Expansion(harmonic, second, slowing, a, b, largest, np.where(np.isnan(tail), np.inf, tail))
+    slowing, phases = f[:, 1] / (2 * A[:, 0]), np.full(len(A), size)
+    return Expansion(harmonic, second, slowing, a, b, largest, phases, np.where(np.isnan(tail), np.inf, tail))
 
 
 # Sums of sines and cosines at the phases theta_j = (j + 1/2) pi/size; column n belongs to n theta.

@@ -1,14 +1,20 @@
-"""Averages of the falling slope at operating points: their dampings, without any derivation."""
+"""Averages of the falling slope at operating points: their dampings, without any derivation, and how they change.
+
+An average of -mu' changes with a parameter by the average of the derivative of mu, and with ln V by that of
+v mu' - mu. Nothing is differenced.
+"""
 
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.orbits.expansion import averages, slopes
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
@@ -16,7 +22,7 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 if TYPE_CHECKING:
     from stickslip_sym.formula.slope_average import SlopeAverage
 
-__all__ = ["average", "slope_mean"]
+__all__ = ["average", "average_changes", "slope_mean"]
 
 
 @dataclass(frozen=True)
@@ -34,19 +40,49 @@ def _slope_average(shape: _Shape, criterion: Criterion) -> "SlopeAverage":
     return slope_average(shape.law.with_static(None), criterion)  # no slope average sees it, nor its parameters
 
 
-def average(points: OperatingPoints, criterion: Criterion) -> FloatArray:
-    """Return a criterion's damping in kg/s; no closed form is derived for it."""
-    compiled = _slope_average(_Shape(points.law.expr, points.law), criterion)
+def average(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray:
+    """Return a criterion's average of -mu', in s/m, at belt speeds; no closed form is derived for it."""
+    compiled = _slope_average(_Shape(law.expr, law), criterion)
     values: dict[str, Any] = {
-        name: float(value) for name, value in points.law.values.items() if name in compiled.arguments
+        name: float(value) for name, value in law.values.items() if name in compiled.arguments
     }
-    return np.atleast_1d(compiled(V=points.V, N=points.N, **values))
+    return np.atleast_1d(compiled(V=V, N=np.ones_like(V), **values))
 
 
 def slope_mean(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray:
-    """Return a criterion's average of -mu', in s/m, at belt speeds V, by Gauss rules where mu is smooth."""
+    """Return the same by Gauss rules where mu is smooth: nothing is made for each value of a parameter."""
     if not law.expr.has(symbols.v):
         return np.zeros_like(V)
     if law.kinks():
-        return average(OperatingPoints(law, V, np.ones_like(V), None, None, V.shape), criterion)
+        return average(law, criterion, V)
     return -slopes(law)(V) if criterion.weight is None else averages(law, V, criteria=[criterion])[0]
+
+
+def average_changes(criterion: Criterion, points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
+    """Differentiate the damping by an average of the slope; m and k do nothing to it."""
+    del value
+    law, N, V = points.law, points.N, points.V
+
+    def changed(name: str) -> FloatArray:
+        return N * (slope_mean(law.partial(name), criterion, V) + _of_jumps(law, criterion, V, name))
+
+    return (
+        {name: np.zeros_like(V) for name in points.columns}
+        | {"V": changed("V") / V, "N": slope_mean(law, criterion, V)}
+        | {name: changed(name) for name in law.parameters}
+    )
+
+
+def _of_jumps(law: FrictionLaw, criterion: Criterion, V: FloatArray, name: str) -> FloatArray:
+    """Return what moving jumps of mu bring: c is the integral of mu times a kernel K(v)."""
+    found = np.zeros_like(V)
+    if criterion.weight is None:
+        return found
+    for jump, height in jumps(law.expr):
+        moved = -jump if name == "V" else sp.diff(jump, law.parameters[name].symbol)
+        at, by, size = (law.number(part) for part in (jump, moved, height))
+        kernel = criterion.kernel.subs(symbols.v, at)
+        for row, speed in enumerate(V):
+            if 0 < at < 2 * speed:
+                found[row] -= size * by * float(kernel.subs(symbols.V, speed))
+    return found

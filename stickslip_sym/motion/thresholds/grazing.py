@@ -14,7 +14,7 @@ from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.needed import by_zeta, gap, halves, needed_ratio
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.slip import Dimensionless, Wedge
 from stickslip_sym.motion.table import FrictionTable, Pieces
 
 __all__ = ["grazing_damping", "grazing_sensitivity"]
@@ -27,18 +27,11 @@ _SAME = 1e-12  # relative distance of two places of a kink that are one
 def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float, fast: bool = False) -> tuple[float, float]:
     """Return the damping c in kg/s at which the slip from P grazes the belt's speed, and its relative error.
 
-    - `law`: with all parameters bound.
     - `osc`: its own c is not used.
     - `rtol`: relative error that is wanted.
     - `fast`: compiled where numba is there, for many dampings.
 
-    The damping is negative where the slip does not return without any.
-
-    Raises `InputError` for an unbound law, or one measured up to less than the motion reaches.
-    Raises `NoThreshold` if the slip from P returns for every damping, or for none.
-    Raises `NotConverged` when the bound on the work is reached.
-    Raises `OutOfTime` when the time of a `time_limit` around it is up; it says between which dampings the
-      threshold lies.
+    The damping is negative where the slip does not return without any. Raises as `needed_ratio`.
     """
     zeta, error, _ = needed_ratio(Dimensionless.of(law, osc), rtol=rtol, fast=fast)
     relative = 0.0 if error == 0.0 else error / abs(zeta) if zeta else math.inf
@@ -48,45 +41,39 @@ def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float, fast: boo
 def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     """Return dc/dp at the threshold for V, N, m, k and every parameter of the law.
 
-    Raises as `grazing_damping`, and `NotConverged` where the halves do not meet within rounding.
+    Raises as `needed_ratio`, and `NotConverged` where the halves do not meet within rounding.
     """
     system = Dimensionless.of(law, osc)
     zeta, _, _ = needed_ratio(system, rtol=_TIGHT)
-    eta, V, push = system.eta, osc.V, system.push(1)
-    excess = push / eta if eta else 0.0
-    levels = list(system.rise.levels[: len(system.rise.jumps)])
-    *_, highest = halves(system.rise, eta, zeta, push, 1.0, _TIGHT, False, 0.0, by_zeta(system))
-    reach = _BEYOND * highest * V
+    rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
 
-    def derivative(constant: float, factor: float, pieces: Pieces, shifts: list[float]) -> float:
-        """Return dc/dp for dw'/dp = constant + factor rise(w), where levels of the law shift by db/dp."""
-        source = (constant, 0.0, factor, pieces, shifts)
-        return -float(gap(system.rise, eta, zeta, push, 1.0, _TIGHT, True, 0.0, source)[1]) / slope * unit
+    def derivative(source: Wedge) -> float:
+        return float(gap(rise, eta, zeta, push, 1.0, _TIGHT, True, 0.0, tuple(source))[1])
 
-    slope = float(gap(system.rise, eta, zeta, push, 1.0, _TIGHT, True, 0.0, by_zeta(system))[1])
+    unit, slope = 2 * osc.impedance, derivative(Wedge(*by_zeta(system)))
     if not slope < 0.0:  # no number, or 0 where a half creeps to rest
         raise NotConverged(
             f"how the threshold changes is not known at eta = {eta:g} and V = {V:g} m/s: friction is so strong "
             "that the halves of the grazing orbit do not meet in double precision; try an average of the slope"
         )
-    unit = 2 * osc.impedance
+    levels = [level * V for level in rise.levels[: len(rise.jumps)]]
     still = [0.0] * len(levels)
-    c = zeta * unit
-    own = system.rise.pieces
-    by_N = derivative(excess / (V * osc.impedance), -1 / (V * osc.impedance), own, still)
-    by_impedance = (c - osc.N * by_N) / 2  # c/sqrt(k m) depends on N/sqrt(k m) alone
+    *_, highest = halves(rise, eta, zeta, push, 1.0, _TIGHT, False, 0.0, by_zeta(system))
+    friction = 1 / (V * osc.impedance)  # deta/dN
+    excess = push / eta if eta else 0.0
     found = {
-        "V": derivative(-push / V, -eta / V, _stretched(own), [-level / V for level in levels]),
-        "N": by_N,
-        "m": by_impedance / osc.m,
-        "k": by_impedance / osc.k,
+        "V": Wedge(-push / V, 0.0, -eta / V, _stretched(rise.pieces), [-level / V**2 for level in levels]),
+        "N": Wedge(excess * friction, 0.0, -friction, rise.pieces, still),
     }
     for name, parameter in law.parameters.items():
-        partial = FrictionTable.of(law.partial(name), reach)
-        push_by = eta * (law.number(sp.diff(law.static_expr, parameter.symbol)) - partial.onset)
-        shifts = _shifts(law, parameter.symbol, levels, V)
-        found[name] = derivative(push_by, -eta, partial.at(V).pieces, shifts)
-    return found
+        symbol, partial = parameter.symbol, FrictionTable.of(law.partial(name), _BEYOND * highest * V)
+        onset = law.number(sp.diff(law.static_expr, symbol)) - partial.onset
+        moves = [(law.number(place), law.number(sp.diff(place, symbol)) / V) for place in places(law.expr)]
+        shifts = [next((by for v, by in moves if math.isclose(v, level, rel_tol=_SAME)), 0.0) for level in levels]
+        found[name] = Wedge(eta * onset, 0.0, -eta, partial.at(V).pieces, shifts)
+    by = {name: -derivative(source) / slope * unit for name, source in found.items()}
+    by_impedance = (zeta * unit - osc.N * by["N"]) / 2  # c/sqrt(k m) depends on N/sqrt(k m) alone
+    return by | {"m": by_impedance / osc.m, "k": by_impedance / osc.k}
 
 
 def _stretched(pieces: Pieces) -> list[tuple[float, ...]]:
@@ -97,12 +84,3 @@ def _stretched(pieces: Pieces) -> list[tuple[float, ...]]:
         row = [origin * scale * s + (k - 1) * c for k, (s, c) in enumerate(zip(slope, row, strict=True))]
         rows.append((low, origin, scale, *row))
     return rows
-
-
-def _shifts(law: FrictionLaw, symbol: sp.Symbol, levels: list[float], V: float) -> list[float]:
-    """Return how the levels of w at which mu has a kink or jumps change with a parameter."""
-    moves = {law.number(place): law.number(sp.diff(place, symbol)) for place in places(law.expr)}
-    return [
-        next((move / V for v, move in moves.items() if math.isclose(v, level * V, rel_tol=_SAME)), 0.0)
-        for level in levels
-    ]

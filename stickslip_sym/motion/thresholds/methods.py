@@ -4,6 +4,7 @@ Every criterion is a method: an average of the falling slope. A further method i
 `pure_slip_damping` as it is, or put into the table by `add_method` and then known by its name.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
@@ -19,26 +20,30 @@ from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.expansion import averages, expand, of_layer
-from stickslip_sym.motion.orbits.orbit import obstacle, orbits
-from stickslip_sym.motion.thresholds import sensitivity
-from stickslip_sym.motion.thresholds.averages import average
-from stickslip_sym.motion.thresholds.grazing import grazing_damping
+from stickslip_sym.motion.orbits.expansion import averages, of_layer
+from stickslip_sym.motion.orbits.orbit import derivatives, obstacle, orbits
+from stickslip_sym.motion.thresholds.averages import average, average_changes
+from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
 if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
 __all__ = [
-    "Computed", "Method", "accuracy", "add_method", "best_of", "by_method", "cheapest", "find_method",
-    "is_straight", "methods", "second_order",
+    "Computed", "Method", "accuracy", "add_method", "ask", "find_method", "good_enough", "is_straight", "methods",
+    "second_order",
 ]  # fmt: skip
 
-ROUNDING = 1e-14
+_ROUNDING = 1e-14
 _REFERENCE = 1e-8  # relative error of the threshold from which the error of an average is taken
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
+_FEW, _BENT = (
+    64,
+    0.3,
+)  # of an expansion, and its distortion, up to which collocation is faster than steps
+_GUESS = 1e-9  # tolerance of the simulation that says where a proof has to look
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,10 @@ class Computed:
     theorems: "tuple[Theorem, ...]" = ()
 
 
+Cost = float | Callable[[OperatingPoints], FloatArray]
+Changes = Callable[[OperatingPoints, FloatArray], Mapping[str, FloatArray]]
+
+
 @dataclass(frozen=True)
 class Method:
     """One way to a threshold.
@@ -77,12 +86,13 @@ class Method:
         error is stated, however large.
     sensitivity : callable or None
         From operating points and their thresholds to the derivatives of these, dc/dname, by name.
-    automatic : bool
-        Whether "auto" may take it; it asks in the order of the table, the cheapest first.
+    cost : float or callable
+        What a threshold takes, about in milliseconds, or that at each operating point: "auto" asks the cheapest
+        method first, and none that is infinite.
     criterion : Criterion or None
         That of an average.
-    oscillator, smooth : bool
-        Whether it needs m and k, and whether a smooth law.
+    smooth : bool
+        Whether it needs a smooth law.
     tightest, loosest : float
         The smallest and the largest relative error that it can be asked for.
     """
@@ -90,13 +100,22 @@ class Method:
     name: str
     compute: Callable[[OperatingPoints, float], Computed]
     converges: bool = True
-    sensitivity: Callable[[OperatingPoints, FloatArray], Mapping[str, FloatArray]] | None = None
-    automatic: bool = True
+    sensitivity: Changes | None = None
+    cost: Cost = 100.0
     criterion: Criterion | None = None
-    oscillator: bool = True
     smooth: bool = False
     tightest: float = 1e-13
     loosest: float = 1.0
+
+    @property
+    def automatic(self) -> bool:
+        """Whether "auto" may take it."""
+        return self.cost != math.inf
+
+    @property
+    def oscillator(self) -> bool:
+        """Whether it needs m and k."""
+        return self.criterion is None
 
     def check(self, law: FrictionLaw, V: ArrayLike, has_oscillator: bool) -> None:
         """Refuse operating points without m and k, or a law that is not smooth, where they are needed.
@@ -107,9 +126,12 @@ class Method:
         """
         if self.oscillator and not has_oscillator:
             raise InputError(f'method="{self.name}" needs the mass m and the stiffness k')
-        reason = obstacle(law, V) if self.smooth else None
-        if reason is not None:
-            raise InputError(f'method="{self.name}" needs a law that is smooth: {reason}; try method="simulation"')
+        if self.smooth and (reason := obstacle(law, V)) is not None:
+            raise self.not_smooth(reason)
+
+    def not_smooth(self, reason: str) -> InputError:
+        """Return the refusal of a law that is not smooth."""
+        return InputError(f'method="{self.name}" needs a law that is smooth: {reason}; try method="simulation"')
 
 
 # -- the table -------------------------------------------------------------------------------------
@@ -152,86 +174,80 @@ def find_method(method: "str | Criterion | Method") -> Method | None:
 # -- one of them, or the cheapest ------------------------------------------------------------------
 
 
-def accuracy(error: float | None) -> str:
-    """Return a relative error as text."""
-    return "unknown" if error is None or not np.isfinite(error) else f"{error:.0e}"
+def good_enough(points: OperatingPoints, method: Method | None, rtol: float) -> tuple[Computed, ObjectArray]:
+    """Return thresholds by a method, or by the cheapest for None, and the names of their methods.
 
-
-def by_method(points: OperatingPoints, method: Method, rtol: float) -> Computed:
-    """Return the thresholds by one method; its errors are at most `rtol` if it converges, and stated if not.
+    Their errors are at most `rtol` if the method converges, and stated if not.
 
     Raises
     ------
     InputError
         For a law that is not smooth, where the method needs one.
     NoThreshold, NotConverged
-        If a method that converges does not reach `rtol` at some point; the message holds the best value.
-    """
-    method.check(points.law, points.V, points.m is not None)
-    computed = method.compute(points, rtol)
-    far = np.flatnonzero(~(computed.relative_error <= rtol))
-    if not far.size:
-        return computed
-    lacking = far[~np.isfinite(computed.value[far])]
-    if lacking.size and not method.converges:
-        row = int(lacking[0])
-        raise NotConverged(
-            f"the method {method.name!r} gives no finite number for {points.label(row)}: slopes of mu are no "
-            'numbers there, or overflow; check the law, or try method="simulation"'
-        )
-    if method.converges:
-        _refuse(points, computed, int(far[0]), rtol)
-    if points.m is None:
-        return computed  # nothing is known of the threshold itself
-    reference, _ = best_of(points.rows(far), _REFERENCE)
-    whole = computed.relative_error.copy()
-    whole[far] = _difference(computed.value[far], reference.value) + reference.relative_error
-    return Computed(computed.value, whole)
-
-
-def cheapest(points: OperatingPoints, rtol: float) -> tuple[Computed, ObjectArray]:
-    """Return at each point the first value that is known to be good enough, and the name of its method.
-
-    Raises
-    ------
-    NoThreshold, NotConverged
-        If no method reaches `rtol` at some point; the message holds the best value.
+        If `rtol` is not reached at some point; the message holds the best value.
     OutOfTime
         With the best value so far.
     """
-    best, name = best_of(points, rtol)
-    far = np.flatnonzero(~(best.relative_error <= rtol))
-    if far.size:
-        _refuse(points, best, int(far[0]), rtol)
-    return best, name
+    if method is not None:
+        method.check(points.law, points.V, points.has_oscillator)
+    found, names = ask(points, method, rtol)
+    far = np.flatnonzero(~(found.relative_error <= rtol))
+    if not far.size:
+        return found, names
+    lacking = far[~np.isfinite(found.value[far])]
+    if method is None or method.converges:
+        _refuse(points, found, int(far[0]), rtol)
+    elif lacking.size:
+        raise NotConverged(
+            f"the method {method.name!r} gives no finite number for {points.label(int(lacking[0]))}: slopes of mu "
+            'are no numbers there, or overflow; check the law, or try method="simulation"'
+        )
+    elif points.has_oscillator:  # else nothing is known of the threshold itself
+        reference, _ = ask(points.rows(far), None, _REFERENCE)
+        off = np.abs(found.value[far] - reference.value)
+        with np.errstate(all="ignore"):
+            off = np.where(off == 0, 0.0, off / np.abs(reference.value)) + reference.relative_error
+        error = found.relative_error.copy()
+        error[far] = np.where(np.isnan(off), np.inf, off)
+        found = Computed(found.value, error)
+    return found, names
 
 
-def best_of(points: OperatingPoints, rtol: float) -> tuple[Computed, ObjectArray]:
-    """Ask one method after another for the points whose error is not small enough yet, and keep the best values.
+def ask(points: OperatingPoints, method: Method | None, rtol: float) -> tuple[Computed, ObjectArray]:
+    """Return what a method says, whatever its error, and its name; for None what the cheapest ones say.
 
-    Returns
-    -------
-    Computed, numpy.ndarray of str
-        Values and the names of their methods; NaN, an infinite error and "" where there is none.
+    One method after another is asked for the points whose error is not small enough yet, and the best values are
+    kept: NaN, an infinite error and "" where there is none.
     """
+    if method is not None:
+        found = method.compute(points, min(max(rtol, method.tightest), method.loosest))
+        return found, np.full(len(points), method.name, dtype=object)
     value, error = np.full(len(points), np.nan), np.full(len(points), np.inf)
     name = np.full(len(points), "", dtype=object)  # texts of one width would cut longer ones
     refusals: dict[int, StickSlipError] = {}
     smooth = obstacle(points.law, points.V) is None
-    for method in methods().values():
-        rows = np.flatnonzero(~(error <= rtol))
-        if not method.automatic or (method.smooth and not smooth) or not rows.size:
-            continue
-        try:
-            computed = method.compute(points.rows(rows), min(max(rtol, method.tightest), method.loosest))
-        except OutOfTime as stop:
-            row = int(rows[0])
-            raise OutOfTime(f"{stop}{_so_far(value[row], error[row], points.label(row))}") from None
-        closer = computed.relative_error < error[rows]
-        value[rows[closer]], error[rows[closer]] = computed.value[closer], computed.relative_error[closer]
-        name[rows[closer]] = method.name
-        refusals |= {int(rows[row]): refusal for row, refusal in computed.refusals.items()}
+    chosen = [one for one in methods().values() if one.automatic and (smooth or not one.smooth)]
+    costs = [one.cost(points) if callable(one.cost) else np.full(len(points), one.cost) for one in chosen]
+    for turn in np.argsort(np.reshape(costs, (len(chosen), len(points))), axis=0, kind="stable"):
+        for number, one in enumerate(chosen):
+            rows = np.flatnonzero((turn == number) & ~(error <= rtol))
+            if not rows.size:
+                continue
+            try:
+                found, _ = ask(points if rows.size == len(points) else points.rows(rows), one, rtol)
+            except OutOfTime as stop:
+                row = int(rows[0])
+                raise OutOfTime(f"{stop}{_so_far(value[row], error[row], points.label(row))}") from None
+            closer = found.relative_error < error[rows]
+            value[rows[closer]], error[rows[closer]] = found.value[closer], found.relative_error[closer]
+            name[rows[closer]] = one.name
+            refusals |= {int(rows[row]): refusal for row, refusal in found.refusals.items()}
     return Computed(value, error, refusals), name
+
+
+def accuracy(error: float | None) -> str:
+    """Return a relative error as text."""
+    return "unknown" if error is None or not np.isfinite(error) else f"{error:.0e}"
 
 
 def _so_far(value: float, error: float, label: str) -> str:
@@ -248,14 +264,9 @@ def _refuse(points: OperatingPoints, computed: Computed, row: int, rtol: float) 
     reason = f": {refusal}" if refusal is not None else ""
     label = points.label(row)
     best = _so_far(computed.value[row], computed.relative_error[row], label)
-    raise NotConverged(f"rtol = {rtol:g} is not reached for {label}{reason}{best}; try another rtol")
-
-
-def _difference(value: FloatArray, reference: FloatArray) -> FloatArray:
-    """Return the relative difference, infinite where one of the two is no number."""
-    with np.errstate(all="ignore"):
-        difference = np.where(value == reference, 0.0, np.abs(value - reference) / np.abs(reference))
-    return np.where(np.isnan(difference), np.inf, difference)
+    raise NotConverged(
+        f'rtol = {rtol:g} is not reached for {label}{reason}{best}; try another rtol, or method="proof"'
+    )
 
 
 # -- averages of the slope -------------------------------------------------------------------------
@@ -267,17 +278,16 @@ def _of_criterion(criterion: Criterion) -> Method:
         criterion.name,
         partial(_by_average, criterion),
         converges=False,
-        sensitivity=partial(sensitivity.of_average, criterion),
-        automatic=False,
+        sensitivity=partial(average_changes, criterion),
+        cost=math.inf,
         criterion=criterion,
-        oscillator=False,
     )
 
 
 def _by_average(criterion: Criterion, points: OperatingPoints, rtol: float) -> Computed:
     del rtol  # the value of an average is what it is
-    error = np.full(len(points), ROUNDING if is_straight(points.law) else np.inf)
-    return Computed(average(points, criterion), error)
+    error = np.full(len(points), _ROUNDING if is_straight(points.law) else np.inf)
+    return Computed(points.N * average(points.law, criterion, points.V), error)
 
 
 def is_straight(law: FrictionLaw) -> bool:
@@ -285,30 +295,25 @@ def is_straight(law: FrictionLaw) -> bool:
     return not law.slope_expr.has(symbols.v) and not law.kinks() and obstacle(law, 0.0) is None
 
 
-# -- methods that need m and k ---------------------------------------------------------------------
+# -- slip orbits -----------------------------------------------------------------------------------
 
 
 def second_order(points: OperatingPoints) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the damping to second order in the friction, its resolution, and what the next order may add.
 
     Both are relative errors; the resolution is that of the grid. The expansion goes by the square of the orbit's
-    distortion, the amplitudes of the overtones times their orders: friction changes along an orbit as fast as its
-    highest ones do. It is one of the largest slope, not of the average, in which slopes may cancel.
+    distortion. It is one of the largest slope, not of the average, in which slopes may cancel.
     """
-    strength, N = points.N / points.impedance, points.N
+    weak, strength, N = points.weak, points.strength, points.N
     (everything,) = averages(points.law, points.V)
     with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
-        weak = expand(points.law, points.V)
         value = N * (weak.harmonic + strength**2 * weak.second)
-        # `tail` is relative to the largest slope.
-        resolution = np.where(weak.tail == 0, 0.0, weak.tail * weak.largest / np.abs(weak.harmonic))
-        # A layer of the law between v = 0 and the first phase would pass unseen.
-        unseen = np.abs(weak.harmonic - everything)
-        resolution += np.where(unseen == 0, 0.0, unseen / np.abs(weak.harmonic))
-        distortion = strength * (np.abs(weak.sines) @ np.arange(weak.sines.shape[1]))
+        # `tail` is relative to the largest slope; a layer between v = 0 and the first phase would pass unseen.
+        off = [weak.tail * weak.largest, np.abs(weak.harmonic - everything)]
+        resolution = sum(np.where(one == 0, 0.0, one / np.abs(weak.harmonic)) for one in off)
         scale = N * np.maximum(weak.largest, np.abs(everything))
         layer = points.impedance * of_layer(points.law, points.V, strength, weak.sines.shape[1])
-        more = distortion**4 * scale + layer
+        more = weak.distortion(strength) ** 4 * scale + layer
         next_order = np.where(more == 0, 0.0, more / np.abs(value))
     resolution = np.where(np.isfinite(value), resolution, np.inf)
     return value, resolution, np.where(np.isnan(next_order), np.inf, next_order)
@@ -317,63 +322,98 @@ def second_order(points: OperatingPoints) -> tuple[FloatArray, FloatArray, Float
 def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
     del rtol  # the value is what it is
     value, resolution, next_order = second_order(points)
-    return Computed(value, next_order + resolution + ROUNDING)
+    return Computed(value, next_order + resolution + _ROUNDING)
+
+
+def _orbit_cost(points: OperatingPoints) -> FloatArray:
+    """Return less than a simulation costs where a few phases resolve the law, and friction is weak."""
+    few = (points.weak.phases <= _FEW) & (points.weak.distortion(points.strength) <= _BENT)
+    return np.where(few, 2.0, 10.0)
 
 
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
-    strength = points.N / points.impedance
-    found = orbits(points.law, points.V, strength, rtol=_TAIL * rtol, most_work=_ORBIT_WORK)
+    found = orbits(points.law, points.V, points.strength, rtol=_TAIL * rtol, most_work=_ORBIT_WORK)
     value, error = found.d * points.impedance, found.relative_error
     reason = obstacle(points.law, points.V, float(found.lowest.min(initial=0.0)))
     if reason is not None:
-        refusal = InputError(f'method="orbit" needs a law that is smooth: {reason}; try method="simulation"')
-        return Computed(
-            np.full_like(value, np.nan), np.full_like(error, np.inf), dict.fromkeys(range(len(points)), refusal)
-        )
-    refusals: dict[int, StickSlipError] = {}
-    for row in np.flatnonzero(
-        ~(error <= rtol)
-    ).tolist():  # friction is too strong for a grid of phases, or mu rough
-        try:
-            halves = grazing_damping(points.law, points.oscillator(row), rtol=rtol)
-        except NO_RESULT as refusal:
-            refusals[row] = refusal
-            continue
-        if not error[row] <= halves[1]:
-            value[row], error[row] = halves
-    return Computed(value, error, refusals)
+        refusals = dict.fromkeys(range(len(points)), methods()["orbit"].not_smooth(reason))
+        return Computed(np.full_like(value, np.nan), np.full_like(error, np.inf), refusals)
+    # Friction is too strong for a grid of phases, or mu rough.
+    far = np.flatnonzero(~(error <= rtol))
+    halves = _by_simulation(points.rows(far), rtol)
+    closer = ~(error[far] <= halves.relative_error)
+    value[far[closer]], error[far[closer]] = halves.value[closer], halves.relative_error[closer]
+    return Computed(value, error, {int(far[row]): refusal for row, refusal in halves.refusals.items()})
+
+
+def _orbit_changes(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
+    """Differentiate c = sqrt(k m) d(V, N/sqrt(k m))."""
+    impedance, strength = points.impedance, points.strength
+    found = derivatives(points.law, points.V, strength)
+    (harmonic,) = averages(points.law, points.V)  # exact without friction
+    by_impedance = (found["d"] - found["strength"]) * impedance / 2
+    with np.errstate(all="ignore"):
+        by_force = np.where(strength > 0, found["strength"] / strength, harmonic)
+    changes = {
+        "V": found["V"] * impedance / points.V,
+        "N": by_force,
+        "m": by_impedance / points.columns["m"],
+        "k": by_impedance / points.columns["k"],
+        **{name: found[name] * impedance for name in points.law.parameters},
+    }
+    strong = np.flatnonzero(~np.isfinite(found["d"]))  # no orbit on a grid of phases
+    if strong.size:
+        for name, column in _slip_changes(points.rows(strong), value[strong]).items():
+            changes[name][strong] = column
+    return changes
+
+
+# -- the slip from P -------------------------------------------------------------------------------
 
 
 def _by_simulation(points: OperatingPoints, rtol: float) -> Computed:
     """Return the damping at which the simulated slip from P grazes the belt's speed, point by point."""
     found = np.full((2, len(points)), [[np.nan], [np.inf]])
     refusals: dict[int, StickSlipError] = {}
-    fast = len(points) >= _MANY
     for row in range(len(points)):
         try:
-            found[:, row] = grazing_damping(points.law, points.oscillator(row), rtol=rtol, fast=fast)
+            found[:, row] = grazing_damping(
+                points.law, points.oscillator(row), rtol=rtol, fast=len(points) >= _MANY
+            )
         except NO_RESULT as refusal:
             refusals[row] = refusal
     return Computed(found[0], found[1], refusals)
 
 
+def _slip_changes(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
+    """Differentiate the gap between both halves of the orbit that grazes the belt's speed, point by point."""
+    del value
+    found = [grazing_sensitivity(points.law, points.oscillator(row)) for row in range(len(points))]
+    names = (*points.columns, *points.law.parameters)
+    return {name: np.array([one[name] for one in found]) for name in names}
+
+
 def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
     """Return the middle of the dampings between which the threshold was proved to lie."""
-    from stickslip_sym.motion.thresholds.proof import theorems
+    from stickslip_sym.motion.thresholds.boxes import ExactPoint
+    from stickslip_sym.motion.thresholds.theorem import prove_threshold
 
-    found = tuple(theorems(points, rtol))
+    found = []
+    for row in range(len(points)):
+        guess = grazing_damping(points.law, points.oscillator(row), rtol=_GUESS)
+        found.append(prove_threshold(ExactPoint(points.law, **points.exact_row(row)), *guess, rtol))
     enclosures = [theorem.enclosure for theorem in found]
-    value = np.array([float(enclosure) for enclosure in enclosures])
+    value = np.array([float(one) for one in enclosures])
     error = np.array([float(one.radius / abs(one.mid)) for one in enclosures])
-    return Computed(value, error, theorems=found)
+    return Computed(value, error, theorems=tuple(found))
 
 
 _table: dict[str, Method] = {
     method.name: method
     for method in (
-        Method("second_order", _by_expansion, converges=False, sensitivity=sensitivity.of_orbit, smooth=True),
-        Method("simulation", _by_simulation, sensitivity=sensitivity.of_slip, loosest=1e-3),
-        Method("orbit", _by_orbit, sensitivity=sensitivity.of_orbit, smooth=True),
-        Method("proof", _by_proof, sensitivity=sensitivity.of_slip, automatic=False, tightest=1e-40, loosest=1e-3),
+        Method("second_order", _by_expansion, False, _orbit_changes, cost=1.0, smooth=True),
+        Method("simulation", _by_simulation, True, _slip_changes, cost=5.0, loosest=1e-3),
+        Method("orbit", _by_orbit, True, _orbit_changes, cost=_orbit_cost, smooth=True),
+        Method("proof", _by_proof, True, _slip_changes, cost=math.inf, tightest=1e-40, loosest=1e-3),
     )
 }

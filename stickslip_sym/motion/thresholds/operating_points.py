@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -15,8 +16,9 @@ from stickslip_sym.core.numbers import exact, fraction, read_array
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.orbits.expansion import Expansion, expand
 
-__all__ = ["OperatingPoints", "Quantity"]
+__all__ = ["OperatingPoints", "Quantity", "of_oscillator"]
 
 Quantity: TypeAlias = ArrayLike | UFloat | Sequence[UFloat]
 """One number or an array of them, as users give it; each may carry a standard error."""
@@ -24,15 +26,13 @@ Quantity: TypeAlias = ArrayLike | UFloat | Sequence[UFloat]
 
 @dataclass(frozen=True)
 class OperatingPoints:
-    """Operating points of one law: flat arrays of one length; m and k are None where they were not given.
+    """Operating points of one law: flat arrays of one length.
 
     Attributes
     ----------
     law : FrictionLaw
-    V, N : numpy.ndarray, shape (n,)
-        In m/s and N.
-    m, k : numpy.ndarray, shape (n,), or None
-        In kg and N/m.
+    columns : mapping of str to numpy.ndarray, shape (n,)
+        V and N in m/s and N; m and k in kg and N/m where they were given.
     shape : tuple of int
         That the broadcast arguments had.
     exact : mapping of str to Fraction
@@ -42,10 +42,7 @@ class OperatingPoints:
     """
 
     law: FrictionLaw
-    V: FloatArray
-    N: FloatArray
-    m: Any
-    k: Any
+    columns: Mapping[str, FloatArray]
     shape: tuple[int, ...]
     exact: Mapping[str, Fraction] = field(default_factory=dict)
     uncertain: Mapping[str, Any] = field(default_factory=dict)
@@ -62,9 +59,9 @@ class OperatingPoints:
             For numbers that are missing, not finite or of the wrong sign, shapes that do not broadcast, only one
             of m and k, or an oscillator together with numbers.
         """
-        numbers = {name: value for name, value in values.items() if value is not None}
+        numbers: dict[str, Any] = {name: value for name, value in values.items() if value is not None}
         if osc is not None:
-            numbers = _of_oscillator(osc, numbers)
+            numbers = of_oscillator(osc, numbers, ("V", "N", "m", "k"))
         for name in ("V", "N"):
             if name not in numbers:
                 raise InputError(
@@ -72,43 +69,70 @@ class OperatingPoints:
                 )
         if ("m" in numbers) != ("k" in numbers):
             raise InputError("give both the mass m and the stiffness k, or neither")
-        pairs = {name: _split(value, name) for name, value in numbers.items()}
-        errors = {name: read for name, (_, read) in pairs.items() if read is not None}
-        exactly = {name: fraction(value, name) for name, (value, _) in pairs.items() if isinstance(value, str)}
-        columns = {
-            name: _column(name, float(exactly[name]) if name in exactly else value)
-            for name, (value, _) in pairs.items()
-        }
+        arrays, errors, exactly = {}, {}, {}
+        for name, given in numbers.items():
+            value, error = _split(given, name)
+            if isinstance(value, str):
+                exactly[name] = fraction(value, name)
+                value = float(exactly[name])
+            arrays[name] = _column(name, value)
+            if error is not None:
+                errors[name] = error
         try:
-            whole = dict(zip(columns, np.broadcast_arrays(*columns.values()), strict=True))
+            whole = dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
         except ValueError:
-            shapes = ", ".join(f"{name} {array.shape}" for name, array in columns.items())
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
             raise InputError(f"the shapes do not broadcast: {shapes}") from None
-        flat = {name: column.ravel() for name, column in whole.items()}
         shape = whole["V"].shape
+        columns = {name: column.ravel() for name, column in whole.items()}
         uncertain = {
-            name: read if isinstance(read, UFloat) else np.broadcast_to(read, shape).ravel()
-            for name, read in errors.items()
+            name: error if isinstance(error, UFloat) else np.broadcast_to(error, shape).ravel()
+            for name, error in errors.items()
         }
-        return cls(law, flat["V"], flat["N"], flat.get("m"), flat.get("k"), shape, exactly, uncertain)
+        return cls(law, columns, shape, exactly, uncertain)
 
     def __len__(self) -> int:
         return len(self.V)
 
     @property
-    def columns(self) -> dict[str, FloatArray]:
-        """The quantities that were given, by name."""
-        columns = {"V": self.V, "N": self.N, "m": self.m, "k": self.k}
-        return {name: column for name, column in columns.items() if column is not None}
+    def V(self) -> FloatArray:
+        """Belt speeds."""
+        return self.columns["V"]
+
+    @property
+    def N(self) -> FloatArray:
+        """Normal forces."""
+        return self.columns["N"]
+
+    @property
+    def has_oscillator(self) -> bool:
+        """Whether m and k were given."""
+        return "m" in self.columns
+
+    @property
+    def impedance(self) -> FloatArray:
+        """The unit of damping, sqrt(k m) in kg/s."""
+        found: FloatArray = np.sqrt(self.columns["k"]) * np.sqrt(self.columns["m"])
+        return found
+
+    @property
+    def strength(self) -> FloatArray:
+        """The strength of friction, N/sqrt(k m) in m/s."""
+        return self.N / self.impedance
+
+    @cached_property
+    def weak(self) -> Expansion:
+        """The orbits that graze the belt's speed, expanded for weak friction."""
+        with np.errstate(all="ignore"):
+            return expand(self.law, self.V)
 
     def rows(self, chosen: Rows) -> "OperatingPoints":
         """Return some of the points."""
-        m, k = (None if column is None else column[chosen] for column in (self.m, self.k))
+        columns = {name: column[chosen] for name, column in self.columns.items()}
         uncertain = {
             name: read if isinstance(read, UFloat) else read[chosen] for name, read in self.uncertain.items()
         }
-        V = self.V[chosen]
-        return OperatingPoints(self.law, V, self.N[chosen], m, k, V.shape, self.exact, uncertain)
+        return OperatingPoints(self.law, columns, columns["V"].shape, self.exact, uncertain)
 
     def exact_row(self, row: int) -> dict[str, Rational]:
         """Return V, N, m and k of one point exactly: text as the decimal it says, a float as the binary it is."""
@@ -131,37 +155,33 @@ class OperatingPoints:
         moved = {name: column + by.get(name, 0.0) for name, column in self.columns.items()}
         return OperatingPoints.of(law.bind(**parameters) if parameters else law, **moved)
 
-    @property
-    def impedance(self) -> FloatArray:
-        """The unit of damping, sqrt(k m) in kg/s."""
-        found: FloatArray = np.sqrt(self.k) * np.sqrt(self.m)
-        return found
-
     def label(self, row: int) -> str:
         """Say which point it is."""
         return ", ".join(f"{name} = {column[row]:g}" for name, column in self.columns.items())
 
 
-def _of_oscillator(osc: Oscillator, numbers: Mapping[str, Quantity]) -> dict[str, Quantity]:
+def of_oscillator(osc: Oscillator, numbers: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    """Return quantities of an oscillator by name; refuse what is none, and numbers beside it."""
     if not isinstance(osc, Oscillator):
         raise InputError(
             f"got {osc!r} where an Oscillator is expected; write (law, Oscillator(...)), or give V=, N=, m= and k="
         )
     if numbers:
         raise InputError(f"{', '.join(numbers)} was given beside an Oscillator, which holds it; give one of both")
-    return {name: getattr(osc, name) for name in ("V", "N", "m", "k")}
+    return {name: getattr(osc, name) for name in names}
 
 
-def _split(value: Quantity | None, name: str) -> tuple[Any, Any]:
+def _split(value: Quantity, name: str) -> tuple[Any, Any]:
     """Separate numbers from their standard errors, one by one in an array that has any."""
     array = np.asarray(value, dtype=object) if isinstance(value, list | tuple | np.ndarray) else None
     if array is None or not any(isinstance(item, UFloat) for item in array.flat):
         return split(value, name)
-    pairs = [split(item, name) for item in array.flat]
-    numbers = np.array([float(number) for number, _ in pairs]).reshape(array.shape)
-    errors = np.empty(array.size, dtype=object)
-    errors[:] = [float(number) if read is None else read for number, read in pairs]
-    return numbers, errors.reshape(array.shape)
+    numbers, errors = np.empty(array.shape), np.empty(array.shape, dtype=object)
+    for place, item in np.ndenumerate(array):
+        number, read = split(item, name)
+        numbers[place] = float(number)
+        errors[place] = float(number) if read is None else read
+    return numbers, errors
 
 
 def _column(name: str, value: ArrayLike) -> FloatArray:

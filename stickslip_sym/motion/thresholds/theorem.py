@@ -1,35 +1,80 @@
-"""What was proved of a pure-slip threshold, in words and as LaTeX."""
+"""A pure-slip threshold as a theorem: two dampings, close together, at which the slip from P is decided.
 
-from collections.abc import Mapping
+More damping turns the field one way and moves P inwards (the chapter `one_threshold` of the derivations), so if
+the slip from P returns at one damping it does so at every smaller one. One damping at which it returns and one
+at which it does not enclose the threshold. Critical values of other quantities are enclosed by the same search.
+
+The lemma needs mu to be locally Lipschitz for v > 0. The nodes of a formula are analytic functions but for a few:
+a fraction at a zero of its denominator, a root or a logarithm where its argument is not positive, a tangent at its
+poles. So it is enough to show that each of these arguments is positive for v > 0, and that segments of mu meet
+without a jump.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
+from functools import partial
+from itertools import pairwise
 
-from stickslip_sym.core.aliases import Rational
+import sympy as sp
+from flint import acb, arb
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Rational
+from stickslip_sym.core.balls import ball, ball_function, ball_value, working_precision
+from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
+from stickslip_sym.core.functions import is_analytic
 from stickslip_sym.criteria.enclosure import Enclosure
+from stickslip_sym.model.expression.pieces import branch_from, jumps
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.thresholds.box_transit import Transit
+from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, Undecided, transit
 from stickslip_sym.output import printing
 from stickslip_sym.output.layout import prose
 from stickslip_sym.output.notation import latex_name
 
-__all__ = ["Theorem"]
+__all__ = ["Search", "Theorem", "checked_hypotheses", "lipschitz_evidence", "prove_threshold"]
+
+_SIGN_BITS = 64  # of the precision with which signs are shown
+_MOST_CUTS = 400  # of a range on which a sign is shown
+_BITS = (40, 100, 250, 600)  # of a decision, beyond those of its distance from the threshold, until one falls
+_UNDAMPED_BITS = 64  # of the slip without damping, which is far from grazing
+_CURVED = 10  # the secant is off by the square of the bracket, times this
+_WIDEST = 1e-2  # of the first bracket, relative
+_FINE = 1000  # parts of a bracket to which its ends are rounded
+_speed = sp.Symbol("v", positive=True)
 
 
 @dataclass(frozen=True)
 class Theorem:
-    """Two dampings that enclose the threshold, and what the statement rests on."""
+    """Two dampings that enclose the threshold, and what the statement rests on.
+
+    Attributes
+    ----------
+    law : FrictionLaw
+    values : mapping of str to Rational
+        V, N, m and k, and the law's parameters.
+    low, high : fractions.Fraction
+        Dampings in kg/s at which the slip from P returns, and at which it does not.
+    below, above : Transit
+        The slip from P at these.
+    undamped : Transit or None
+        The slip at c = 0, where it was shown to return. Then all slips for c >= 0 lie inside it; otherwise the
+        statement is for c >= `low` only.
+    hypotheses : tuple of (str, str)
+        What the lemma needs of the law, and how that was checked.
+    """
 
     law: FrictionLaw
-    scene: Mapping[str, Rational]  # V, N, m and k, and the law's parameters
-    low: Fraction  # a damping in kg/s at which the slip from P returns
-    high: Fraction  # one at which it does not
-    below: Transit  # the slip from P at `low`
-    above: Transit  # and at `high`
+    values: Mapping[str, Rational]
+    low: Fraction
+    high: Fraction
+    below: Transit
+    above: Transit
     undamped: Transit | None
-    """The slip at c = 0, where it was shown to return. Then all slips for c >= 0 lie inside it; otherwise the
-    statement is for c >= `low` only."""
-    hypotheses: tuple[tuple[str, str], ...]  # what the lemma needs of the law, and how that was checked
+    hypotheses: tuple[tuple[str, str], ...]
 
     @property
     def enclosure(self) -> Enclosure:
@@ -39,10 +84,10 @@ class Theorem:
     @property
     def statement(self) -> str:
         """The theorem, in one sentence."""
-        returns = f"at c = {decimal(self.low)} kg/s"
+        returns = f"at c = {_decimal(self.low)} kg/s"
         if self.undamped is not None:
-            returns = f"for every c from 0 to {decimal(self.low)} kg/s"
-        misses = f"for no c of {decimal(self.high)} kg/s or more"
+            returns = f"for every c from 0 to {_decimal(self.low)} kg/s"
+        misses = f"for no c of {_decimal(self.high)} kg/s or more"
         return f"The slip that leaves P returns to the belt's speed {returns}, and {misses}."
 
     @property
@@ -55,27 +100,24 @@ class Theorem:
             lines.append(
                 f"so all slips with damping lie inside it, at slip speeds below {reach:.4g} times the belt's"
             )
-        for c, transit in ((self.low, self.below), (self.high, self.above)):
-            end = "returns" if transit.returns else "turns at a slip speed above 0, and does not return"
-            lines.append(f"at c = {decimal(c)} kg/s the slip {end}, {_work(transit)}")
+        for c, one in ((self.low, self.below), (self.high, self.above)):
+            end = "returns" if one.returns else "turns at a slip speed above 0, and does not return"
+            lines.append(f"at c = {_decimal(c)} kg/s the slip {end}, {_work(one)}")
         lines.append(
             "what returns at one damping returns at every smaller one, since more damping turns the field one way"
         )
         return lines
 
     def __str__(self) -> str:
-        values = ", ".join(f"{name} = {value}" for name, value in self.scene.items())
+        values = ", ".join(f"{name} = {value}" for name, value in self.values.items())
         head = f"Theorem. Let mu(v) = {self.law.text}, with {values} in SI units. {self.statement}"
         return "\n".join([head, "Proof.", *(f"- {line}." for line in self.proof)])
 
     def latex(self) -> str:
         """Return the theorem and its proof as LaTeX paragraphs."""
-        values = ", ".join(f"${latex_name(name)} = {value}$" for name, value in self.scene.items())
-        mu = (
-            prose(self.law.text)
-            if self.law.curve is not None
-            else f"${printing.latex(self.law.expr, inline=True)}$"
-        )
+        values = ", ".join(f"${latex_name(name)} = {value}$" for name, value in self.values.items())
+        formula = self.law.curve is None
+        mu = f"${printing.latex(self.law.expr, inline=True)}$" if formula else prose(self.law.text)
         names = {name: name for name in ("P", "c")}
         items = "\n".join(f"  \\item {prose(line, names)}." for line in self.proof)
         theorem = f"Let $\\mu(v)$ be {mu}, with {values} in SI units. {prose(self.statement, names)}"
@@ -83,11 +125,189 @@ class Theorem:
         return f"\\paragraph{{Theorem.}} {theorem}\n\\paragraph{{Proof.}}\n{proof}\n"
 
 
-def decimal(value: Fraction) -> str:
+def _decimal(value: Fraction) -> str:
     """Return a fraction whose denominator divides a power of ten as a decimal number, exactly."""
     with localcontext(prec=10_000):
         return f"{Decimal(value.numerator) / Decimal(value.denominator):f}"
 
 
-def _work(transit: Transit) -> str:
-    return f"by {transit.steps} Taylor steps with {transit.bits} bits, in boxes no wider than {transit.width:.1e}"
+def _work(one: Transit) -> str:
+    return f"by {one.steps} Taylor steps with {one.bits} bits, in boxes no wider than {one.width:.1e}"
+
+
+def prove_threshold(point: ExactPoint, guess: float, error: float, rtol: float) -> Theorem:
+    """Prove two dampings that enclose the threshold.
+
+    - `guess, error`: a value of the threshold in kg/s, and its relative error as far as known.
+    - `rtol`: the width of the enclosure, relative.
+
+    Raises `InputError` if the law does not meet a hypothesis of the lemma.
+    Raises `NoThreshold` if the slip returns for no damping c >= 0.
+    Raises `NotConverged` if a decision does not fall; it says where the boxes grew.
+    """
+    hypotheses = checked_hypotheses(point)
+    if guess == 0:
+        raise NoThreshold(
+            "the threshold is 0: friction does no work along the orbit, and nothing is left to enclose"
+        )
+    search = Search(partial(transit, point), "c in kg/s")
+    found = search.around(guess, error, rtol)
+    undamped = None
+    if found.low > 0:
+        with suppress(Undecided, InputError):
+            undamped = transit(point, Fraction(0), _UNDAMPED_BITS)
+    if undamped is not None and not undamped.returns:
+        raise NoThreshold("the slip returns at some damping, but not without any: the lemma does not hold here")
+    below, above = search.decided[found.low], search.decided[found.high]
+    return Theorem(point.law, point.values, found.low, found.high, below, above, undamped, hypotheses)
+
+
+# -- the search ------------------------------------------------------------------------------------
+
+
+class Search:
+    """Decisions at values of the damping, or of minus it, or of another quantity; and what encloses the threshold.
+
+    - `decision`: from a value, and bits of precision, to the `Transit` there.
+    - `label`: what the value is, for messages.
+    """
+
+    def __init__(self, decision: Callable[[Fraction, int], Transit], label: str) -> None:
+        self.decision, self.label = decision, label
+        self.decided: dict[Fraction, Transit] = {}
+        self.bits = list(_BITS)
+
+    def around(self, value: float, error: float, rtol: float) -> Enclosure:
+        """Enclose the threshold by two values within a relative distance.
+
+        - `value, error`: where to look, and its relative error as far as known.
+        """
+        center, close = Fraction(value), Fraction(rtol)
+        half = close * abs(center) * Fraction(2, 5)
+        width = max(half, abs(center) * Fraction(min(max(2 * error, 1e-15), _WIDEST)))
+        for side in (-1, 1):  # the slip returns below the threshold
+            step = width
+            while self._returns(_rounded(center + side * step, step), step / abs(center)) != (side < 0):
+                step *= 4
+                center = self._secant() or center  # a guess that is off by more than it says is mended
+                if not 0 < step < abs(center):
+                    raise NotConverged(f"no change is near the guess {self.label} = {float(abs(center)):g}")
+        while True:
+            low = max(x for x, one in self.decided.items() if one.returns)
+            high = min(x for x, one in self.decided.items() if not one.returns)
+            if high - low <= close * abs(low):
+                return Enclosure(low, high)
+            # By the secant where it converges, else by halves.
+            middle, radius = self._secant(), max(half, _CURVED * (high - low) ** 2 / abs(low))
+            if middle is None or not low < middle < high or radius > (high - low) / 4:
+                middle, radius = (low + high) / 2, Fraction(0)
+            grain = radius or (high - low) / 8
+            for x in sorted({_rounded(middle + side * radius, grain) for side in (-1, 1)}):
+                if low < x < high and not self._returns(x, grain / abs(low)):
+                    break  # nor does it beyond
+
+    def _returns(self, x: Fraction, distance: Fraction) -> bool:
+        """Decide at a value, at a precision that suits its relative distance from the threshold."""
+        close = int(1.25 * max(0.0, -math.log2(distance)))
+        while x not in self.decided:
+            bits = self.bits[0] + close
+            try:
+                self.decided[x] = self.decision(x, bits)
+            except Undecided as error:
+                if len(self.bits) == 1:
+                    where = f"{self.label} = {float(abs(x)):.15g} with {bits} bits"
+                    raise NotConverged(f"undecided at {where}: {error}") from None
+                del self.bits[0]  # nor would fewer do at the next value
+        return self.decided[x].returns
+
+    def _secant(self) -> Fraction | None:
+        """Return where the lowest slip speed vanishes by the secant through two decisions close to it."""
+        lowest = [(abs(one.lowest.mid()), x, one.lowest.mid()) for x, one in self.decided.items() if one.turned]
+        lowest.sort(key=lambda row: float(row[0]))
+        if len(lowest) < 2 or lowest[0][2] == lowest[1][2]:
+            return None
+        (_, x, w), (_, x_2, w_2) = lowest[:2]
+        return x - (x_2 - x) * _fraction(w / (w_2 - w))
+
+
+def _fraction(value: arb) -> Fraction:
+    mantissa, exponent = value.mid().man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def _rounded(x: Fraction, width: Fraction) -> Fraction:
+    """Return the nearest decimal number with no more digits than a width calls for."""
+    places = max(0, math.ceil(-math.log10(width / _FINE)))
+    return Fraction(round(x * 10**places), 10**places)
+
+
+# -- hypotheses ------------------------------------------------------------------------------------
+
+
+def checked_hypotheses(point: ExactPoint) -> tuple[tuple[str, str], ...]:
+    """Return what the lemma needs, and how it was checked for a law and its static coefficient.
+
+    Raises `InputError` if a hypothesis was not shown; the message says which, and why.
+    """
+    law = point.law
+    smooth, how = lipschitz_evidence(law)
+    if not smooth:
+        raise InputError(f"a threshold is proved for laws that are locally Lipschitz for v > 0, and {how}; "
+                         'try method="simulation", which takes all laws')  # fmt: skip
+    found = ("mu is locally Lipschitz for v > 0", how)
+    if law.static is None:
+        return (found, ("the static coefficient is mu(0+)", "the law has no other"))
+    with working_precision(_SIGN_BITS):
+        above = law.static - point.at_rest
+        if not ball_value(above, law.point).real > 0 and above.xreplace(law.point) != 0:
+            raise InputError("the static coefficient was not shown to be at least mu(0+), as a proof needs it")
+    return (found, ("the static coefficient is at least mu(0+)", "by enclosing both"))
+
+
+def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
+    """Return whether a bound law was shown to be locally Lipschitz for v > 0, and how, or what is against it."""
+    kinks = law.kinks()
+    for start, end in pairwise([sp.Integer(0), *kinks, law.v_max]):
+        segment = branch_from(law.expr, law.point, start)
+        for argument in _must_be_positive(segment.xreplace({symbols.v: _speed})):
+            if argument is None:
+                return False, f"mu holds a function that is not analytic, in {segment}"
+            if not _is_positive(argument.xreplace(law.point), start, end):
+                where = f"between v = {start} and {end or 'infinity'}"
+                return False, f"{argument} was not shown to be positive {where}"
+    for place, height in jumps(law.expr):
+        if height.xreplace(law.point) != 0 and sp.simplify(height) != 0:
+            return False, f"mu jumps at v = {place}"
+    if kinks:
+        return True, f"mu is analytic on {len(kinks) + 1} segments of v > 0, which meet without a jump"
+    return True, "mu is analytic for v > 0"
+
+
+def _must_be_positive(expr: Expr) -> Iterator[Expr | None]:
+    """Yield what has to be positive for an expression to be analytic; None for an unknown function."""
+    for node in sp.preorder_traversal(expr):
+        if not node.has(_speed) or node.is_Symbol or is_analytic(node):
+            continue
+        if node.is_Pow and not node.exp.has(_speed):
+            if not (node.exp.is_Integer and node.exp > 0):
+                yield node.base**2 if node.exp.is_Integer else node.base
+        else:
+            yield node.args[0] if isinstance(node, sp.log) else None
+
+
+def _is_positive(expr: Expr, start: Rational, end: Rational | None) -> bool:
+    """Whether an expression of v is shown to be positive: by its signs, or by balls on a bounded range."""
+    if expr.is_positive:
+        return True
+    if end is None:
+        return False
+    with working_precision(_SIGN_BITS):
+        function = ball_function(expr, _speed, {})
+        waiting = [(start, end)]
+        for _ in range(_MOST_CUTS):
+            if not waiting:
+                return True
+            low, high = waiting.pop()
+            if not function(acb(ball(low).real.union(ball(high).real)), False).real > 0:
+                waiting += [(low, (low + high) / 2), ((low + high) / 2, high)]
+    return False

@@ -23,9 +23,8 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.methods import (
     Method,
     accuracy,
-    by_method,
-    cheapest,
     find_method,
+    good_enough,
     is_straight,
     methods,
 )
@@ -120,7 +119,7 @@ class Threshold:
             return None
         return Budget.of(errors, self.sensitivity, self.points.shape)
 
-    @cached_property
+    @property
     def nonlinearity(self) -> Any:
         """The standard error to second order over that to first order; 1.0 where nothing carries an error.
 
@@ -130,6 +129,7 @@ class Threshold:
 
     @cached_property
     def _second_order(self) -> tuple[Any, str]:
+        """The ratio of both orders, and why it is not known."""
         errors, reason = standard_errors(self.points), ""
         ratio: FloatArray = np.ones(len(self.points))
         if self.budget is not None and errors is not None:
@@ -176,19 +176,17 @@ class Threshold:
     def __str__(self) -> str:
         if not np.size(self.value):
             return "0 thresholds"
-        negative = f"; {_NOT_NEEDED}" if np.min(self.value) < 0 else ""
-        return f"{self._numbers}{negative}"
+        return self._numbers + (f"; {_NOT_NEEDED}" if np.min(self.value) < 0 else "")
 
     @property
     def _numbers(self) -> str:
-        error, worst = self.relative_error, accuracy(None)
-        if error is not None:
-            worst = accuracy(float(np.max(error)))
+        error = self.relative_error
+        worst = accuracy(None if error is None else float(np.max(error)))
         if np.ndim(self.value):
-            low, high, methods = np.min(self.value), np.max(self.value), ", ".join(np.unique(self.method))
+            low, high, names = np.min(self.value), np.max(self.value), ", ".join(np.unique(self.method))
             return (
                 f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s "
-                f"({methods}, relative error {worst}, {self.status})"
+                f"({names}, relative error {worst}, {self.status})"
             )
         if self.theorem is not None:
             return f"{self.enclosure} kg/s ({self.method}, relative error at most {worst}, PROVED)"
@@ -204,18 +202,13 @@ class Threshold:
     def _repr_html_(self) -> str:
         value, method = np.atleast_1d(self.value), np.atleast_1d(self.method)
         error = np.broadcast_to(np.inf if self.relative_error is None else self.relative_error, value.shape)
-        rows = [
-            ["..."] * 5
-            if index is None
-            else [
-                ", ".join(map(str, index)),
-                f"{value[index]:.10g}",
-                str(method[index]),
-                accuracy(float(error[index])),
-                str(self.status),
-            ]
-            for index in markup.shortened(list(np.ndindex(value.shape)))
-        ]
+        rows = []
+        for index in markup.shortened(list(np.ndindex(value.shape))):
+            if index is None:
+                rows.append(["..."] * 5)
+                continue
+            said = (f"{value[index]:.10g}", str(method[index]), accuracy(float(error[index])), str(self.status))
+            rows.append([", ".join(map(str, index)), *said])
         header = ["operating point", "c in kg/s", "method", "relative error", "status"]
         first = 0 if np.ndim(self.value) else 1
         return markup.table(header[first:], [row[first:] for row in rows], caption="pure-slip damping")
@@ -250,9 +243,9 @@ def pure_slip_damping(
         Mass in kg and stiffness in N/m. Without them the error of an average of slopes is not known, unless
         mu is a straight line, which all methods treat exactly.
     method : str, Criterion or Method
-        "auto" asks one method after another, the cheapest first, and gives the first value that knows its own
-        error to be at most `rtol`: "second_order", "simulation" or "orbit". Without m and k it gives "harmonic",
-        the limit of weak friction. Otherwise one method: "equilibrium", "least_squares", "harmonic",
+        "auto" asks one method after another, the cheapest there first, and gives the first value that knows its
+        own error to be at most `rtol`: "second_order", "simulation" or "orbit". Without m and k it gives
+        "harmonic", the limit of weak friction. Otherwise one method: "equilibrium", "least_squares", "harmonic",
         "second_order", "orbit", "simulation", the average by a criterion of one's own, or "proof", which encloses
         the threshold, with every error bounded.
     rtol : float, optional
@@ -292,39 +285,31 @@ def pure_slip_damping(
     >>> osc = Oscillator(m=1.0, k=100.0, V=0.5, N=9.81)
     >>> threshold = pure_slip_damping(laws.exponential.typical(), osc, rtol=1e-8)
     >>> f"{threshold.value:.7f} kg/s by {threshold.method}"
-    '2.5730789 kg/s by simulation'
+    '2.5730789 kg/s by orbit'
     """
     law = as_law(law)
     chosen = find_method(method)
     points = OperatingPoints.of(law, osc, V=V, N=N, m=m, k=k)
     law.function("numpy")  # refuses a law with parameters that have no value
-    if chosen is not None:
-        chosen.check(law, points.V, points.m is not None)
-    elif points.m is None:
+    deserved = deserved_tolerance(points) if rtol is None and chosen is None and points.has_oscillator else 0.0
+    if chosen is None and not points.has_oscillator:
         chosen = find_method("equilibrium" if is_straight(law) else "harmonic")
-    deserved = deserved_tolerance(points) if rtol is None and chosen is None else 0.0
     least, most = (1e-13, 1.0) if chosen is None else (chosen.tightest, chosen.loosest)
     rtol = read_rtol(max(_ENOUGH, deserved) if rtol is None else rtol, least=least, most=most)
     if len(points):
         warn_where_negative(law, float(points.V.max()))
     with deadline.time_limit(time_limit):
         deadline.check_time()
-        if chosen is None:
-            computed, names = cheapest(points, rtol)
-            used = {name: one for name, one in methods().items() if name in set(names.tolist())}
-        else:
-            computed = by_method(points, chosen, rtol)
-            names, used = np.full(len(points), chosen.name, dtype=object), {chosen.name: chosen}
-    value, error = computed.value + 0.0, computed.relative_error  # -0.0 becomes 0.0
-    shown: Any = error.reshape(points.shape)
-    if not np.isfinite(error).all():
-        shown = None if points.shape == () or not np.isfinite(error).any() else shown
+        computed, names = good_enough(points, chosen, rtol)
+    table = methods() if chosen is None else {chosen.name: chosen}
+    error = computed.relative_error
+    known = np.isfinite(error).any() or not error.size
     return Threshold(
-        shaped(value, points.shape),
+        shaped(computed.value + 0.0, points.shape),  # -0.0 becomes 0.0
         str(names[0]) if points.shape == () else np.array(names.tolist(), dtype=str).reshape(points.shape),
-        shown if shown is None or points.shape != () else float(error[0]),
+        shaped(error, points.shape) if known else None,
         points,
-        used,
+        {name: table[name] for name in set(names.tolist())},
         computed.theorems,
         deserved if deserved > _ENOUGH else None,
     )

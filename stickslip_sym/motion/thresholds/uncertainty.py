@@ -1,19 +1,20 @@
 """What the standard errors of quantities and parameters do to a threshold, to first and to second order."""
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from stickslip_sym.core.aliases import FloatArray, IntArray, Numbers, ObjectArray, Rows
+from stickslip_sym.core.aliases import FloatArray, Numbers, ObjectArray
 from stickslip_sym.core.errors import InputWarning
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.criteria.criterion import harmonic
+from stickslip_sym.motion.thresholds.averages import average_changes
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
-from stickslip_sym.motion.thresholds.sensitivity import of_average
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import table
 
@@ -29,17 +30,15 @@ _SUFFICES = 0.1  # of the first order's standard error, by which the second orde
 _HIDDEN = 1e-12  # of a threshold, a standard error that is rounding
 _RANK = 1e-12  # of the largest eigenvalue of the correlations, below which one is 0
 
+Gradient = Callable[..., Mapping[str, FloatArray]]
+
 
 @dataclass(frozen=True)
 class Errors:
     """The standard errors of some operating points of one law.
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of what carries an error.
-    covariance : numpy.ndarray, shape (n, names, names) or (1, names, names)
-        Of each point, or of all.
+    - `names`: of what carries an error.
+    - `covariance`: of all points, shape (1, names, names), or of each.
     """
 
     names: tuple[str, ...]
@@ -58,15 +57,8 @@ class Errors:
             r = np.nan_to_num(self.covariance / (size[:, :, None] * size[:, None, :]))
         largest = np.take_along_axis(r, np.abs(r).argmax(axis=0)[None], axis=0)[0]
         pairs = combinations(range(len(self.names)), 2)
-        return [
-            (self.names[i], self.names[j], float(largest[i, j]))
-            for i, j in pairs
-            if abs(largest[i, j]) > _CORRELATED
-        ]
-
-    def rows(self, chosen: Rows) -> "Errors":
-        """Return those of some points."""
-        return Errors(self.names, self.covariance if len(self.covariance) == 1 else self.covariance[chosen])
+        found = [(self.names[i], self.names[j], float(largest[i, j])) for i, j in pairs]
+        return [pair for pair in found if abs(pair[2]) > _CORRELATED]
 
 
 def standard_errors(points: OperatingPoints) -> Errors | None:
@@ -74,23 +66,16 @@ def standard_errors(points: OperatingPoints) -> Errors | None:
     carriers: dict[str, UFloat | ObjectArray] = {**points.uncertain, **points.law.uncertain}
     if not carriers:
         return None
-    single = all(isinstance(value, UFloat) for value in carriers.values())
-    count, size = 1 if single else len(points), len(carriers)
-    covariance = np.array([
-        _covariance([value if isinstance(value, UFloat) else value[row] for value in carriers.values()])
-        for row in range(count)
-    ]).reshape(count, size, size)  # fmt: skip
-    return Errors(tuple(carriers), covariance)
-
-
-def _covariance(values: list[float | UFloat]) -> FloatArray:
     import uncertainties
 
-    carrying = [i for i, value in enumerate(values) if isinstance(value, UFloat)]
-    whole = np.zeros((len(values), len(values)))
-    if carrying:
-        whole[np.ix_(carrying, carrying)] = uncertainties.covariance_matrix([values[i] for i in carrying])
-    return whole
+    single = all(isinstance(value, UFloat) for value in carriers.values())
+    covariance = np.zeros((1 if single else len(points), len(carriers), len(carriers)))
+    for row, found in enumerate(covariance):
+        values = [value if isinstance(value, UFloat) else value[row] for value in carriers.values()]
+        carrying = [i for i, value in enumerate(values) if isinstance(value, UFloat)]
+        if carrying:
+            found[np.ix_(carrying, carrying)] = uncertainties.covariance_matrix([values[i] for i in carrying])
+    return Errors(tuple(carriers), covariance)
 
 
 # -- first order -----------------------------------------------------------------------------------
@@ -131,23 +116,18 @@ class Budget:
     def of(cls, errors: Errors, sensitivity: Mapping[str, Numbers], shape: tuple[int, ...]) -> "Budget":
         """Return the budget of thresholds with given sensitivities."""
         s = np.stack([np.ravel(sensitivity[name]) for name in errors.names], axis=1)
-        parts = s * np.einsum(
-            "nij,nj->ni", np.broadcast_to(errors.covariance, (len(s), *errors.covariance.shape[1:])), s
-        )
+        parts = s * (errors.covariance @ s[:, :, None])[:, :, 0]
         variance = np.maximum(parts.sum(axis=1), 0.0)
         with np.errstate(all="ignore"):
             shares = np.where(variance[:, None] > 0, parts / variance[:, None], 0.0)
         sizes = np.broadcast_to(errors.deviations, s.shape)
+        order = np.argsort(-shares.mean(axis=0), kind="stable") if len(s) else np.arange(len(errors.names))
 
         def columns(values: FloatArray) -> dict[str, Any]:
-            by_name = {name: shaped(values[:, i], shape) for i, name in enumerate(errors.names)}
-            return {name: by_name[name] for name in order}
+            return {errors.names[i]: shaped(values[:, i], shape) for i in order}
 
-        order = (
-            [errors.names[i] for i in np.argsort(-shares.mean(axis=0), kind="stable")] if len(s) else errors.names
-        )
         return cls(
-            tuple(order), columns(sizes), columns(np.abs(s) * sizes), columns(shares),
+            tuple(errors.names[i] for i in order), columns(sizes), columns(np.abs(s) * sizes), columns(shares),
             shaped(np.sqrt(variance), shape), errors.correlated,
         )  # fmt: skip
 
@@ -176,8 +156,7 @@ class Budget:
         return table(*self._cells) + (f"\n{self._remark}" if self._remark else "")
 
     def _repr_html_(self) -> str:
-        header, rows = self._cells
-        return markup.table(header, rows, caption=self._remark or "budget of the standard error")
+        return markup.table(*self._cells, caption=self._remark or "budget of the standard error")
 
 
 def shaped(column: FloatArray, shape: tuple[int, ...]) -> Any:
@@ -202,10 +181,9 @@ def deserved_tolerance(points: OperatingPoints) -> float:
     if errors is None or not len(points):
         return 0.0
     nothing = np.zeros(len(points))
-    by = of_average(harmonic, points, nothing)
-    budget = Budget.of(errors, {name: by.get(name, nothing) for name in errors.names}, (len(points),))
+    by = dict.fromkeys(errors.names, nothing) | average_changes(harmonic, points, nothing)
     with np.errstate(all="ignore"):
-        relative = budget.uncertainty / np.abs(points.N * by["N"])
+        relative = Budget.of(errors, by, (len(points),)).uncertainty / np.abs(points.N * by["N"])
     return min(_PART * float(np.nan_to_num(relative, nan=0.0).min()), _LARGEST)
 
 
@@ -215,7 +193,7 @@ def deserved_tolerance(points: OperatingPoints) -> float:
 def second_order_ratio(
     points: OperatingPoints,
     value: FloatArray,
-    gradient: Callable[[OperatingPoints, IntArray], Mapping[str, FloatArray]],
+    gradient: Gradient,
     errors: Errors,
 ) -> FloatArray:
     """Return the standard error of thresholds to second order over that to first, one for each point.
@@ -225,45 +203,41 @@ def second_order_ratio(
     in the errors. All of it follows from the gradients sqrt(3) standard errors up and down each axis: 2 n of
     them for n errors, products included.
 
-    Parameters
-    ----------
-    points : OperatingPoints
-    value : numpy.ndarray, shape (n,)
-        The thresholds: standard errors below their rounding need no second order.
-    gradient : callable
-        From points, and the rows that they stand for, to the derivatives of their thresholds, by name.
-    errors : Errors
+    - `value`: the thresholds; standard errors below their rounding need no second order.
+    - `gradient`: from points, and the rows that they stand for, to the derivatives of their thresholds, by name.
 
-    Raises
-    ------
-    InputError
-        If a quantity one standard error off leaves where it may be.
-    NoThreshold, NotConverged
-        If there is no threshold there.
+    Raises `InputError` if a quantity off by sqrt(3) standard errors leaves where it may be.
+    Raises `NoThreshold` or `NotConverged` if there is no threshold there.
     """
-    apart = len(errors.covariance) > 1
-    groups = np.arange(len(points))[:, None] if apart else [np.arange(len(points))]
-    ratio = np.ones(len(points))
-    for rows in groups:
-        chosen = points.rows(rows)
-        axes = _axes(errors.rows(rows[:1]).covariance[0])
+    every = np.arange(len(points))
+    if len(errors.covariance) == 1:
+        return _ratios(points, value, partial(gradient, rows=every), errors.names, errors.covariance[0])
+    found = [
+        _ratios(points.rows([row]), value[[row]], partial(gradient, rows=every[[row]]), errors.names, covariance)
+        for row, covariance in enumerate(errors.covariance)
+    ]
+    return np.concatenate(found)
 
-        # The gradient by x at the point itself, and up and down each axis: one column a point.
-        slopes = [
-            axes.T @ np.stack([by[name] for name in errors.names])
-            for shift in (np.zeros(len(errors.names)), *(_FAR * axes.T), *(-_FAR * axes.T))
-            for by in [gradient(chosen.shifted(dict(zip(errors.names, shift.tolist(), strict=True))), rows)]
-        ]
-        first, count = (slopes[0] ** 2).sum(axis=0), axes.shape[1]
-        up, down = np.array(slopes[1 : count + 1]), np.array(slopes[count + 1 :])
-        second = first
-        if count:
-            h, t = (up - down) / (2 * _FAR), (up + down - 2 * slopes[0]) / _FAR**2
-            second = np.maximum(first + (h**2).sum(axis=(0, 1)) / 2 + (slopes[0] * t).sum(axis=(0, 1)), 0.0)
-        shows = second > (_HIDDEN * value[rows]) ** 2
-        with np.errstate(divide="ignore"):
-            ratio[rows[shows]] = np.sqrt(second[shows] / first[shows])
-    return ratio
+
+def _ratios(
+    points: OperatingPoints, value: FloatArray, gradient: Gradient, names: Sequence[str], covariance: FloatArray
+) -> FloatArray:
+    L = _axes(covariance)
+
+    def slope(shift: FloatArray) -> FloatArray:
+        """Return the gradient by x, one column a point."""
+        by = gradient(points.shifted(dict(zip(names, shift.tolist(), strict=True))))
+        found: FloatArray = L.T @ np.stack([by[name] for name in names])
+        return found
+
+    a = slope(np.zeros(len(names)))
+    first = second = (a**2).sum(axis=0)
+    if L.shape[1]:
+        up, down = (np.array([slope(side * _FAR * axis) for axis in L.T]) for side in (1, -1))
+        h, t = (up - down) / (2 * _FAR), (up + down - 2 * a) / _FAR**2
+        second = np.maximum(first + (h**2).sum(axis=(0, 1)) / 2 + (a * t).sum(axis=(0, 1)), 0.0)
+    with np.errstate(all="ignore"):
+        return np.where(second > (_HIDDEN * value) ** 2, np.sqrt(second / first), 1.0)
 
 
 def _axes(covariance: FloatArray) -> FloatArray:

@@ -94,22 +94,25 @@ def test_estimates_bound_the_error(count):
 
 
 def test_auto_gives_the_first_value_that_is_good_enough():
-    """Asked one by one in the order of the table, no method before it knows its error to be within rtol."""
+    """Asked one by one in the order of their costs, no method before it knows its error to be within rtol."""
     last = Counter()
     for law, numbers, rtol in random_points(18):
         points = OperatingPoints.of(law, **numbers)
         found = ss.pure_slip_damping(law, **numbers, rtol=rtol)
-        for method in methods().values():
-            if not method.automatic:
-                continue
+
+        def cost(method, points=points):
+            return method.cost(points) if callable(method.cost) else method.cost
+
+        for method in sorted(methods().values(), key=cost):
             alone = method.compute(points, min(rtol, method.loosest))
             if method.name == found.method:
                 assert (found.value, found.relative_error) == (alone.value[0], alone.relative_error[0])
                 break
             assert not alone.relative_error[0] <= rtol
         last[found.method] += 1
-    assert last["second_order"] >= 10  # what is cheap serves as far as it can
-    assert last["simulation"] >= 2
+    assert last["second_order"] >= 10  # what is cheap suffices as far as it can
+    assert last["simulation"] >= 1
+    assert last["orbit"] >= 1
 
 
 def test_the_name_of_a_method_is_never_cut(exponential, monkeypatch):
@@ -128,7 +131,7 @@ def test_the_name_of_a_method_is_never_cut(exponential, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("rtol", "method"), [(0.5, "second_order"), (5e-3, "second_order"), (1e-4, "simulation"), (1e-9, "simulation")]
+    ("rtol", "method"), [(0.5, "second_order"), (5e-3, "second_order"), (1e-4, "orbit"), (1e-9, "orbit")]
 )
 def test_auto_goes_as_far_as_it_must(exponential, rtol, method):
     found = ss.pure_slip_damping(exponential, **POINT, rtol=rtol)

@@ -13,13 +13,11 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.balls import working_precision
-from stickslip_sym.motion.thresholds import box_transit, proof, taylor_boxes
-from stickslip_sym.motion.thresholds.box_scene import BoxScene
-from stickslip_sym.motion.thresholds.box_transit import transit
-from stickslip_sym.motion.thresholds.hypotheses import checked_hypotheses
+from stickslip_sym.motion.thresholds import boxes
+from stickslip_sym.motion.thresholds import theorem as proof
+from stickslip_sym.motion.thresholds.boxes import ExactPoint, Undecided, flow, transit
 from stickslip_sym.motion.thresholds.methods import methods
-from stickslip_sym.motion.thresholds.proof import prove_threshold
-from stickslip_sym.motion.thresholds.taylor_boxes import Undecided, flow
+from stickslip_sym.motion.thresholds.theorem import checked_hypotheses, prove_threshold
 
 R = sp.Rational
 POINTS = [
@@ -40,7 +38,7 @@ LAWS = {
 
 
 def scene(law, V="1/2", N="981/100", m="1", k="100"):
-    return BoxScene(law, R(V), R(N), R(m), R(k))
+    return ExactPoint(law, R(V), R(N), R(m), R(k))
 
 
 def simulated(law, rtol=1e-8, **values):
@@ -109,7 +107,7 @@ def test_the_lowest_slip_speed_is_that_of_mpmath_s_solver(name, c, digits, frict
 def random_box(rng, law):
     with working_precision(200):
         (segment, *_) = scene(law).segments(R(rng.randint(1, 400), 100))
-        return segment.field, arb(rng.uniform(-1, 2)), arb(rng.uniform(0.05, 2.5))
+        return segment, arb(rng.uniform(-1, 2)), arb(rng.uniform(0.05, 2.5))
 
 
 @pytest.mark.parametrize("name", ["exponential", "lorentzian", "root"])
@@ -131,7 +129,7 @@ def test_the_remainder_bound_is_no_larger_than_it_must_be():
         with working_precision(160):
             (segment, *_) = scene(LAWS["exponential"]).segments(R(rng.randint(1, 400), 100))
             q, w = arb(rng.uniform(1e3, 1e5)), arb(rng.uniform(0.05, 2.5))
-            none, one, fine = (flow(segment.field, q, w, terms) for terms in (1, 2, 60))
+            none, one, fine = (flow(segment, q, w, terms) for terms in (1, 2, 60))
             way = abs(fine.at(none.time)[1] - w)
             assert none.rest_w.abs_upper() > way > none.rest_w.abs_upper() / 2
             assert abs(none.rest_w.abs_upper() / one.rest_w.abs_upper() - 4) < 1e-6
@@ -145,13 +143,13 @@ def test_without_the_remainder_bound_mpmath_tells(monkeypatch):
     def with_part(part):
         def step(field, q, w, terms, **how):
             found = flow(field, q, w, 20, **how)
-            return taylor_boxes.Flow(found.q, found.w, found.time, found.rest_q * part, found.rest_w * part)
+            return boxes.Flow(found.q, found.w, found.time, found.rest_q * part, found.rest_w * part)
 
         return step
 
     found = {}
     for part in (0, 1):
-        monkeypatch.setattr(box_transit, "flow", with_part(part))
+        monkeypatch.setattr(boxes, "flow", with_part(part))
         with working_precision(160):
             found[part] = transit(scene(LAWS[name]), R(c), 120).lowest.overlaps(arb(truth))
     assert found == {0: False, 1: True}
@@ -165,7 +163,7 @@ def test_a_step_without_its_remainder_bound_is_noticed():
         field, q, w = random_box(rng, LAWS["exponential"])
         with working_precision(160):
             rough, fine = flow(field, q, w, 3), flow(field, q, w, 60)
-            bare = taylor_boxes.Flow(rough.q, rough.w, rough.time, arb(0), arb(0))
+            bare = boxes.Flow(rough.q, rough.w, rough.time, arb(0), arb(0))
             left_out += not bare.at(rough.time)[1].overlaps(fine.at(rough.time)[1])
     assert left_out == 20
 

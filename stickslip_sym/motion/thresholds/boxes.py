@@ -1,0 +1,415 @@
+"""Whether the slip that leaves P comes back to the belt's speed, decided with every error bounded.
+
+The state is (q, w) as in `slip`: P is the origin, and w the slip speed over the belt's. *It returns* where a
+box with w < 0 is reached, or one from which w falls to 0 at a bounded rate. *It does not* where w > 0 all the
+way to its first minimum, at w < 1: on the line at that height between the orbit's first crossing and its end w'
+is not negative, so that nothing leaves what the orbit and this line enclose. As long as q > 0, w > 0 holds by
+itself: at w = 0, w' = eta (static - mu(0+)) + q is positive.
+
+Boxes of states are carried by Taylor series in ball arithmetic. On a polydisc of radii R around a box, where the
+field is analytic and at most M in size, a solution stays inside for the time rho = min R/M at least, so by
+Cauchy's estimate the k-th coefficient of its series is at most R rho^-k, and what n terms leave over at the time t
+is at most R (t/rho)^n/(1 - t/rho).
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+
+import sympy as sp
+from flint import acb, arb, arb_series, ctx
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Rational
+from stickslip_sym.core.balls import BallFunction, ball, ball_function, series_function, working_precision
+from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.model.expression.pieces import branch_from
+from stickslip_sym.model.law import FrictionLaw
+
+__all__ = ["ExactPoint", "Flow", "Segment", "Transit", "Undecided", "flow", "transit"]
+
+_SCALES = tuple(2.0**-i for i in range(-1, 9))  # of the radii that are tried for the polydisc
+_SHARE = 0.25  # of the time rho that a step takes: with it a term gains two bits
+_MOST_STEPS = 20_000
+_CUTS = 60  # times that a step is shortened
+_SHORTER = 0.7  # of a step that ends too close to a kink
+_FINE = 8  # halvings of a step on which w is highest
+_LOW = 0.5  # of w, below which a fall to 0 is looked for
+_START_SHARE = 3  # the first step from a point where mu is not analytic is 2^-(bits/3)
+_w = sp.Symbol("w")
+
+
+class Undecided(Exception):
+    """Boxes grew until nothing could be decided; the message says where."""
+
+
+@dataclass(frozen=True)
+class ExactPoint:
+    """An operating point in exact numbers, in SI units: a bound law, and an oscillator without damping."""
+
+    law: FrictionLaw
+    V: Rational
+    N: Rational
+    m: Rational
+    k: Rational
+
+    @property
+    def values(self) -> dict[str, Rational]:
+        """All that was given, by name."""
+        return {"V": self.V, "N": self.N, "m": self.m, "k": self.k, **self.law.values}
+
+    @property
+    def at_rest(self) -> Expr:
+        """The coefficient mu(0+), by the first segment at v = 0."""
+        return branch_from(self.law.expr, self.law.point, sp.Integer(0)).xreplace({symbols.v: sp.Integer(0)})
+
+    def segments(self, c: Rational) -> list["Segment"]:
+        """Return the smooth segments of the field, ascending, at the working precision."""
+        law, impedance = self.law, sp.sqrt(self.k * self.m)
+        static = self.at_rest if law.static is None else law.static
+        starts = [sp.Integer(0), *law.kinks()]
+        found = []
+        for start, end in zip(starts, [*starts[1:], law.v_max], strict=True):
+            mu = branch_from(law.expr, law.point, start).xreplace({symbols.v: self.V * _w})
+            push = self.N / (self.V * impedance) * (static - mu) - c / impedance * _w
+            found.append(
+                Segment(
+                    ball(start / self.V).real,
+                    None if end is None else ball(end / self.V).real,
+                    ball_function(push, _w, law.point),
+                    series_function(push, _w, law.point),
+                    series_function(sp.diff(push, _w), _w, law.point),
+                )
+            )
+        return found
+
+
+@dataclass(frozen=True)
+class Segment:
+    """The field q' = 1 - w, w' = eta (static - mu(V w)) + q - 2 zeta w, on one smooth segment of mu.
+
+    - `low`, `high`: between which slip speeds over V; the last segment has no end unless the law has.
+    - `push`: w' - q of a ball w, and the flag.
+    - `push_series`, `slope_series`: the same of a power series w, and its derivative by w.
+    """
+
+    low: arb
+    high: arb | None
+    push: BallFunction
+    push_series: Callable[[arb_series], arb_series]
+    slope_series: Callable[[arb_series], arb_series]
+
+    def rate(self, q: arb, w: arb) -> arb:
+        """Return w' over real balls."""
+        return self.push(acb(w), False).real + q
+
+
+# -- one step --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Flow:
+    """All solutions from a box, over a time.
+
+    - `q`, `w`: coefficients of their Taylor polynomials.
+    - `time`: how long they hold, exact.
+    - `rest_q`, `rest_w`: bounds of what the polynomials leave over, at that time.
+    """
+
+    q: list[arb]
+    w: list[arb]
+    time: arb
+    rest_q: arb
+    rest_w: arb
+
+    def at(self, t: arb) -> tuple[arb, arb]:
+        """Return q and w over a ball of times."""
+        if t == 0:
+            return self.q[0], self.w[0]
+        return _value(self.q, t) + self.rest_q, _value(self.w, t) + self.rest_w
+
+
+def _value(coefficients: list[arb], t: arb) -> arb:
+    total = arb(0)
+    for coefficient in reversed(coefficients):
+        total = total * t + coefficient
+    return total
+
+
+def flow(segment: Segment, q: arb, w: arb, terms: int, *, start: bool = False) -> Flow:
+    """Follow all solutions from a box for one step, by Taylor polynomials of so many terms.
+
+    - `start`: whether the box is P with w' = 0 there exactly, since mu(0+) is the static coefficient.
+    """
+    rho, radius_q, radius_w = _polydisc(segment, q, w)
+    before = ctx.cap
+    try:
+        coefficients = _taylor(segment, q, w, terms, start)
+    except (ValueError, ZeroDivisionError) as error:  # a series is divided by one whose first ball holds 0
+        raise Undecided(f"the field has no power series around w = {w.str(6)}: {error}") from None
+    finally:
+        ctx.cap = before
+    time = arb(float(rho) * _SHARE)
+    ratio = time / rho
+    left = arb(0, 1) * ratio**terms / (1 - ratio)
+    return Flow(*coefficients, time, arb(radius_q) * left, arb(radius_w) * left)
+
+
+def _polydisc(segment: Segment, q: arb, w: arb) -> tuple[arb, float, float]:
+    """Return a time for which every solution from a box stays near, and how near: the best of some polydiscs."""
+    best = (arb(0), 0.0, 0.0)
+    size = abs(float(w.mid()))
+    for radius_w in sorted({share * scale for share in _SCALES for scale in (max(1.0, size), size)}, reverse=True):
+        if not radius_w:
+            break
+        around = arb(0, 1) * arb(radius_w)
+        disc = acb(w + around, around)  # a square that holds the disc around every point of the ball
+        push = segment.push(disc, True)
+        if not push.is_finite():
+            continue
+        most_q, most_w = (1 - disc).abs_upper(), (push + acb(q)).abs_upper()
+        # The radius of q that is used up when that of w is.
+        speed, way = float(most_w), radius_w * float(most_q)
+        radius_q = 2 * way / (math.hypot(speed, 2 * math.sqrt(way)) + speed)
+        rho = arb((arb(radius_q) / most_q).min(arb(radius_w) / (most_w + arb(radius_q))).lower())
+        if rho < best[0]:
+            break  # smaller ones are left sooner still
+        best = (rho, radius_q, radius_w)
+    if not best[0] > 0:
+        raise Undecided(f"the field is not analytic around w = {w.str(6)}")
+    return best
+
+
+def _taylor(segment: Segment, q: arb, w: arb, terms: int, start: bool) -> tuple[list[arb], list[arb]]:
+    """Return Taylor coefficients by Newton's iteration, which doubles their number each time.
+
+    What the first k of them leave over in the equations is linear in the next k, up to order 2k.
+    """
+    zero = arb(0)
+    all_q, all_w = [q, 1 - w], [w, zero if start else segment.rate(q, w)]
+    while (known := len(all_q)) < terms:
+        upto = min(2 * known, terms)
+        ctx.cap = upto
+        push = segment.push_series(arb_series(all_w, prec=upto)).coeffs()
+        ctx.cap = upto - known
+        slope = segment.slope_series(arb_series(all_w[: upto - known], prec=upto - known)).coeffs()
+        push += [zero] * (upto - len(push))
+        slope += [zero] * (upto - known - len(slope))
+        new_q: list[arb] = []
+        new_w: list[arb] = []
+        for order in range(known, upto):
+            carried = sum((a * d for a, d in zip(slope, reversed(new_w), strict=False)), push[order - 1])
+            # The equation for q holds with the known coefficients up to their last one.
+            rate_q = -(all_w[order - 1] if order == known else new_w[-1])
+            rate_w = carried + (all_q[order - 1] if order == known else new_q[-1])
+            new_q.append(rate_q / order)
+            new_w.append(rate_w / order)
+        all_q += new_q
+        all_w += new_w
+    return all_q, all_w
+
+
+# -- the slip from P -------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Transit:
+    """What was shown of the slip from P.
+
+    - `returns`: whether it comes back to the belt's speed.
+    - `lowest`: the first minimum of w, or what stands for it where the slip returns.
+    - `turned`: whether `lowest` is that minimum, also where the slip returns and mu goes on smoothly for w < 0.
+    - `highest`: a ball that holds the largest w on the way.
+    - `steps`, `bits`, `width`: how many Taylor steps, the working precision, and the width of the last box.
+    """
+
+    returns: bool
+    lowest: arb
+    turned: bool
+    highest: arb
+    steps: int
+    bits: int
+    width: float
+
+
+def transit(point: ExactPoint, c: Rational | Fraction, bits: int) -> Transit:
+    """Decide whether the slip from P returns at a damping c in kg/s, an exact rational.
+
+    Raises `Undecided` with the words where the boxes grew too wide to tell.
+    """
+    with working_precision(bits):
+        return _Walk(point, c, bits).run()
+
+
+class _Walk:
+    """A box on its way from P."""
+
+    def __init__(self, point: ExactPoint, c: Rational | Fraction, bits: int) -> None:
+        self.segments = point.segments(sp.Rational(c))
+        self.smooth_start = point.law.static is None  # w' = 0 at P exactly
+        self.bits = bits
+        self.number = 0  # of the segment
+        self.q, self.w, self.steps = arb(0), arb(0), 0
+        self.highest = arb(0)  # a bound of w so far
+        self.reached = arb(0)  # a value that w certainly has had
+
+    @property
+    def segment(self) -> Segment:
+        return self.segments[self.number]
+
+    def run(self) -> Transit:
+        while self.steps < _MOST_STEPS:
+            check_time()
+            if self.steps and self.number == 0 and (most := self._falls_to_zero()) is not None:
+                return self._result(True, most)
+            start = not self.steps
+            self.steps += 1
+            try:
+                step = flow(self.segment, self.q, self.w, self.bits // 2, start=start and self.smooth_start)
+            except Undecided:
+                if not start:
+                    raise
+                self._leave_roughly()
+            else:
+                if (result := self._follow(step)) is not None:
+                    return result
+        raise Undecided(f"after {_MOST_STEPS} steps the slip from P has not turned: it creeps to rest")
+
+    def _result(self, returns: bool, lowest: arb, *, turned: bool = False) -> Transit:
+        highest = self.reached.union(self.highest)
+        return Transit(returns, lowest, turned, highest, self.steps, self.bits, float(self.w.rad()))
+
+    def _leave_roughly(self) -> None:
+        """Take a first step so short that bounds of mu suffice, where it is not analytic at v = 0.
+
+        With w <= top on [0, h], q' is from 1 - top to 1 and w' from q + low to q + high.
+        """
+        h = arb(2) ** -(self.bits // _START_SHARE)
+        top = arb((4 * h * (h + abs(self.segment.push(acb(0), False).real))).upper())
+        bounds = self.segment.push(acb(arb(0).union(top)), False).real
+        if bounds.is_finite() and (h + bounds) * h < top:
+            self.q = (h * (1 - top)).union(h)
+            low, high = (h * h / 2 * part for part in (1 - top, 1))
+            self.w = (low + h * arb(bounds.lower())).union(high + h * arb(bounds.upper()))
+            if self.w > 0:
+                return
+        raise Undecided("mu changes too fast at v = 0 for a first step from P")
+
+    def _falls_to_zero(self) -> arb | None:
+        """Return a bound of w' < 0 if from this box w falls to 0: there is no way out before."""
+        rate = self.segment.rate(self.q, self.w)
+        if not (rate < 0 and self.w < _LOW):
+            return None
+        highest = arb(self.w.abs_upper())
+        time = 2 * highest / abs(rate)
+        most = self.segment.rate(self.q.union(self.q + time), arb(0).union(highest))
+        return most if most < 0 and highest / abs(most) < time else None
+
+    def _follow(self, step: Flow) -> Transit | None:
+        """Go to the end of a step, or to the turn or the kink on the way."""
+        before, time = self.segment.rate(self.q, self.w), step.time
+        for _ in range(_CUTS):
+            q, w = step.at(time)
+            if self.number == 0 and w < 0:
+                return self._result(True, w)
+            if before < 0 < self.segment.rate(q, w):
+                return self._turn(step, time)
+            side = self._side(w)
+            if side == 0:
+                self._require_inside(step, time)
+                self.q, self.w = q, w
+                self.reached = self.reached.max(arb(w.lower()))
+            elif side is not None:
+                self._cross(step, time, side)
+            if side is not None:
+                return None
+            time = arb((time * _SHORTER).mid())
+        raise self._too_wide()
+
+    def _too_wide(self) -> Undecided:
+        return Undecided(f"boxes of width {float(self.w.rad()):.1e} at w = {self.w.str(6)} are too wide to go on")
+
+    def _side(self, w: arb) -> int | None:
+        """Return -1, 0 or 1 for below, in and above the segment; None where that is not certain."""
+        low, high = self.segment.low, self.segment.high
+        if self.number and not w > low:
+            return -1 if w < low else None
+        if high is not None and not w < high:
+            return 1 if w > high else None
+        return 0 if self.number or w > 0 or self.q >= 0 else None
+
+    def _require_inside(self, step: Flow, until: arb) -> None:
+        """Show that w stays in the segment, and above 0, up to a time, halving what is too wide to tell."""
+        low, high = self.segment.low, self.segment.high
+        waiting = [(arb(0), until, 0)]
+        while waiting:
+            start, stop, depth = waiting.pop()
+            span = start.union(stop)
+            q, w = step.at(span)
+            rate = self.segment.rate(q, w)
+            (q_start, w_start), (_, w_stop) = step.at(start), step.at(stop)
+            if rate > 0:
+                lowest, highest = w_start, w_stop
+            elif rate < 0:
+                lowest, highest = w_stop, w_start
+            else:  # nearly level: the value at the end and the rate tell more than the polynomial
+                lowest = highest = w.intersection(w_stop + rate * (span - stop))
+            above = rate > 0 or lowest > low or (not self.number and w < 1 and q_start >= 0)
+            below = high is None or rate < 0 or highest < high
+            top = arb(highest.upper())
+            if above and below and (depth >= _FINE or not (rate.overlaps(arb(0)) and top > self.highest)):
+                self.highest = self.highest.max(top)
+            elif depth == self.bits:
+                raise self._too_wide()
+            else:
+                middle = arb(((start + stop) / 2).mid())
+                waiting += [(middle, stop, depth + 1), (start, middle, depth + 1)]
+
+    def _last(self, step: Flow, start: arb, stop: arb, event: Callable[[arb, arb], bool]) -> arb:
+        """Return a time near the last one, from a start on towards a stop, at which an event is certain."""
+        for _ in range(self.bits):
+            middle = arb(((start + stop) / 2).mid())
+            start, stop = (middle, stop) if event(*step.at(middle)) else (start, middle)
+        return start
+
+    def _turn(self, step: Flow, end: arb) -> Transit | None:
+        """Decide at the first minimum of w."""
+        rate = self.segment.rate
+        start = self._last(step, arb(0), end, lambda q, w: rate(q, w) < 0)
+        stop = self._last(step, end, start, lambda q, w: rate(q, w) > 0)
+        span = start.union(stop)
+        q, w = step.at(span)
+        lowest = step.at(start)[1] + rate(q, w) * (span - start)
+        if not w < 1:
+            raise self._too_wide()
+        if self.number == 0 and lowest < 0:
+            return self._result(True, lowest, turned=True)
+        if lowest > self.segment.low:
+            self._require_inside(step, start)
+            return self._result(False, lowest, turned=True)
+        if self.number and lowest < self.segment.low:
+            self._cross(step, start, -1)
+            return None
+        raise Undecided(f"the lowest slip speed is {lowest.str(3)} V: its sign is not certain at {self.bits} bits")
+
+    def _cross(self, step: Flow, end: arb, side: int) -> None:
+        """Go over to the next segment: w is the level there exactly, and q what it may be meanwhile."""
+        level = self.segment.low if side < 0 else self.segment.high
+        if level is None or not 0 <= self.number + side < len(self.segments):
+            raise InputError(
+                "the slip from P goes beyond the last measured speed; "
+                "measure further, or hold the last coefficient: extrapolate=True"
+            )
+        start = self._last(step, arb(0), end, lambda q, w: (level - w) * side > 0)
+        stop = self._last(step, end, start, lambda q, w: (w - level) * side > 0)
+        self._require_inside(step, start)
+        q, w = step.at(start.union(stop))
+        before = self.segment.rate(q, w)
+        self.number += side
+        self.q, self.w = q, level
+        if not (before * side > 0 and self.segment.rate(q, level) * side > 0):
+            raise Undecided(
+                f"at the kink at {level.str(6)} V the slip does not certainly go on: it touches or slides"
+            )
