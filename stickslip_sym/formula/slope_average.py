@@ -167,24 +167,24 @@ class SlopeAverage:
             float(array.item()) if array.size == 1 else np.broadcast_to(array, shape).ravel() for array in arrays
         ]
         good = self._valid(arrays, shape, on_invalid)
-        result = np.full(math.prod(shape), np.nan)
-        for start in range(0, result.size, _BLOCK):
+        flat_result = np.full(math.prod(shape), np.nan)
+        for start in range(0, flat_result.size, _BLOCK):
             block: Any = slice(start, start + _BLOCK)
             if good is not None:
                 block = start + np.flatnonzero(good[block])
                 if not block.size:
                     continue
-            result[block] = self.evaluator([value if isinstance(value, float) else value[block] for value in flat])
-        result = result.reshape(shape)
+            flat_result[block] = self.evaluator(
+                [value if isinstance(value, float) else value[block] for value in flat]
+            )
+        result = flat_result.reshape(shape)
         masks = [np.ma.getmaskarray(value) for value in values if isinstance(value, np.ma.MaskedArray)]
         if masks:
             mask = np.logical_or.reduce([np.broadcast_to(mask, shape) for mask in masks])
             return np.ma.MaskedArray(result, mask)
         return float(result) if result.ndim == 0 else result
 
-    def _valid(
-        self, arrays: list[FloatArray], shape: tuple[int, ...], on_invalid: OnInvalid
-    ) -> BoolArray | None:
+    def _valid(self, arrays: list[FloatArray], shape: tuple[int, ...], on_invalid: OnInvalid) -> BoolArray | None:
         """Return where all arguments are valid numbers; None if they are everywhere."""
         good: BoolArray | None = None
         for name, lowest, array in zip(self.arguments, self._lowest, arrays, strict=True):
