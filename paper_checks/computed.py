@@ -35,7 +35,7 @@ AT_05 = 49
 
 _EXACT = 1e-9  # kg/s, error of a threshold here
 _CLOSE = 1e-10  # relative error that is asked for
-_PERIODS = 20  # simulated of a motion, about
+_PERIODS = 40  # simulated of a motion, about: 25 s, until it is steady
 _STEADY = 0.01  # change of the velocity's peak in a period, over V, below which the eye calls it constant
 _LOOKED_AT = 5  # periods after the first slip for which it has to stay below
 _HAIR = 1e-7  # kg/s above a threshold, where the orbit closes to 1e-7
@@ -109,7 +109,7 @@ def needed(name: str) -> NeededDamping:
 
 @dataclass(frozen=True)
 class Response:
-    """A motion from the paper's initial condition, x(0) = 0 and x'(0) = V, over some twenty periods.
+    """A motion from the paper's initial condition, x(0) = 0 and x'(0) = V, over some forty periods.
 
     Attributes
     ----------

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from paper_checks.computed import law as paper_law
-from paper_checks.computed import oscillator, threshold
+from paper_checks.computed import oscillator, response, threshold
 from stickslip_sym import FrictionLaw, Oscillator, Phase, limit_cycles, simulate
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.simulation.trajectory import Trajectory
@@ -19,7 +19,7 @@ PAPER = {"color": "black", "linewidth": 1.1}
 """How a line looks that the paper shows; what it leaves out is coloured, and thicker or dash-dotted."""
 _LEFT_OUT: dict[str, Any] = {"color": BLUE, "linewidth": 1.3, "linestyle": (0, (6, 1.5, 1, 1.5))}
 
-_SHOWN, _LONG = 5.0, 25.0  # s, as in the paper, and until motions are steady
+_SHOWN = 5.0  # s, as in the paper
 _RTOL = 1e-9  # relative tolerance of a step: errors stay far below a line's width
 _SAME = 1e-2  # distance of P and Q over V, below which the eye sees one point
 _APART = 0.005  # s between points drawn; a period has 0.63 s
@@ -47,50 +47,34 @@ def pieces(motion: Trajectory) -> list[Piece]:
     return found
 
 
-def peaks(parts: list[Piece], V: float) -> tuple[Any, Any]:
-    """Return the times and heights of the peaks of the velocity; a stick phase counts with its end."""
-    times, heights = [], []
-    for part in parts:
-        if part.phase is Phase.STICK:
-            times.append(part.t[-1])
-            heights.append(V)
-            continue
-        inner = np.flatnonzero((part.v[1:-1] > part.v[:-2]) & (part.v[1:-1] >= part.v[2:])) + 1
-        times.extend(part.t[inner])
-        heights.extend(part.v[inner])
-    return np.array(times), np.array(heights)
-
-
-def fate(parts: list[Piece], V: float, cycles: tuple[LimitCycle, ...]) -> str:
+def fate(name: str, c: float, cycles: tuple[LimitCycle, ...]) -> str:
     """Say what becomes of a motion in the long run."""
-    times, heights = peaks(parts, V)
-    last = heights[times > _LONG * 0.9]
-    if (last == V).any():
+    run = response(name, c)
+    if run.kind == "stick-slip":
         return "sticks and slips for ever"
     stable = [cycle.amplitude for cycle in cycles if cycle.stable]
     if stable:
         return f"tends to a slip cycle, {stable[-1]:.4f} m/s"
-    half = times[np.argmax(heights < V / 2)]
+    half = run.times[np.argmax(run.peaks < run.peaks[0] / 2)]
     return f"comes to rest, half way at {half:.1f} s"
 
 
 def histories(name: str, dampings: tuple[float, ...]) -> Any:
     """Draw the velocity over time for several dampings: as in the paper, and what comes later."""
-    law, V = paper_law(name), oscillator().V
+    law = paper_law(name)
     figure, axes = new_figure(
         7.2, 8.6, len(dampings), 2, sharex="col", sharey=True, gridspec_kw={"width_ratios": (2, 1)}
     )
     for (left, right), c in zip(axes, dampings, strict=True):
-        osc = oscillator(c, V)
-        parts = pieces(simulate(law, osc, t_end=_LONG, rtol=_RTOL))
-        for part in parts:
-            if part.t[0] < _SHOWN:
-                left.plot(part.t, part.v, **(_STICK if part.phase is Phase.STICK else PAPER))
-        right.plot(*peaks(parts, V), color=BLUE, linewidth=1.3, marker=".", markersize=2.5, linestyle="none")
+        osc = oscillator(c)
+        for part in pieces(simulate(law, osc, t_end=_SHOWN, rtol=_RTOL)):
+            left.plot(part.t, part.v, **(_STICK if part.phase is Phase.STICK else PAPER))
+        run = response(name, c)
+        right.plot(run.times, run.peaks, color=BLUE, linewidth=1.3, marker=".", markersize=2.5, linestyle="none")
         finish(left, xlim=(0, _SHOWN), ylim=(-1.0, 0.75), ylabel=r"$\dot{x}$ (m/s)")
-        finish(right, xlim=(0, _LONG))
+        finish(right, xlim=(0, run.times[-1]))
         right.text(
-            0.04, 0.06, fate(parts, V, limit_cycles(law, osc)), transform=right.transAxes, color=BLUE, fontsize=8.5
+            0.04, 0.06, fate(name, c, limit_cycles(law, osc)), transform=right.transAxes, color=BLUE, fontsize=8.5
         )
     panel_letters(axes[:, 0], [f"$c$ = {c:g} kg/s" for c in dampings])
     axes[0, 1].set_title("left out: peaks in the long run", loc="left", pad=4, color=BLUE)
@@ -106,11 +90,10 @@ def phase_plots(name: str, cases: tuple[tuple[str, float, float], ...]) -> Any:
     titles = []
     for position, (ax, (title, c, V)) in enumerate(zip(axes[0], cases, strict=True)):
         osc = oscillator(c, V)
-        parts = pieces(simulate(law, osc, t_end=_SHOWN, rtol=_RTOL))
-        for part in parts:
+        for part in pieces(simulate(law, osc, t_end=_SHOWN, rtol=_RTOL)):
             ax.plot(part.x, part.v, **(_STICK if part.phase is Phase.STICK else PAPER | {"linewidth": 0.9}))
         onset = osc.onset(law)
-        speed = _after_a_cycle(parts, onset)
+        speed = response(name, c, V).after_a_cycle
         same = V - speed < _SAME * V
         for place, v in [("$P$, $Q$", V)] if same else [("$P$", V), ("$Q$", speed)]:
             ax.plot(onset, v, "o", color="black", markersize=4)
@@ -124,15 +107,6 @@ def phase_plots(name: str, cases: tuple[tuple[str, float, float], ...]) -> Any:
     ax.set_ylim(-2.0 * fastest, 1.8 * fastest)  # for words above and below
     panel_letters(axes[0], titles)
     return figure
-
-
-def _after_a_cycle(parts: list[Piece], onset: float) -> float:
-    """Return the velocity at Q: when the mass, after its first slip, next comes forward through x_P."""
-    slip = next(part for part in parts if part.phase is Phase.SLIP_BACK)
-    forward = np.flatnonzero((slip.x[:-1] < onset) & (slip.x[1:] >= onset) & (slip.t[:-1] > slip.t[0]))
-    if not forward.size:
-        return float(slip.v[-1])  # it sticks before, and moves to P with the belt
-    return float(np.interp(onset, slip.x[forward[0] :][:2], slip.v[forward[0] :][:2]))
 
 
 def _left_out(ax: Any, law: FrictionLaw, osc: Oscillator, needed: float) -> None:

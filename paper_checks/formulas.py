@@ -20,6 +20,9 @@ _MU_S, _V_R, _CYCLE, _TO = sp.symbols("mu_s v_r T P→Q", real=True)
 _SPELLED = {u: r"\left|v_{r}\right|", _VELOCITY: r"\dot{x}", _ACCELERATION: r"\ddot{x}", _TO: r"P \to Q"}
 
 
+Relation = tuple[Any, str, Any]
+
+
 @dataclass(frozen=True)
 class PrintedEquation:
     """An equation of the paper.
@@ -31,76 +34,53 @@ class PrintedEquation:
     about : str
     claims : tuple of str
         The checks that decide about it.
+    relations : list
+        Each a left side, a sign and a right side; a text stands for an entry of `paper.equations`.
     """
 
     number: str
     about: str
     claims: tuple[str, ...]
+    relations: list[Relation]
 
     def mathml(self) -> Markup:
         """Return its relations as MathML, one element ``math`` each."""
-        printer = _Printer({"symbol_names": _SPELLED})
-        sides = [
-            (printer.doprint(left), sign, printer.doprint(right)) for left, sign, right in _relations(self.number)
-        ]
-        return Markup(" ".join(formula(" ".join(relation)) for relation in sides))
+        printer, printed = _Printer({"symbol_names": _SPELLED}), paper.equations()
+        texts = []
+        for left, sign, right in self.relations:
+            sides = [_as_printed(printed[side]) if isinstance(side, str) else side for side in (left, right)]
+            texts.append(formula(f" {sign} ".join(map(printer.doprint, sides))))
+        return Markup(" ".join(texts))
 
 
-EQUATIONS = tuple(
-    PrintedEquation(f"({number})", about, claims)
-    for number, about, claims in (
-        (1, "stick", ("E1",)),
-        (2, "slip", ("E2",)),
-        (3, "exponential friction law", ("E3",)),
-        (4, "polynomial friction law", ("E4",)),
-        (5, "work and energy from P to Q", ("E5",)),
-        (6, "balance over a cycle, for stick–slip and pure slip", ("E5",)),
-        (7, "balance over a cycle, for damped slip", ("E7",)),
-        (8, "linear friction coefficient", ("E9",)),
-        (9, "its force", ("E9",)),
-        (10, "the balance (6) with it", ("E10",)),
-        (11, "pure slip", ("E11",)),
-        (12, "what the least squares minimise", ("E13",)),
-        (13, "the same over the relative velocity", ("E13",)),
-        (14, "conditions of the minimum", ("E15",)),
-        (15, "coefficients at the minimum", ("E15",)),
-        (16, "the criterion: pure-slip damping of any law", ("E16", "S1")),
-        (17, "the criterion for the exponential law", ("E17", "F6")),
-        (18, "the criterion for the polynomial law", ("E18", "F7")),
-    )
-)
+_WORK = sp.Integral((_F - c * _VELOCITY) * _VELOCITY, (t, _CYCLE, _CYCLE))
+_MU = mu(_V_R)
+_GRADIENT = [(sp.Derivative(sp.Function("S")(a, b), over), "=", sp.S.Zero) for over in (a, b)]
+_SLIP = sp.Mul(-1, sp.Function("sgn")(_V_R), _MU, N, evaluate=False)
+_LEFT = sp.Integral(_F - c * _VELOCITY - k * _X, (_X, _TO, _TO))
 
-
-def _relations(number: str) -> list[tuple[Any, str, Any]]:
-    """Return an equation as triples of left side, sign and right side; right sides are `paper.equations`."""
-    sign = sp.Function("sgn")(_V_R)
-    work = sp.Integral((_F - c * _VELOCITY) * _VELOCITY, (t, _CYCLE, _CYCLE))
-    printed = {name: _as_printed(expr) for name, expr in paper.equations().items()}
-    mu_of = mu(_V_R)
-    written: dict[str, list[tuple[Any, str, Any]]] = {
-        "(1)": [(_VELOCITY, "=", V), (_F, "=", c * _VELOCITY + k * _X), (sp.Abs(_F), r"\leq", _MU_S * N)],
-        "(2)": [
-            (m * _ACCELERATION + c * _VELOCITY + k * _X, "=", _F),
-            (_F, "=", sp.Mul(-1, sign, mu_of, N, evaluate=False)),
-        ],
-        "(3)": [(mu_of, "=", printed["(3)"])],
-        "(4)": [(mu_of, "=", printed["(4)"])],
-        "(5)": [(sp.Integral(_F - c * _VELOCITY - k * _X, (_X, _TO, _TO)), "=", printed["(5)"])],
-        "(6)": [(work, "=", sp.S.Zero)],
-        "(7)": [(work, "<", sp.S.Zero)],
-        "(8)": [(sp.Function("mu_L")(_V_R), "=", printed["(8)"])],
-        "(9)": [(_F, "=", printed["(9)"])],
-        "(10)": [(printed["(10)"], "=", sp.S.Zero)],
-        "(11)": [(c, "=", printed["(11)"])],
-        "(12)": [(_S, "=", printed["(12)"])],
-        "(13)": [(_S, "=", printed["(13)"])],
-        "(14)": [(sp.Derivative(sp.Function("S")(a, b), over), "=", sp.S.Zero) for over in (a, b)],
-        "(15)": [(a, "=", printed["(15) a"]), (b, "=", printed["(15) b"])],
-        "(16)": [(c, "=", printed["(16)"])],
-        "(17)": [(c, "=", printed["(17)"])],
-        "(18)": [(c, "=", printed["(18)"])],
-    }
-    return written[number]
+_EQUATIONS: list[tuple[str, tuple[str, ...], list[Relation]]] = [
+    ("stick", ("E1",),
+     [(_VELOCITY, "=", V), (_F, "=", c * _VELOCITY + k * _X), (sp.Abs(_F), r"\leq", _MU_S * N)]),
+    ("slip", ("E2",), [(m * _ACCELERATION + c * _VELOCITY + k * _X, "=", _F), (_F, "=", _SLIP)]),
+    ("exponential friction law", ("E3",), [(_MU, "=", "(3)")]),
+    ("polynomial friction law", ("E4",), [(_MU, "=", "(4)")]),
+    ("work and energy from P to Q", ("E5",), [(_LEFT, "=", "(5)")]),
+    ("balance over a cycle, for stick–slip and pure slip", ("E5",), [(_WORK, "=", sp.S.Zero)]),
+    ("balance over a cycle, for damped slip", ("E7",), [(_WORK, "<", sp.S.Zero)]),
+    ("linear friction coefficient", ("E9",), [(sp.Function("mu_L")(_V_R), "=", "(8)")]),
+    ("its force", ("E9",), [(_F, "=", "(9)")]),
+    ("the balance (6) with it", ("E10",), [("(10)", "=", sp.S.Zero)]),
+    ("pure slip", ("E11",), [(c, "=", "(11)")]),
+    ("what the least squares minimise", ("E13",), [(_S, "=", "(12)")]),
+    ("the same over the relative velocity", ("E13",), [(_S, "=", "(13)")]),
+    ("conditions of the minimum", ("E15",), _GRADIENT),
+    ("coefficients at the minimum", ("E15",), [(a, "=", "(15) a"), (b, "=", "(15) b")]),
+    ("the criterion: pure-slip damping of any law", ("E16", "S1"), [(c, "=", "(16)")]),
+    ("the criterion for the exponential law", ("E17", "F6"), [(c, "=", "(17)")]),
+    ("the criterion for the polynomial law", ("E18", "F7"), [(c, "=", "(18)")]),
+]  # fmt: skip
+EQUATIONS = tuple(PrintedEquation(f"({number})", *one) for number, one in enumerate(_EQUATIONS, 1))
 
 
 def _as_printed(expr: Any) -> Any:

@@ -1,6 +1,7 @@
 """Time and error of the methods for one number, measured: which dominate which, as text and as a picture."""
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from time import process_time
@@ -24,7 +25,7 @@ _WIDTH, _HEIGHT = 7.2, 3.5  # inches, of a panel of the picture
 _SMALLEST = 1e-51  # error of a method whose own is less
 _ROUNDING = 2.0**-52
 _TITLE = 95  # characters of a line above a panel
-_MARGIN = 12  # times the longest time, for the labels to its right
+_MARKERS = "os^Dv<>"
 _COLORS = ("tab:blue", "tab:red", "tab:green", "tab:purple", "tab:orange", "tab:brown", "tab:olive", "tab:cyan")
 
 
@@ -218,23 +219,30 @@ class Tradeoff(drawing.Drawn):
 
 
 def draw(trade: Trade, ax: "Axes") -> None:
-    """Draw error against time: filled what no other method dominates, and hollow what one does."""
-    by, found = trade.dominators, [row for row in trade.rows if row.found]
-    families = list(dict.fromkeys(row.method for row in trade.rows))
-    labels, named, front = [], set[str](), []
-    for row in found:
-        color, at = _COLORS[families.index(row.method) % len(_COLORS)], (row.seconds, max(row.error, _SMALLEST))
-        ax.plot(*at, "o", color=color, markerfacecolor="white" if by[row.name] else color)
-        labels.append((row.setting or row.method if row.method in named else row.name, at, color))
-        named.add(row.method)
+    """Draw error against time: filled what no other method dominates, and hollow what one does.
+
+    A method has a colour, and its settings have different markers.
+    """
+    by, front = trade.dominators, []
+    methods = list(dict.fromkeys(row.method for row in trade.rows))
+    settings = Counter[str]()
+    for row in trade.rows:
+        if not row.found:
+            continue
+        color, marker = (
+            _COLORS[methods.index(row.method) % len(_COLORS)],
+            _MARKERS[settings[row.method] % len(_MARKERS)],
+        )
+        settings[row.method] += 1
+        at = row.seconds, max(row.error, _SMALLEST)
+        face = "white" if by[row.name] else color
+        ax.plot(*at, marker, color=color, markerfacecolor=face, label=row.name)
         front += [] if by[row.name] else [at]
+    if settings:
+        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.03), fontsize=8)
     ax.plot(*np.reshape(sorted(front), (-1, 2)).T, drawstyle="steps-post", color="0.75", lw=1, zorder=0)
+    ax.axhline(_ROUNDING, color="0.8", lw=0.8, ls=":", zorder=0)
     ax.set(xscale="log", yscale="log", xlabel=f"time for one {trade.number} (s)", ylabel="relative error")
     ax.set_title("\n".join(wrapped(trade.title, _TITLE)), fontsize=8)
-    ax.margins(0.08, 0.12)
-    left, right = ax.get_xlim()
-    ax.set_xlim(left, right * _MARGIN)
-    ax.axhline(_ROUNDING, color="0.8", lw=0.8, ls=":", zorder=0)
     ax.minorticks_off()
     ax.grid(alpha=0.25)
-    drawing.label(ax, labels)

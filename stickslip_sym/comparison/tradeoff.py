@@ -37,8 +37,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.operating_point import LOW_SPEED, PAPER
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.basins import basin_map
-from stickslip_sym.motion.maps.shares import motions_by_side
-from stickslip_sym.motion.motion import MOTIONS, Motion
+from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
@@ -315,10 +314,11 @@ def _share(
 
     rng = np.random.default_rng(_SEED)
     initial = np.column_stack([rng.uniform(*ends, max(SIMULATED)) for ends in (x0, v0)])
-    rest, truth = MOTIONS.index(Motion.REST), []
-    for x, v in initial:
-        side = int(motions_by_side(basins.regime, np.array([x]), np.array([v]))[0, 0])
-        truth.append(rests(x, v) if side < 0 else side == rest)
+    by_side = basins.regime.by_side(*initial.T).tolist()
+    truth = [
+        rests(*at) if motion is None else motion is Motion.REST
+        for motion, at in zip(by_side, initial.tolist(), strict=True)
+    ]
 
     def sampled(decide: Callable[[float, float], bool], count: int) -> list[bool]:
         found = []

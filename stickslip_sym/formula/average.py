@@ -35,14 +35,11 @@ __all__ = ["Average", "average_of"]
 class Average:
     """F(V; shapes) = -<g'(V (1 + s); shapes)>_w of a profile g(v; shapes).
 
-    Parameters
+    Attributes
     ----------
     profile : sympy.Expr
         g, a function of `symbols.v` and of shapes.
     criterion : Criterion
-
-    Attributes
-    ----------
     shapes : tuple of Symbol
     slope : sympy.Expr
         g'.
@@ -52,24 +49,16 @@ class Average:
         self.profile, self.criterion = profile, criterion
         self.shapes = shapes_of(profile)
         self.slope = sp.diff(profile, symbols.v)
-        self._slack = {condition: sp.Dummy(positive=True) for condition in self.conditions}
         self._parts: tuple[Part, ...] | None = None
-        self._obstacle: NoClosedForm | None = None
+        self._obstacle = NoClosedForm("nothing was tried")
         self._searched = -1.0  # seconds that SymPy's integrator had
 
     # -- the closed form -----------------------------------------------------------------------------
 
     def find(self, seconds: float = 0.0, progress: Progress | None = None) -> Expr:
-        """Return F as a formula in V and the shapes.
+        """Return F as a formula in V and the shapes; SymPy's integrator has so many seconds where no rule applies.
 
         What failed once is not tried again, unless SymPy's integrator is given more time.
-
-        Parameters
-        ----------
-        seconds : float
-            For SymPy's integrator, where no rule applies.
-        progress : callable, optional
-            Told in a few words what is being done.
 
         Raises
         ------
@@ -82,26 +71,37 @@ class Average:
             except NoClosedForm as failure:
                 self._obstacle, self._searched = failure, seconds
         if self._parts is None:
-            raise NoClosedForm(*self._obstacle.args) if self._obstacle else NoClosedForm("nothing was tried")
+            raise NoClosedForm(*self._obstacle.args)
         return self._formula(self._parts)
 
     def _integrated(self, seconds: float, progress: Progress) -> tuple[Part, ...]:
         self.require_integrable()
         if self.criterion.weight is None or not self.profile.has(symbols.v):
             return ()
-        # A condition p < b holds where p = b - d with d > 0, which SymPy sees in every exponent.
-        known = {p.lhs: p.rhs + (d if isinstance(p, sp.StrictGreaterThan) else -d) for p, d in self._slack.items()}
-        return tuple(integrate_terms(self.profile.xreplace(known), self.criterion, seconds, progress))
+        # Under the conditions, which SymPy then sees in every exponent.
+        profile = self.profile.xreplace({shape: bound + sign * slack for shape, bound, slack, sign in self._slack})
+        return tuple(integrate_terms(profile, self.criterion, seconds, progress))
+
+    def _formula(self, parts: tuple[Part, ...]) -> Expr:
+        if not parts:
+            return -self.slope.xreplace({symbols.v: symbols.V})
+        return self._in_shapes(sp.Add(*[part.value for part in parts]))
+
+    @cached_property
+    def _slack(self) -> list[tuple[Expr, Expr, Expr, int]]:
+        """p, b, d, and a sign for each condition p > b or p < b: p = b + d or b - d with d > 0."""
+        return [
+            (p.lhs, p.rhs, sp.Dummy(positive=True), 1 if isinstance(p, sp.Gt) else -1) for p in self.conditions
+        ]
+
+    def _in_shapes(self, expr: Expr) -> Expr:
+        """Write what was found under the conditions in the shapes again."""
+        return expr.xreplace({slack: sign * (shape - bound) for shape, bound, slack, sign in self._slack})
 
     def offer(self, source: "Average", variable: Expr) -> None:
-        """Take the derivative of another average as the closed form, where no rule gives one.
+        """Take the derivative of the average of a profile g as the closed form, where no rule gives one.
 
-        Parameters
-        ----------
-        source : Average
-            Of a profile g with a closed form.
-        variable : Symbol
-            `symbols.v` if this profile is v g'(v), or the shape with respect to which it is the derivative of g.
+        `variable` is `symbols.v` if this profile is v g'(v), or the shape with respect to which it is dg/dp.
         """
         if self.closed is None:
             known = Differentiated(source, variable)
@@ -109,20 +109,6 @@ class Average:
             if not value.has(sp.Derivative, sp.Subs, sp.meijerg):
                 integral = definition(self.profile, self.criterion)
                 self._parts = (Part(self.profile, integral, value, f"differentiate {source!r}", known),)
-
-    def _in_shapes(self, expr: Expr) -> Expr:
-        """Write what was found under the conditions in the shapes again."""
-        return expr.xreplace(
-            {
-                d: p.lhs - p.rhs if isinstance(p, sp.StrictGreaterThan) else p.rhs - p.lhs
-                for p, d in self._slack.items()
-            }
-        )
-
-    def _formula(self, parts: tuple[Part, ...]) -> Expr:
-        if not parts:
-            return -self.slope.xreplace({symbols.v: symbols.V})
-        return self._in_shapes(sp.Add(*[part.value for part in parts]))
 
     @property
     def closed(self) -> Expr | None:
@@ -194,25 +180,22 @@ class Average:
         NoClosedForm
         """
         self.find()
-        assert self._parts is not None
-        if not self._parts:
-            return ()
-        return tuple(self._step(part) for part in self._parts)
+        return tuple(map(self._step, self._parts or ()))
 
     def _step(self, part: Part) -> Step:
-        statement = self._in_shapes(sp.Eq(part.integral, part.value, evaluate=False))
-        if self.criterion.is_polynomial and not isinstance(part.by, AverageSeries):
-            reason = f"the antiderivative is found by the rule: {part.rule}"
-            return Step(self._operation, reason, statement, prove_equal(part.integral, part.value, part.by))
-        verdict = Verdict(self.gate.status, f"{self.gate.evidence}; of a profile in pieces no proof is known here")
-        if part.by is not None:
+        operation = f"average the profile {printing.text(self.profile)}, speeds in units of its scale"
+        reason = f"by the rule: {part.rule}"
+        if part.by is None:
+            evidence = f"{self.gate.evidence}; of a profile in pieces no proof is known here"
+            verdict = Verdict(self.gate.status, evidence)
+        elif self.criterion.is_polynomial and not isinstance(part.by, AverageSeries):
+            reason = f"the antiderivative is found {reason}"
+            verdict = prove_equal(part.integral, part.value, part.by)
+        else:
             verdict = prove_equal(part.integral, part.value, part.by, checked=self.gate)
-        why = f"; {AVERAGES_AGREE}" if verdict.status is Status.PROVED else ""
-        return Step(self._operation, f"by the rule: {part.rule}{why}", statement, verdict)
-
-    @property
-    def _operation(self) -> str:
-        return f"average the profile {printing.text(self.profile)}, speeds in units of its scale"
+            reason += f"; {AVERAGES_AGREE}" if verdict.status is Status.PROVED else ""
+        statement = self._in_shapes(sp.Eq(part.integral, part.value, evaluate=False))
+        return Step(operation, reason, statement, verdict)
 
     def __repr__(self) -> str:
         return f"Average: {printing.text(self.profile)}, {self.criterion.name}"

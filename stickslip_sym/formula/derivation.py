@@ -105,20 +105,18 @@ class Derivation:
 
     def __getitem__(self, label: str) -> Step:
         """Return the step with an equation number, e.g. ``derivation["(16)"]``."""
-        for step in self.steps:
-            if step.label == label:
-                return step
-        labels = ", ".join(step.label for step in self.steps if step.label)
-        raise KeyError(f"no step is labelled {label!r}; there are: {labels}")
+        labelled = {step.label: step for step in self.steps if step.label}
+        if label not in labelled:
+            raise KeyError(f"no step is labelled {label!r}; there are: {', '.join(labelled)}")
+        return labelled[label]
 
     def text(self) -> str:
         """Return the steps as plain text, one equation a line."""
         lines = [f"{self.title}  [{self.status.value}]"]
         for number, step in enumerate(self.steps, 1):
-            label = f"  {step.label}" if step.label else ""
             lines += [
                 "",
-                f"{number}. {step.operation}{label}",
+                f"{number}. {step.operation}  {step.label}".rstrip(),
                 f"   because {step.reason}",
                 f"   {printing.text(step.statement)}",
                 f"   {step.verdict}",
@@ -153,7 +151,7 @@ class Derivation:
 
     def _names(self, given: Mapping[str, str] | None = None) -> dict[str, str]:
         """Return the LaTeX of every symbol, the same in all steps."""
-        symbols = set().union(*(step.statement.atoms(sp.Symbol) for step in self.steps))
+        symbols = {symbol for step in self.steps for symbol in step.statement.atoms(sp.Symbol)}
         return told_apart((symbol.name for symbol in symbols if not symbol.is_Dummy), given or {})
 
     def _repr_html_(self) -> str:

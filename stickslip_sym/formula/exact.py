@@ -19,7 +19,7 @@ from stickslip_sym.core.balls import ball_value, working_precision
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import arguments
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import to_mpf
+from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 
 __all__ = ["exact_value", "formula_ball", "from_mpmath", "in_mpmath", "to_ball", "to_digits", "without_squares"]
 
@@ -29,7 +29,14 @@ _MORE = 64  # bits by which the second look of mpmath is more precise
 
 
 def to_digits(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
-    """Evaluate an expression at exact rational values to `digits` significant digits, whatever it cancels.
+    """Evaluate an expression at exact rational values to `digits` significant digits, as `to_ball` does."""
+    value, _ = to_ball(expr, point, digits)
+    with mpmath.workdps(digits):
+        return +in_mpmath(value)
+
+
+def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, bool]:
+    """Return a ball around an expression, its relative radius below 10^-digits, and whether Arb alone made it.
 
     A zero is believed only where the arithmetic of rationals gives it: everywhere else all digits cancelled.
 
@@ -40,20 +47,6 @@ def to_digits(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
     NotConverged
         If the bound on the working precision does not settle it.
     """
-    value, _ = to_ball(expr, point, digits)
-    with mpmath.workdps(digits):
-        return +in_mpmath(value)
-
-
-def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, bool]:
-    """Return a ball around an expression, its relative radius below 10^-digits, and whether Arb alone made it.
-
-    Raises
-    ------
-    InputError
-    NotConverged
-        As `to_digits`.
-    """
     goal = math.ceil(digits * math.log2(10)) + 4
     precision, finite = goal + _GUARD, False
     while precision <= _MOST_BITS:
@@ -62,22 +55,20 @@ def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, b
                 value, alone = formula_ball(expr, point)
             except (ZeroDivisionError, ValueError, OverflowError):
                 raise _no_value(point) from None
-            missing = precision
+            reached = value.real.rel_accuracy_bits() if value.is_finite() else 0
             if value.is_finite():
                 finite = True
                 if not value.imag.contains(0):
                     raise _no_value(point)
-                if (reached := value.real.rel_accuracy_bits()) >= goal:
+                if reached >= goal:
                     return value.real, alone
-                missing = min(goal - reached, precision)
         # What is the same and cancels for good, SymPy's rationals see.
         expr = expr.xreplace(dict(point))
         if expr.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
-            break
-        precision += max(missing + 16, precision // 4)
-    else:
-        if finite:
-            raise NotConverged(f"{digits} digits are out of reach of {_MOST_BITS} bits of working precision")
+            raise _no_value(point)
+        precision += max(min(goal - reached, precision) + 16, precision // 4)
+    if finite:
+        raise NotConverged(f"{digits} digits are out of reach of {_MOST_BITS} bits of working precision")
     raise _no_value(point)
 
 
@@ -101,7 +92,7 @@ def formula_ball(expr: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[acb, boo
 
 
 def _by_mpmath(node: Expr, arguments: list[acb]) -> acb:
-    """Return a ball around a function as mpmath evaluates it."""
+    """Return a ball around a function as mpmath evaluates it, its error seen by moved arguments and by digits."""
     if not all(argument.is_finite() for argument in arguments):
         return acb("nan")
     function = _function(node.func, tuple(len(a) if isinstance(a, sp.Tuple) else 0 for a in node.args))
@@ -113,18 +104,18 @@ def _by_mpmath(node: Expr, arguments: list[acb]) -> acb:
     try:
         with mpmath.workprec(ctx.prec):
             rough = value(places)
-            doubt = mpmath.ldexp(abs(rough), 2 - ctx.prec)
+            error = mpmath.ldexp(abs(rough), 2 - ctx.prec)
             for i, argument in enumerate(arguments):
                 if radius := in_mpmath(arb(argument.rad())):
                     step = mpmath.mpc(radius, radius) if argument.imag != 0 else radius
                     moved = [value([*places[:i], places[i] + way * step, *places[i + 1 :]]) for way in (1, -1)]
-                    doubt += 2 * sum(abs(one - rough) for one in moved)
+                    error += 2 * sum(abs(one - rough) for one in moved)
         with mpmath.workprec(ctx.prec + _MORE):
             fine = value(places)
-            doubt += 2 * abs(fine - rough)
+            error += 2 * abs(fine - rough)
     except mpmath.mp.NoConvergence as failure:
         raise NotConverged(f"a special function of the closed form could not be evaluated: {failure}") from None
-    return from_mpmath(fine, doubt)
+    return from_mpmath(fine, error)
 
 
 @lru_cache(maxsize=64)
@@ -145,13 +136,13 @@ def in_mpmath(value: arb | acb) -> Mpf:
 
 def from_mpmath(value: Mpf, error: Mpf) -> acb:
     """Return a ball around a number of mpmath, real or complex."""
-    width, imaginary = _exactly(mpmath.mpf(error)), mpmath.im(value)
-    return acb(arb(_exactly(mpmath.re(value)), width), arb(_exactly(imaginary), width) if imaginary else 0)
 
+    def exactly(part: Mpf) -> arb:
+        sign, mantissa, exponent, _ = mpmath.mpmathify(part)._mpf_
+        return arb(((-1) ** sign * int(mantissa), int(exponent)))
 
-def _exactly(value: Mpf) -> arb:
-    sign, mantissa, exponent, _ = value._mpf_
-    return arb(((-1) ** sign * int(mantissa), int(exponent)))
+    real, imaginary = mpmath.re(value), mpmath.im(value)
+    return acb(arb(exactly(real), exactly(error)), arb(exactly(imaginary), exactly(error)) if imaginary else 0)
 
 
 def _no_value(point: Mapping[Expr, Expr]) -> InputError:
@@ -163,50 +154,22 @@ def _no_value(point: Mapping[Expr, Expr]) -> InputError:
 def exact_value(expr: Expr, slope: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
     """Evaluate a closed form at exact values to `digits` digits; at V = 0 by its limit -N mu'(0+)."""
     if point[symbols.V] == 0:
-        at_rest = _slope_at_rest(slope)
-        if at_rest is None:
-            return -to_mpf(point[symbols.N]) * _numeric_slope_at_rest(slope, point)
-        expr = -symbols.N * at_rest
-        if expr.is_infinite:
-            raise InputError(_INFINITE)
-    return to_digits(_uncancelled(expr), point, digits)
+        limit = symbolic_limit_at_rest(slope)
+        if limit is sp.nan:  # as for exponents without a value
+            valued = slope.replace(
+                sp.Pow, lambda base, p: base ** (p if p.has(symbols.v) else p.xreplace(dict(point)))
+            )
+            limit = symbolic_limit_at_rest(valued)
+        if limit.has(sp.oo, sp.zoo, sp.nan):
+            raise InputError("the slope of mu is infinite at v = 0, so the criterion has no value at V = 0")
+        expr = -symbols.N * limit
+    return to_digits(without_squares(expr), point, digits)
 
 
-_INFINITE = "the slope of mu is infinite at v = 0, so the criterion has no value at V = 0"
+_ANY = sp.Wild("a")
 
 
 @lru_cache(maxsize=128)
-def _slope_at_rest(slope: Expr) -> Expr | None:
-    """Return the limit of a slope at v = 0+; None where SymPy finds none, as for exponents without a value."""
-    try:
-        return sp.limit(slope, symbols.v, 0, "+")
-    except (TypeError, ValueError, NotImplementedError):  # as SymPy says that it finds none
-        return None
-
-
-def _numeric_slope_at_rest(slope: Expr, point: Mapping[Expr, Expr]) -> Mpf:
-    """Return the limit of a slope at v = 0+ from two speeds close to 0."""
-    near, nearer = (to_digits(slope, {**point, symbols.v: sp.Rational(1, 10**k)}, 20) for k in (100, 200))
-    if abs(nearer) < abs(near) / 2:
-        return 0 * nearer
-    if abs(nearer - near) > abs(near) * 1e-12:
-        raise InputError(_INFINITE)
-    return nearer
-
-
 def without_squares(expr: Expr) -> Expr:
     """Write 1 - tanh^2 as sech^2, which does not cancel."""
-    return expr.replace(
-        lambda node: _tanh_squared(node) is not None, lambda node: sp.sech(_tanh_squared(node)) ** 2
-    )
-
-
-def _tanh_squared(node: Expr) -> Expr | None:
-    """Return a where a sum is 1 - tanh(a)^2."""
-    if not (node.is_Add and len(node.args) == 2 and node.args[0] == 1):
-        return None
-    square = -node.args[1]
-    return square.base.args[0] if square.is_Pow and square.exp == 2 and isinstance(square.base, sp.tanh) else None
-
-
-_uncancelled = lru_cache(maxsize=128)(without_squares)
+    return expr.replace(1 - sp.tanh(_ANY) ** 2, sp.sech(_ANY) ** 2) if expr.has(sp.tanh) else expr

@@ -44,75 +44,53 @@ class Limits:
 
 def limits_of(averages: Iterable[tuple[Term, Average]], mu: Expr) -> Limits:
     """Return the limits of a criterion of mu(v) for low and for high belt speeds, each a sum over the terms."""
-    rest, far = [], []
+    V = symbols.V
+    sums: list[Expr | None] = [sp.S.Zero, sp.S.Zero]
     for term, average in averages:
         share = -symbols.N * term.amplitude / term.scale
-        low, high = _of_profile(average.slope, average.criterion)
-        rest.append(None if low is None else share * term.in_parameters(low))
-        far.append(None if high is None else share * term.in_parameters(high))
-    return Limits(
-        *(None if found is None else tidy(found, mu, symbols.V) for found in (_sum(rest), _leading(far)))
-    )
-
-
-def _sum(parts: Iterable[Expr | None]) -> Expr | None:
-    found = list(parts)
-    return None if None in found else sp.Add(*found)
-
-
-def _leading(parts: Iterable[Expr | None]) -> Expr | None:
-    """Return the part of a sum that grows most as V does."""
-    total, V = _sum(parts), symbols.V
-    if total is None or not total.has(V):
-        return total
-    powers = sp.Poly(sp.expand(total), V)
-    return sp.factor(powers.LC()) * V ** powers.degree()
+        # With V for v, which is positive where the slip speed may be 0: only then SymPy knows that exp(-v) falls.
+        slope = average.slope.xreplace({symbols.v: V})
+        for i, limit in enumerate((_slope_at_rest(slope), _slope_far(slope, average.criterion))):
+            total = sums[i]
+            sums[i] = None if limit is None or total is None else total + share * term.in_parameters(limit)
+    low, high = sums
+    if high is not None and high.has(V):  # the part that grows most
+        powers = sp.Poly(sp.expand(high), V)
+        high = sp.factor(powers.LC()) * V ** powers.degree()
+    return Limits(*(None if total is None else tidy(total, mu, V) for total in (low, high)))
 
 
 @lru_cache(maxsize=256)
-def _of_profile(slope: Expr, criterion: Criterion) -> tuple[Expr | None, Expr | None]:
-    """Return what an average over -1 tends to as V falls to 0, and as it grows."""
-    # Positive, where the slip speed may be 0: only then SymPy knows that exp(-v) falls.
-    in_V = slope.xreplace({symbols.v: symbols.V})
-    return _slope_at_rest(in_V), _slope_far(in_V, criterion)
-
-
 def _slope_at_rest(slope: Expr) -> Expr | None:
+    """Return the limit of a slope g'(V) as V falls to 0."""
     if slope.has(sp.Piecewise):
         return None  # its first piece may end at 0
     roots = [power for power in slope.atoms(sp.Pow) if power.base.subs(symbols.V, 0) == 0]
-    if all(power.exp.is_nonnegative for power in roots):
-        value = slope.subs(symbols.V, 0)  # what is finite there is continuous
-        if not value.has(sp.zoo, sp.nan, sp.oo):
-            return value
+    value = slope.subs(symbols.V, 0)  # what is finite there is continuous
+    if all(power.exp.is_nonnegative for power in roots) and not value.has(sp.zoo, sp.nan, sp.oo):
+        return value
     return search.limit(slope, symbols.V, sp.S.Zero, _SECONDS)
 
 
+@lru_cache(maxsize=256)
 def _slope_far(slope: Expr, criterion: Criterion) -> Expr | None:
-    """Return the limit of a criterion over -N, or its leading term, as V grows."""
+    """Return the limit of the average of a slope, or its leading term, as V grows."""
     V = symbols.V
-    monomials: dict[int, Expr] = {}
-    for term in sp.Add.make_args(sp.expand(slope)):
-        coefficient, power = term.as_independent(V)[0], sp.degree(term, V) if term.is_polynomial(V) else None
-        if power is not None:
-            monomials[power] = monomials.get(power, 0) + coefficient
-            continue
-        growth = _growth(term)
-        if growth is None or not growth < 0:
-            return search.limit(slope, V, sp.oo, _SECONDS)
-    monomials = {power: sp.factor(total) for power, total in monomials.items() if sp.factor(total) != 0}
+    terms = sp.Add.make_args(sp.expand(slope))
+    polynomial = sp.Add(*[term for term in terms if term.is_polynomial(V)])
+    growths = [_growth(term) for term in terms if not term.is_polynomial(V)]
+    if not all(growth is not None and growth < 0 for growth in growths):
+        return search.limit(slope, V, sp.oo, _SECONDS)
+    monomials = {power: c for (power,), c in sp.Poly(polynomial, V).terms() if sp.factor(c) != 0}
     top = max(monomials, default=0)
-    constant = monomials.get(top, sp.S.Zero)
-    return constant * criterion.mean_power(top) * V**top
+    return sp.factor(monomials.get(top, sp.S.Zero)) * criterion.mean_power(top) * V**top
 
 
 def _growth(expr: Expr) -> Expr | None:
     """Return a bound on the power of V like which an expression grows; None where no rule gives one."""
     V = symbols.V
-    if not expr.has(V):
-        return sp.S.Zero
-    if expr == V:
-        return sp.S.One
+    if not expr.has(V) or expr == V:
+        return sp.Integer(expr == V)
     if isinstance(expr, sp.exp | sp.sech):
         argument = expr.args[0]
         inside = None if argument.is_Add else _growth(argument)
@@ -122,12 +100,10 @@ def _growth(expr: Expr) -> Expr | None:
     if known is not None and known.bounded:
         return sp.S.Zero
     parts = [_growth(argument) for argument in expr.args]
-    if any(part is None for part in parts):
+    if None in parts:
         return None
-    if expr.is_Mul:
-        return sp.Add(*parts)
-    if expr.is_Add:
-        return sp.Max(*parts)
+    if expr.is_Mul or expr.is_Add:
+        return (sp.Add if expr.is_Mul else sp.Max)(*parts)
     if expr.is_Pow and not expr.exp.has(V):
         # Terms of opposite signs may leave a base smaller than its largest term: no bound for one over it.
         cancels = expr.base.is_Add and not all(term.is_positive for term in expr.base.args)

@@ -6,13 +6,12 @@ import sympy as sp
 from sympy.core.random import rng
 
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.formula.proof.normal_form import eta_by_zeta, in_units
+from stickslip_sym.formula.proof.normal_form import plain
 
 __all__ = ["tidy"]
 
 _LARGEST = 1500  # operations of an expression that is still factored
 _MOST_FUNCTIONS = 12  # in it, each a variable of the polynomial to factor
-_OPAQUE = (sp.Function, sp.Min, sp.Max)
 
 
 def tidy(expr: Expr, model: Expr, small: Expr) -> Expr:
@@ -22,44 +21,37 @@ def tidy(expr: Expr, model: Expr, small: Expr) -> Expr:
     sign that it has in `model` (the formula of the law), or that is positive for a small value of the symbol
     `small`.
     """
-    expr = expr.replace(sp.dirichlet_eta, eta_by_zeta)
-    expr = expr.replace(lambda node: isinstance(node, sp.Min | sp.Max), in_units)
+    expr = plain(expr)
     # To algebra every function is a symbol: SymPy would otherwise take exp(-x/3) and exp(-1000 x) for powers of
     # one generator, of a degree that nothing survives.
-    functions = _outermost(expr)
+    functions: dict[Expr, Expr] = {}
+    walk = sp.preorder_traversal(expr)
+    for node in walk:
+        if isinstance(node, sp.Function | sp.Min | sp.Max):
+            # Each a name of its own: the order of variables decides how long factoring takes.
+            functions.setdefault(node, sp.Dummy(f"f{len(functions)}", real=True))
+            walk.skip()
     opaque = expr.xreplace(functions)
     if len(functions) > _MOST_FUNCTIONS or opaque.count_ops() > _LARGEST:
         return expr
-    back = {symbol: node for node, symbol in functions.items()}
-    order = sorted(back, key=lambda symbol: sp.default_sort_key(back[symbol]))
+    order = [functions[node] for node in sorted(functions, key=sp.default_sort_key)]
     shapes = (
         _factored(opaque, order, model, small),
         sp.Add(*[_factored(term, order, model, small) for term in sp.Add.make_args(opaque)]),
     )
-    return min(shapes, key=lambda shape: int(shape.count_ops())).xreplace(back)
-
-
-def _outermost(expr: Expr) -> dict[Expr, Expr]:
-    """Return a symbol for each function that does not stand inside another."""
-    found: dict[Expr, Expr] = {}
-    walk = sp.preorder_traversal(expr)
-    for node in walk:
-        if isinstance(node, _OPAQUE):
-            # Each a name of its own: the order of variables decides how long factoring takes.
-            found.setdefault(node, sp.Dummy(f"f{len(found)}", real=True))
-            walk.skip()
-    return found
+    chosen = min(shapes, key=lambda shape: int(shape.count_ops()))
+    return chosen.xreplace({symbol: node for node, symbol in functions.items()})
 
 
 def _factored(expr: Expr, functions: list[Expr], model: Expr, small: Expr) -> Expr:
-    sign, factors = 1, []
+    factors = []
     for factor in sp.Mul.make_args(sp.Mul(*map(_rooted, sp.Mul.make_args(_factor(expr))))):
-        if factor.is_Add and _should_flip(factor, model, small):
-            sign, factor = -sign, -factor
+        sign = -1 if factor.is_Add and _should_flip(factor, model, small) else 1
+        factor *= sign
         if factor.is_Add and factor.has(*functions):
             factor = sp.collect(factor, functions, _factor)
-        factors.append(factor)
-    return sp.Mul(sign, *factors)
+        factors += [sign, factor]
+    return sp.Mul(*factors)
 
 
 def _rooted(factor: Expr) -> Expr:
@@ -68,12 +60,12 @@ def _rooted(factor: Expr) -> Expr:
     if not total.is_Add or not exponent.is_Integer:
         return factor
     powers = [term.as_powers_dict() for term in total.args]
-    shared = {
-        base: min(power[base] for power in powers)
-        for base in set(powers[0]).intersection(*powers[1:])
-        if all(power[base].is_Rational and power[base] > 0 for power in powers)
-    }
-    common = sp.Mul(*[base**exponent for base, exponent in shared.items() if not base.is_number])
+    shared = {base: [power[base] for power in powers] for base in set(powers[0]).intersection(*powers[1:])}
+    common = sp.Mul(*[
+        base ** min(exponents)
+        for base, exponents in shared.items()
+        if not base.is_number and all(power.is_Rational and power > 0 for power in exponents)
+    ])  # fmt: skip
     return common**exponent * sp.Add(*[term / common for term in total.args]) ** exponent
 
 
@@ -89,9 +81,8 @@ def _factor(expr: Expr) -> Expr:
 
 
 def _should_flip(factor: Expr, model: Expr, small: Expr) -> bool:
-    for node in sp.preorder_traversal(model):
-        if node.is_Add:
-            node = node.primitive()[1]
+    for node in model.atoms(sp.Add):
+        node = node.primitive()[1]
         if node in (factor, -factor):
             return bool(node == -factor)
     leading = factor.subs(small, 0)

@@ -2,7 +2,7 @@
 
 from enum import Enum
 
-__all__ = ["MOTIONS", "Motion"]
+__all__ = ["Motion"]
 
 
 class Motion(Enum):
@@ -18,7 +18,3 @@ class Motion(Enum):
     GROWING = "slip that grows"
     UNDECIDED = "undecided"
     """Within the tolerance of a boundary, or too short to tell."""
-
-
-MOTIONS = tuple(Motion)
-"""Their places are what arrays hold."""

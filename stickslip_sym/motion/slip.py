@@ -543,12 +543,14 @@ class Dimensionless:
         horizon: float | None = None,
         rtol: float = 1e-12,
         most: int = _MOST_STEPS,
+        few: int = _FEW,
         workers: int = 1,
     ) -> Slips:
         """Follow many slips, compiled where numba is there; arguments as for `slip`, nothing is refused.
 
         - `q`, `w`, `side`: an entry for each slip.
         - `eta`, `zeta`: likewise, where they are not this system's.
+        - `few`: how many are followed in plain Python.
         - `workers`: a number of threads, -1 for all processors.
 
         Raises `OutOfTime` when the time of a `time_limit` is up, which is looked at between batches.
@@ -559,7 +561,8 @@ class Dimensionless:
         found = np.full((q.size, 5), np.nan)
         end_tau = self.horizon if horizon is None else horizon
         arguments = end_tau, rtol, int(until), level, most
-        self.spread(_follow_all, (etas, zetas, push, side, q, w), arguments, (found,), workers=workers)
+        columns = etas, zetas, push, side, q, w
+        self.spread(_follow_all, columns, arguments, (found,), few=few, workers=workers)
         if np.isnan(found[:, 0]).any():
             check_time()
         end, tau, q_end, w_end, rate = found.T

@@ -17,13 +17,14 @@ from stickslip_sym.output.files import require_name
 from stickslip_sym.output.markup import Markup
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from stickslip_sym.core.aliases import FloatArray
 
 __all__ = [
-    "BLUE", "GREEN", "ORANGE", "Drawn", "dense", "finish", "label", "new_figure", "panel_letters", "picture",
+    "BLUE", "GREEN", "ORANGE", "Drawn", "Panel", "dense", "finish", "new_figure", "panel_letters", "picture",
     "require_matplotlib", "save", "styled", "svg", "svg_uri",
 ]  # fmt: skip
 
@@ -47,15 +48,7 @@ _STYLE: Any = {
 }
 _DENSE = 8  # points drawn for each step of an integration
 _INLINE = 90  # pixels an inch, of a picture among text
-_POINT = 4  # half the width of a point, in pixels
-_APART = 8  # pixels between labels that stand side by side
-_NEAR = 12  # points of height up to which a label needs no line to what it names
-_BESIDE = [
-    (side * (8 if abs(up) <= 12 else 20), up)
-    for up in (0, 7, -7, *(sign * up for up in range(20, 130, 12) for sign in (1, -1)))
-    for side in (1, -1)
-]
-"""Places of a label, by preference: to the right and up from its point, in points."""
+_PANEL = 7.2, 5.6  # inches, of a figure of one panel
 
 
 def require_matplotlib() -> None:
@@ -142,37 +135,52 @@ class Drawn(ABC):
         return figure
 
 
-def label(axes: "Axes", labels: Sequence[tuple[str, tuple[float, float], str]]) -> None:
-    """Write names beside points, each (name, place, colour), where none covers another or a point."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.text import Text
-    from matplotlib.transforms import Bbox
+class Panel(Drawn):
+    """A result whose picture is one panel, which can be drawn into axes of a figure of one's own."""
 
-    figure: Any = axes.figure
-    renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
-    figure.draw_without_rendering()
-    points = [axes.transData.transform(place) for _, place, _ in labels]
-    taken = [Bbox.from_bounds(x - _POINT, y - _POINT, 2 * _POINT, 2 * _POINT) for x, y in points]
-    for name, place, color in labels:
-        for right, up in _BESIDE:
-            line = {"arrowstyle": "-", "color": color, "lw": 0.5, "relpos": (float(right < 0), 0.5)}
-            text = axes.annotate(
-                name, place, xytext=(right, up), textcoords="offset points", fontsize=8, color=color,
-                ha="left" if right > 0 else "right", va="center",
-                arrowprops=line if abs(up) > _NEAR else None,
-                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
-            )  # fmt: skip
-            text.update_positions(renderer)
-            box = Text.get_window_extent(text, renderer)  # that of an annotation has its line too
-            inside = (
-                axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1 and axes.bbox.y0 < box.y0 and box.y1 < axes.bbox.y1
-            )
-            if inside and not any(map(box.overlaps, taken)):
-                break
-            text.remove()
-        else:
-            axes.add_artist(text)
-        taken.append(box.padded(_APART, 0))
+    @abstractmethod
+    def _draw(self, ax: "Axes") -> "Sequence[Artist]":
+        """Draw it, and return the handles of its legend."""
+
+    def _title(self) -> str:
+        """Return the title that it has in a figure of its own."""
+        return ""
+
+    def plot(self, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
+        """Draw it: regions or basins told apart by colour and hatching, curves between them, or orbits.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            A file to draw to: SVG, PNG or PDF, by its ending.
+        ax : matplotlib.axes.Axes, optional
+            Axes of a figure of your own to draw in, with the legend inside them.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not installed, or cannot write the file.
+        """
+        if ax is None:
+            return super().plot(path)
+        ax.legend(handles=self._draw(ax), fontsize=8)
+        figure: Figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
+        if path is not None:
+            save(figure, Path(path))
+        return figure
+
+    def _figure(self) -> "Figure":
+        figure, axes = new_figure(*_PANEL)
+        handles = self._draw(axes[0, 0])
+        axes[0, 0].set_title(self._title(), fontsize=10)
+        figure.legend(
+            handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6
+        )
+        return figure  # type: ignore[no-any-return]
 
 
 def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:

@@ -7,12 +7,12 @@ above, so a formula that is broken here fits the text.
 
 import re
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.notation import latex_name
 
-__all__ = ["LINE", "broken", "displayed", "key", "prose", "width"]
+__all__ = ["LINE", "displayed", "key", "prose", "width"]
 
 LINE = 341.0  # points in 120 mm
 _NUMBER = 32.0  # of them for the number of the equation
@@ -28,54 +28,52 @@ _WIDE = {
     r"\delta": 4.6, r"\theta": 4.9, r"\mu": 6.1, r"\pi": 5.9, r"\eta": 5.1, r"\int": 11.7, r"\quad": 10.0,
     r"\infty": 10.0, r"\ln": 10.0, r"\sin": 14.2, r"\cos": 15.0, r"\tan": 15.6, r"\sinh": 19.8, r"\cosh": 20.6,
     r"\tanh": 21.1, r"\coth": 20.6, r"\arctan": 29.5, r"\exp": 17.0, r"\to": 15.6, r"\sim": 13.4, r"\approx": 13.4,
+    r"\bigl": 0.8, r"\bigr": 0.8, r"\biggl": 2.2, r"\biggr": 2.2, r"\left": 1.6, r"\right": 1.6,
 }  # fmt: skip
-_BIG = {r"\bigl": 0.8, r"\bigr": 0.8, r"\biggl": 2.2, r"\biggr": 2.2, r"\left": 1.6, r"\right": 1.6}
-_TEXTS = (r"\mathrm", r"\operatorname", r"\mathit", r"\text", r"\textrm")
-_SCRIPT = 0.76
+_WITH_ARGUMENTS: dict[str, tuple[int, Callable[..., float]]] = {
+    r"\frac": (2, lambda top, below: max(top, below) + 3.0), r"\sqrt": (1, lambda inner: inner + 9.0),
+    r"\operatorname": (1, lambda inner: inner + 3.4),
+    **dict.fromkeys((r"\mathrm", r"\mathit", r"\text", r"\textrm"), (1, float)),
+    **dict.fromkeys("^_", (1, lambda script: 0.76 * script + 0.6)),
+}  # fmt: skip
+"""How many arguments a command has, and its width from theirs."""
 _OPERATORS = frozenset({"", "+", "-", "=", "<", ">", ",", ";", r"\cdot", r"\,", r"\int"})
 """What no sign of a product may follow; the operator of a derivative is taken for an integral."""
 _DIFFERENTIALS = (r"\mathrm", r"\partial")  # what a fraction begins with that is an operator
+_DEPTHS = {"(": 1, "[": 1, r"\{": 1, ")": -1, "]": -1, r"\}": -1}
+_FIXED = {r"\left": 1, r"\begin": 1, r"\right": -1, r"\end": -1}
 
 
 def width(latex: str) -> float:
     """Return the width of a formula in points, seldom too small."""
-    return _row(_TOKEN.findall(latex), 0)[0]
-
-
-def _row(tokens: Sequence[str], start: int) -> tuple[float, int]:
-    """Return the width of the tokens up to the brace that closes the group, and where that is."""
-    total, i = 0.0, start
-    while i < len(tokens) and tokens[i] != "}":
+    tokens, total, i = _TOKEN.findall(latex), 0.0, 0
+    while i < len(tokens):
         part, i = _part(tokens, i)
         total += part
-    return total, i
+    return total
 
 
 def _part(tokens: Sequence[str], i: int) -> tuple[float, int]:
-    """Return the width of a token with its arguments, and where the next one begins."""
-    token = tokens[i]
-    if token == r"\frac":
-        top, i = _argument(tokens, i + 1)
-        below, i = _argument(tokens, i)
-        return max(top, below) + 3.0, i
+    """Return the width of a token with its arguments, or of a group, and where the next one begins."""
+    if i >= len(tokens):
+        return 0.0, i
+    token, i = tokens[i], i + 1
     if token == "{":
-        inner, i = _row(tokens, i + 1)
-        return inner, i + 1
-    if token == r"\sqrt" or token in _TEXTS or token in "^_":
-        inner, i = _argument(tokens, i + 1)
-        if token in "^_":
-            return _SCRIPT * inner + 0.6, i
-        return inner + {r"\sqrt": 9.0, r"\operatorname": 3.4}.get(token, 0.0), i
-    if token in _BIG or token.isspace():
-        return _BIG.get(token, 0.0), i + 1
-    return _WIDE.get(token, 7.4 if token.isupper() else 6.4 if token.startswith("\\") else 5.3), i + 1
-
-
-def _argument(tokens: Sequence[str], i: int) -> tuple[float, int]:
-    if i < len(tokens) and tokens[i] == "{":
-        inner, end = _row(tokens, i + 1)
-        return inner, end + 1
-    return _row(tokens[: i + 1], i)
+        total = 0.0
+        while i < len(tokens) and tokens[i] != "}":
+            part, i = _part(tokens, i)
+            total += part
+        return total, i + 1
+    if token.isspace():
+        return 0.0, i
+    count, of_arguments = _WITH_ARGUMENTS.get(token, (0, float))
+    if not count:
+        return _WIDE.get(token, 7.4 if token.isupper() else 6.4 if token.startswith("\\") else 5.3), i
+    arguments = []
+    for _ in range(count):
+        argument, i = _part(tokens, i)
+        arguments.append(argument)
+    return of_arguments(*arguments), i
 
 
 def displayed(left: str, right: str, *, relation: str = "=", label: str = "", tag: str = "") -> str:
@@ -86,40 +84,41 @@ def displayed(left: str, right: str, *, relation: str = "=", label: str = "", ta
     - `label`: to number it and refer to it.
     - `tag`: to be printed instead of a number.
     """
-    environment = "equation" if label else "equation*"
-    room = LINE - (_NUMBER if label or tag else 0.0)
-    mark = (f"  \\label{{{label}}}\n" if label else "") + (f"  \\tag*{{{tag}}}\n" if tag else "")
-    start = f"{left} {relation} "
-    if width(start + right) <= room:
-        return f"\\begin{{{environment}}}\n{mark}  {start}{right}\n\\end{{{environment}}}"
-    if width(start) <= _HANGING * room:
-        rows = broken(right, room - width(start), room - width(start) - _INDENT)
-        rows = [f"{left} &{relation} {rows[0]}", *(f"&\\quad {row}" for row in rows[1:])]
+    line = LINE - (_NUMBER if label or tag else 0.0)
+    begin = f"{left} {relation} "
+    if width(begin + right) <= line:
+        body = f"  {begin}{right}"
     else:
-        above = broken(left, room, room - _INDENT)
-        below = broken(right, room - 2 * _INDENT, room - 2 * _INDENT)
-        rows = ["& " + above[0], *(f"&\\quad {row}" for row in above[1:])]
-        rows += [f"&\\quad {{}}{relation} {below[0]}", *(f"&\\qquad {row}" for row in below[1:])]
-    inner = " \\\\\n  ".join(rows)
-    body = f"  \\begin{{split}}\n  {inner}\n  \\end{{split}}"
+        if width(begin) <= _HANGING * line:
+            rows = _broken(right, line - width(begin), line - width(begin) - _INDENT)
+            rows = [f"{left} &{relation} {rows[0]}", *(f"&\\quad {row}" for row in rows[1:])]
+        else:
+            above = _broken(left, line, line - _INDENT)
+            below = _broken(right, line - 2 * _INDENT, line - 2 * _INDENT)
+            rows = ["& " + above[0], *(f"&\\quad {row}" for row in above[1:])]
+            rows += [f"&\\quad {{}}{relation} {below[0]}", *(f"&\\qquad {row}" for row in below[1:])]
+        inner = " \\\\\n  ".join(rows)
+        body = f"  \\begin{{split}}\n  {inner}\n  \\end{{split}}"
+    environment = "equation" if label else "equation*"
+    mark = (f"  \\label{{{label}}}\n" if label else "") + (f"  \\tag*{{{tag}}}\n" if tag else "")
     return f"\\begin{{{environment}}}\n{mark}{body}\n\\end{{{environment}}}"
 
 
-def broken(latex: str, first: float, later: float) -> list[str]:
+def _broken(latex: str, first: float, later: float) -> list[str]:
     """Break a formula into lines of at most so many points, the first one of another length."""
     places, end = _places(latex)
-    rows, begin, done, room = [], 0, 0.0, first
-    while end - done > room:
+    rows, begin, done, line = [], 0, 0.0, first
+    while end - done > line:
         left = [place for place in places if place[0] > begin]
         # What is wider than a line, and cannot be broken, stands alone at least.
-        fitting = [place for place in left if place[2] - done <= room] or left[:1]
+        fitting = [place for place in left if place[2] - done <= line] or left[:1]
         if not fitting:
             break
-        good = [place for place in fitting if place[2] - done >= _LEAST * room] or fitting
+        good = [place for place in fitting if place[2] - done >= _LEAST * line] or fitting
         depth = min(place[1] for place in good)
         position, _, before = max(place for place in good if place[1] == depth)
         rows.append(latex[begin:position].rstrip())
-        begin, done, room = position, before, later
+        begin, done, line = position, before, later
     rows.append(latex[begin:])
     return rows[:1] + [("{}" if row[0] in "+-" else r"{}\times ") + row for row in rows[1:]]
 
@@ -138,10 +137,8 @@ def _places(latex: str) -> tuple[list[tuple[int, int, float]], float]:
             found.append((position, 2 * depth, total))
         elif apart and token in (r"\bigl", r"\biggl") and before not in _OPERATORS:
             found.append((position, 2 * depth + 1, total))  # a product, rather than the sum inside
-        if token in (r"\left", r"\begin", r"\right", r"\end"):
-            fixed += 1 if token in (r"\left", r"\begin") else -1
-        elif token in ("(", "[", r"\{", ")", "]", r"\}"):
-            depth += 1 if token in ("(", "[", r"\{") else -1
+        fixed += _FIXED.get(token, 0)
+        depth += _DEPTHS.get(token, 0)
         part, following = _part(tokens, i)
         total += part
         if token == r"\frac" and tokens[i + 2] in _DIFFERENTIALS:
@@ -161,17 +158,14 @@ def key(name: str | None) -> str:
     return re.sub(r"[^A-Za-z0-9_-]+", "-", name or "").strip("-") or "law"
 
 
-_ESCAPES = {character: "\\" + character for character in "&%$#_{}"} | {
-    "\\": r"\textbackslash{}", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}",
-    "<": "$<$", ">": "$>$", "|": r"\textbar{}", '"': "''",
+_SIGNS = {character: "\\" + character for character in "&%$#_{}"} | {
+    "\\": r"\textbackslash{}", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "|": r"\textbar{}",
+    '"': "''", "<": "$<$", ">": "$>$", "−": "$-$", "≤": r"$\le$", "≥": r"$\ge$", "≈": r"$\approx$", "≠": r"$\ne$",
+    "∞": r"$\infty$", "√": r"$\surd$", "′": "$'$", "″": "$''$", "→": r"$\to$", "µ": r"$\mu$", "∝": r"$\propto$",
+    "∂": r"$\partial$", "°": r"$^{\circ}$",
+    **{raised: f"$^{{{plain}}}$" for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-", strict=True)},
+    **{lowered: f"$_{{{plain}}}$" for lowered, plain in zip("₀₁₂₃₄₅₆₇₈₉₊₋", "0123456789+-", strict=True)},
 }  # fmt: skip
-_SIGNS = {
-    "−": "$-$", "≤": r"$\le$", "≥": r"$\ge$", "≈": r"$\approx$", "≠": r"$\ne$", "∞": r"$\infty$", "√": r"$\surd$",
-    "′": "$'$", "″": "$''$", "→": r"$\to$",
-    "µ": r"$\mu$", "∝": r"$\propto$", "∂": r"$\partial$", "°": r"$^{\circ}$",
-}  # fmt: skip
-_SCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻₀₁₂₃₄₅₆₇₈₉₊₋", "0123456789+-0123456789+-")
-_RAISED, _LOWERED = "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "₀₁₂₃₄₅₆₇₈₉₊₋"
 _NOT_SET = re.compile("[ĦħĸĿŀŉŦŧſ]|[^ -~¡-ſ‐-–—‘’‚“”„†‡•…‰‹›€™]")
 _WORD = re.compile(r"(sqrt)\((\w+)\)|([A-Za-z]\w*)(?:\^(\d))?|(\d)[+]|(.)", re.S)
 
@@ -192,28 +186,22 @@ def prose(text: str, names: Mapping[str, str] | None = None) -> str:
             return f"$\\sqrt{{{known.get(radicand, radicand)}}}$"
         if number:
             return f"${number}^{{+}}$"
-        if name is None:
-            return _ESCAPES.get(other) or _foreign(other)
         if name in known:
             return f"${known[name]}{f'^{{{power}}}' if power else ''}$"
-        return "".join(_ESCAPES.get(c) or _foreign(c) for c in name) + (f"$^{{{power}}}$" if power else "")
+        return "".join(map(_sign, name or other)) + (f"$^{{{power}}}$" if power else "")
 
     # After an abbreviation TeX would leave the space that follows a sentence.
     return re.sub(r"\b(e\.g\.|eq\.) ", r"\1~", _WORD.sub(word, text)).replace(" - ", " $-$ ")
 
 
-def _foreign(character: str) -> str:
-    """Return a character that is not of ASCII as LaTeX."""
+def _sign(character: str) -> str:
+    """Return a character as LaTeX; Greek letters that look like Latin ones have no command."""
     if character in _SIGNS:
         return _SIGNS[character]
-    for scripts, mark in ((_RAISED, "^"), (_LOWERED, "_")):
-        if character in scripts:
-            return f"${mark}{{{character.translate(_SCRIPTS)}}}$"
     greek = re.fullmatch(r"GREEK (SMALL|CAPITAL) LETTER (FINAL )?(\w+)", unicodedata.name(character, ""))
-    if greek:
-        written = latex_name(greek[3].lower() if greek[1] == "SMALL" else greek[3].title())
-        if "{" not in written:  # else it looks like a Latin letter, and has no command
-            return f"${written}$"
+    written = latex_name(greek[3].lower() if greek[1] == "SMALL" else greek[3].title()) if greek else "{"
+    if "{" not in written:
+        return f"${written}$"
     if _NOT_SET.match(character):
         raise InputError(
             f"the character {character!r} has no sign in pdflatex's fonts; "

@@ -13,8 +13,12 @@ from stickslip_sym.cli.output import as_json
 from stickslip_sym.cli.program import COMMANDS, program
 from stickslip_sym.output.browser import find_browser
 
-EXPONENTIAL = "exponential: mu(v) = mu_m + (mu_s - mu_m)*exp(-alpha*v)"
+EXPONENTIAL = ss.laws.exponential.typical()
+AT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 DISC = "v [mm/s],mu\n" + "".join(f"{v},{0.3 + 10 / (50 + v):.3f}\n" for v in range(5, 900, 30))
+PIN = "v,mu\n0,0.5\n0.1,0.4\n0.3,0.3\n1.2,0.25\n"
+TYPICAL = "mu_s = 0.5 (typical), mu_m = 0.2 (typical), alpha = 3 s/m (typical)\nV = 0.5 m/s"
+FORMULA = "exponential: mu(v) = mu_m + (mu_s - mu_m)*exp(-alpha*v)\n" + TYPICAL
 
 
 @pytest.mark.parametrize(
@@ -32,8 +36,7 @@ def test_example_in_the_help_works(name, run, tmp_path):
     if "--pdf" in words and find_browser() is None:
         pytest.skip("a PDF needs a browser, and there is none on this machine (Debian: apt-get install chromium)")
     if name in ("map", "tradeoff"):  # takes seconds; that the line is read is enough
-        command = program.get_command(None, name)
-        assert command.make_context(name, words[2:]).params
+        assert program.get_command(None, name).make_context(name, words[2:]).params
         return
     code, out, err = run(*words[1:])
     assert (code, err) == (0, "")
@@ -47,59 +50,112 @@ def test_bare_command_prints_its_help(run):
     assert run("--version") == (0, f"stickslip_sym {ss.__version__}\n", "")
 
 
-def test_laws(run):
-    _, out, err = run("laws")
-    assert re.search(r"^exponential +mu_m \+ \(mu_s - mu_m\)\*exp\(-alpha\*v\) +mu_s = 0.5", out, re.M)
-    assert err == ""
-    _, out, _ = run("laws", "hyperbolic")
-    assert out.startswith("hyperbolic: mu(v) = mu_m + (mu_s - mu_m)/(v/v_s + 1)\n")
-    verdicts = re.findall(r"^(\w+), (PROVED|CHECKED)\n  c = ", out, re.M)
-    assert verdicts == [("equilibrium", "PROVED"), ("least_squares", "PROVED"), ("harmonic", "PROVED")]
-    content = read_json(run("laws", "--json")[1])
-    assert [law["name"] for law in content["laws"]] == list(ss.laws.catalogue)
-    (law,) = read_json(run("laws", "linear", "--json")[1])["laws"]
-    assert law["criteria"]["harmonic"]["expr"] == "N*a_1"
-    assert law["criteria"]["harmonic"]["verdict"]["status"] == "PROVED"
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_json_and_help_of_its_options(name):
+    command = program.get_command(click.Context(program), name)
+    options = [one for one in command.params if isinstance(one, click.Option)]
+    assert "--json" in {text for one in options for text in one.opts}
+    assert all(one.help for one in options)
+    files = [one for one in options if type(one.type).__name__ == "_Written"]
+    assert bool(files) == ("overwrite" in {one.name for one in options})
 
 
-@pytest.mark.parametrize(
-    "line", ["damping exponential -V 0.5", "critical exponential --of c", "simulate exponential"]
-)
-def test_answers_begin_with_the_operating_point(line, run):
-    _, out, _ = run(*line.split())
-    first, parameters, quantities, *_ = out.splitlines()
-    assert first == EXPONENTIAL
-    assert parameters == "mu_s = 0.5 (typical), mu_m = 0.2 (typical), alpha = 3 s/m (typical)"
-    mark = "" if "-V" in line else " (default)"
-    assert quantities.startswith(
-        f"V = 0.5 m/s{mark}, N = 9.81 N (default), m = 1 kg (default), k = 100 N/m (default)"
-    )
+TEXTS = [
+    ("laws", r"^exponential +mu_m \+ \(mu_s - mu_m\)\*exp\(-alpha\*v\) +mu_s = 0.5"),
+    ("laws hyperbolic", r"\Ahyperbolic: mu\(v\) = mu_m \+ \(mu_s - mu_m\)/\(v/v_s \+ 1\)\n",
+     r"^equilibrium, PROVED\n  c = ", r"^least_squares, PROVED\n  c = ", r"^harmonic, PROVED\n  c = "),
+    # answers begin with the operating point
+    ("damping exponential -V 0.5", rf"\A{re.escape(FORMULA)}, N = 9.81 N \(default\), m = 1 kg \(default\)"),
+    ("critical exponential --of c", rf"\A{re.escape(FORMULA)} \(default\), N = 9.81 N \(default\)"),
+    ("simulate exponential", rf"\A{re.escape(FORMULA)} \(default\), .*, c = 0 kg/s \(default\)$"),
+    ("damping exponential -p mu_s=0.50+/-0.02 -V 0.50(1) --method orbit",
+     r"^c = 2\.57 \+/- 0\.18 kg/s \(parameters\)", r"^mu_s +0\.02 +0\.171 +91\.9 %$"),
+    ("critical exponential --of alpha -c 2 --method harmonic",
+     r"^alpha = 1\.168213768 s/m \(", r"^alpha = 9\.145431583 s/m \("),
+    ("critical exponential --of mu_s -c 2 --within 1:5", r"^there is no such value of mu_s\n\Z"),
+    ("critical linear -p a_1=0.30(3) -c 3.2+/-0.1 --method orbit",
+     r"no stick-slip: c = 3\.2 kg/s, pure-slip damping 2\.94 \+/- 0\.29 kg/s \(parameters\)",
+     r"probability that stick-slip is possible: 0\.2"),
+    ("simulate exponential -c 1 --t-end 3", r"^0 +0 +0.5 +start +stick$",
+     "outcome: finished, at t = 3 s, 10 events",
+     r"^0.0881 +0.04405 +0.5 +static friction gives way +slip, slower than the belt$"),
+    ("simulate exponential --t-end 40", r"^and \d+ more events$"),
+    ("simulate exponential -c 30 --t-end 100", "outcome: at rest, at t = 100 s", "fewer than two slips"),
+    ("simulate exponential -c -50 --t-end 100", "outcome: grows without bound", "a larger c"),
+    ("map exponential --x V=0.5:0.8:2 --y c=1:3:3", "c = 1 to 3 upwards, V = 0.5 to 0.8 to the right",
+     r"^S +stick-slip +\d+ "),
+    ("derive a-b*v --criterion all",
+     r"^ClosedForm: .*, equilibrium, [^$]*^ClosedForm: .*, harmonic, ", r"c = N\*b"),
+    *((f"derive {name}", f"^ClosedForm: {name}, least_squares, PROVED", rf"^closed form +{value}",
+       r"^quadrature, 50 digits +[-\d.]+ +(0|\d\.?\d*e-(49|5\d)) ",
+       r"^event-driven threshold +[\d.]+ +0\.0[01]\d* ")
+      for name, value in (("exponential", r"2\.5459"), ("polynomial", r"3\.04810714285714"))),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("name", "value"), [("exponential", "2.54594960290510"), ("polynomial", "3.04810714285714")]
-)
-def test_derive_ends_with_a_table(name, value, run):
-    code, out, _ = run("derive", name)
+@pytest.mark.parametrize(("line", "said"), [(line, said) for line, *said in TEXTS])
+def test_text(line, said, run):
+    code, out, _ = run(*line.split())
     assert code == 0
-    assert f"ClosedForm: {name}, least_squares, PROVED" in out
-    *_, closed, quadrature, threshold = (re.split(r"\s{2,}", line) for line in out.splitlines())
-    assert [closed[0], quadrature[0], threshold[0]] == [
-        "closed form",
-        "quadrature, 50 digits",
-        "event-driven threshold",
+    assert [pattern for pattern in said if not re.search(pattern, out, re.M)] == []
+
+
+def laws(content):
+    assert [law["name"] for law in content["laws"]] == list(ss.laws.catalogue)
+
+
+def damping(content):
+    expected = ss.pure_slip_damping(EXPONENTIAL, **AT)
+    (answer,) = content["answers"]
+    assert (answer["threshold"]["value"], answer["threshold"]["method"]) == (expected.value, expected.method)
+
+
+def comparison(content):
+    expected = ss.compare(ss.laws.coulomb.typical(), **AT)
+    assert [answer["method"] for answer in content["answers"]] == [one.method for one in expected]
+    assert [answer["reason"] == "" for answer in content["answers"]] == [
+        one.threshold is not None for one in expected
     ]
-    assert closed[1].startswith(value)
-    assert float(quadrature[2]) < 1e-48
-    assert 0.003 < float(threshold[2]) < 0.02
+    assert any(answer["reason"] for answer in content["answers"])
 
 
-def test_derive_as_json(run):
-    code, out, err = run(
-        *["derive", "exponential", "--criterion", "harmonic", "--steps", "--json", "-p", "alpha=7/3"]
-    )
-    assert (code, err) == (0, "")
-    content = read_json(out)
+def critical(content):
+    (value,) = content["values"]
+    assert value["value"] == pytest.approx(9.145431583)
+    assert value["sensitivity"]["c"] < 0 < value["sensitivity"]["mu_s"]
+
+
+def margins(content):
+    changes = {row["name"]: row["change"] for row in content["margins"]["rows"]}
+    # c = N a_1 for a straight line, whatever else
+    assert changes["a_1"] == changes["N"] == pytest.approx(3.2 / 2.943 - 1, rel=1e-6)
+    assert changes["V"] is changes["m"] is changes["mu_s"] is None
+    assert content["margins"]["stick_slip"] is False
+
+
+def simulate(content):
+    motion = ss.simulate(EXPONENTIAL, ss.Oscillator(c=1, **AT), t_end=2.0)
+    assert content["motion"]["events"] == as_json(motion.events)
+    assert content["periods"][-1] == pytest.approx(0.651445008)
+
+
+def plane(content):
+    axes = {"x": ("V", np.array([0.5, 0.8])), "y": ("c", np.array([1.0, 2.0, 3.0]))}
+    found = ss.motion_map(EXPONENTIAL, **axes, N=9.81, m=1.0, k=100.0)
+    assert (content["y"]["name"], content["y"]["values"]) == ("c", [1.0, 2.0, 3.0])
+    assert content["map"]["motion"] == [[cell.value for cell in row] for row in found.motion]
+
+
+def tradeoff(content):
+    trade = content["trades"]["criterion"]
+    methods = {", ".join(filter(None, (row["method"], row["setting"]))): row for row in trade["rows"]}
+    assert methods["plain lambdify, array"]["error"] > 0.1
+    assert methods["stable function, one value"]["error"] < 1e-14
+    assert trade["dominators"].keys() == methods.keys()
+    assert trade["point"]["V"] == 1e-4
+
+
+def derive(content):
     assert content["law"]["parameters"]["alpha"]["text"] == "7/3"
     assert (content["operating_point"]["N"]["value"], content["operating_point"]["N"]["default"]) == (9.81, True)
     (row,) = content["criteria"]
@@ -111,25 +167,43 @@ def test_derive_as_json(run):
     assert {step["verdict"]["status"] for step in row["steps"]} == {"PROVED"}
 
 
-def test_derive_all_criteria_of_a_formula(run):
-    code, out, err = run("derive", "a - b*v", "--criterion", "all")
-    assert code == 0
-    assert re.findall(r"ClosedForm: .*, (\w+), ", out) == ["equilibrium", "least_squares", "harmonic"]
-    assert "c = N*b" in out
-    assert err == "\nno value for a, b: give -p a=... for a table of values\n"
+JSON = {
+    "laws": laws,
+    "damping exponential": damping,
+    "damping coulomb --all": comparison,
+    "critical exponential --of alpha -c 2 --method harmonic --within 5:20": critical,
+    "critical linear -p a_1=0.30(3) -c 3.2+/-0.1 --method orbit": margins,
+    "simulate exponential -c 1 --t-end 2": simulate,
+    "map exponential --x V=0.5:0.8:2 --y c=1:3:3": plane,
+    "tradeoff exponential -V 1e-4": tradeoff,
+    "derive exponential --criterion harmonic --steps -p alpha=7/3": derive,
+}
 
 
-def test_derive_without_a_closed_form(run):
+@pytest.mark.parametrize("line", JSON)
+def test_json(line, run):
+    code, out, err = run(*line.split(), "--json")
+    assert (code, err) == (0, "")
+    JSON[line](read_json(out))
+
+
+def test_a_law_has_its_criteria(run):
+    (law,) = read_json(run("laws", "linear", "--json")[1])["laws"]
+    assert law["criteria"]["harmonic"]["expr"] == "N*a_1"
+    assert law["criteria"]["harmonic"]["verdict"]["status"] == "PROVED"
+
+
+def test_derive_without_values_or_a_closed_form(run):
+    assert run("derive", "a - b*v")[2] == "\nno value for a, b: give -p a=... for a table of values\n"
     code, out, err = run("derive", "tanh(exp(a*v))", "-p", "a=1", "--time-limit", "0", "--json")
     (row,) = read_json(out)["criteria"]
-    assert code == 1
-    assert err == f"error: {row['form']}\n"
+    assert (code, err) == (1, f"error: {row['form']}\n")
     assert row["checks"][0]["method"] == "quadrature, 50 digits"
 
 
 @pytest.mark.thorough
 def test_derive_writes_latex_and_keeps_the_form(run, tmp_path):
-    (tmp_path / "pin.csv").write_text("v,mu\n0,0.5\n0.1,0.4\n0.3,0.3\n1.2,0.25\n")
+    (tmp_path / "pin.csv").write_text(PIN)
     code, out, _ = run("derive", "--from-csv", "pin.csv", "--save", "pin.json", "--latex", "pin.tex", "--steps")
     assert code == 0
     form = ss.load(tmp_path / "pin.json")
@@ -139,26 +213,6 @@ def test_derive_writes_latex_and_keeps_the_form(run, tmp_path):
     code, _, err = run("derive", "--from-csv", "pin.csv", "-V", "0.7")
     assert (code, "measured up to v = 1.2 m/s, and its value at 1.4 m/s is needed" in err) == (2, True)
     assert run("derive", "--from-csv", "pin.csv", "-V", "0.7", "--extrapolate")[0] == 0
-
-
-def test_damping(run):
-    law = ss.laws.exponential.typical()
-    _, out, _ = run(*["damping", "exponential", "--json"])
-    (answer,) = read_json(out)["answers"]
-    expected = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1.0, k=100.0)
-    assert (answer["threshold"]["value"], answer["threshold"]["method"]) == (expected.value, expected.method)
-    _, out, _ = run(*["damping", "coulomb", "--all", "--json"])
-    answers = read_json(out)["answers"]
-    compared = ss.compare(ss.laws.coulomb.typical(), V=0.5, N=9.81, m=1.0, k=100.0)
-    assert [answer["method"] for answer in answers] == [one.method for one in compared]
-    assert all((answer["threshold"] is None) == bool(answer["reason"]) for answer in answers)
-    assert any(answer["reason"] for answer in answers)
-
-
-def test_damping_with_standard_errors(run):
-    _, out, _ = run("damping", "exponential", "-p", "mu_s=0.50+/-0.02", "-V", "0.50(1)", "--method", "orbit")
-    assert "c = 2.57 +/- 0.18 kg/s (parameters)" in out
-    assert re.search(r"^mu_s +0.02 +0.171 +91.9 %$", out, re.M)
 
 
 def test_several_points_in_one_call(run, tmp_path):
@@ -172,35 +226,8 @@ def test_several_points_in_one_call(run, tmp_path):
     assert "V = 0.3 m/s, N = 9.81 N (default), m = 1 kg (default), k = 200 N/m\n" in first
     assert "V = 0.4 m/s, N = 9.81(1) N, m" in second
     points = read_json(run(*line, "--json")[1])["points"]
-    expected = ss.pure_slip_damping(ss.laws.exponential.typical(), V=0.4, N=9.81, m=1, k=200, method="orbit")
+    expected = ss.pure_slip_damping(EXPONENTIAL, V=0.4, N=9.81, m=1, k=200, method="orbit")
     assert points[1]["answers"][0]["threshold"]["value"] == pytest.approx(expected.value, rel=1e-12)
-
-
-def test_critical_values(run):
-    line = ["critical", "exponential", "--of", "alpha", "-c", "2", "--method", "harmonic"]
-    _, out, err = run(*line)
-    values = [row for row in out.splitlines() if row.startswith("alpha = ")]
-    assert [row.split(" (")[0] for row in values] == ["alpha = 1.168213768 s/m", "alpha = 9.145431583 s/m"]
-    assert err == ""
-    (value,) = read_json(run(*line, "--within", "5:20", "--json")[1])["values"]
-    assert value["value"] == pytest.approx(9.145431583)
-    assert value["sensitivity"]["c"] < 0 < value["sensitivity"]["mu_s"]
-    assert run(*["critical", "exponential", "--of", "mu_s", "-c", "2", "--within", "1:5"])[1].endswith(
-        "there is no such value of mu_s\n"
-    )
-
-
-def test_margins_and_their_probability(run):
-    line = ("critical", "linear", "-p", "a_1=0.30(3)", "-c", "3.2+/-0.1", "--method", "orbit")
-    _, out, _ = run(*line)
-    assert "no stick-slip: c = 3.2 kg/s, pure-slip damping 2.94 +/- 0.29 kg/s (parameters)" in out
-    assert "probability that stick-slip is possible: 0.2" in out
-    margins = read_json(run(*line, "--json")[1])["margins"]
-    changes = {row["name"]: row["change"] for row in margins["rows"]}
-    # c = N a_1 for a straight line, whatever else
-    assert changes["a_1"] == changes["N"] == pytest.approx(3.2 / 2.943 - 1, rel=1e-6)
-    assert changes["V"] is changes["m"] is changes["mu_s"] is None
-    assert margins["stick_slip"] is False
 
 
 @pytest.mark.thorough
@@ -211,15 +238,7 @@ def test_one_critical_value_is_that_of_all(run):
     assert row["below"]["value"] == pytest.approx(alone["value"], rel=1e-5)
 
 
-def test_simulate(run, tmp_path):
-    _, out, _ = run(*["simulate", "exponential", "-c", "1", "--t-end", "3"])
-    assert re.search(r"^0 +0 +0.5 +start +stick$", out, re.M)
-    assert re.search(r"^0.0881 +0.04405 +0.5 +static friction gives way +slip, slower than the belt$", out, re.M)
-    assert "outcome: finished, at t = 3 s, 10 events" in out
-    content = read_json(run(*["simulate", "exponential", "-c", "1", "--t-end", "2", "--json"])[1])
-    motion = ss.simulate(ss.laws.exponential.typical(), ss.Oscillator(m=1, k=100, c=1, V=0.5, N=9.81), t_end=2.0)
-    assert content["motion"]["events"] == as_json(motion.events)
-    assert content["periods"][-1] == pytest.approx(0.651445008)
+def test_simulate_writes_and_draws(run, tmp_path):
     pytest.importorskip("matplotlib")
     line = "simulate mu_0-b*v -p mu_0=0.4 -p b=0.1 -V 1/4 -m 2 -k 50 -N 3 --x0 0.1 --v0=-0.5 --t-end 2"
     code, out, _ = run(*line.split(), "--rtol", "1e-8", "--csv", "a.csv", "--plot", "a.png")
@@ -227,39 +246,6 @@ def test_simulate(run, tmp_path):
     assert re.search(r"^0 +0\.1 +-0\.5 +start +slip, slower than the belt$", out, re.M)
     assert (tmp_path / "a.csv").read_text().startswith("t (s),x (m),v (m/s),phase\n0.0,0.1")
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_simulate_ends_in_words(run):
-    assert re.search(r"^and \d+ more events$", run("simulate", "exponential", "--t-end", "40")[1], re.M)
-    _, out, _ = run(*["simulate", "exponential", "-c", "30", "--t-end", "100"])
-    assert "outcome: at rest, at t = 100 s" in out
-    assert "fewer than two slips" in out
-    _, out, _ = run(*["simulate", "exponential", "-c", "-50", "--t-end", "100"])
-    assert "outcome: grows without bound" in out
-    assert "a larger c" in out
-
-
-def test_map(run):
-    line = ["map", "exponential", "--x", "V=0.5:0.8:2", "--y", "c=1:3:3"]
-    content = read_json(run(*line, "--json")[1])
-    assert (content["y"]["name"], content["y"]["values"]) == ("c", [1.0, 2.0, 3.0])
-    found = ss.motion_map(
-        ss.laws.exponential.typical(), x=("V", np.array([0.5, 0.8])), y=("c", np.array([1.0, 2.0, 3.0])),
-        N=9.81, m=1.0, k=100.0,
-    )  # fmt: skip
-    assert content["map"]["motion"] == [[cell.value for cell in row] for row in found.motion]
-    _, out, _ = run(*line)
-    assert "c = 1 to 3 upwards, V = 0.5 to 0.8 to the right" in out
-    assert re.search(r"^S +stick-slip +\d+ ", out, re.M)
-
-
-def test_tradeoff(run):
-    content = read_json(run(*["tradeoff", "exponential", "-V", "1e-4", "--json"])[1])["trades"]["criterion"]
-    methods = {", ".join(filter(None, (row["method"], row["setting"]))): row for row in content["rows"]}
-    assert methods["plain lambdify, array"]["error"] > 0.1
-    assert methods["stable function, one value"]["error"] < 1e-14
-    assert content["dominators"].keys() == methods.keys()
-    assert content["point"]["V"] == 1e-4
 
 
 def test_export_writes_all_or_nothing(run, tmp_path):
@@ -270,19 +256,7 @@ def test_export_writes_all_or_nothing(run, tmp_path):
     content = read_json(run(*line.split(), "--overwrite", "--json")[1])
     assert [row["criterion"] for row in content["criteria"]] == list(ss.criteria.catalogue) * 2
     code, _, err = run("export", "tanh(exp(a*v))", "--latex", "b.tex", "--python", "b.py", "--time-limit", "0")
-    assert code == 1
-    assert err.startswith("error: ")
-    assert not (tmp_path / "b.py").exists()
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_has_json_and_help_of_its_options(name):
-    command = program.get_command(click.Context(program), name)
-    options = [one for one in command.params if isinstance(one, click.Option)]
-    assert "--json" in {text for one in options for text in one.opts}
-    assert all(one.help for one in options)
-    files = [one for one in options if type(one.type).__name__ == "_Written"]
-    assert bool(files) == ("overwrite" in {one.name for one in options})
+    assert (code, err[:7], (tmp_path / "b.py").exists()) == (1, "error: ", False)
 
 
 def test_code_needs_the_values_of_shapes(run, tmp_path, monkeypatch):

@@ -4,7 +4,6 @@ import json
 import math
 import re
 from functools import partial
-from itertools import combinations
 
 import numpy as np
 import pytest
@@ -17,7 +16,6 @@ from stickslip_sym.comparison import procedures, tradeoff
 from stickslip_sym.comparison.trade import Row, Trade, dominators, draw
 from stickslip_sym.core import deadline
 from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
-from stickslip_sym.output import drawing
 
 DOUBLE = 4 * 2.0**-52
 SIZES = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
@@ -256,31 +254,9 @@ def test_text_json_and_picture_say_what_was_measured(rows):
     draw(trade, axes := figure.add_subplot())
     drawn = sorted(
         (float(line.get_xdata()[0]), float(line.get_ydata()[0]), line.get_markerfacecolor() == "white")
-        for line in axes.lines if line.get_marker() == "o"
+        for line in axes.lines if line.get_label() in trade.dominators
     )  # fmt: skip
     expected = [
         (row.seconds, max(row.error, 1e-51), bool(trade.dominators[row.name])) for row in rows if row.found
     ]
     assert drawn == sorted(expected)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_no_label_covers_another_or_a_point_or_leaves_the_panel(seed):
-    """Of points in a crowd, and in a row along the upper edge; some need a line to their labels."""
-    figure_module = pytest.importorskip("matplotlib.figure")
-    from matplotlib.text import Text
-
-    axes = figure_module.Figure(figsize=(7, 4)).add_subplot()
-    crowd = [(1.0, 1.0), (1.0, 1.01), (1.02, 1.0), (2.0, 1.0), (2.0, 1.0)]
-    row = [(float(x), 1.9) for x in np.random.default_rng(seed).uniform(0.4, 2.0, 6)]
-    points = [*crowd, *row]
-    axes.plot(*zip(*points, strict=True), "o")
-    axes.set(xlim=(0, 3), ylim=(0, 2))
-    drawing.label(axes, [(f"the point {i} of them", place, "k") for i, place in enumerate(points)])
-    renderer = axes.figure.canvas.get_renderer()
-    boxes = [Text.get_window_extent(text, renderer) for text in axes.texts]
-    assert len(boxes) == len(points)
-    assert any(text.arrow_patch is not None for text in axes.texts)
-    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
-    assert not any(box.contains(*axes.transData.transform(place)) for box in boxes for place in points)
-    assert all(axes.bbox.contains(*corner) for box in boxes for corner in (box.min, box.max))

@@ -11,8 +11,7 @@ from stickslip_sym import Motion, Phase
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.expansion import expand
 from stickslip_sym.motion.orbits.orbit import orbits
-from stickslip_sym.motion.regimes.regime import grows_far_out
-from stickslip_sym.motion.regimes.slip_orbits import overtaking_cycle
+from stickslip_sym.motion.regimes.phase_plane import PhasePlane
 from stickslip_sym.motion.thresholds.methods import methods, second_order
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
@@ -72,7 +71,7 @@ OVERTAKING = [
 def test_a_cycle_that_overtakes_the_belt_is_that_of_a_simulation(law, changes):
     """Two motions that come close to it, from inside and from outside."""
     osc = paper_oscillator(**changes)
-    cycle = overtaking_cycle(law, osc, rtol=1e-11)
+    cycle = PhasePlane(law, osc, 1e-11).overtaking
     x0 = osc.N * float(law.mu(osc.V)) / osc.k
     settled = min(12 / abs(cycle.floquet), 300 * cycle.period)
     left = math.exp(cycle.floquet * settled)  # of what a start is off
@@ -110,10 +109,10 @@ def test_the_damping_that_orbits_need_is_that_of_the_orbits(law):
 @pytest.mark.parametrize("measured", [True, False])
 def test_without_damping_friction_bounds_motions_and_next_to_no_negative_one_frees_them(measured):
     law = ss.FrictionLaw.from_samples([0, 0.2, 1, 3], [0.5, 0.4, 0.3, 0.3], extrapolate=not measured)
-    assert not grows_far_out(law, paper_oscillator(0.0))
+    assert not PhasePlane(law, paper_oscillator(0.0), 1e-10).unbounded
     for c in -np.logspace(-9, 2, 12):
-        assert grows_far_out(law, paper_oscillator(c))
-        assert not grows_far_out(law, paper_oscillator(-c))
+        assert PhasePlane(law, paper_oscillator(c), 1e-10).unbounded
+        assert not PhasePlane(law, paper_oscillator(-c), 1e-10).unbounded
 
 
 @pytest.mark.parametrize("crossing", np.logspace(1, 11, 6).tolist())
@@ -122,7 +121,7 @@ def test_far_out_is_beyond_every_speed_at_which_friction_turns(crossing):
     for sign in (-1, 1):
         law = ss.FrictionLaw("0.3 + s*(v^2/p - v)", parameters=[ss.Parameter("s", positive=False)])
         law = law.bind(s=sign * 10.0, p=crossing)
-        assert grows_far_out(law, paper_oscillator(1.0)) is (sign < 0)
+        assert PhasePlane(law, paper_oscillator(1.0), 1e-10).unbounded is (sign < 0)
 
 
 OUTER = ss.FrictionLaw("0.3 + 1e-6*v^3", static="0.35")

@@ -112,6 +112,7 @@ def test_without_time_every_part_of_a_regime_is_named():
     assert found.rest.stable
     assert [text.split(":")[0] for text in found.undecided] == [
         "whether the slip from P returns, and stick-slip", "the limit cycles in pure slip",
+        "limit cycles that overtake the belt", "separatrices",
     ]  # fmt: skip
     assert "time limit" in str(found)
 

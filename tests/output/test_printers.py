@@ -8,13 +8,12 @@ import html
 import os
 import random
 import re
-import runpy
 import shutil
 import subprocess
+import sys
 
 import latex_reader
 import mpmath
-import numpy as np
 import pytest
 import sympy as sp
 from random_formulas import NOTATION, SEVERAL, Draws
@@ -189,85 +188,68 @@ def test_the_reader_refuses_what_can_be_read_in_two_ways(latex):
 
 # -- code -------------------------------------------------------------------------------------------
 
-
-def written(language, batch):
-    """The formulas of a batch in one language: text, arguments and their values."""
-    for expr, point, expected in draws(batch, plain=True):
-        if expr.has(sp.Piecewise, sp.sign):  # pieces are branches of an average, or shapes that have values
-            continue
-        names = {symbol: f"x{i}" for i, symbol in enumerate(point)}
-        values = [float(value) for value in point.values()]
-        yield expr, writer.text_of(expr, names, WRITTEN[language]), list(names.values()), values, expected
-
-
-def by_python(batch, folder):
-    parts, given = (
-        [WRITTEN["python"].page["head"], WRITTEN["python"].page["shared"]],
-        list(written("python", batch)),
-    )
-    for number, (_, text, names, _, _) in enumerate(given):
-        parts.append(f"\n\ndef f_{number}({', '.join(names)}):\n    return {text}\n")
-    (folder / "formulas.py").write_text("".join(parts))
-    module = runpy.run_path(str(folder / "formulas.py"))
-    with np.errstate(all="ignore"):
-        # Each formula at the point and, in the same array, at a place beside it: nothing may hang on a scalar.
-        return [
-            float(np.broadcast_to(module[f"f_{number}"](*(np.array([x, 1.01 * x]) for x in values)), 2)[0])
-            for number, (_, _, _, values, _) in enumerate(given)
-        ]
-
-
-def by_c(batch, folder):
-    parts, calls = ["#include <math.h>\n#include <stdio.h>\n"], []
-    for number, (_, text, names, values, _) in enumerate(written("c", batch)):
-        listed = ", ".join(f"double {name}" for name in names)
-        parts.append(f"static double f_{number}({listed})\n{{\n    return {text};\n}}\n")
-        calls.append(f'    printf("%.17g\\n", f_{number}({", ".join(map(repr, values))}));\n')
-    (folder / "formulas.c").write_text("".join([*parts, "int main(void)\n{\n", *calls, "    return 0;\n}\n"]))
-    program = str(folder / "formulas")
-    flags = ["-std=c99", "-Wall", "-Wno-unused-parameter", "-Wno-parentheses", "-Werror", "-O0"]
-    subprocess.run(["cc", *flags, "-o", program, str(folder / "formulas.c"), "-lm"], check=True, timeout=60)
-    return numbers(subprocess.run([program], capture_output=True, text=True, check=True, timeout=60).stdout)
-
-
-def by_octave(batch, folder):
-    parts, calls = ["1;\n"], []
-    for number, (_, text, names, values, _) in enumerate(written("octave", batch)):
-        parts.append(f"function value = f_{number}({', '.join(names)})\n    value = {text};\nend\n")
-        calls.append(f'printf("%.17g\\n", f_{number}({", ".join(map(repr, values))}));\n')
-    (folder / "formulas.m").write_text("".join([*parts, *calls]))
-    command = ["octave-cli", "--norc", "--quiet", str(folder / "formulas.m")]
-    return numbers(subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout)
-
-
-def numbers(text):
-    return [float(line) for line in text.split()]
-
-
-LANGUAGES = {
-    "Python": pytest.param(by_python, "python"),
-    "C": pytest.param(
-        by_c, "c", marks=pytest.mark.skipif(not shutil.which("cc"), reason="there is no C compiler")
-    ),
-    "Octave": pytest.param(
-        by_octave, "octave",
-        marks=pytest.mark.skipif(not shutil.which("octave-cli"), reason="there is no octave; Debian has it"),
-    ),
+FLAGS = ["-std=c99", "-Wall", "-Wno-unused-parameter", "-Wno-parentheses", "-Werror", "-O0"]
+PROGRAMS = {
+    "python": ("a.py", "def f_{i}({names}):\n    return {text}\n",
+               "print(float(np.broadcast_to(f_{i}(*(np.array([x, 1.01 * x]) for x in [{values}])), 2)[0]))\n",
+               [[sys.executable, "-W", "ignore", "a.py"]]),
+    "c": ("a.c", "static double f_{i}({typed})\n{{\n    return {text};\n}}\n",
+          'printf("%.17g\\n", f_{i}({values}));\n',
+          [["cc", *FLAGS, "-o", "a", "a.c", "-lm"], ["./a"]]),
+    "octave": ("a.m", "function value = f_{i}({names})\n    value = {text};\nend\n",
+               'printf("%.17g\\n", f_{i}({values}));\n', [["octave-cli", "--norc", "--quiet", "a.m"]]),
 }  # fmt: skip
+"""A file, what a function and its call look like in it, and the commands that run it.
+
+Python gets each formula at the point and, in the same array, at a place beside it: nothing may hang on a scalar.
+"""
+PAGE = WRITTEN["python"].page
+AROUND = {
+    "python": (PAGE["head"] + PAGE["shared"] + "\n\n", "", ""),
+    "c": ("#include <math.h>\n#include <stdio.h>\n", "int main(void)\n{\n", "return 0;\n}\n"),
+    "octave": ("1;\n", "", ""),
+}
+"""What stands before the functions, and before and after the calls."""
+
+
+def written(name, batch):
+    """The formulas of a batch in one language: formula, text, arguments, their values, and its value."""
+    for expr, point, expected in draws(batch, plain=True):
+        if not expr.has(sp.Piecewise, sp.sign):  # pieces are branches of an average, or shapes that have values
+            names = {symbol: f"x{i}" for i, symbol in enumerate(point)}
+            values = [float(value) for value in point.values()]
+            yield expr, writer.text_of(expr, names, WRITTEN[name]), names.values(), values, expected
+
+
+def computed(name, batch, folder):
+    """Each formula of a batch with its text, the value that a program gives, and its own."""
+    file, function, call, commands = PROGRAMS[name]
+    head, before, after = AROUND[name]
+    given, functions, calls = list(written(name, batch)), [], []
+    for i, (_, text, names, values, _) in enumerate(given):
+        typed = ", ".join(f"double {name}" for name in names)
+        functions.append(function.format(i=i, names=", ".join(names), typed=typed, text=text))
+        calls.append(call.format(i=i, values=", ".join(map(repr, values))))
+    (folder / file).write_text("".join([head, *functions, before, *calls, after]))
+    for command in commands:
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120, cwd=folder)
+    values = map(float, done.stdout.split())
+    return [(expr, text, got, expected) for (expr, text, *_, expected), got in zip(given, values, strict=True)]
 
 
 @batches
-@pytest.mark.parametrize(("run", "language"), LANGUAGES.values(), ids=LANGUAGES)
-def test_code_computes_what_it_is_written_of(run, language, batch, tmp_path):
-    given = list(written(language, batch))
-    for (expr, text, _, _, expected), got in zip(given, run(batch, tmp_path), strict=True):
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_code_computes_what_it_is_written_of(name, batch, tmp_path):
+    program = PROGRAMS[name][-1][0][0]
+    if shutil.which(program) is None:
+        pytest.skip(f"there is no {program} on this machine; Debian has it")
+    for expr, text, got, expected in computed(name, batch, tmp_path):
         assert agrees(got, expected), f"{expr!r}\n{text}\n{got} is not {expected}"
 
 
 def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
     monkeypatch.setattr(writer._Printer, "_in_brackets", lambda self, expr: str(self._print(expr)))
-    found = zip(written("python", 0), by_python(0, tmp_path), strict=True)
-    assert sum(not agrees(got, expected) for (*_, expected), got in found) >= 10
+    assert sum(not agrees(got, expected) for *_, got, expected in computed("python", 0, tmp_path)) >= 10
 
 
 @pytest.mark.parametrize("name", ["python", "c", "octave"])

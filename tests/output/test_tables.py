@@ -1,34 +1,41 @@
-"""Tables of text: no line wider than a page, and nothing cut off."""
+"""Tables of text, and long formulas as lines: none wider than a page, nothing cut off, and read back the same."""
 
 import random
 import re
 
+import mpmath
 import pytest
+import sympy as sp
 
-from stickslip_sym.output import tables
+from stickslip_sym.output import abbreviation, printing, tables
+from tests.support.text_reader import read_text
+
+WORDS = ["mu_s", "v**2/v_s**2", "exp(-v/v_c)", "1e-6", "(mu_s", "mu_m)", "friction,", "sticks", "-0.25", "="]
+NAMES = ("V", "N", "g_1", "mu_s", "q", "w")
+V, N, G, MU, Q, W = SYMBOLS = sp.symbols(NAMES, positive=True)
+POINT = dict(zip(NAMES, map(mpmath.mpf, ("0.5", "9.81", "1.25", "0.4", "0.75", "2.5")), strict=True))
 
 
 def cell(chance):
     """Return a formula, a sentence or a number, sometimes none."""
-    kind = chance.randrange(4)
-    words = ["mu_s", "v**2/v_s**2", "exp(-v/v_c)", "1e-6", "(mu_s", "mu_m)", "friction,", "sticks", "-0.25", "="]
-    chosen = chance.choices(words, k=chance.choice([1, 3, 10, 60]))
-    if kind == 0:
-        return "*".join(word.rstrip(",") for word in chosen)
-    return "" if kind == 1 else (" + " if kind == 2 else " ").join(chosen)
+    joint = chance.choice(["*", "", " + ", " "])
+    chosen = [
+        word.rstrip(",") if joint == "*" else word for word in chance.choices(WORDS, k=chance.choice([1, 3, 60]))
+    ]
+    return joint.join(chosen) if joint else ""
 
 
 def read(text, header):
     """Read the rows of a table back, without blanks; its first column has a number in the first line of a row."""
-    starts = [re.search(rf"\b{name}\b", text).start() for name in header]
+    places = [re.search(rf"\b{name}\b", text).start() for name in header]
     rows = []
     for line in text.splitlines()[1:]:
-        parts = [line[start:end].strip() for start, end in zip(starts, [*starts[1:], None], strict=True)]
+        parts = [line[a:b].replace(" ", "") for a, b in zip(places, [*places[1:], None], strict=True)]
         if parts[0]:
-            rows.append([[] for _ in header])
-        for known, part in zip(rows[-1], parts, strict=True):
-            known.append(part)
-    return [["".join(parts).replace(" ", "") for parts in row] for row in rows]
+            rows.append(parts)
+        else:
+            rows[-1] = [known + part for known, part in zip(rows[-1], parts, strict=True)]
+    return rows
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -57,3 +64,44 @@ def test_wrapped_text_is_the_text(seed):
 def test_a_word_that_does_not_fit_is_kept():
     word = "w" * 150
     assert "".join(tables.table(["a", "b"], [[word, "x y"]]).split()).count("w") == 150
+
+
+def sum_of(chance, blocks):
+    """Return a sum of products of blocks and of their functions, some of them repeated."""
+    products = []
+    for _ in range(chance.randint(1, 6)):
+        parts = [chance.choice(blocks) ** chance.choice([-1, 1, sp.Rational(1, 2)]) for _ in range(2)]
+        outer = chance.choice([sp.exp, sp.tanh, lambda x: sp.log(1 + x**2), lambda x: x])
+        products.append(chance.choice([-3, 1, 5]) * sp.Mul(*parts) * outer(chance.choice(blocks) / 100))
+    return sp.Add(*products)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, *(pytest.param(n, marks=pytest.mark.thorough) for n in range(3, 12))])
+def test_a_long_formula_can_be_read_back(seed):
+    """From its definitions, each of which uses those above it; blanks and line ends mean nothing."""
+    chance = random.Random(seed)
+    blocks = [
+        sp.Add(*(chance.randint(1, 9) * chance.choice(SYMBOLS) ** power for power in range(5))) for _ in "abc"
+    ]
+    expr = sum_of(chance, [*blocks, *(sum_of(chance, blocks) ** 2 + 1 for _ in "ab")])
+    shown, text, known = abbreviation.formula("c", expr), printing.text(expr), dict(POINT)
+    first, *definitions = re.split(r"\n  (?:where\n  )?(?=\w+ =)", shown.strip())
+    with mpmath.workdps(60):  # for exponentials of exponentials
+        for equation in [*definitions, first]:
+            name, value = "".join(equation.split()).split("=")
+            assert name not in known
+            known[name] = read_text(value, known)
+        assert mpmath.almosteq(known["c"], read_text(text, POINT), rel_eps=1e-30)
+    assert max(map(len, shown.splitlines())) <= max(tables.WIDTH, 400 if len(text) <= 400 else 0) + 6
+    if "where" not in shown:
+        assert "".join(shown.split()) == "".join(f"c={text}".split())
+
+
+def test_every_term_has_its_line_and_repeated_blocks_one_letter():
+    block = sp.Add(*(number * V**number * sp.exp(-number * G) for number in range(1, 9)))
+    waves = sum(sp.sin(number * V) * W**number for number in range(1, 25))
+    shown = abbreviation.formula("c", N / block + sp.sqrt(block) * MU + Q * block * waves)
+    assert len(re.findall(r"^    [+-]? ?\S", shown, re.M)) >= 3
+    assert shown.count("exp(-7*g_1)") == 1
+    assert re.search(r"^  where\n  p =", shown, re.M)  # q is taken
+    assert abbreviation.formula("c", N * MU - V) == f"  c = {printing.text(N * MU - V)}"

@@ -12,7 +12,7 @@ from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.fitting.curve import draw_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.regimes.drawing import phase_plane
+from stickslip_sym.motion.regimes.drawing import phase_plane_of
 from stickslip_sym.motion.simulation.trajectory import Phase
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
@@ -151,13 +151,13 @@ def _time(ax: Any, study: Study) -> None:
 
 
 def _phase_plane(ax: Any, study: Study) -> None:
-    handles = phase_plane(ax, study.regime)
+    handles = phase_plane_of(ax, study.regime)
     if study.motion is not None:
         state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
-        (handles["motion over time"],) = ax.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0)
+        handles += ax.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0, label="motion over time")
     finish(ax)
     place: Look = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "fontsize": 7.5}
-    ax.legend(handles.values(), handles.keys(), **place)
+    ax.legend(handles=handles, **place)
 
 
 _PICTURES = {

@@ -90,7 +90,7 @@ def _power(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     if match is None:
         return None
     base, rate, _, p = match
-    return _reduced(polynomial, base, (p + 1) * rate, u)[0] * base * node
+    return by_parts(polynomial, lambda j: base ** (p + j) / (sp.rf(p + 1, j) * rate**j), u)
 
 
 def _root(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
@@ -113,9 +113,11 @@ def _gaussian(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     if len(quadratic) != 3 or not (-quadratic[0]).is_positive:
         return None
     a, b, c = -quadratic[0], *quadratic[1:]
-    above, constant = _reduced(polynomial, sp.Integer(1), sp.diff(node.args[0], u), u)
-    front = sp.exp(c + b**2 / (4 * a)) * sp.sqrt(sp.pi / a) / 2
-    return above * node + constant * front * sp.erf(sp.sqrt(a) * (u - b / (2 * a)))
+    x, root, middle = sp.Dummy("x", real=True), sp.sqrt(a), b / (2 * a)
+    inner = sp.expand(polynomial.subs(u, x / root + middle)) / root
+    above, constant = _reduced(inner, sp.Integer(1), -2 * x, x)
+    integral = above * sp.exp(-(x**2)) + constant * sp.sqrt(sp.pi) / 2 * sp.erf(x)
+    return sp.exp(c + a * middle**2) * integral.subs(x, root * (u - middle))
 
 
 def _stretched(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
@@ -181,8 +183,8 @@ def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr |
 def _logarithm_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate log(a u + b) times a rational function with linear denominators: Li_2.
 
-    With w = u + b/a and q = w - (u + s), log(w) log(w - q) - log(w)^2/2 - Li_2(q/w) has the derivative
-    log(w)/(u + s), and q/w is below 1.
+    With w = u + b/a and q = w - (u + s), log(a w)^2/2 + log(a w) log(1 - q/w) - Li_2(q/w) has the derivative
+    log(a w)/(u + s), and q/w is below 1.
     """
     rational, logarithm = factors.as_independent(sp.log, as_Add=False)
     parts = partial_fractions(polynomial * rational, u)
@@ -196,9 +198,8 @@ def _logarithm_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr | N
         elif s == start:
             total += numerator * logarithm**2 / 2
         else:
-            of_w, pole = sp.log(u + start), sp.log(u + s)
-            q = sp.factor((start - s) / (u + start))
-            total += numerator * ((of_w + sp.log(line[0])) * pole - of_w**2 / 2 - polylog(2, q))
+            z = sp.factor((start - s) / (u + start))
+            total += numerator * (logarithm**2 / 2 + logarithm * sp.log(1 - z) - polylog(2, z))
     left = _rational(whole * sp.diff(logarithm, u), sp.Integer(1), u)
     return None if left is None else total + whole * logarithm - left
 

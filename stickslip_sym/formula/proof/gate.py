@@ -13,7 +13,7 @@ import sympy as sp
 from flint import acb
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import ball, working_precision
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
@@ -32,43 +32,34 @@ __all__ = ["GATE_POINTS", "verify"]
 
 GATE_POINTS = 12
 GATE_DIGITS = 30
+_ROUNDED = 3  # of these digits, which the last bits of an enclosure may leave open
 _QUADRATURE_DIGITS = 24  # by mpmath, where the definition is not enclosed: each digit takes long there
+_LOST = 8  # of these digits, which are not claimed
 _GATE_SEED = 1
 _MOST_DRAWS = 40
 _DECADES = (-3, 3)  # of the belt speed and of every shape, for the points of the gate
 _EXPONENT_DECADES = (-0.5, 0.7)  # of a shape that is an exponent
 _BITS = (140, 200, 300, 600)  # of working precision, until a side has the digits of the gate
-_LOST = 8  # digits that are not claimed where a side is not enclosed
 _NEARLY_AT_REST = sp.Rational(1, 10**6)  # of the belt speed, where a profile is looked at
 _PLACE_DIGITS = 1200  # of a kink at an irrational place
 
 
 def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequence[Expr] = ()) -> Verdict:
-    """Compare a formula for the average of a profile with its definition at seeded log-uniform points.
+    """Compare a formula F(V) for the average of a profile g(v) with its definition at seeded log-uniform points.
 
-    Points at which the profile has no real value, or a side is not known to `GATE_DIGITS` digits, say nothing;
-    others are drawn in their place. ESTIMATED if too few say something.
-
-    Parameters
-    ----------
-    profile, closed : sympy.Expr
-        g(v) and F(V), of shapes too.
-    criterion : Criterion
-    conditions : sequence of relations
-        Between shapes, without which the average does not exist.
+    Points at which the profile has no real value, or a side is not known to `GATE_DIGITS` digits, say nothing, nor
+    do those at which one of the `conditions` between shapes does not hold; others are drawn in their place.
+    ESTIMATED if too few say something.
     """
     rng = random.Random(_GATE_SEED)
     exponents = {node.exp for node in profile.atoms(sp.Pow)}
-    symbols_drawn = (symbols.V, *shapes_of(profile))
     compared, enclosed = 0, True
     for _ in range(_MOST_DRAWS):
         check_time()
-        point = {
-            symbol: exact(
-                f"{10 ** rng.uniform(*(_EXPONENT_DECADES if symbol in exponents else _DECADES)):.6g}", symbol.name
-            )
-            for symbol in symbols_drawn
-        }
+        point = {}
+        for symbol in (symbols.V, *shapes_of(profile)):
+            decades = _EXPONENT_DECADES if symbol in exponents else _DECADES
+            point[symbol] = exact(f"{10 ** rng.uniform(*decades):.6g}", symbol.name)
         if not all(condition.subs(point) for condition in conditions) or not _is_real(profile, criterion, point):
             continue
         try:
@@ -78,7 +69,7 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
             continue
         with working_precision(_BITS[0]):
             got = enclosure_of(value)
-        digits = GATE_DIGITS - 3 if surely else _QUADRATURE_DIGITS - _LOST  # the last ones may be rounded
+        digits = GATE_DIGITS - _ROUNDED if surely else _QUADRATURE_DIGITS - _LOST
         if not all(_is_known(side, profile, point, digits) for side in (expected, got)):
             continue
         if not expected.overlaps(got):
@@ -94,24 +85,26 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
     )
 
 
+def _near(profile: Expr, point: Mapping[Expr, Expr], share: Expr = sp.S.One) -> Expr:
+    """Return a profile at a share of V, at rounded values: SymPy would factor exact powers of fractions."""
+    values = {**point, symbols.v: share * point[symbols.V]}
+    return sp.sympify(
+        profile.xreplace({symbol: sp.Float(value, 20) for symbol, value in values.items()}).evalf(15)
+    )
+
+
 def _is_real(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr]) -> bool:
     """Whether a profile is real at the lowest and at the highest slip speeds that its average needs."""
-    reach = (1,) if criterion.weight is None else (_NEARLY_AT_REST, 2)
-    values = [sp.sympify(_near(profile, {**point, symbols.v: share * point[symbols.V]})) for share in reach]
+    shares = (sp.S.One,) if criterion.weight is None else (_NEARLY_AT_REST, sp.Integer(2))
+    values = [_near(profile, point, share) for share in shares]
     return all(value.is_real and value.is_finite for value in values)
-
-
-def _near(profile: Expr, point: Mapping[Expr, Expr]) -> Expr:
-    """Return a profile at rounded values: SymPy would factor exact powers of fractions."""
-    return profile.xreplace({symbol: sp.Float(value, 20) for symbol, value in point.items()}).evalf(15)
 
 
 def _is_known(side: Enclosure, profile: Expr, point: Mapping[Expr, Expr], digits: int) -> bool:
     """Whether an enclosure says enough: to so many digits, or that the value is 0 beside g(V)/V."""
     if side.digits >= digits:
         return True
-    V = point[symbols.V]
-    size = abs(complex(_near(profile, {**point, symbols.v: V}))) / float(V)
+    size = abs(complex(_near(profile, point))) / float(point[symbols.V])
     return 0 in side and side.radius <= Fraction(size) / 10**GATE_DIGITS
 
 
@@ -131,7 +124,9 @@ def _definition(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr])
                 return enclosure_of(value), True
     # The profile is infinite at v = 0, or holds a function that is not enclosed.
     mu = function_of([symbols.v], profile.xreplace(shapes), "mpmath")
-    return _around(quadrature.average(mu, kinks, criterion, point[symbols.V], _QUADRATURE_DIGITS)), False
+    number = exact(quadrature.average(mu, kinks, criterion, point[symbols.V], _QUADRATURE_DIGITS), "value")
+    margin = abs(number) / sp.Integer(10) ** (_QUADRATURE_DIGITS - _LOST)
+    return Enclosure.of(number - margin, number + margin), False
 
 
 def kinks_of(profile: Expr, shapes: Mapping[Expr, Expr | acb]) -> list[Expr]:
@@ -141,10 +136,3 @@ def kinks_of(profile: Expr, shapes: Mapping[Expr, Expr | acb]) -> list[Expr]:
         raise InputError(f"a kink of {profile} is at no real place")
     numbers = {place if place.is_Rational else place.evalf(_PLACE_DIGITS) for place in found}
     return sorted(place for place in numbers if place > 0)
-
-
-def _around(value: Mpf) -> Enclosure:
-    """Return a value that is right to all but the last digits as an enclosure."""
-    number = exact(value, "value")
-    room = abs(number) / sp.Integer(10) ** (_QUADRATURE_DIGITS - _LOST)
-    return Enclosure.of(number - room, number + room)

@@ -6,7 +6,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.model.terms import expand_above
 
-__all__ = ["eta_by_zeta", "in_units", "normal_form", "single_limit"]
+__all__ = ["normal_form", "plain", "single_limit"]
 
 _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
 
@@ -29,37 +29,49 @@ def normal_form(expr: Expr) -> Expr:
     """Reduce an expression so that zero becomes 0.
 
     Integrals are split by linearity, and done where their integrand is a polynomial. Hyperbolic
-    functions become exponentials, polylogarithms of order 1 elementary, Dirichlet's eta a zeta, and radicands
+    functions become exponentials, polylogarithms of order 1 elementary, and radicands
     are factored. What is left is put over one denominator, and its numerator expanded: a polynomial in symbols,
     in functions that are algebraically independent, and in integrals of unknown functions.
     """
     check_time()
-    expr = sp.sympify(expr).replace(lambda node: isinstance(node, sp.Integral), _split)
+    expr = plain(sp.sympify(expr).replace(lambda node: isinstance(node, sp.Integral), _split))
     # Which argument a Min, Max or Piecewise takes does not matter to an identity that holds for all numbers.
-    expr = expr.replace(lambda node: isinstance(node, sp.Min | sp.Max), in_units)
-    expr = expr.replace(lambda node: isinstance(node, sp.Min | sp.Max | sp.Piecewise), _opaque)
-    expr = expr.replace(_is_tangent_integral, lambda node: sp.atan(node.args[0].args[1] / sp.I))
+    pieces = sorted(expr.atoms(sp.Min, sp.Max, sp.Piecewise), key=sp.default_sort_key)
+    expr = expr.xreplace({node: _opaque(node) for node in pieces})
+    # Im Li_1(i y) is the arctangent of y.
+    expr = expr.replace(
+        lambda node: (
+            isinstance(node, sp.im) and isinstance(node.args[0], sp.polylog) and node.args[0].args[0] == 1
+        ),
+        lambda node: sp.atan(node.args[0].args[1] / sp.I),
+    )
     expr = expr.replace(
         lambda node: isinstance(node, sp.polylog) and node.args[0] == 1, lambda node: -sp.log(1 - node.args[1])
     )
-    expr = expr.replace(sp.dirichlet_eta, eta_by_zeta)
-    expr = expr.replace(_is_root, lambda node: sp.factor(node.base) ** node.exp)
-    expr = expr.rewrite((sp.sinh, sp.cosh, sp.tanh, sp.sech), sp.exp)
-    expr = _exponentials_as_symbols(expr)
+    expr = expr.replace(
+        lambda node: node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer,
+        lambda node: sp.factor(node.base) ** node.exp,
+    )
+    expr = _exponentials_as_symbols(expr.rewrite((sp.sinh, sp.cosh, sp.tanh, sp.sech), sp.exp))
     numerator, _ = sp.fraction(sp.together(expr))
     return sp.expand(sp.powsimp(sp.expand(numerator)))
 
 
-def eta_by_zeta(order: Expr) -> Expr:
-    """Write Dirichlet's eta of a number by Riemann's zeta, which readers know."""
-    return sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
+def plain(expr: Expr) -> Expr:
+    """Write Dirichlet's eta of a number by Riemann's zeta, and bring positive factors out of every Min and Max."""
+    expr = expr.replace(
+        sp.dirichlet_eta, lambda order: sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
+    )
+    return expr.xreplace({node: _in_units(node) for node in expr.atoms(sp.Min, sp.Max)})
 
 
-def in_units(node: Expr) -> Expr:
+def _in_units(node: Expr) -> Expr:
     """Bring a positive factor out of a Min or a Max: Min(2 V/w, p/w) is Min(2 V, p)/w."""
     denominators = {sp.denom(argument) for argument in node.args if not argument.is_number}
     unit = sp.Mul(*denominators) if len(denominators) == 1 else sp.Integer(1)
-    return node.func(*[argument * unit for argument in node.args]) / unit if unit.is_positive else node
+    if unit == 1 or not unit.is_positive:
+        return node
+    return node.func(*[argument * unit for argument in node.args]) / unit
 
 
 def _exponentials_as_symbols(expr: Expr) -> Expr:
@@ -68,10 +80,8 @@ def _exponentials_as_symbols(expr: Expr) -> Expr:
     Expanding merges the exponentials of every product first, so no relation between them is lost. To SymPy
     exp(-x/3) and exp(-1000 x) are powers of one generator, of a degree that nothing survives.
     """
-    if not expr.has(sp.exp):
-        return expr
     below = [node for node in expr.atoms(sp.Pow) if not (node.exp.is_Integer and node.exp > 0)]
-    if any(node.has(sp.exp) for node in below):
+    if not expr.has(sp.exp) or any(node.has(sp.exp) for node in below):
         return expr
     expr = sp.expand(expr)
     return expr.xreplace({node: sp.Dummy(positive=True) for node in expr.atoms(sp.exp)})
@@ -79,15 +89,6 @@ def _exponentials_as_symbols(expr: Expr) -> Expr:
 
 def _opaque(node: Expr) -> Expr:
     return sp.Symbol(f"[{sp.srepr(node)}]", nonnegative=node.is_nonnegative, positive=node.is_positive)
-
-
-def _is_root(node: Expr) -> bool:
-    return bool(node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer)
-
-
-def _is_tangent_integral(node: Expr) -> bool:
-    """Tell whether it is Im Li_1(i y), the arctangent of y."""
-    return isinstance(node, sp.im) and isinstance(node.args[0], sp.polylog) and node.args[0].args[0] == 1
 
 
 def _split(integral: Expr) -> Expr:
@@ -103,9 +104,6 @@ def _split(integral: Expr) -> Expr:
     total = sp.Integer(0)
     for term in sp.Add.make_args(expand_above(integral.function.subs(variable, _BOUND))):
         constant, rest = term.as_independent(_BOUND, as_Add=False)
-        if rest.is_polynomial(_BOUND):
-            part = sp.integrate(rest, (_BOUND, low, high))
-        else:
-            part = sp.Integral(rest, (_BOUND, low, high))
-        total += sign * constant * part
+        part = sp.Integral(rest, (_BOUND, low, high))
+        total += sign * constant * (part.doit() if rest.is_polynomial(_BOUND) else part)
     return total

@@ -10,7 +10,7 @@ it open, no more than ESTIMATED is claimed.
 
 import math
 import random
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import mpmath
@@ -28,11 +28,10 @@ from stickslip_sym.output import markup
 __all__ = ["Verdict", "prove_equal", "prove_positive"]
 
 _SAMPLES = 8
-_DIGITS = 30
-_AGREE = mpmath.mpf("1e-22")  # of the sides' size: what they may differ by, errors included, to count as equal
+_DIGITS = 22  # of the sides' size, to which they are the same, errors included, to count as equal
+_NOTHING = mpmath.mpf("1e-60")  # what both sides may differ by where they are 0
 _STRICT = (sp.StrictLessThan, sp.StrictGreaterThan)
 _BINDING = (sp.Integral, sp.Sum, sp.Product, sp.Derivative, sp.Subs, sp.Limit, sp.Lambda)
-_NOTHING = mpmath.mpf("1e-60")  # what both sides may differ by where they are 0
 
 
 @dataclass(frozen=True)
@@ -63,12 +62,11 @@ class Verdict:
 
 
 def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | None = None) -> Verdict:
-    """Prove or refute lhs = rhs.
+    """Prove or refute lhs = rhs, both of which may hold unknown functions, and integrals over them.
 
     Parameters
     ----------
     lhs, rhs : sympy.Expr
-        May hold unknown functions, and integrals over them.
     by : callable, optional
         A theorem that is applied to `lhs` first.
     checked : Verdict, optional
@@ -89,7 +87,30 @@ def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | N
         obstacle = str(error)
     if checked is not None:
         return Verdict(checked.status, f"{checked.evidence}; {obstacle}", checked.point)
-    return _compared(lhs, rhs, obstacle)
+    verdict, agreed, open_ = _at_points({"left": lhs, "right": rhs}, _equal)
+    if verdict is not None:
+        return verdict
+    obstacle += open_
+    if agreed < _SAMPLES // 2:
+        evidence = f"only {agreed} of {_SAMPLES} points say anything to {_DIGITS} digits; {obstacle}"
+        return Verdict(Status.ESTIMATED, evidence)
+    where = f"{_SAMPLES} seeded points" if agreed == _SAMPLES else f"{agreed} of {_SAMPLES} seeded points"
+    return Verdict(Status.CHECKED, f"equal to {_DIGITS} digits at {where}; {obstacle}")
+
+
+def prove_positive(expr: Expr) -> Verdict:
+    """Prove or refute expr > 0, from the signs of its symbols."""
+    if any(form.is_positive for form in (expr, sp.factor(expr), sp.expand(expr))):
+        return Verdict(Status.PROVED, "every factor is positive")
+    verdict, positive, _ = _at_points({"it": expr}, _positive)
+    if verdict is not None:
+        return verdict
+    if positive < _SAMPLES:
+        return Verdict(Status.ESTIMATED, f"its sign is certain at {positive} of {_SAMPLES} seeded points only")
+    return Verdict(Status.CHECKED, f"positive at {_SAMPLES} seeded points; no proof was found")
+
+
+# -- exactly ---------------------------------------------------------------------------------------
 
 
 def _vanishes(difference: Expr) -> bool:
@@ -129,91 +150,80 @@ def _same_places(first: Expr, second: Expr) -> bool:
     )
 
 
-def _compared(lhs: Expr, rhs: Expr, obstacle: str) -> Verdict:
-    """Compare two sides at points: refute them only if they differ by more than the errors of both."""
-    agreed = 0
-    for point in _points(lhs, rhs):
-        sides: list[tuple[Mpf, Mpf]] = []
-        for name, side in (("left", lhs), ("right", rhs)):
+# -- at points -------------------------------------------------------------------------------------
+
+
+def _at_points(sides: Mapping[str, Expr], judge: Callable[..., str | bool]) -> tuple[Verdict | None, int, str]:
+    """Judge values and their errors at seeded points; return a refutation, how many agreed, what was in the way.
+
+    `judge` says in words how the sides fail, or whether they surely hold.
+    """
+    holds, obstacles = 0, ""
+    for point in _points(*sides.values()):
+        where = f"at {', '.join(_word(key, value) for key, value in point.items())}"
+        values = []
+        for name, side in sides.items():
             try:
-                sides.append(certain_value(side, point))
+                values.append(certain_value(side, point))
             except NotFinite as failure:
-                evidence = f"{name} is not finite, {failure}, at {_words(point)}"
-                return Verdict(Status.REFUTED, evidence, point)
+                return (
+                    Verdict(Status.REFUTED, f"{name} is not finite, {failure}, {where}", point),
+                    holds,
+                    obstacles,
+                )
             except NotConverged as failure:
-                obstacle = f"{obstacle}; {failure}"
-        if len(sides) < 2:
+                obstacles += f"; {failure}"
+        if len(values) < len(sides):
             continue
-        with mpmath.workdps(4 * _DIGITS):
-            (left, left_error), (right, right_error) = sides
-            difference, error, size = abs(left - right), left_error + right_error, abs(left) + abs(right)
-            if difference > error:
-                shown = [mpmath.nstr(value, _digits_apart(size, difference)) for value in (left, right)]
-                evidence = f"left {shown[0]}, right {shown[1]} at {_words(point)}"
-                return Verdict(Status.REFUTED, evidence, point)
-            agreed += difference + error <= max(_AGREE * size, _NOTHING)
-    if agreed < _SAMPLES // 2:
-        evidence = f"only {agreed} of {_SAMPLES} points say anything to {_DIGITS - 8} digits; {obstacle}"
-        return Verdict(Status.ESTIMATED, evidence)
-    where = f"{_SAMPLES} seeded points" if agreed == _SAMPLES else f"{agreed} of {_SAMPLES} seeded points"
-    return Verdict(Status.CHECKED, f"equal to {_DIGITS - 8} digits at {where}; {obstacle}")
+        with mpmath.workdps(120):
+            judged = judge(*values)
+        if isinstance(judged, str):
+            return Verdict(Status.REFUTED, f"{judged} {where}", point), holds, obstacles
+        holds += judged
+    return None, holds, obstacles
 
 
-def _digits_apart(size: Mpf, difference: Mpf) -> int:
-    """Return how many digits of two numbers show that they differ."""
-    return 8 + max(0, int(math.log10(2) * (mpmath.mag(size) - mpmath.mag(difference))))
+def _equal(left: tuple[Mpf, Mpf], right: tuple[Mpf, Mpf]) -> str | bool:
+    difference, error, size = abs(left[0] - right[0]), left[1] + right[1], abs(left[0]) + abs(right[0])
+    if difference > error:
+        digits = 8 + max(0, int(math.log10(2) * (mpmath.mag(size) - mpmath.mag(difference))))  # that show it
+        return "left {}, right {}".format(*(mpmath.nstr(value, digits) for value, _ in (left, right)))
+    return bool(difference + error <= max(size * mpmath.mpf(10) ** -_DIGITS, _NOTHING))
 
 
-def prove_positive(expr: Expr) -> Verdict:
-    """Prove or refute expr > 0, from the signs of its symbols."""
-    for form in (expr, sp.factor(expr), sp.expand(expr)):
-        if form.is_positive:
-            return Verdict(Status.PROVED, "every factor is positive")
-    known = 0
-    for point in _points(expr):
-        try:
-            value, error = certain_value(expr, point)
-        except NotFinite as failure:
-            return Verdict(Status.REFUTED, f"it is not finite, {failure}, at {_words(point)}", point)
-        except NotConverged:
-            continue
-        if isinstance(value, mpmath.mpc) or value <= -error:
-            return Verdict(Status.REFUTED, f"it is {mpmath.nstr(value, 8)} at {_words(point)}", point)
-        known += value > error
-    if known < _SAMPLES:
-        return Verdict(Status.ESTIMATED, f"its sign is certain at {known} of {_SAMPLES} seeded points only")
-    return Verdict(Status.CHECKED, f"positive at {_SAMPLES} seeded points; no proof was found")
+def _positive(of: tuple[Mpf, Mpf]) -> str | bool:
+    value, error = of
+    if isinstance(value, mpmath.mpc) or value <= -error:
+        return f"it is {mpmath.nstr(value, 8)}"
+    return bool(value > error)
 
 
 def _points(*sides: Expr) -> list[dict[Expr, Expr]]:
     """Draw seeded exact values for all symbols, and polynomials for all unknown functions."""
-    random_numbers = random.Random(20160428)
+    rng = random.Random(20160428)
     # Units are atoms with a name and a positive value, like symbols.
     atoms = set().union(*(side.atoms(sp.AtomicExpr) for side in sides))
     units = {atom for atom in atoms if not (atom.is_number or atom.is_Symbol)}
     symbols = sorted(units.union(*(side.free_symbols for side in sides)), key=str)
     functions = sorted({node.func for side in sides for node in side.atoms(AppliedUndef)}, key=str)
+    w = sp.Symbol("w", real=True)
     points = []
     for number in range(_SAMPLES):
         point: dict[Expr, Expr] = {}
         either = 0  # symbols so far that may have either sign
         for symbol in symbols:
-            value = sp.Rational(random_numbers.randint(3, 40), random_numbers.randint(7, 13))
+            value = sp.Rational(rng.randint(3, 40), rng.randint(7, 13))
             if symbol.is_nonnegative is None:
                 # The first three such symbols run through all combinations of signs.
                 value *= -1 if number >> (either % 3) & 1 else 1
                 either += 1
             point[symbol] = value
         for function in functions:
-            w = sp.Symbol("w", real=True)
-            coefficients = [sp.Rational(random_numbers.randint(-9, 9), 7) for _ in range(8)]
+            coefficients = [sp.Rational(rng.randint(-9, 9), 7) for _ in range(8)]
             point[function] = sp.Lambda(w, sp.Poly(coefficients, w).as_expr())
         points.append(point)
     return points
 
 
-def _words(point: Mapping[Expr, Expr]) -> str:
-    return ", ".join(
-        f"{key}({value.variables[0]}) = {value.expr}" if isinstance(value, sp.Lambda) else f"{key} = {value}"
-        for key, value in point.items()
-    )
+def _word(key: Expr, value: Expr) -> str:
+    return f"{key}({value.variables[0]}) = {value.expr}" if isinstance(value, sp.Lambda) else f"{key} = {value}"

@@ -47,7 +47,7 @@ def _below_one(x: Expr, *arguments: Expr) -> bool:
 
 
 _DOMAINS: dict[type[Expr], Callable[..., bool | None]] = {
-    sp.log: lambda x, z: is_positive(z, x),
+    sp.log: lambda x, z: is_positive(z, x) or is_positive(sp.factor(z), x),
     sp.lowergamma: lambda x, s, z: s.is_positive and z.is_nonnegative,
     sp.expint: lambda x, s, z: is_positive(z, x),
     sp.polylog: lambda x, s, z: z.is_imaginary or _below_one(x, z),

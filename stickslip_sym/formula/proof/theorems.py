@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 import sympy as sp
@@ -21,11 +22,11 @@ class By(Protocol):
 
 
 def _in_integrals_over(variable: Expr, expr: Expr, change: Callable[..., Expr]) -> Expr:
-    """Replace every integral over a variable; `change` takes it and its limits."""
+    """Replace every integral over a variable; `change` takes its integrand and its limits."""
 
     def changed(integral: Expr) -> Expr:
         found, low, high = single_limit(integral)
-        return change(integral, low, high) if found == variable else integral
+        return change(integral.function, low, high) if found == variable else integral
 
     return expr.replace(lambda node: isinstance(node, sp.Integral), changed)
 
@@ -44,78 +45,63 @@ class ChangeOfVariable:
         if slope.has(self.new) or not slope.is_nonzero:
             raise ValueError(f"{self.old} = {self.image} is not linear in {self.new}")
 
-        def substitute(integral: Expr, *limits: Expr) -> Expr:
-            if integral.has(self.new):
-                raise ValueError(f"{self.new} already means something in {integral}")
+        def substitute(integrand: Expr, *limits: Expr) -> Expr:
+            if any(part.has(self.new) for part in (integrand, *limits)):
+                raise ValueError(f"{self.new} already means something in {integrand}")
             low, high = (sp.expand((limit - self.image.subs(self.new, 0)) / slope) for limit in limits)
-            return sp.Integral(integral.function.subs(self.old, self.image) * slope, (self.new, low, high))
+            return sp.Integral(integrand.subs(self.old, self.image) * slope, (self.new, low, high))
 
         return _in_integrals_over(self.old, expr, substitute)
 
 
 @dataclass(frozen=True)
-class Antiderivative:
-    """Evaluate every integral over `variable` whose integrand is the derivative of `primitive`."""
-
-    primitive: Expr
-    variable: Expr
-
-    def __call__(self, expr: Expr) -> Expr:
-        """Apply the fundamental theorem of calculus, after differentiating the primitive."""
-
-        def evaluate(integral: Expr, low: Expr, high: Expr) -> Expr:
-            return _difference(self.primitive, integral.function, self.variable, low, high)
-
-        return _in_integrals_over(self.variable, expr, evaluate)
-
-
-@dataclass(frozen=True)
 class PieceByPiece:
-    """Evaluate every integral over `variable` from 0 up, its integrand given in pieces.
+    """Evaluate every integral over `variable`, its integrand given in pieces.
 
-    primitives[i] belongs to the piece between places i - 1 and i; the first piece starts at 0. Which pieces
-    lie within the limits is left open: each end is taken at most as far as the upper limit.
+    primitives[i] belongs to the piece between places i - 1 and i; with places, the first piece starts at 0. Which
+    pieces lie within the limits is left open: each end is taken at most as far as the upper limit.
     """
 
     primitives: Sequence[Expr]
     variable: Expr
-    places: Sequence[Expr]
+    places: Sequence[Expr] = ()
 
     def __call__(self, expr: Expr) -> Expr:
-        """Apply the fundamental theorem of calculus on each piece."""
+        """Apply the fundamental theorem of calculus on each piece, after differentiating its primitive."""
 
-        def evaluate(integral: Expr, low: Expr, high: Expr) -> Expr:
-            if low != 0:
+        def evaluate(integrand: Expr, low: Expr, high: Expr) -> Expr:
+            if self.places and low != 0:
                 raise ValueError(f"the pieces start at 0, the integral at {low}")
-            pieces = _branches(integral.function)
-            ends = ends_of_pieces(self.places, high)
+            pieces = _branches(integrand) if len(self.primitives) > 1 or self.places else [integrand]
+            ends = ends_of_pieces(self.places, high, low)
             if not len(pieces) == len(self.primitives) == len(ends) - 1:
                 raise ValueError(f"{len(self.primitives)} antiderivatives for {len(pieces)} pieces")
+            parts = zip(self.primitives, pieces, pairwise(ends), strict=True)
             return sp.Add(
-                *[
-                    _difference(primitive, piece, self.variable, left, right)
-                    for primitive, piece, left, right in zip(self.primitives, pieces, ends, ends[1:], strict=False)
-                ]
+                *[_difference(primitive, piece, self.variable, *ends) for primitive, piece, ends in parts]
             )
 
         return _in_integrals_over(self.variable, expr, evaluate)
 
 
-def ends_of_pieces(places: Sequence[Expr], high: Expr) -> list[Expr]:
-    """Return the ends of the pieces within [0, high], in order whatever the places are."""
-    ends: list[Expr] = [sp.Integer(0)]
+def Antiderivative(primitive: Expr, variable: Expr) -> PieceByPiece:
+    """Evaluate every integral over `variable` whose integrand is the derivative of `primitive`."""
+    return PieceByPiece([primitive], variable)
+
+
+def ends_of_pieces(places: Sequence[Expr], high: Expr, low: Expr = sp.S.Zero) -> list[Expr]:
+    """Return the ends of the pieces within [low, high], in order whatever the places are."""
+    ends, before = [low], low
     for place in places:
-        after = place if place.is_positive and ends[-1] == 0 else sp.Max(place, ends[-1])
-        ends.append(sp.Min(after, high))
+        before = place if (place - before).is_nonnegative else sp.Max(place, before)
+        ends.append(sp.Min(before, high))
     return [*ends, high]
 
 
 def _branches(integrand: Expr) -> list[Expr]:
     nodes = integrand.atoms(sp.Piecewise)
-    if not nodes:
-        return [integrand]
-    if len(nodes) > 1:
-        raise ValueError("two laws in pieces stand in one integrand")
+    if len(nodes) != 1:
+        raise ValueError(f"{len(nodes)} laws in pieces stand in one integrand")
     (node,) = nodes
     return [integrand.xreplace({node: branch}) for branch, _ in node.args]
 
@@ -152,15 +138,15 @@ def value_at(primitive: Expr, x: Expr, place: Expr) -> Expr:
 
 def _limit_of_term(term: Expr, x: Expr) -> Expr:
     """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0."""
-    power, singular, rest = sp.Integer(0), False, sp.Integer(1)
-    for factor in sp.Mul.make_args(term):
-        base, exponent = factor.as_base_exp()
-        if base == x and not exponent.has(x):
-            power += exponent
-        elif isinstance(base, sp.log) and base.args[0].subs(x, 0) == 0 and exponent.is_Integer and exponent > 0:
-            singular = True
-        else:
-            rest *= factor.subs(x, 0)
-    if not singular:
+    factors = [factor.as_base_exp() for factor in sp.Mul.make_args(term)]
+    logarithms = [
+        (base, n)
+        for base, n in factors
+        if isinstance(base, sp.log) and base.args[0].subs(x, 0) == 0 and n.is_Integer and n > 0
+    ]
+    if not logarithms:
         return term.subs(x, 0)
-    return sp.Integer(0) if power.is_positive and not rest.has(sp.zoo, sp.oo, sp.nan) else sp.nan
+    power = sp.Add(*[n for base, n in factors if base == x and not n.has(x)])
+    others = [base**n for base, n in factors if base != x and (base, n) not in logarithms]
+    vanishes = power.is_positive and not sp.Mul(*others).subs(x, 0).has(sp.zoo, sp.oo, sp.nan)
+    return sp.Integer(0) if vanishes else sp.nan

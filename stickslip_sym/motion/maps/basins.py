@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
+from stickslip_sym.core.aliases import FloatArray, ObjectArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.maps.axes import Axis, read_values, require_few
 from stickslip_sym.motion.maps.cells import LATE
 from stickslip_sym.motion.maps.drawing import paint, regions_of_motions
-from stickslip_sym.motion.maps.shares import FINEST, Share, counted_shares, motions_by_side, shares_by_area
-from stickslip_sym.motion.maps.table import Table, count_of
-from stickslip_sym.motion.motion import MOTIONS, Motion
-from stickslip_sym.motion.regimes.classification import classify_all
+from stickslip_sym.motion.maps.table import Axis, Table, count_of, read_values, require_few
+from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.regimes.classification import followed
+from stickslip_sym.motion.regimes.phase_plane import phase_plane
 from stickslip_sym.motion.regimes.regime import Regime, regime
+from stickslip_sym.motion.regimes.separatrix import Separatrix
 from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import files
 
@@ -34,11 +36,39 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-__all__ = ["BasinMap", "basin_map"]
+__all__ = ["FINEST", "BasinMap", "Share", "basin_map", "shares_by_area"]
 
-_TOGETHER = 1000  # initial conditions that are classified at once
-_CHECKED = 200  # initial conditions that are simulated although geometry settles them
+FINEST = 1e-12
+"""The relative tolerance of separatrices: they are few, and decide about many initial conditions."""
+_COARSE = 1e-10  # tolerance at which the areas are measured again, for their error
+_TOGETHER = 1000  # initial conditions that are followed at once
+_CHECKED = 200  # initial conditions that are followed although geometry settles them
 _SEED = 1  # of their choice
+
+
+@dataclass(frozen=True)
+class Share:
+    """A part of a box of initial conditions.
+
+    Attributes
+    ----------
+    value : float
+        From 0 to 1.
+    error : float
+        Estimated: from the same areas at a wider tolerance, or the standard error of a share that was counted.
+    counted : bool
+        Whether it is the share of the initial conditions, as where geometry does not settle the basins.
+    """
+
+    value: float
+    error: float
+    counted: bool = False
+
+    def __float__(self) -> float:
+        return self.value
+
+    def __str__(self) -> str:
+        return f"{self.value:.10g} +- {self.error:.1g}{', counted' if self.counted else ''}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -91,23 +121,14 @@ class BasinMap(Table):
         return ["motion", "initial conditions", "share of the box"], rows
 
     def _draw(self, ax: Axes) -> list[Artist]:
-        from matplotlib.lines import Line2D
-
-        regions = {
-            motion: region for motion, region in regions_of_motions().items() if (self.motion == motion).any()
-        }
-        place = np.zeros(self.motion.shape, dtype=int)
-        for i, motion in enumerate(regions):
-            place[self.motion == motion] = i
-        handles = paint(ax, self.x.values, self.y.values, place, list(regions.values()))
+        masks = [(region, self.motion == one) for one, region in regions_of_motions().items()]
+        present = [(region, mask) for region, mask in masks if mask.any()]
+        place = np.select([mask for _, mask in present], range(len(present)), 0)
+        handles = paint(ax, self.x, self.y, place, [region for region, _ in present])
         for curve in self.regime.separatrices:
-            ax.plot(curve.x, curve.v, "k-", linewidth=1.6)
-        if self.regime.separatrices:
-            handles.append(Line2D([], [], color="black", linewidth=1.6, label="separatrix"))
-        ax.axhline(self.fixed["V"], color="black", linestyle=":", linewidth=1.0)
-        handles.append(Line2D([], [], color="black", linestyle=":", linewidth=1.0, label="belt speed"))
-        ax.set(xlabel=self.x.label, ylabel=self.y.label)
-        return handles
+            lines = ax.plot(curve.x, curve.v, "k-", linewidth=1.6, label="separatrix")
+        belt = ax.axhline(self.fixed["V"], color="black", linestyle=":", linewidth=1.0, label="belt speed")
+        return [*handles, *(lines if self.regime.separatrices else []), belt]
 
 
 def basin_map(
@@ -155,51 +176,85 @@ def basin_map(
     """
     law = as_law(law)
     rtol = read_rtol(rtol)
-    places, speeds = read_values("x0", x0), read_values("v0", v0)
-    require_few(places.size, speeds.size)
+    axes = (
+        Axis("x0", read_values("x0", x0), "m", "initial displacement"),
+        Axis("v0", read_values("v0", v0), "m/s", "initial velocity"),
+    )
+    x, v = (axis.values for axis in axes)
+    require_few(x.size, v.size)
     with deadline.time_limit(time_limit):
         found = regime(law, osc, rtol=FINEST)
-        settled = motions_by_side(found, places, speeds)
-        chosen = (settled < 0) | _sample(settled)
+        motion = found.by_side(x, v[:, None])
+        by_side = motion.copy()
+        known = np.flatnonzero(motion)
+        check = np.random.default_rng(_SEED).choice(known, min(known.size, _CHECKED), replace=False)
+        chosen = ~motion.astype(bool)
+        chosen.flat[check] = True
         rows, columns = np.nonzero(chosen)
-        points = np.column_stack([places[columns], speeds[rows]])
-        tasks = [points[i : i + _TOGETHER] for i in range(0, len(points), _TOGETHER)]
-        results = collect(partial(_classified, law, osc, rtol), tasks, workers=workers, progress=progress)
+        points = np.array([x[columns], v[rows]])
+        tasks = [points[:, i : i + _TOGETHER] for i in range(0, rows.size, _TOGETHER)]
+        results = collect(partial(_followed, law, osc, rtol), tasks, workers=workers, progress=progress)
         share = dict[Motion, Share]()
-        if min(places.size, speeds.size) > 1:
+        if min(x.size, v.size) > 1:
             with suppress(OutOfTime):
-                share = shares_by_area(found, (places[0], places[-1]), (speeds[0], speeds[-1]))
-    index, notes, disagreements = settled.copy(), dict[tuple[int, int], str](), 0
+                share = shares_by_area(found, (x[0], x[-1]), (v[0], v[-1]))
     late = OutOfTime(LATE)
-    fates: list[object] = []
-    for task, part in zip(tasks, results, strict=True):
-        fates += [late] * len(task) if part is None else part.tolist()
-    for row, column, fate in zip(rows.tolist(), columns.tolist(), fates, strict=True):
-        geometry = index[row, column]
-        index[row, column] = MOTIONS.index(fate if isinstance(fate, Motion) else Motion.UNDECIDED)
+    fates = [
+        fate
+        for task, part in zip(tasks, results, strict=True)
+        for fate in ([late] * task.shape[1] if part is None else part.tolist())
+    ]
+    notes, disagreements = dict[tuple[int, int], str](), 0
+    for place, fate in zip(zip(rows.tolist(), columns.tolist(), strict=True), fates, strict=True):
+        motion[place] = fate if isinstance(fate, Motion) else Motion.UNDECIDED
         if not isinstance(fate, Motion):
-            notes[row, column] = LATE if isinstance(fate, OutOfTime) else str(fate)
-        elif geometry not in (-1, index[row, column]):
+            notes[place] = LATE if isinstance(fate, OutOfTime) else str(fate)
+        elif by_side[place] not in (None, fate):
             disagreements += 1
-            notes[row, column] = f"geometry says {MOTIONS[geometry].value}"
-    if len(notes) - disagreements == index.size and LATE not in notes.values():
+            notes[place] = f"geometry says {by_side[place].value}"
+    if len(notes) - disagreements == motion.size and LATE not in notes.values():
         raise NotConverged(f"every initial condition failed, the first one since {notes[0, 0]}")
-    axes = (
-        Axis("x0", places, "m", "initial displacement"), Axis("v0", speeds, "m/s", "initial velocity")
-    )  # fmt: skip
-    share = share or counted_shares(index)
-    motion = np.array(MOTIONS, dtype=object)[index]
-    return BasinMap(axes, law, asdict(osc), motion, found, share, len(fates), disagreements, notes)
+    return BasinMap(
+        axes, law, asdict(osc), motion, found, share or _counted(motion), len(fates), disagreements, notes
+    )
 
 
-def _sample(settled: IntArray) -> BoolArray:
-    """Return which of the initial conditions that geometry settles are simulated as a check."""
-    chosen = np.zeros(settled.shape, dtype=bool)
-    known = np.flatnonzero(settled >= 0)
-    chosen.flat[np.random.default_rng(_SEED).choice(known, min(known.size, _CHECKED), replace=False)] = True
-    return chosen
+def _followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray) -> ObjectArray:
+    """Return what initial conditions lead to, of rows x0 and v0, or the errors in their places."""
+    return followed(law, osc, *points, rtol=rtol)
 
 
-def _classified(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray) -> ObjectArray:
-    """Return what some initial conditions lead to, each a row of x0 and v0, or the errors in their places."""
-    return classify_all(law, osc, *points.T, rtol=rtol)
+def _counted(motion: ObjectArray) -> dict[Motion, Share]:
+    """Return the shares among initial conditions with standard errors."""
+    size = motion.size
+    return {
+        one: Share(count / size, math.sqrt(count * (size - count) / size) / size, counted=True)
+        for one, count in count_of(motion).items()
+    }
+
+
+def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, float]) -> dict[Motion, Share]:
+    """Return the shares of a box of initial conditions, by the areas inside the separatrices.
+
+    They are empty where separatrices do not settle the basins.
+    """
+    if found.basins is None:
+        return {}
+    osc = found.oscillator
+    least = [0.0 if one.kind == "graze" else float(one.curve.w(0.0)) for one in found.separatrices]
+    coarse = phase_plane(found.law, osc, _COARSE).curves(least)
+    q, w = (np.array(x0) - osc.onset(found.law)) / osc.length, np.clip(1 - np.array(v0[::-1]) / osc.V, 0.0, None)
+    whole = float(q[1] - q[0]) * (v0[1] - v0[0]) / osc.V
+
+    def areas(separatrices: Sequence[Separatrix]) -> dict[Motion, float]:
+        inside = [0.0, *(one.curve.area_within(q, w) / whole for one in separatrices), 1.0]
+        shares = dict.fromkeys(found.basins or (), 0.0)
+        for motion, (low, high) in zip(found.basins or (), pairwise(inside), strict=True):
+            shares[motion] += high - low
+        return shares
+
+    rough = areas(coarse)
+    return {
+        motion: Share(value, abs(value - rough[motion]) + math.ulp(1.0))
+        for motion, value in areas(found.separatrices).items()
+    }

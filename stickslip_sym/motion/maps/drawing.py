@@ -7,21 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
-from stickslip_sym.core.symbols import QUANTITIES
-from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.motion.maps.table import Axis
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
-from stickslip_sym.output.drawing import require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from matplotlib.path import Path
 
 __all__ = [
-    "FAILED", "UNBOUNDED", "UNDECIDED", "Region", "edges", "new_figure", "paint", "regions_of_attractors",
-    "regions_of_motions", "title", "with_legend",
+    "FAILED", "UNBOUNDED", "UNDECIDED", "Region", "paint", "regions_of_attractors", "regions_of_motions",
 ]  # fmt: skip
 
 
@@ -65,27 +61,12 @@ def regions_of_motions() -> dict[Motion, Region]:
     return found | {Motion.UNBOUNDED: UNBOUNDED, Motion.UNDECIDED: UNDECIDED}
 
 
-def title(axes: "Axes", law: FrictionLaw, values: dict[str, float]) -> None:
-    """Write the law and the quantities that are no axis above a picture."""
-    point = ", ".join(f"{name} = {value:g} {QUANTITIES[name].unit}" for name, value in values.items())
-    axes.set_title(f"{law.name or 'friction law'}: {point}", fontsize=10)
-
-
-def new_figure() -> "tuple[Figure, Axes]":
-    """Return a figure with axes; raise `InputError` if matplotlib is not installed."""
-    require_matplotlib()
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.2, 5.6), layout="constrained")
-    return figure, figure.add_subplot()
-
-
-def paint(axes: "Axes", x: FloatArray, y: FloatArray, place: IntArray, kinds: list[Region]) -> "list[Artist]":
-    """Fill cells with colours and hatching; return the handles of the legend."""
+def paint(axes: "Axes", x: Axis, y: Axis, place: IntArray, kinds: list[Region]) -> "list[Artist]":
+    """Fill cells with colours and hatching, label the axes, and return the handles of the legend."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch, PathPatch
 
-    x_edges, y_edges = edges(x), edges(y)
+    x_edges, y_edges = _edges(x.values), _edges(y.values)
     axes.pcolormesh(
         x_edges, y_edges, place, cmap=ListedColormap([kind.color for kind in kinds]),
         vmin=-0.5, vmax=len(kinds) - 0.5, rasterized=True,
@@ -94,9 +75,8 @@ def paint(axes: "Axes", x: FloatArray, y: FloatArray, place: IntArray, kinds: li
         if kind.hatch:
             cells = _outline(x_edges, y_edges, place == i)
             axes.add_patch(PathPatch(cells, facecolor="none", edgecolor="black", hatch=kind.hatch, linewidth=0))
-    for name, values in (("x", x), ("y", y)):
-        if _is_logarithmic(values):
-            axes.set(**{f"{name}scale": "log"})
+    xscale, yscale = ("log" if _is_logarithmic(axis.values) else "linear" for axis in (x, y))
+    axes.set(xlabel=x.label, ylabel=y.label, xscale=xscale, yscale=yscale)
     axes.set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
     return [
         Patch(facecolor=kind.color, hatch=kind.hatch, edgecolor="0.25", linewidth=0.5, label=kind.name)
@@ -123,19 +103,11 @@ def _is_logarithmic(values: FloatArray) -> bool:
     return bool(np.ptp(np.diff(np.log(values))) < 0.1 * np.diff(np.log(values)).mean())
 
 
-def edges(values: FloatArray) -> FloatArray:
+def _edges(values: FloatArray) -> FloatArray:
     """Return the places half way between the values, and as far beyond the first and the last."""
     if values.size == 1:
         return values + np.array([-0.5, 0.5]) * (abs(float(values[0])) or 1.0) * 0.1
     if _is_logarithmic(values):
-        return np.exp(edges(np.log(values)))
+        return np.exp(_edges(np.log(values)))
     middle = (values[1:] + values[:-1]) / 2
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
-
-
-def with_legend(figure: "Figure", handles: "list[Artist]") -> "Figure":
-    """Write the legend below a picture."""
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6
-    )
-    return figure

@@ -16,18 +16,10 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.maps.axes import OSCILLATOR, AxisValues, fixed_values, read_axes
-from stickslip_sym.motion.maps.cells import CURVES, LATE, REASONS, Cells, Column, Reason, decide
-from stickslip_sym.motion.maps.drawing import (
-    FAILED,
-    UNBOUNDED,
-    UNDECIDED,
-    Region,
-    paint,
-    regions_of_attractors,
-)
-from stickslip_sym.motion.maps.table import Table, count_of
-from stickslip_sym.motion.motion import MOTIONS, Motion
+from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Line, Reason, decide
+from stickslip_sym.motion.maps.drawing import FAILED, UNBOUNDED, UNDECIDED, Region, paint, regions_of_attractors
+from stickslip_sym.motion.maps.table import OSCILLATOR, Axis, AxisValues, Table, count_of, fixed_values, read_axes
+from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import files
@@ -44,7 +36,7 @@ _CURVES = {
     "equilibrium": ("threshold of the equilibrium", ":", "black"),
     "least_squares": ("least-squares criterion", "--", "#0072B2"),
 }
-
+_ALONG = ("c", "N", "m", "k")
 _CELLS = 300  # of a task: so many share what is computed of a law
 
 
@@ -106,32 +98,19 @@ class MotionMap(Table):
         return ["motion", "cells"], [[motion.value, str(n)] for motion, n in self.count().items()]
 
     def _draw(self, ax: Axes) -> list[Artist]:
-        place, kinds = self.regions()
-        handles = paint(ax, self.x.values, self.y.values, place, kinds)
-        ax.set(xlabel=self.x.label, ylabel=self.y.label)
-        return handles + self._draw_curves(ax)
-
-    def _draw_curves(self, axes: Axes) -> list[Artist]:
         from matplotlib.lines import Line2D
 
-        handles: list[Artist] = []
+        handles = paint(ax, self.x, self.y, *self.regions())
         for name, (label, style, color) in _CURVES.items():
-            curve = self.thresholds[name]
-            if not np.isfinite(curve).any():
-                continue
+            x, y, curve = self.x.values, self.y.values, self.thresholds[name]
             look: dict[str, Any] = {"linestyle": style, "color": color, "linewidth": 1.6}
-            if self.y.name == "c":
-                axes.plot(self.x.values, curve[0], **look)
-            elif self.x.name == "c":
-                axes.plot(curve[:, 0], self.y.values, **look)
+            beyond = curve - self.fixed.get("c", 0.0)
+            if "c" not in self.fixed and np.isfinite(curve).any():
+                ax.plot(*((x, curve[0]) if self.y.name == "c" else (curve[:, 0], y)), **look)
+            elif "c" in self.fixed and min(curve.shape) > 1 and (beyond < 0).any() and (beyond > 0).any():
+                ax.contour(x, y, beyond, levels=[0], colors=color, linestyles=[style], linewidths=1.6)
             else:
-                beyond = curve - self.fixed["c"]
-                if min(curve.shape) == 1 or not np.nanmin(beyond) < 0 < np.nanmax(beyond):
-                    continue
-                axes.contour(
-                    self.x.values, self.y.values, beyond, levels=[0], colors=color, linestyles=[style],
-                    linewidths=1.6,
-                )  # fmt: skip
+                continue
             handles.append(Line2D([], [], label=label, **look))
         return handles
 
@@ -139,12 +118,16 @@ class MotionMap(Table):
         """Return for each cell the place of its region in a list of those that occur."""
         regions = regions_of_attractors()
         kinds = [*regions.values(), UNBOUNDED, UNDECIDED, FAILED]
-        index = np.full(self.motion.shape, kinds.index(UNDECIDED))
-        for place, names in enumerate(regions):
-            index[np.all([exists == (name in names) for name, exists in self.attractors.items()], axis=0)] = place
-        index[self.motion == Motion.UNBOUNDED] = kinds.index(UNBOUNDED)
-        index[self.motion == Motion.UNDECIDED] = kinds.index(UNDECIDED)
-        index[(self.reason == Reason.FAILED) | (self.reason == Reason.TIME)] = kinds.index(FAILED)
+        failed = (self.reason == Reason.FAILED) | (self.reason == Reason.TIME)
+        exact = [
+            np.all([exists == (name in names) for name, exists in self.attractors.items()], axis=0)
+            for names in regions
+        ]
+        index = np.select(
+            [failed, self.motion == Motion.UNDECIDED, self.motion == Motion.UNBOUNDED, *exact],
+            [kinds.index(FAILED), kinds.index(UNDECIDED), kinds.index(UNBOUNDED), *range(len(regions))],
+            kinds.index(UNDECIDED),
+        )
         present, places = np.unique(index, return_inverse=True)
         return places.reshape(index.shape), [kinds[i] for i in present]
 
@@ -209,40 +192,37 @@ def motion_map(
     axes = read_axes(law, x, y)
     bound, fixed = fixed_values(law, axes, {"V": V, "N": N, "m": m, "k": k, "c": c})
     rtol = read_rtol(rtol, least=1e-8)
-    # All cells of a line along c share an operating point: they are a column.
-    turned = axes[0].name == "c"
+    # A line goes along c where that is an axis, else along an axis that leaves the law and the belt's speed.
+    turned = min(axes, key=lambda axis: [*_ALONG, axis.name].index(axis.name)) is axes[0]
     across, along = (axes[1], axes[0]) if turned else axes
-    shared = along.name == "c"
-    lines = [fixed | {across.name: value} for value in across.values.tolist()]
+    lines = [line for value in across.values.tolist() for line in _lines(fixed | {across.name: value}, along)]
     with deadline.time_limit(time_limit):
-        columns = [
-            _column(bound, line if shared else line | {along.name: value}, along.values if shared else None)
-            for line in lines
-            for value in ([None] if shared else along.values.tolist())
-        ]
-        count = max(1, _CELLS // (along.values.size if shared else 1))
-        tasks = [columns[i : i + count] for i in range(0, len(columns), count)]
-        results = collect(partial(decide, rtol=rtol), tasks, workers=workers, progress=progress)
+        count = max(1, _CELLS // lines[0].c.size)
+        tasks = [lines[i : i + count] for i in range(0, len(lines), count)]
+        results = collect(partial(decide, bound, rtol), tasks, workers=workers, progress=progress)
     late = OutOfTime(LATE)
-    parts = [
-        cells
+    cells = [
+        one
         for task, part in zip(tasks, results, strict=True)
-        for cells in part or [Cells.failed(column.c.size, late) for column in task]
+        for one in part or [Cells.failed(line.c.shape, late) for line in task]
     ]
-    each = len(parts) // len(lines)
-    cells = [Cells.joined(parts[i : i + each]) for i in range(0, len(parts), each)]
 
-    def grid(rows: list[Any]) -> Any:
-        return np.array(rows) if turned else np.array(rows).T
+    def grid(parts: list[Any]) -> Any:
+        """Return the cells of all lines, or the operating points, as rows and columns of the map."""
+        whole = np.concatenate([part.ravel() for part in parts]).reshape(across.values.size, -1)
+        return whole if turned else whole.T
 
-    attractors = grid([line.attractors for line in cells])
-    notes = {(i, j) if turned else (j, i): text for i, line in enumerate(cells) for j, text in line.notes.items()}
+    notes = {}
+    for i, one in enumerate(cells):
+        for (row, column), text in one.notes.items():
+            place = divmod(i * one.motion.size + row * one.motion.shape[1] + column, along.values.size)
+            notes[place if turned else place[::-1]] = text
     found = MotionMap(
         axes, bound, fixed,
-        motion=np.array(MOTIONS, dtype=object)[grid([line.motion for line in cells])],
-        attractors={kind.name: attractors >> i & 1 > 0 for i, kind in enumerate(ATTRACTORS)},
-        reason=np.array(REASONS, dtype=object)[grid([line.reason for line in cells])],
-        thresholds={name: grid([line.thresholds[name] for line in cells]) for name in CURVES},
+        motion=grid([one.motion for one in cells]),
+        attractors={kind.name: grid([one.attractors[kind.name] for one in cells]) for kind in ATTRACTORS},
+        reason=grid([one.reason for one in cells]),
+        thresholds={name: grid([one.thresholds[name] for one in cells]) for name in CURVES},
         notes=notes,
         interrupted=None in results,
     )  # fmt: skip
@@ -251,8 +231,15 @@ def motion_map(
     return found
 
 
-def _column(law: FrictionLaw, point: dict[str, float], c: FloatArray | None) -> Column:
-    """Return the column of an operating point, whose own c it has if not given several."""
-    own = {name: value for name, value in point.items() if name not in OSCILLATOR}
-    osc = Oscillator(**{name: point[name] for name in "VNmk"})
-    return Column(law, own, osc, np.array([point["c"]]) if c is None else c)
+def _lines(point: dict[str, float], along: Axis) -> list[Line]:
+    """Return the cells along an axis as one line, or as one each where the law or the belt's speed changes."""
+    values = along.values
+    points = [point] if along.name == "c" else [point | {along.name: value} for value in values.tolist()]
+    parameters = [{name: one[name] for name in one if name not in OSCILLATOR} for one in points]
+    oscillators = [Oscillator(**{name: one[name] for name in "VNmk"}) for one in points]
+    if along.name == "c":
+        return [Line(parameters[0], tuple(oscillators), values[None])]
+    c = np.full((len(points), 1), point["c"])
+    if along.name in _ALONG:
+        return [Line(parameters[0], tuple(oscillators), c)]
+    return [Line(law, (osc,), c[:1]) for law, osc in zip(parameters, oscillators, strict=True)]

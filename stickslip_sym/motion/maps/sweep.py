@@ -8,7 +8,7 @@ that slip orbits need has an extremum (fold). Each is a root, and is found as on
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
@@ -21,14 +21,13 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.maps.axes import OSCILLATOR, AxisValues, read_axis, read_values
+from stickslip_sym.motion.maps.basins import FINEST, Share, shares_by_area
 from stickslip_sym.motion.maps.drawing import regions_of_motions
-from stickslip_sym.motion.maps.shares import FINEST, Share, shares_by_area
-from stickslip_sym.motion.maps.table import Table
-from stickslip_sym.motion.motion import MOTIONS, Motion
+from stickslip_sym.motion.maps.table import OSCILLATOR, AxisValues, Table, read_axis, read_values
+from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import needed_damping
-from stickslip_sym.motion.regimes.regime import Regime, graze, regime
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.regimes.phase_plane import phase_plane
+from stickslip_sym.motion.regimes.regime import regime
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
 
 __all__ = ["BasinSweep", "Change", "basin_sweep"]
 
-_CHANGES = {"Hopf": ":", "graze": "-", "fold": "--"}
+_LINES = {"Hopf": ":", "graze": "-", "fold": "--"}
 Kind = Literal["Hopf", "graze", "fold"]
 _ROOT = float(4 * np.finfo(np.float64).eps)  # relative tolerance of a root
 _BESIDE = 1e-4  # relative distance at which the slope at a root is taken
@@ -119,7 +118,7 @@ class BasinSweep(Table):
                 )
             )  # fmt: skip
         for change in self.changes:
-            ax.axvline(change.value, color="black", linestyle=_CHANGES[change.kind], linewidth=1.4)
+            ax.axvline(change.value, color="black", linestyle=_LINES[change.kind], linewidth=1.4)
             ax.annotate(
                 f"{change.kind} {change.value:.6g}", (change.value, 0.02), rotation=90, fontsize=8, va="bottom",
                 ha="right", backgroundcolor=(1, 1, 1, 0.7),
@@ -166,24 +165,36 @@ def basin_sweep(
     law = as_law(law)
     axis = read_axis(law, "over", over)
     box = _limits("x0", x0), _limits("v0", v0)
-    family = _Family(law, osc, axis.name)
+
+    def at(value: float) -> tuple[FrictionLaw, Oscillator]:
+        if axis.name in OSCILLATOR:
+            return law, replace(osc, **{axis.name: value})
+        return law.bind(**{axis.name: value}), osc
+
+    values = axis.values.tolist()
     with deadline.time_limit(time_limit):
-        points = []
-        for value in axis.values.tolist():
-            points.append(family.at(value))
+        regimes = []
+        for value in values:
+            regimes.append(regime(*at(value), rtol=FINEST))
             deadline.check_time()  # a regime whose time is up is incomplete, and no error
-        shares = [shares_by_area(point.found, *box) for point in points]
-        changes = sorted(
-            (change for pair in pairwise(points) for change in family.changes_between(*pair)),
-            key=lambda change: change.value,
-        )
-    present = [motion for motion in MOTIONS if any(motion in share for share in shares)]
+        shares = [shares_by_area(found, *box) for found in regimes]
+        changes = list[Change]()
+        for ends, (before, after) in zip(pairwise(values), pairwise(regimes), strict=True):
+            if before.rest.stable != after.rest.stable:
+                changes.append(_root("Hopf", lambda value: _rest_decay(*at(value)), *ends))
+            if (before.stick_slip is None) != (after.stick_slip is None):
+                changes.append(_root("graze", lambda value: _height(*at(value)), *ends))
+            if len(before.cycles) != len(after.cycles):
+                changes += _folds(at, *ends)
+    present = [motion for motion in Motion if any(motion in share for share in shares)]
     none, unsettled = Share(0.0, 0.0), Share(math.nan, math.nan)
     table = {motion: [share.get(motion, none if share else unsettled) for share in shares] for motion in present}
-    values = {motion: np.array([share.value for share in row]) for motion, row in table.items()}
-    errors = {motion: np.array([share.error for share in row]) for motion, row in table.items()}
-    fixed = {name: value for name, value in asdict(osc).items() if name != axis.name}
-    return BasinSweep((axis,), law, fixed, values, errors, tuple(changes), *box)
+    return BasinSweep(
+        (axis,), law, {name: value for name, value in asdict(osc).items() if name != axis.name},
+        {motion: np.array([share.value for share in row]) for motion, row in table.items()},
+        {motion: np.array([share.error for share in row]) for motion, row in table.items()},
+        tuple(sorted(changes, key=lambda change: change.value)), *box,
+    )  # fmt: skip
 
 
 def _limits(name: str, given: tuple[float, float]) -> tuple[float, float]:
@@ -195,73 +206,34 @@ def _limits(name: str, given: tuple[float, float]) -> tuple[float, float]:
     return low, high
 
 
-@dataclass(frozen=True)
-class _Point:
-    """The motions at one value of the swept quantity."""
-
-    value: float
-    law: FrictionLaw
-    osc: Oscillator
-    found: Regime
+def _rest_decay(law: FrictionLaw, osc: Oscillator) -> float:
+    return 2 * osc.zeta + osc.N * float(law.slope(osc.V)) / osc.impedance
 
 
-@dataclass(frozen=True)
-class _Family:
-    """The oscillators that a sweep goes through."""
+def _height(law: FrictionLaw, osc: Oscillator) -> float:
+    return float(np.clip(phase_plane(law, osc, FINEST).height, -1.0, 1.0))  # it may be infinite
 
-    law: FrictionLaw
-    osc: Oscillator
-    name: str
 
-    def point(self, value: float) -> tuple[FrictionLaw, Oscillator]:
-        if self.name in OSCILLATOR:
-            return self.law, replace(self.osc, **{self.name: value})
-        return self.law.bind(**{self.name: value}), self.osc
+def _folds(at: Callable[[float], tuple[FrictionLaw, Oscillator]], low: float, high: float) -> Iterator[Change]:
+    """Find where an extremum of the damping that slip orbits need passes the damping that there is."""
 
-    def at(self, value: float) -> _Point:
-        law, osc = self.point(value)
-        return _Point(value, law, osc, regime(law, osc, rtol=FINEST))
+    def excess(value: float) -> FloatArray:
+        law, osc = at(value)
+        return _extrema(law, replace(osc, c=0.0)) - 2 * osc.zeta
 
-    def changes_between(self, before: _Point, after: _Point) -> Iterator[Change]:
-        """Find what is born or dies between two neighbouring values."""
-        ends = before.value, after.value
-        if before.found.rest.stable != after.found.rest.stable:
-            yield _root("Hopf", self._rest_decay, *ends)
-        if (before.found.stick_slip is None) != (after.found.stick_slip is None):
-            yield _root("graze", self._height, *ends)
-        if len(before.found.cycles) != len(after.found.cycles):
-            yield from self._folds(*ends)
-
-    def _rest_decay(self, value: float) -> float:
-        law, osc = self.point(value)
-        return 2 * osc.zeta + osc.N * float(law.slope(osc.V)) / osc.impedance
-
-    def _height(self, value: float) -> float:
-        return float(np.clip(graze(Dimensionless.of(*self.point(value)), FINEST), -1.0, 1.0))  # it may be infinite
-
-    def _folds(self, low: float, high: float) -> Iterator[Change]:
-        """Find where an extremum of the damping that slip orbits need passes the damping that there is."""
-
-        def excess(value: float) -> FloatArray:
-            law, osc = self.point(value)
-            return _folds_of(law, replace(osc, c=0.0)) - 2 * osc.zeta
-
-        def of_one(place: int, value: float) -> float:
-            return float(excess(value)[place])
-
-        try:
-            ends = excess(low), excess(high)
-            if ends[0].size != ends[1].size:
-                yield Change("fold", (low + high) / 2, (high - low) / 2)
-                return
+    try:
+        ends = excess(low), excess(high)
+        if ends[0].size == ends[1].size:
             for place in np.flatnonzero(ends[0] * ends[1] < 0).tolist():
-                yield _root("fold", partial(of_one, place), low, high)
-        except (InputError, NotConverged):  # no law that is smooth
-            yield Change("fold", (low + high) / 2, (high - low) / 2)
+                yield _root("fold", lambda value, place=place: float(excess(value)[place]), low, high)  # type: ignore[misc]
+            return
+    except (InputError, NotConverged):
+        pass
+    yield Change("fold", (low + high) / 2, (high - low) / 2)  # it is only known to lie between the two
 
 
 @lru_cache(maxsize=64)  # along c the oscillators of a sweep share them
-def _folds_of(law: FrictionLaw, osc: Oscillator) -> FloatArray:
+def _extrema(law: FrictionLaw, osc: Oscillator) -> FloatArray:
     """Return the extrema of the damping that slip orbits need, over sqrt(k m)."""
     need = needed_damping(law, osc)
     return need.at(need.folds)

@@ -1,32 +1,60 @@
-"""`Table`: results over one axis or two, as text, in notebooks, in files and in pictures."""
+"""`Table`: results over one axis or two, as text, in notebooks, in files and in pictures; and its axes."""
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import ObjectArray
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import FloatArray, ObjectArray
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import read_array, real, suggestion
 from stickslip_sym.model.content import text_of_law
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.maps.axes import Axis
-from stickslip_sym.motion.maps.drawing import new_figure, title, with_legend
+from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.output import drawing, files, markup
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-__all__ = ["Table", "count_of"]
+__all__ = [
+    "OSCILLATOR", "Axis", "AxisValues", "Table", "count_of", "fixed_values", "read_axes", "read_axis",
+    "read_values", "require_few",
+]  # fmt: skip
+
+AxisValues = tuple[str, ArrayLike]
+"""The name of an axis, and its values."""
+OSCILLATOR = ("V", "N", "m", "k", "c")
+_MOST_CELLS = 1_000_000  # of a map; more are taken for a mistake
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis of a map."""
+
+    name: str  # as in formulas
+    values: FloatArray  # ascending
+    unit: str  # SI, "1" for a pure number, and empty where it is not known
+    meaning: str
+
+    def __str__(self) -> str:
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        return f"{self.name} = {self.values[0]:g} to {self.values[-1]:g}{unit}"
+
+    @property
+    def label(self) -> str:
+        """The meaning, the symbol and the unit."""
+        unit = f" ({self.unit})" if self.unit not in ("", "1") else ""
+        return f"{self.meaning or 'parameter'} {self.name}{unit}"
 
 
 @dataclass(frozen=True, repr=False)
-class Table(drawing.Drawn):
+class Table(drawing.Panel):
     """Results over one axis or two; a kind of results says what its columns, words and drawing are.
 
     Attributes
@@ -66,21 +94,22 @@ class Table(drawing.Drawn):
     def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
         """Return the header and the rows of a short table."""
 
-    @abstractmethod
-    def _draw(self, ax: "Axes") -> "list[Artist]":
-        """Draw the results, and return the handles of the legend."""
-
     @property
     def _place(self) -> str:
         return f"{self.law.name or 'law'}, {' by '.join(map(str, self.axes))}"
+
+    def _title(self) -> str:
+        point = ", ".join(
+            f"{name} = {value:g} {symbols.QUANTITIES[name].unit}" for name, value in self.fixed.items()
+        )
+        return f"{self.law.name or 'friction law'}: {point}"
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}: {self._place}; {self._summary()}"
 
     def _repr_html_(self) -> str:
-        header, rows = self._rows()
-        picture = drawing.picture(self.plot, self._place)
-        return markup.block(picture, markup.table(header, rows, caption=self._place), self._summary())
+        table = markup.table(*self._rows(), caption=self._place)
+        return markup.block(drawing.picture(self.plot, self._place), table, self._summary())
 
     def to_csv(self, path: str | Path) -> None:
         """Write a line for each cell: its place on the axes, and every column.
@@ -114,35 +143,88 @@ class Table(drawing.Drawn):
             arrays |= {side: axis.values, f"{side}_name": np.array(axis.name), f"{side}_unit": np.array(axis.unit)}
         files.write_npz(Path(path), arrays | {"law": np.array(text_of_law(self.law))})
 
-    def plot(self, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
-        """Draw regions by colour and hatching, curves between them, and a legend.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            A file to draw to, as for `Drawn.plot`; so is what is raised.
-        ax : matplotlib.axes.Axes, optional
-            Axes of a figure of your own to draw in, with the legend inside them.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        if ax is None:
-            return super().plot(path)
-        ax.legend(handles=self._draw(ax), fontsize=8)
-        figure: Figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
-        if path is not None:
-            drawing.save(figure, Path(path))
-        return figure
-
-    def _figure(self) -> "Figure":
-        figure, ax = new_figure()
-        handles = self._draw(ax)
-        title(ax, self.law, self.fixed)
-        return with_legend(figure, handles)
-
 
 def count_of(motion: ObjectArray) -> dict[Motion, int]:
     """Return the number of cells of each motion, where there are any."""
     return {one: n for one in Motion if (n := int((motion == one).sum()))}
+
+
+# -- what is given -----------------------------------------------------------------------------------
+
+
+def read_values(name: str, values: ArrayLike) -> FloatArray:
+    """Return the values of an axis as an array.
+
+    Raises `InputError` if they are not finite numbers in ascending order.
+    """
+    array = np.array(read_array(name, values), dtype=np.float64)
+    if array.ndim != 1 or not array.size:
+        raise InputError(f"the values of {name} are one row of numbers, got an array of shape {array.shape}")
+    if not (np.diff(array) > 0).all():
+        raise InputError(f"the values of {name} do not ascend; sort them, and give each once")
+    return array
+
+
+def require_few(columns: int, rows: int) -> None:
+    """Refuse a map of more than a million cells."""
+    if columns * rows > _MOST_CELLS:
+        raise InputError(f"{columns} x {rows} cells are more than {_MOST_CELLS}; take fewer values on an axis")
+
+
+def read_axis(law: FrictionLaw, side: str, given: AxisValues) -> Axis:
+    """Return an axis given as a name and its values; `side` is how an error calls it.
+
+    Raises `InputError` for an unknown name, or unusable values.
+    """
+    if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != 2 or not isinstance(given[0], str):
+        raise InputError(
+            f'{side} is a name and its values, such as {side}=("V", [0.1, 0.2]), got {str(given)[:60]}'
+        )
+    name, values = given
+    quantities = {name: symbols.QUANTITIES[name] for name in OSCILLATOR} | dict(law.parameters)
+    if name not in quantities:
+        raise InputError(
+            f"no axis can be {name[:60]!r}{suggestion(name, list(quantities))}; this law's map has: "
+            f"{', '.join(quantities)}"
+        )
+    quantity = quantities[name]
+    return Axis(name, read_values(name, values), quantity.unit or "", quantity.meaning)
+
+
+def read_axes(law: FrictionLaw, x: AxisValues, y: AxisValues) -> tuple[Axis, Axis]:
+    """Return the two axes of a map.
+
+    Raises `InputError` for an unknown name, the same one twice, unusable values, or too many cells.
+    """
+    axes = read_axis(law, "x", x), read_axis(law, "y", y)
+    if axes[0].name == axes[1].name:
+        raise InputError(f"both axes are {axes[0].name}; take another quantity for one of them")
+    require_few(*(axis.values.size for axis in axes))
+    return axes
+
+
+def fixed_values(
+    law: FrictionLaw, axes: tuple[Axis, ...], given: Mapping[str, float | None]
+) -> tuple[FrictionLaw, dict[str, float]]:
+    """Return the law with a value for each parameter, and the quantities that are no axis.
+
+    Raises `InputError` for a quantity that is missing, given twice, or has the wrong sign anywhere on the map.
+    """
+    names = [axis.name for axis in axes]
+    values = {}
+    for name, value in given.items():
+        if name in names and value is not None:
+            raise InputError(f"{name} is an axis, and given as {value} too; leave one of the two out")
+        if name not in names and value is None:
+            meaning = symbols.QUANTITIES[name].meaning
+            raise InputError(f"{name} is missing: give the {meaning}, or make it an axis")
+        if value is not None:
+            values[name] = real(name, value)
+    for end in (0, -1):
+        point = values | {axis.name: float(axis.values[end]) for axis in axes}
+        law = law.bind(**{name: value for name, value in point.items() if name not in OSCILLATOR})
+        Oscillator(**{name: point[name] for name in OSCILLATOR})
+    if law.missing:
+        missing = ", ".join(law.missing)
+        raise InputError(f"the law has no value for {missing}; bind them first, or make one an axis")
+    return law, values

@@ -4,8 +4,7 @@ Regimes, maps, their files and their pictures read this table. A further kind is
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from stickslip_sym.core.aliases import BoolArray
 from stickslip_sym.motion.motion import Motion
@@ -13,20 +12,13 @@ from stickslip_sym.motion.motion import Motion
 __all__ = ["ATTRACTORS", "AttractorKind", "Signs"]
 
 
-@dataclass(frozen=True)
-class Signs:
-    """What comparisons with the needed damping d(A) of slip orbits say of some dampings c of an operating point.
+class Signs(NamedTuple):
+    """What comparisons with the needed damping d(A) of slip orbits say of dampings c, as arrays.
 
-    Attributes
-    ----------
-    rest : numpy.ndarray of bool
-        c > d(0), where small motions about rest decay.
-    falls : numpy.ndarray of bool
-        d falls through c somewhere between A = 0 and A = 1: a stable limit cycle in pure slip.
-    returns : numpy.ndarray of bool
-        c < d(1): the slip from P comes back to the belt's speed.
-    held : numpy.ndarray of bool
-        Static friction holds the mass at the end of such a slip, or of one that overtakes the belt after it.
+    - `rest`: c > d(0), where small motions about rest decay.
+    - `falls`: d falls through c somewhere between A = 0 and A = 1: a stable limit cycle in pure slip.
+    - `returns`: c < d(1): the slip from P comes back to the belt's speed.
+    - `held`: static friction holds the mass at the end of such a slip, or of one that overtakes the belt after it.
     """
 
     rest: BoolArray
@@ -35,24 +27,15 @@ class Signs:
     held: BoolArray
 
 
-@dataclass(frozen=True)
-class AttractorKind:
+class AttractorKind(NamedTuple):
     """A kind of motion that others come to.
 
-    Attributes
-    ----------
-    name : str
-        In files, and as the key of `MotionMap.attractors`.
-    motion : Motion
-        What a motion is that comes to it.
-    label : str
-        In legends.
-    letter, color, hatch : str
-        How a region of a map is printed and drawn where this is the only attractor.
-    of : callable
-        The attractors of this kind in a `Regime`.
-    exists : callable
-        For which dampings there is one.
+    - `name`: in files, and as the key of `MotionMap.attractors`.
+    - `motion`: that of what comes to it.
+    - `label`: in legends.
+    - `letter`, `color`, `hatch`: of a region of a map where this is the only attractor.
+    - `of`: returns those of this kind in a `Regime`.
+    - `exists`: returns for which dampings there is one.
     """
 
     name: str

@@ -1,38 +1,31 @@
 """Which motion an initial condition leads to."""
 
-from __future__ import annotations
-
-import math
 from collections.abc import Callable
-from functools import cached_property, partial
-from typing import overload
+from contextlib import suppress
+from functools import partial
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
+from stickslip_sym.core.aliases import FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.motion import MOTIONS, Motion
-from stickslip_sym.motion.orbits.cycles import LimitCycle
-from stickslip_sym.motion.regimes.regime import graze, grows_far_out
-from stickslip_sym.motion.regimes.slip_orbits import SlipOrbits, overtaking_cycle, slip_orbits
-from stickslip_sym.motion.simulation.cycle import stick_slip_cycle
+from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.regimes.phase_plane import NEAR, PhasePlane, phase_plane
+from stickslip_sym.motion.regimes.regime import regime
 from stickslip_sym.motion.simulation.many import read_initial_conditions
-from stickslip_sym.motion.slip import Dimensionless, End, Slip, Slips
+from stickslip_sym.motion.slip import End, Slip
 
-__all__ = ["classify", "classify_all"]
+__all__ = ["classify", "classify_all", "followed"]
 
-_OPEN, _FAILED = -1, len(MOTIONS)  # instead of a place in `MOTIONS`
-_ROUNDS = 12  # looked at on the way from far out
-_MOST_STEPS = 10_000  # of a slip
-_SAME = 1e-9  # relative change of a round that is periodic
-_FEW = 8  # initial conditions, up to which plain Python is as fast as loading compiled code
-_NEAR = 100  # times the tolerance, around a separatrix
+_MANY = (
+    1000  # initial conditions, from which on finding the separatrices takes less time than following all of them
+)
 
 
 @overload
@@ -62,7 +55,8 @@ def classify(
     """Return the motion to which an initial condition leads, or many.
 
     A mass that comes to stick leaves at P, and all that follows is the slip from there. One that only slips has
-    peaks of velocity that grow or shrink up to the next limit cycle. So a few slip phases decide.
+    peaks of velocity that grow or shrink up to the next limit cycle. So a few slip phases decide; and of many
+    initial conditions those by which a separatrix does not pass are decided by their side of it.
 
     Parameters
     ----------
@@ -117,184 +111,75 @@ def classify_all(
 ) -> ObjectArray:
     """Return what each initial condition leads to, or in its place the error that kept it from being known.
 
-    Raises
-    ------
-    InputError
-        For an unbound law, or initial conditions that do not broadcast.
+    Of many, those are followed that geometry does not settle.
+
+    Raises `InputError` for an unbound law, or initial conditions that do not broadcast.
     """
-    places, speeds = read_initial_conditions(x0, v0)
-    system = Dimensionless.of(law, osc)
-    q, u = (places.ravel() - osc.onset(law)) / osc.length, speeds.ravel() / osc.V
-    course = _Course(law, osc, system, rtol, workers)
-    return course.of(q, np.abs(1 - u), np.where(u < 1, 1.0, -1.0)).reshape(places.shape)
+    x, v = read_initial_conditions(x0, v0)
+    found = np.full(x.shape, None, dtype=object)
+    if x.size >= _MANY:
+        with suppress(StickSlipError):  # where the phase plane is not known, some motions may be decided yet
+            found = regime(law, osc, rtol=rtol).by_side(x, v)
+    left = ~found.astype(bool)
+    found[left] = followed(law, osc, x[left], v[left], rtol=rtol, workers=workers)
+    return found
 
 
-class _Course:
-    """The courses of motions, from one slip phase to the next, decided together.
+def followed(
+    law: FrictionLaw, osc: Oscillator, x: FloatArray, v: FloatArray, *, rtol: float, workers: int = 1
+) -> ObjectArray:
+    """Return what initial conditions in a row lead to, or errors, by slips up to where the phase plane knows more.
 
-    A decision is a place in `MOTIONS`, or `_OPEN` as long as there is none; an error stands in its place.
+    Slips are followed together, those slower than the belt and those faster, until each motion has come to stick,
+    to a peak below the belt's speed, to rest, or round P's orbit.
     """
+    plane = phase_plane(law, osc, rtol)
+    system = plane.system
+    q, w, side = (x - osc.onset(law)) / osc.length, np.abs(1 - v / osc.V), np.where(v < osc.V, 1.0, -1.0)
+    found = np.full(q.shape, None, dtype=object)
+    begun = np.full(q.shape, np.nan)  # where slip slower than the belt began, outside P's orbit
 
-    def __init__(
-        self, law: FrictionLaw, osc: Oscillator, system: Dimensionless, rtol: float, workers: int
-    ) -> None:
-        self.law, self.osc, self.system, self.rtol, self.workers = law, osc, system, rtol, workers
-        self.errors: dict[int, StickSlipError] = {}
-        self.found = np.empty(0, dtype=np.intp)
+    def decide(rows: IntArray, motion: Callable[[], Any]) -> None:
+        if rows.size:
+            try:
+                found[rows] = motion()
+            except StickSlipError as error:
+                found[rows] = error
 
-    def of(self, q: FloatArray, w: FloatArray, side: FloatArray) -> ObjectArray:
-        """Return what initial conditions lead to."""
-        self.found = np.full(q.shape, _OPEN)
-        first = np.full(q.shape, np.nan)  # where slip slower than the belt began, outside P's orbit
-        rest_q, rest_w = self.system.rest
-        near = _NEAR * self.rtol
-        at_rest = (side > 0) & (np.abs(w - rest_w) <= near) & (np.abs(q - rest_q) <= near * max(1.0, abs(rest_q)))
-        self._decide(np.flatnonzero(at_rest), lambda: self._at_rest)
-        left = np.flatnonzero(~at_rest)
-        while left.size:
-            some = left[w[left] == 0]
-            stuck = self._stick(q[some])
-            self._decide(some[stuck], lambda: self._from_onset)
-            some = some[~stuck]
-            side[some] = np.where(q[some] >= 0, 1.0, -1.0)
-            begins = some[side[some] > 0]
-            again = begins[~np.isnan(first[begins])]
-            if again.size:
-                self._decide(again, partial(self._outside, first[again], q[again]))
-            first[begins] = q[begins]
-            left = left[self.found[left] == _OPEN]
-            for one in (1.0, -1.0):
-                self._go_on(left[side[left] == one], q, w, int(one))
-            left = left[self.found[left] == _OPEN]
-        motions = np.array([*MOTIONS, None], dtype=object)[self.found]
-        for row, error in self.errors.items():
-            motions[row] = error
-        return motions
-
-    def _decide(self, rows: IntArray, decide: Callable[[], Motion | IntArray]) -> None:
-        """Note what some motions lead to, or the error that keeps it from being known."""
-        if not rows.size:
-            return
+    rest_q, rest_w = system.rest
+    near = NEAR * rtol
+    at_rest = (side > 0) & (np.abs(w - rest_w) <= near) & (np.abs(q - rest_q) <= near * max(1.0, abs(rest_q)))
+    decide(np.flatnonzero(at_rest), lambda: plane.at_rest)
+    left = np.flatnonzero(~at_rest)
+    while left.size:
+        on_belt = left[w[left] == 0]
+        stuck = (q[on_belt] <= 0) & (q[on_belt] >= -2 * system.eta * system.table.static)
+        decide(on_belt[stuck], lambda: plane.from_onset)
+        side[on_belt] = np.where(q[on_belt] >= 0, 1.0, -1.0)
+        slower = on_belt[~stuck & (q[on_belt] >= 0)]
+        again = slower[~np.isnan(begun[slower])]
+        decide(again, partial(plane.of_rounds, begun[again], q[again]))
+        begun[slower] = q[slower]
+        left = left[~found[left].astype(bool)]
         try:
-            motion = decide()
-            self.found[rows] = MOTIONS.index(motion) if isinstance(motion, Motion) else motion
+            slips = system.slips(q[left], w[left], side[left], until=End.MINIMUM, rtol=rtol, workers=workers)
         except StickSlipError as error:
-            self.found[rows] = _FAILED
-            self.errors |= dict.fromkeys(rows.tolist(), error)
-
-    def _go_on(self, rows: IntArray, q: FloatArray, w: FloatArray, side: int) -> None:
-        """Follow slips to their ends, and decide those that do not return."""
-        if not rows.size:
-            return
-        try:
-            slips = self._slips(q[rows], w[rows], side)
-        except StickSlipError as error:
-            self.found[rows] = _FAILED
-            self.errors |= dict.fromkeys(rows.tolist(), error)
-            return
-        q[rows], w[rows] = slips.q, slips.w
-        self._decide(rows[slips.end == End.REST], lambda: self._at_rest)
-        self._decide(rows[slips.end == End.HORIZON], lambda: Motion.UNDECIDED)
+            found[left] = error
+            break
+        q[left], w[left] = slips.q, slips.w
+        decide(left[slips.end == End.REST], lambda: plane.at_rest)
+        decide(left[slips.end == End.HORIZON], lambda: Motion.UNDECIDED)
         turned = slips.end == End.MINIMUM
-        self._decide(rows[turned], lambda: self._inside(1 - slips.w[turned]))
+        decide(left[turned], partial(plane.of_peaks, 1 - slips.w[turned]))
         for i in np.flatnonzero(np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED))).tolist():
-            self._decide(rows[i : i + 1], partial(self._away, self.system.slip_of(slips, i)))
+            decide(left[i : i + 1], partial(_away, plane, system.slip_of(slips, i)))
+        left = left[slips.end == End.RETURN]
+    return found
 
-    def _slips(self, q: FloatArray, w: FloatArray, side: int) -> Slips:
-        """Follow slips up to a return, or a minimum of w below the belt's speed."""
-        until = End.MINIMUM if side > 0 else End.RETURN
-        if q.size <= _FEW:
-            states = zip(q.tolist(), w.tolist(), strict=True)
-            rows = [
-                self.system.slip(*state, side, until=until, rtol=self.rtol, most=_MOST_STEPS) for state in states
-            ]
-            return Slips(*(np.array(column) for column in list(zip(*rows, strict=True))[:6]))
-        sides = np.full(q.shape, float(side))
-        return self.system.slips(q, w, sides, until=until, rtol=self.rtol, workers=self.workers)
 
-    def _stick(self, q: FloatArray) -> BoolArray:
-        return (q <= 0) & (q >= -2 * self.system.eta * self.system.table.static)
-
-    def _away(self, slip: Slip) -> Motion:
-        """Return what a slip that came out of the law's table leads to, or raise what kept it from an end."""
-        refusal = self.system.refusal(slip, self.rtol)
-        if refusal is not None:
-            raise refusal
-        return self._beyond_all
-
-    def _outside(self, before: FloatArray, now: FloatArray) -> IntArray:
-        """Return what two rounds outside P's orbit lead to: all that follow go the same way."""
-        found = np.full(now.shape, MOTIONS.index(Motion.PURE_SLIP))
-        moved = np.abs(now - before) > _SAME * now
-        outward, inward = moved & (now > before), moved & (now < before)
-        if outward.any():
-            far = now[outward].min() * 4.0 ** np.arange(1, _ROUNDS + math.log(np.ptp(now[outward]) + 1, 4))
-            bounded = far[~self._grow(far)]
-            found[outward & (now >= bounded.max(initial=0.0))] = MOTIONS.index(self._beyond_all)
-        if inward.any():
-            # It may be a long way in: if no round there grows, it ends where P's orbit does.
-            near = np.geomspace(now[inward].min() / _ROUNDS, now[inward].max(), 2 * _ROUNDS)
-            growing = near[self._grow(near)]
-            found[inward & (now <= growing.min(initial=math.inf))] = MOTIONS.index(self._from_onset)
-        return found
-
-    def _grow(self, q: FloatArray) -> BoolArray:
-        """Tell whether rounds that begin at displacements q >= 0 end farther out."""
-        grow = np.zeros(q.shape, dtype=bool)
-        slow = self._slips(q, np.zeros(q.shape), 1)
-        grow[slow.end == End.OUTSIDE] = True
-        over = np.flatnonzero((slow.end == End.RETURN) & ~self._stick(slow.q))
-        if over.size:
-            fast = self._slips(slow.q[over], np.zeros(over.shape), -1)
-            grow[over] = (fast.end == End.OUTSIDE) | ((fast.end == End.RETURN) & (fast.q > q[over]))
-        return grow
-
-    @cached_property
-    def _at_rest(self) -> Motion:
-        """Return what a motion that is at rest stays: one that crept to it on one side may leave on the other."""
-        return Motion.REST if self.system.decay(1.0) > 0 else Motion.UNDECIDED
-
-    @cached_property
-    def _from_onset(self) -> Motion:
-        """Return what the slip from P leads to."""
-        height = graze(self.system, self.rtol)
-        if height == 0:
-            return Motion.UNDECIDED
-        return MOTIONS[self._inside(np.array([1 - height]))[0]] if height > 0 else self._returned
-
-    def _inside(self, peaks: FloatArray) -> IntArray:
-        """Return what peaks below the belt's speed lead to."""
-        orbits, found = self._orbits, np.empty(peaks.shape, dtype=np.intp)
-        places = np.searchsorted([cycle.amplitude / self.osc.V for cycle in orbits.cycles], peaks)
-        for place in np.unique(places):
-            some = places == place
-            found[some] = MOTIONS.index(self._of_fate(orbits.fate(float(peaks[some][0]) * self.osc.V)))
-        for cycle in orbits.cycles:
-            if not cycle.stable:
-                near = np.abs(cycle.amplitude / self.osc.V - peaks) <= _NEAR * self.rtol
-                found[near] = MOTIONS.index(Motion.UNDECIDED)
-        return found
-
-    def _of_fate(self, fate: LimitCycle | float) -> Motion:
-        if isinstance(fate, LimitCycle) or math.isnan(fate):
-            return Motion.PURE_SLIP
-        return Motion.REST if fate == 0 else self._returned
-
-    @cached_property
-    def _returned(self) -> Motion:
-        """Return what an orbit that grows up to the belt's speed leads to: no orbits cross, so where P's goes."""
-        if graze(self.system, self.rtol) >= 0:
-            return Motion.UNDECIDED
-        if stick_slip_cycle(self.law, self.osc, rtol=self.rtol) is not None:
-            return Motion.STICK_SLIP
-        overtaking = overtaking_cycle(self.law, self.osc, rtol=self.rtol)
-        return self._beyond_all if overtaking is None else Motion.PURE_SLIP
-
-    @cached_property
-    def _beyond_all(self) -> Motion:
-        """What becomes of a motion for which no attractor was found further out."""
-        return Motion.UNBOUNDED if grows_far_out(self.law, self.osc) else Motion.UNDECIDED
-
-    @cached_property
-    def _orbits(self) -> SlipOrbits:
-        return slip_orbits(self.law, self.osc, rtol=self.rtol)
+def _away(plane: PhasePlane, slip: Slip) -> Motion:
+    """Return what a slip that came out of the law's table leads to, or raise what kept it from an end."""
+    refusal = plane.system.refusal(slip, plane.rtol)
+    if refusal is not None:
+        raise refusal
+    return plane.beyond

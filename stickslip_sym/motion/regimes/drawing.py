@@ -1,80 +1,57 @@
 """The phase plane of a regime: rest, every periodic motion, and the curves that part their basins."""
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.simulate import simulate
-from stickslip_sym.motion.simulation.trajectory import Trajectory
-from stickslip_sym.output.drawing import dense, require_matplotlib
+from stickslip_sym.output.drawing import dense
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
-__all__ = ["draw_regime", "phase_plane"]
+__all__ = ["phase_plane_of"]
 
-Style = dict[str, Any]
 _SECONDS = 2.0  # of computation, for a curve that is a period of a motion
 _RTOL = 1e-8
-_STICK_SLIP: Style = {"color": "black", "linewidth": 2.2}
-_STABLE: Style = {"color": "#009E73", "linewidth": 2.2}
-_UNSTABLE: Style = {"color": "#D55E00", "linewidth": 1.2, "linestyle": "--"}
-_SEPARATRIX: Style = {"color": "0.45", "linewidth": 1.2, "linestyle": "-."}
-_BELT: Style = {"color": "black", "linewidth": 0.8, "linestyle": ":"}
+_LOOKS: dict[str, dict[str, Any]] = {
+    "stick-slip": {"color": "black", "linewidth": 2.2},
+    "pure-slip cycle": {"color": "#009E73", "linewidth": 2.2},
+    "pure-slip cycle, unstable": {"color": "#D55E00", "linewidth": 1.2, "linestyle": "--"},
+    "separatrix: orbit that touches the belt's speed": {"color": "0.45", "linewidth": 1.2, "linestyle": "-."},
+    "belt speed": {"color": "black", "linewidth": 0.8, "linestyle": ":", "zorder": 0},
+}
 
 
-def draw_regime(found: Any) -> "Figure":
-    """Return the figure of a regime.
+def phase_plane_of(ax: "Axes", found: Any) -> "list[Artist]":
+    """Draw a regime in the phase plane, and return what its legend has: one of several curves of a kind."""
+    law, osc = found.law, found.oscillator
 
-    Raises `InputError` if matplotlib is not installed.
-    """
-    require_matplotlib()
-    from matplotlib.figure import Figure
+    def draw(name: str, x: Any, v: Any) -> None:
+        ax.plot(x, v, label=name, **_LOOKS[name])
 
-    figure = Figure(figsize=(5.6, 4.6), layout="constrained")
-    axes = figure.add_subplot()
-    handles = phase_plane(axes, found)
-    figure.legend(handles.values(), handles.keys(), loc="outside upper center", ncols=2, fontsize=8, frameon=False)
-    return figure
-
-
-def phase_plane(axes: "Axes", found: Any) -> "dict[str, Artist]":
-    """Draw a regime in the phase plane, and return what its legend has, by name."""
-    for motion, label, style in _periodic(found, found.law, found.oscillator):
+    def draw_period(name: str, x0: float, v0: float, period: float) -> None:
+        motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
         state = motion.at(dense(np.unique(motion.t)))
-        axes.plot(state.x, state.v, label=label, **style)
-    for curve in found.separatrices:
-        if curve.kind != "limit cycle":  # which is drawn as the cycle that it is
-            axes.plot(curve.x, curve.v, label="separatrix: orbit that touches the belt's speed", **_SEPARATRIX)
-    face = "black" if found.rest.stable else "white"
-    name = "rest" if found.rest.stable else "rest, unstable"
-    axes.plot([found.rest.x], [0.0], "o", color="black", markerfacecolor=face, label=name)
-    axes.axhline(found.oscillator.V, label="belt speed", zorder=0, **_BELT)
-    axes.set(xlabel="displacement $x$ (m)", ylabel="velocity $\\dot x$ (m/s)")
-    axes.locator_params(axis="x", nbins=6)
-    axes.grid(alpha=0.25)
-    handles, labels = axes.get_legend_handles_labels()
-    return dict(zip(labels, handles, strict=True))  # one of several cycles of a kind
-
-
-def _periodic(found: Any, law: FrictionLaw, osc: Oscillator) -> Iterator[tuple[Trajectory, str, Style]]:
-    """Yield a period of each periodic motion, its name and its look."""
-
-    def period(x0: float, v0: float, seconds: float) -> Trajectory:
-        return simulate(law, osc, t_end=seconds, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
+        draw(name, state.x, state.v)
 
     if found.stick_slip is not None:
-        yield period(osc.onset(law), osc.V, found.stick_slip.period), "stick-slip", _STICK_SLIP
+        draw_period("stick-slip", osc.onset(law), osc.V, found.stick_slip.period)
     for cycle in found.cycles:
         # Where v is highest the forces are in balance; slower than the belt or faster, friction has its sign.
         slip = osc.V - cycle.amplitude
         force = osc.N * float(law.mu(abs(slip))) * (1 if slip >= 0 else -1)
-        start = (force - osc.c * cycle.amplitude) / osc.k
-        style = _STABLE if cycle.stable else _UNSTABLE
         name = "pure-slip cycle" if cycle.stable else "pure-slip cycle, unstable"
-        yield period(start, cycle.amplitude, cycle.period), name, style
+        draw_period(name, (force - osc.c * cycle.amplitude) / osc.k, cycle.amplitude, cycle.period)
+    for curve in found.separatrices:
+        if curve.kind == "graze":  # any other is drawn as the cycle that it is
+            draw("separatrix: orbit that touches the belt's speed", curve.x, curve.v)
+    face, name = ("black", "rest") if found.rest.stable else ("white", "rest, unstable")
+    ax.plot([found.rest.x], [0.0], "o", color="black", markerfacecolor=face, label=name)
+    ax.axhline(osc.V, label="belt speed", **_LOOKS["belt speed"])
+    ax.set(xlabel="displacement $x$ (m)", ylabel="velocity $\\dot x$ (m/s)")
+    ax.locator_params(axis="x", nbins=6)
+    ax.grid(alpha=0.25)
+    handles, labels = ax.get_legend_handles_labels()
+    return list(dict(zip(labels, handles, strict=True)).values())

@@ -7,13 +7,13 @@ place of both.
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.aliases import FloatArray, ObjectArray
 from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
@@ -22,31 +22,28 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
-from stickslip_sym.motion.regimes.separatrix import Separatrix, SlipCurve
-from stickslip_sym.motion.regimes.slip_orbits import lowest, next_peak, overtaking_cycle, slip_orbits
-from stickslip_sym.motion.simulation.cycle import StickSlipCycle, stick_slip_cycle
-from stickslip_sym.motion.slip import Dimensionless, End
+from stickslip_sym.motion.regimes.phase_plane import NEAR, PhasePlane, phase_plane
+from stickslip_sym.motion.regimes.separatrix import Separatrix
+from stickslip_sym.motion.simulation.cycle import StickSlipCycle
 from stickslip_sym.output import drawing, markup
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
 
-__all__ = [
-    "Attractor",
-    "Regime",
-    "Rest",
-    "friction_far_out",
-    "graze",
-    "grows_far_out",
-    "regime",
-    "separatrices_of",
-    "swing",
-]
+__all__ = ["Attractor", "Regime", "Rest", "regime"]
 
-_CLOSE = 1e-6  # slip speed over the belt's at a graze, below which its error is measured
 _ROUNDING = 1e-14  # of a damping coefficient's terms
 _SAME = 1e-12  # relative, of the belt's speed and a kink
-_FAST = 1e12  # slip speed over the belt's, beyond every feature of a law: it stands for all that are higher
+_PARTS = {
+    "height": "whether the slip from P returns, and stick-slip",
+    "stick_slip": "whether the slip from P returns, and stick-slip",
+    "slip_cycles": "the limit cycles in pure slip",
+    "growth": "the limit cycles in pure slip",
+    "overtaking": "limit cycles that overtake the belt",
+    "separatrices": "separatrices",
+}
+"""What a regime needs of the phase plane, in the order in which it is looked for, and its name in words."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +79,7 @@ Attractor = Rest | LimitCycle | StickSlipCycle
 
 
 @dataclass(frozen=True)
-class Regime(drawing.Drawn):
+class Regime(drawing.Panel):
     """Every motion that an oscillator has.
 
     Attributes
@@ -105,6 +102,8 @@ class Regime(drawing.Drawn):
         a rule.
     law, oscillator : FrictionLaw, Oscillator
         Whose motions they are.
+    rtol : float
+        Relative tolerance of an integration step.
     """
 
     rest: Rest
@@ -116,6 +115,7 @@ class Regime(drawing.Drawn):
     undecided: tuple[str, ...]
     law: FrictionLaw
     oscillator: Oscillator
+    rtol: float
 
     @property
     def attractors(self) -> tuple[Attractor, ...]:
@@ -144,10 +144,40 @@ class Regime(drawing.Drawn):
         table = markup.table(["motion", "neighbours"], rows, caption="motions")
         return markup.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *notes)
 
-    def _figure(self) -> "Figure":
-        from stickslip_sym.motion.regimes.drawing import draw_regime
+    def by_side(self, x0: FloatArray, v0: FloatArray) -> ObjectArray:
+        """Return what initial conditions lead to, by the separatrices that surround them; none is followed.
 
-        return draw_regime(self)
+        What begins outside all separatrices comes to stick, or goes round without sticking as P's orbit does,
+        which lies outside them too: so does what begins faster than the belt, since it can only come down where
+        the mass sticks, or farther out.
+
+        Parameters
+        ----------
+        x0, v0 : numpy.ndarray
+            In m and m/s; they broadcast.
+
+        Returns
+        -------
+        numpy.ndarray of Motion
+            None near a separatrix, and where separatrices do not settle the basins.
+        """
+        found = np.full(np.broadcast_shapes(x0.shape, v0.shape), None, dtype=object)
+        if self.basins is None:
+            return found
+        osc = self.oscillator
+        q, w = (x0 - osc.onset(self.law)) / osc.length, 1 - v0 / osc.V
+        around, clear = np.zeros(found.shape, dtype=np.intp), np.ones(found.shape, dtype=bool)
+        for separatrix in self.separatrices:
+            inside = separatrix.curve.surrounds(q, np.where(w > 0, w, -1.0), NEAR * self.rtol)
+            around += inside
+            clear &= inside >= 0
+        found[clear] = np.array(self.basins[::-1], dtype=object)[around[clear]]
+        return found
+
+    def _draw(self, ax: "Axes") -> "list[Artist]":
+        from stickslip_sym.motion.regimes.drawing import phase_plane_of
+
+        return phase_plane_of(ax, self)
 
 
 def regime(
@@ -175,95 +205,64 @@ def regime(
     law = as_law(law)
     rtol = read_rtol(rtol)
     with deadline.time_limit(time_limit):
-        return _found(law, osc, rtol)
+        return _found(phase_plane(law, osc, rtol))
 
 
-def _found(law: FrictionLaw, osc: Oscillator, rtol: float) -> Regime:
+def _found(plane: PhasePlane) -> Regime:
     """Return what is found until the time is up: then every later part is left out, and named."""
-    system, undecided = Dimensionless.of(law, osc), list[str]()
-    rest = _rest(law, osc, system)
-
-    @contextmanager
-    def part(name: str) -> Iterator[None]:
+    law, osc, system = plane.law, plane.oscillator, plane.system
+    parts, late = dict[str, Any](), list[str]()
+    for name, words in _PARTS.items():
         try:
-            yield
+            parts[name] = getattr(plane, name)
         except OutOfTime:
-            undecided.append(f"{name}: not found within the time limit")
-
-    orbits = overtaking = cycle = None
-    height = 1.0
-    with part("whether the slip from P returns, and stick-slip"):
-        height = graze(system, rtol)
-        cycle = stick_slip_cycle(law, osc, rtol=rtol) if height < 0 else None
-    with part("the limit cycles in pure slip"):
-        orbits = slip_orbits(law, osc, rtol=rtol)
+            late.append(f"{words}: not found within the time limit")
+    undecided = list(dict.fromkeys(late))
+    rest, height, growth = _rest(plane), parts.get("height", 1.0), parts.get("growth", ())
+    cycles, separatrices = parts.get("slip_cycles", ()), parts.get("separatrices", ())
+    cycle, overtaking = parts.get("stick_slip"), parts.get("overtaking")
     if height == 0:
         undecided.append("the slip from P grazes the belt's speed within the error of the integration")
-    if orbits is not None and 0 in orbits.growth:
+    if 0 in growth:
         undecided.append("slip orbits neither grow nor shrink")
     elif abs(rest.rate) * 2 * osc.m <= _ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
         undecided.append("rest neither attracts nor repels to first order")
     if rest.one_sided:
         undecided.append("rest attracts motions on one side of it, and repels those on the other")
-    elif orbits is not None and rest.rate * orbits.growth[0] < 0:
+    elif growth and rest.rate * growth[0] < 0:
         kind = "a stable" if rest.rate > 0 else "an unstable"
         undecided.append(f"{kind} limit cycle about rest is too small to find")
-    with part("limit cycles that overtake the belt"):
-        overtaking = overtaking_cycle(law, osc, rtol=rtol) if height < 0 and cycle is None else None
-    separatrices, basins = list[Separatrix](), None
-    with part("separatrices"):
-        if orbits is not None:
-            unstable = [one.amplitude for one in orbits.cycles if not one.stable]
-            separatrices = separatrices_of(law, osc, unstable, cycle is not None and orbits.growth[-1] < 0, rtol)
-    unbounded = grows_far_out(law, osc)
-    if (
-        orbits
-        and not (undecided or unbounded or rest.one_sided or any(system.rise.jumps))
-        and (height > 0 or cycle)
-    ):
-        bounds = [0.0, *unstable, osc.V]
-        inside = [_motion_of(orbits.fate((low + high) / 2)) for low, high in pairwise(bounds)]
-        if cycle is None or orbits.growth[-1] >= 0:
-            basins = tuple(inside)
-        elif len(separatrices) == len(inside) and separatrices[-1].curve_ends_on_belt:
-            basins = (*inside, Motion.STICK_SLIP)
+    basins = None
+    if not (undecided or plane.unbounded or any(system.rise.jumps)) and (height > 0 or cycle):
+        unstable = [place for place, one in enumerate(cycles, 1) if not one.stable]
+        grazes = cycle is not None and growth[-1] < 0
+        basins = (*(plane.fate(place) for place in (0, *unstable)), *([Motion.STICK_SLIP] * grazes))
+        if len(separatrices) < len(basins) - 1 or (grazes and not separatrices[-1].ends_on_belt):
+            basins = None
     return Regime(
         rest=rest,
         stick_slip=cycle,
-        cycles=(*(orbits.cycles if orbits else ()), *([] if overtaking is None else [overtaking])),
-        separatrices=tuple(separatrices),
+        cycles=(*cycles, *([overtaking] if overtaking else [])),
+        separatrices=separatrices,
         basins=basins,
-        unbounded=unbounded,
+        unbounded=plane.unbounded,
         undecided=tuple(undecided),
         law=law,
         oscillator=osc,
+        rtol=plane.rtol,
     )
 
 
-def graze(system: Dimensionless, rtol: float) -> float:
-    """Return the first minimum of the slip speed, over V, after P: 0 where integration cannot tell its sign.
-
-    Where the mass returns it is -w'^2/2, which continues the minimum through 0 with its value and its slope, and
-    -infinity where the mass moves away for ever; where it creeps to rest it is 1. It counts as 0 up to the
-    tolerance, and where a tolerance ten times wider changes it by half of itself or more.
-    """
-    height = lowest(system, rtol)
-    if abs(height) > _CLOSE:
-        return height
-    lost = abs(lowest(system, 10 * rtol) - height) >= abs(height) / 2
-    return 0.0 if lost or abs(height) <= rtol else height
-
-
-def _rest(law: FrictionLaw, osc: Oscillator, system: Dimensionless) -> Rest:
-    mu = float(law.mu(osc.V))
-    x = osc.N * mu / osc.k
-    levels = system.rise.levels
+def _rest(plane: PhasePlane) -> Rest:
+    law, osc, rise = plane.law, plane.oscillator, plane.system.rise
+    x = osc.N * float(law.mu(osc.V)) / osc.k
+    levels = rise.levels
     kink = next((i for i in range(1, len(levels) - 1) if abs(levels[i] - 1) <= _SAME), None)
     if kink is None:
-        rate, _ = swing(osc, law.slope(osc.V))
+        rate, _ = _swing(osc, law.slope(osc.V))
         return Rest(x, rate, rate < 0)
-    jump = system.rise.jumps[kink]
-    sides = [swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
+    jump = rise.jumps[kink]
+    sides = [_swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
     ends_here = any(rate < 0 and math.isinf(time) for rate, time in sides)
     if jump != 0 and osc.N > 0:
         # Where mu jumps up it holds the mass as static friction does; where it jumps down it drives it off.
@@ -276,7 +275,7 @@ def _rest(law: FrictionLaw, osc: Oscillator, system: Dimensionless) -> Rest:
     return Rest(x, rate, rate < 0)
 
 
-def swing(osc: Oscillator, slope: float) -> tuple[float, float]:
+def _swing(osc: Oscillator, slope: float) -> tuple[float, float]:
     """Return the growth rate of small motions where mu has a slope, and how long half a swing takes."""
     growth = -(osc.c + osc.N * slope) / (2 * osc.m)
     excess = (growth - osc.omega) * (growth + osc.omega)
@@ -284,44 +283,3 @@ def swing(osc: Oscillator, slope: float) -> tuple[float, float]:
         return growth, math.pi / math.sqrt(-excess)
     root = math.sqrt(excess)
     return (growth + root if growth > 0 else osc.omega**2 / (growth - root)), math.inf
-
-
-def grows_far_out(law: FrictionLaw, osc: Oscillator) -> bool:
-    """Whether damping and friction together feed motions at all high speeds."""
-    return bool(osc.c + osc.N * friction_far_out(law, osc.V) < 0)
-
-
-def friction_far_out(law: FrictionLaw, V: float) -> float:
-    """Return mu(v)/v in s/m at slip speeds beyond every feature of a law; 0 if it is measured up to a speed."""
-    if law.v_max is not None:
-        return 0.0
-    fast = _FAST * V
-    return float(law.mu(fast)) / fast
-
-
-def separatrices_of(
-    law: FrictionLaw, osc: Oscillator, unstable: Sequence[float], grazes: bool, rtol: float
-) -> list[Separatrix]:
-    """Return the curves that part basins, from inside out.
-
-    - `unstable`: amplitudes in m/s of the unstable limit cycles below the belt's speed.
-    - `grazes`: whether the orbit that just touches the belt's speed parts motions that stick from others.
-    """
-    system, onset = Dimensionless.of(law, osc), osc.onset(law)
-    curves = []
-    for speed in unstable:
-        _, _, slip = next_peak(system, speed / osc.V, rtol, recorded=True)
-        curves.append(Separatrix("limit cycle", SlipCurve.of(system, slip, rtol), onset, osc))
-    if grazes:
-        slip = system.slip(system.turn(0.0), 0.0, rtol=rtol, backward=True, recorded=True)
-        if slip.end is not End.OUTSIDE:
-            curve = SlipCurve.of(system, slip, rtol, backward=True)
-            curves.append(Separatrix("graze", curve, onset, osc))
-    return curves
-
-
-def _motion_of(fate: LimitCycle | float) -> Motion:
-    """Return the motion that an orbit in slip tends to; one that grows up to the belt's speed comes to stick."""
-    if isinstance(fate, LimitCycle):
-        return Motion.PURE_SLIP
-    return Motion.REST if fate == 0 else Motion.STICK_SLIP

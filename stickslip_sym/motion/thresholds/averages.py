@@ -49,11 +49,16 @@ def average(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray
     return np.atleast_1d(compiled(V=V, N=np.ones_like(V), **values))
 
 
+@lru_cache(maxsize=128)  # to find them takes longer than an average of a measured law
+def _has_kinks(law: FrictionLaw) -> bool:
+    return bool(law.kinks())
+
+
 def slope_mean(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray:
     """Return the same by Gauss rules where mu is smooth: nothing is made for each value of a parameter."""
     if not law.expr.has(symbols.v):
         return np.zeros_like(V)
-    if law.kinks():
+    if _has_kinks(law):
         return average(law, criterion, V)
     return -slopes(law)(V) if criterion.weight is None else averages(law, V, criteria=[criterion])[0]
 

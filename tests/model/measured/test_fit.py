@@ -79,6 +79,12 @@ def test_a_law_is_found_again_from_data_without_noise(name):
     assert found == pytest.approx({key: float(value) for key, value in law.typical().values.items()}, rel=1e-4)
 
 
+@pytest.mark.parametrize("scale", [1e-6, 1e4])
+def test_data_of_any_scale_are_fitted(scale):
+    v, mu = data()
+    assert ss.fit(v * scale, mu, laws="exponential").best.values["alpha"] * scale == pytest.approx(3.0, rel=0.15)
+
+
 @sweep("rivals", [RIVALS[:3], RIVALS], RIVALS[:3])
 def test_the_generating_law_is_among_the_best_two(rivals):
     first = []
@@ -173,48 +179,41 @@ def test_what_cannot_be_told_apart_is_said_with_what_to_fix():
     assert any("hardly" in text and "law.bind(" in text for text in loose.warnings)
 
 
-def test_a_wrong_sigma_is_warned_of():
-    v, mu = data()
-    assert not ss.fit(v, mu, NOISE, laws="exponential").best.warnings
-    for sigma, words in (
-        (NOISE / 3, "or sigma is too small"),
-        (NOISE * 3, "sigma is too large; if each mu is the mean"),
-    ):
-        assert any(words in text for text in ss.fit(v, mu, sigma, laws="exponential").best.warnings)
-
-
-def test_a_fit_reports_itself(fits):
-    assert "exponential" in str(fits)
-    assert "AICc above" in str(fits)
+def test_a_fit_reports_itself(fits, tmp_path):
+    assert all(words in str(fits) for words in ("exponential", "AICc above"))
     assert "+/-" in str(fits.best)
-    content = json.loads(fits.to_json())
-    assert [one["law"] for one in content["fits"]] == [fit.name for fit in fits]
+    assert [one["law"] for one in json.loads(fits.to_json())["fits"]] == [fit.name for fit in fits]
     one = json.loads(fits["gaussian"].to_json())
     assert one["parameters"]["v_s"]["unit"] == "m/s"
     assert one["covariance"][0][1] == one["covariance"][1][0]
-    assert "<table>" in fits._repr_html_()
-    assert "<table>" in fits.best._repr_html_()
     for one in (fits, fits.best, fits.measured):
         assert repr(one).startswith(f"{type(one).__name__}: ")
         assert "\n" not in repr(one)
     with pytest.raises(ss.InputError, match="did you mean 'gaussian'"):
         _ = fits["gausian"]
-
-
-def test_a_fit_draws_points_curve_band_and_residuals(fits, tmp_path):
     pytest.importorskip("matplotlib")
-    figure = fits.plot(tmp_path / "fit.svg")
-    above, below = figure.axes
+    assert "<table>" in fits._repr_html_()
+    assert "<table>" in fits.best._repr_html_()
+    above, below = fits.plot(tmp_path / "fit.svg").axes
     assert len(above.lines[0].get_xdata()) == len(below.lines[0].get_xdata()) == 60
     assert (tmp_path / "fit.svg").stat().st_size > 5000
 
 
-def test_data_of_any_scale_are_fitted():
-    """A Stribeck speed of a micrometre a second, and 10 km/s."""
-    for scale in (1e-6, 1e4):
-        v, mu = data()
-        best = ss.fit(v * scale, mu, laws="exponential").best
-        assert best.values["alpha"] * scale == pytest.approx(3.0, rel=0.15)
+def test_what_residuals_show_is_warned_of():
+    """A sigma three times too small or too large, and a law that repeats at one speed contradict."""
+    v, mu = data()
+    for sigma, words in (
+        (NOISE, ""), (NOISE / 3, "or sigma is too small"), (NOISE * 3, "too large; if each mu is the mean"),
+    ):  # fmt: skip
+        warned = ss.fit(v, mu, sigma, laws="exponential").best.warnings
+        assert any(words in text for text in warned) if words else not warned
+    rng = np.random.default_rng(4)
+    v = rng.permutation(np.repeat(np.linspace(0.05, 1.2, 8), 6))
+    mu = 0.2 + 0.3 * np.exp(-6 * v) + NOISE * rng.normal(size=48)
+    for sigma in (None, NOISE):
+        fits = ss.fit(v, mu, sigma, laws=["linear", "exponential"])
+        assert any("repeats at one speed scatter by" in text for text in fits["linear"].warnings)
+        assert not fits["exponential"].warnings
 
 
 def test_correlation_is_of_rows_in_file_order():
@@ -226,18 +225,11 @@ def test_correlation_is_of_rows_in_file_order():
     assert ss.fit(v[shuffled], mu[shuffled], laws="linear").best.inflation == 1
 
 
-def test_lack_of_fit_shows_where_speeds_repeat():
-    rng = np.random.default_rng(4)
-    v = rng.permutation(np.repeat(np.linspace(0.05, 1.2, 8), 6))
-    mu = 0.2 + 0.3 * np.exp(-6 * v) + NOISE * rng.normal(size=48)
-    for sigma in (None, NOISE):
-        fits = ss.fit(v, mu, sigma, laws=["linear", "exponential"])
-        assert any("repeats at one speed scatter by" in text for text in fits["linear"].warnings)
-        assert not fits["exponential"].warnings
-
-
 def test_three_rows_suffice_for_one_parameter():
-    fits = ss.fit([0.1, 0.5, 1.0], [0.38, 0.31, 0.2], laws=ss.laws.linear.bind(mu_s=0.4))
+    steps = []
+    law = ss.laws.linear.bind(mu_s=0.4)
+    fits = ss.fit([0.1, 0.5, 1.0], [0.38, 0.31, 0.2], laws=law, progress=lambda *done: steps.append(done))
+    assert steps == [(0, 1), (1, 1)]
     assert fits.best.dof == 2
     assert json.loads(fits.to_json())["fits"][0]["aicc"] is None
     with pytest.raises(ss.InputError, match="2 free parameters, and 3 rows at 3 speeds are too few"):
@@ -267,9 +259,7 @@ def test_extrapolation_is_said():
     fit = ss.fit(v, mu, laws="linear").best
     assert fit.extrapolation(0.6 * v.max()).startswith("extrapolated above")
     assert "below" in fit.extrapolation(0.1)
-    assert fit.extrapolation(0.49 * v.max()) is None or v.min() > 0.049 * v.max()
-    near = ss.fit(*data(), laws="linear").best
-    assert near.extrapolation(0.5) is None
+    assert ss.fit(*data(), laws="linear").best.extrapolation(0.5) is None
 
 
 def test_many_rows_are_fitted_as_few():
@@ -280,8 +270,6 @@ def test_many_rows_are_fitted_as_few():
     best = ss.fit(v, mu, laws="stribeck").best
     for name, value in ss.laws.stribeck.typical().values.items():
         assert best.values[name] == pytest.approx(float(value), abs=4 * best.standard_errors[name])
-    again = ss.fit(v, mu, laws="stribeck").best
-    assert again.values == best.values
 
 
 @st.composite
@@ -325,15 +313,8 @@ CURVE = ss.FrictionLaw.from_samples([0, 1, 2, 3], [0.5, 0.4, 0.3, 0.2])
         (([1, 2], [1, 1], None, "lineer"), "did you mean 'linear'"),
         (([1, 2], [1, 1], None, ss.laws.linear.typical()), "it has no parameter without a value"),
         ((*data(), None, CURVE), "goes through measured points, and has nothing to fit"),
-        (([1, 2], [1, 7]), r"mu\[1\] = 7; a coefficient of friction is below 5"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(arguments, message):
     with pytest.raises(ss.InputError, match=message):
         ss.fit(*arguments)
-
-
-def test_progress_is_counted():
-    steps = []
-    ss.fit(*data(), laws=["linear", "coulomb"], progress=lambda *done: steps.append(done))
-    assert steps == [(0, 2), (1, 2), (2, 2)]

@@ -76,7 +76,7 @@ def test_areas_of_circles_in_boxes():
         times = np.append(times[times < begin + 2 * np.pi], begin + 2 * np.pi)
         middle, half = (times[1:] + times[:-1]) / 2, np.diff(times) / 2
         t = middle[:, None] + half[:, None] * -np.cos(np.pi * np.arange(13) / 12)
-        curve = SlipCurve.through(times, radius * np.array([np.sin(t), -np.cos(t)]) + [[[0]], [[1]]])
+        curve = SlipCurve.through(radius * np.array([np.sin(t), -np.cos(t)]) + [[[0]], [[1]]])
         q, w = np.sort(rng.uniform(-1, 1, 2)), np.sort(rng.uniform(0, 2, 2))
         assert curve.area_within(q, w) == pytest.approx(disc_in_box(radius, q, w - 1), abs=1e-10)
         assert curve.area_within(*np.array([[-1, 1], [0, 2]])) == pytest.approx(np.pi * radius**2, abs=1e-10)

@@ -10,7 +10,7 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
-from stickslip_sym.motion.maps.axes import Axis
+from stickslip_sym.motion.maps.table import Axis
 
 SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}
 V, C = np.linspace(0.05, 0.95, 7), np.linspace(0.02, 6, 8)

@@ -11,8 +11,8 @@ from scenes import TWO, paper_oscillator
 import stickslip_sym as ss
 from stickslip_sym import Motion
 from stickslip_sym.cli import map
-from stickslip_sym.motion.maps import axes
 from stickslip_sym.motion.maps.cells import Reason
+from stickslip_sym.motion.maps.table import read_axes
 
 SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}
 KNOWN = 1e-8  # of the largest threshold: so well maps know them, and so close to one a cell stays undecided
@@ -244,4 +244,4 @@ def test_axes_that_cannot_be_read_are_refused(text, message):
 @pytest.mark.parametrize("given", [(1, [0.1, 0.2]), (["V"], [0.1]), ("V", [0.1], [0.2]), ("V",), "Vc", 3, ()])
 def test_what_is_no_name_with_values_is_no_axis(given):
     with pytest.raises(ss.InputError, match="x is a name and its values"):
-        axes.read_axes(JUMP, given, ("c", [1.0]))
+        read_axes(JUMP, given, ("c", [1.0]))

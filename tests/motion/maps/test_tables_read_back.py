@@ -14,10 +14,10 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
-from stickslip_sym.motion.maps.axes import Axis
 from stickslip_sym.motion.maps.basins import BasinMap
 from stickslip_sym.motion.maps.cells import Reason
 from stickslip_sym.motion.maps.motions import MotionMap
+from stickslip_sym.motion.maps.table import Axis
 
 LAW = ss.laws.exponential.typical()
 ATTRACTORS = ("stick_slip", "rest", "pure_slip")

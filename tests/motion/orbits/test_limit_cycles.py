@@ -10,8 +10,7 @@ from sweeps import sweep
 import stickslip_sym as ss
 from stickslip_sym import Phase
 from stickslip_sym.motion.orbits.cycles import needed_damping
-from stickslip_sym.motion.regimes.slip_orbits import next_peak
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.slip import Dimensionless, End
 
 CASES = [("exponential", 2.3, False), ("polynomial", 3.1, True)]
 
@@ -124,7 +123,9 @@ def test_a_cycle_of_any_law_is_a_fixed_point_of_its_rounds(law):
     c = float(needed_damping(law, paper_oscillator()).at(0.6)) * paper_oscillator().impedance
     for cycle in ss.limit_cycles(law, paper_oscillator(c)):
         system = Dimensionless.of(law, paper_oscillator(c))
-        peak, growth, slip = next_peak(system, cycle.amplitude / 0.5, 1e-12)
-        assert peak == pytest.approx(cycle.amplitude / 0.5, rel=1e-9)
+        A = cycle.amplitude / 0.5
+        slip = system.slip(system.turn(1 - A), 1 - A, until=End.MINIMUM, rtol=1e-12, wedge=system.no_wedge, D=-A)
+        growth = slip.wedge / (slip.w - 1)
+        assert 1 - slip.w == pytest.approx(A, rel=1e-9)
         assert slip.tau / 10 == pytest.approx(cycle.period, rel=1e-9)
         assert math.log(max(growth, 1e-300)) / cycle.period == pytest.approx(cycle.floquet, rel=1e-6)

@@ -1,0 +1,139 @@
+"""What is written: files survive a failure, links, permissions, long names; what is no name is refused."""
+
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes import paper_oscillator
+from systems import needs_links, needs_long_names, needs_modes
+
+import stickslip_sym as ss
+from stickslip_sym.output import drawing, files
+
+LAW = ss.laws.exponential.typical()
+
+
+@pytest.fixture(scope="module")
+def results():
+    """One of each kind of result that writes files, and of what reads them."""
+    osc = paper_oscillator(2.3)
+    form = ss.derive(ss.FrictionLaw("a - b*v"))
+    at = {"N": 9.81, "m": 1.0, "k": 100.0}
+    motion = ss.simulate(LAW, osc, t_end=0.5)
+    plane = ss.motion_map(LAW, x=("V", [0.5]), y=("c", [1.0]), **at)
+    basins = ss.basin_map(LAW, osc, x0=[0.0], v0=[0.0])
+    return [
+        ss.FrictionLaw.from_csv, ss.load, lambda path: ss.save(form, path), motion.to_csv, motion.plot,
+        plane.to_csv, plane.to_npz, plane.plot, basins.to_csv, basins.to_npz, basins.plot, basins.regime.plot,
+        lambda path: files.write_text(path, ""),
+    ]  # fmt: skip
+
+
+def test_a_null_byte_is_refused_in_the_same_words_everywhere(results, tmp_path):
+    """Wherever it is in the name; what the system says of it differs from one Python to the next."""
+    pytest.importorskip("matplotlib")
+    rng = np.random.default_rng(13)
+    for write in results:
+        letters = list(rng.choice(list("ab."), 6))
+        letters[rng.integers(0, 6)] = "\0"
+        name = "".join(letters)
+        for path in (tmp_path / name, tmp_path / name / "a.csv"):
+            with pytest.raises(ss.InputError, match="the name of a file cannot hold a null byte"):
+                write(path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_picture_without_matplotlib_is_none(monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    assert drawing.picture(lambda: pytest.fail("drawn"), "a picture") == ""
+
+
+@pytest.mark.skipif(not Path("/dev/stdout").exists(), reason="needs /dev/stdout")
+def test_standard_output_is_no_file_to_keep(tmp_path):
+    (tmp_path / "a.csv").write_text("measured")
+    kept = [files.is_kept(path) for path in (Path("/dev/stdout"), tmp_path, tmp_path / "a.csv")]
+    assert kept == [False, False, True]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_all_files_are_written_or_none_and_none_is_left_behind(seed, tmp_path, monkeypatch):
+    """Whatever step fails, each file has its old content or its new one, whole."""
+    rng = np.random.default_rng(seed)
+    paths = [tmp_path / name for name in "abcd"]
+    for path in paths[: rng.integers(0, 4)]:
+        path.write_text("old")
+    before = {path: path.read_text() for path in paths if path.exists()}
+    step, failing = rng.choice(["os.fsync", "shutil.copymode", "os.replace"]), int(rng.integers(0, 4))
+    real, calls = {"os.fsync": os.fsync, "shutil.copymode": shutil.copymode, "os.replace": os.replace}[step], []
+
+    def sometimes(*arguments):
+        calls.append(arguments)
+        if len(calls) == failing + 1:
+            raise OSError(28, "No space left on device")
+        return real(*arguments)
+
+    monkeypatch.setattr(step, sometimes)
+    new = {path: f"new {path.name}" for path in paths}
+    try:
+        files.write_texts(new)
+        replaced = len(paths)
+    except ss.InputError as error:
+        assert "No space left on device; choose another file" in str(error)  # noqa: PT017
+        replaced = failing if step == "os.replace" else 0
+    monkeypatch.undo()
+    expected = before | {path: new[path] for path in paths[:replaced]}
+    assert {path: path.read_text() for path in tmp_path.iterdir()} == expected
+
+
+@needs_modes
+@needs_links
+def test_links_are_followed_and_permissions_kept(tmp_path):
+    path, link = tmp_path / "form.tex", tmp_path / "link.tex"
+    link.symlink_to(path)  # to nowhere yet
+    before = os.umask(0o027)
+    try:
+        files.write_text(link, "new")
+    finally:
+        os.umask(before)
+    assert (path.read_text(), path.stat().st_mode & 0o777) == ("new", 0o640)
+    path.chmod(0o604)
+    files.write_text(link, "newer")
+    assert (link.read_text(), path.stat().st_mode & 0o777) == ("newer", 0o604)
+    assert link.is_symlink()
+    loop = tmp_path / "a"
+    loop.symlink_to(tmp_path / "b")
+    (tmp_path / "b").symlink_to(loop)
+    with pytest.raises(ss.InputError, match="Too many levels of symbolic links; choose another file"):
+        files.write_text(loop, "new")
+
+
+def test_a_read_only_file_is_kept(tmp_path, monkeypatch):
+    path = tmp_path / "form.tex"
+    path.write_text("precious")
+    # The superuser may write everywhere, so what the system would answer is put in its place.
+    monkeypatch.setattr("os.access", lambda target, mode: not (Path(target) == path and mode == os.W_OK))
+    with pytest.raises(ss.InputError, match="Permission denied; choose another file"):
+        files.write_text(path, "new")
+    assert path.read_text() == "precious"
+
+
+@needs_long_names
+def test_names_may_be_as_long_as_the_system_allows(tmp_path):
+    path = tmp_path / ("x" * 255)
+    files.write_text(path, "new")
+    assert path.read_text() == "new"
+    with pytest.raises(ss.InputError, match="File name too long"):
+        files.write_text(tmp_path / ("x" * 256), "new")
+
+
+@needs_modes
+def test_a_pipe_is_written_into(tmp_path):
+    reading, writing = os.pipe()
+    files.write_texts({Path(f"/dev/fd/{writing}"): "sent", tmp_path / "kept": "kept"})
+    os.close(writing)
+    with os.fdopen(reading) as pipe:
+        assert pipe.read() == "sent"
+    assert (tmp_path / "kept").read_text() == "kept"
