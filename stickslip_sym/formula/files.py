@@ -191,7 +191,9 @@ def _fits_out(fits: Fits) -> dict[str, object]:
 
 def _fits_in(content: dict[str, Any]) -> Fits:
     """Return the fits of a file, fitted again, or refuse values that are not those of its measurements."""
-    columns = {name: np.array(x) if isinstance(x, list) else x for name, x in content["measurements"].items()}
+    columns: dict[str, Any] = {
+        name: np.array(x) if isinstance(x, list) else x for name, x in content["measurements"].items()
+    }
     measured = Measurements(**columns)
     fitted = list(fit_laws(measured, laws=[law_in(saved["law"]) for saved in content["fits"]]))
     for fit, saved in zip(fitted, content["fits"], strict=True):
