@@ -149,7 +149,7 @@ def _item_out(item: object) -> dict[str, object]:
             f"closed forms, laws and fits are saved, got {type(item).__name__}; save its .law, for example"
         )
     criterion = _criterion_out(item.criterion)
-    return {"kind": "closed form", "law": law_out(item.law), "criterion": criterion} | _claims(item)
+    return {"kind": "closed form", "law": law_out(item.law), "criterion": criterion, **_claims(item)}
 
 
 def _claims(form: ClosedForm) -> dict[str, str]:
