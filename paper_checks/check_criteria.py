@@ -275,10 +275,10 @@ def no_closed_form(find: Find, printed: Printed) -> Finding:
         balance = float(abs(work.mean() / (c * velocity**2).mean()))
         answers.append("closed form" if balance < NONE else "no closed form")
         words.append(
-            f"{name} law: c = {formula(form.expr)}, {form.verdict.status.value}, "
-            f"{percent(float(apart(Enclosure.of(c, c), enclosed(name))))} from the threshold at V = 0.5 m/s"
+            f"for the {name} law c = {formula(form.expr)} is {form.verdict.status.value}, and off the threshold "
+            f"at V = 0.5 m/s by {percent(float(apart(Enclosure.of(c, c), enclosed(name))))}"
         )
-        errors.append(f"{name} law: it balances (6) to {balance:.0e}")
+        errors.append(f"for the {name} law it balances (6) to {balance:.0e}")
     agree = [answer == printed["nonlinear coefficient"] for answer in answers]
     return find(
         ours=" and ".join(sorted(set(answers))),

@@ -56,8 +56,8 @@ def stick(find: Find, printed: Printed) -> Finding:
     return find(
         ours=f"|f| <= {worst_force:.10f} mu_s N",
         holds="in stick the mass has the belt's velocity, and slip begins where static friction cannot hold it",
-        checked=f"over {sticks} samples of stick |x' - V| = {worst_speed:g} m/s, "
-        f"|f| at most {worst_force:.12f} mu_s N, and at every onset of slip f = mu_s N to {worst_onset:.1e}",
+        checked=f"over {sticks} samples of stick |x' - V| is {worst_speed:g} m/s and |f| at most "
+        f"{worst_force:.12f} mu_s N; at every onset of slip f equals mu_s N to {worst_onset:.1e}",
         difference=f"{worst_onset:.0e} of the force",
         reproduced=sticks > 0
         and worst_speed == 0
@@ -106,12 +106,12 @@ def integrated(
     return solve_ivp(rates, times, state, method="LSODA", rtol=1e-11, atol=1e-13).y[:, -1]
 
 
-def monotone(mu: Any, speed: Any, way: str) -> Verdict:
+def monotone(mu: Any, speed: Any, trend: str) -> Verdict:
     """Prove that mu falls or rises at a speed, where mu_s is above mu_m."""
     difference = sp.Symbol("D", positive=True)
     mu_s, mu_m = (paper.polynomial[name] for name in ("mu_s", "mu_m"))
     slope = sp.diff(mu, u).subs(u, speed).subs(mu_s, mu_m + difference)
-    return prove_positive(sp.factor(SIGN[way] * slope))
+    return prove_positive(sp.factor(SIGN[trend] * slope))
 
 
 @check("E3")
@@ -170,7 +170,7 @@ def by_chapter(
     return find(
         ours=f"{', '.join(labels)} {derivation.status.value}",
         holds=holds,
-        **{kind: f"{len(derivation.steps)} steps of {name}; {verdicts}"},
+        **{kind: f"the chapter {name} has {len(derivation.steps)} steps; {verdicts}"},
         difference="0" if derivation.status is Status.PROVED else derivation.status.value,
         reproduced=also(printed) and bool(labels) and derivation.status is Status.PROVED,
     )

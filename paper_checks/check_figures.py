@@ -115,7 +115,7 @@ def exponential_law(find: Find, printed: Printed) -> Finding:
     least = {name: max(values) for name, values in lower.items()}
     most = {name: max(float(sizes(one)[1]) for one in off[name]) for name in off}
     closer = min(most, key=lambda name: most[name])
-    told = max(least.values()) > min(most.values())
+    decided = max(least.values()) > min(most.values())
     here = percent(*(float(values[min(AT_05, len(values) - 1)]) for values in off.values()))
     return find(
         ours=f"(17) within {most['(17)']:.1%}, equilibrium {most['equilibrium']:.0%}",
@@ -129,7 +129,7 @@ def exponential_law(find: Find, printed: Printed) -> Finding:
         checked="collocation of the grazing orbit lies in each of the enclosures",
         difference=f"{100 * float(off['(17)'][worst['(17)']]):+.2f} % at most",
         reproduced=everywhere
-        and told
+        and decided
         and closer == printed["closer"]
         and is_criterion(printed["equilibrium"], "exponential", "equilibrium")
         and most["(17)"] < WELL
@@ -155,10 +155,10 @@ def polynomial_law(find: Find, printed: Printed) -> Finding:
         name: [nearer(balls["(18)"][i], balls[name][i], one) for i, one in enumerate(proved) if one is not None]
         for name in (THOMSEN, "equilibrium")
     }
-    told = everywhere and None not in beats[THOMSEN] + beats["equilibrium"]
+    decided = everywhere and None not in beats[THOMSEN] + beats["equilibrium"]
     wins = [SPEED_TEXTS[i] for i, beaten in zip(positive, beats[THOMSEN], strict=True) if beaten]
     beats_equilibrium = all(beats["equilibrium"]) and bool((off["(18)"] < off["equilibrium"]).all())
-    told = told and beats[THOMSEN] == (off["(18)"] < off[THOMSEN])[positive].tolist()
+    decided = decided and beats[THOMSEN] == (off["(18)"] < off[THOMSEN])[positive].tolist()
 
     def closer(k: float) -> Any:
         exact = thresholds("polynomial", k=k)
@@ -178,14 +178,15 @@ def polynomial_law(find: Find, printed: Printed) -> Finding:
         + (f", from V = {wins[0]} to {wins[-1]} m/s" if wins else "")
         + f"; at the other {len(proved) - len(positive)} no c >= 0 lets the slip from P return"
         + (", as both formulas have it, which are negative there" if negative else ""),
-        estimated=f"largest deviations {', '.join(f'{name} {size:.4f}' for name, size in largest.items())} kg/s; "
+        estimated="the largest deviations are "
+        f"{', '.join(f'{size:.4f} kg/s ({name})' for name, size in largest.items())}; "
         f"with negative thresholds (18) is closer than Thomsen & Fidlin at {here.sum()} of {here.size} speeds, "
         f"{first}; as k grows, it is closer at some V <= 1 m/s {stiff} (tried to 1e6 N/m): theirs is the limit of "
         "weak friction",
         difference=f"{100 * (values['(18)'] / thresholds('polynomial') - 1)[AT_05]:+.2f} % at V = 0.5 m/s, "
         f"Thomsen & Fidlin {100 * (values[THOMSEN] / thresholds('polynomial') - 1)[AT_05]:+.2f} %",
-        reproduced=told and theirs and bool(here.all()) and beats_equilibrium,
-        qualified=told
+        reproduced=decided and theirs and bool(here.all()) and beats_equilibrium,
+        qualified=decided
         and theirs
         and min(largest, key=lambda name: largest[name]) == printed["closest"]
         and beats_equilibrium
@@ -197,13 +198,13 @@ def polynomial_law(find: Find, printed: Printed) -> Finding:
 @check("F8", name="exponential")
 @check("F9", name="polynomial")
 def points_beside_the_threshold(find: Find, printed: Printed, *, name: str) -> Finding:
-    """Simulate the motions at two points, and tell on which side of the exact threshold they lie."""
+    """Simulate the motions at two points, and decide on which side of the exact threshold they lie."""
     c = float(printed["c"])
     points = {point: stated for point, stated in printed.items() if point != "c"}
     runs = {point: response(name, c, float(V)) for point, (V, _) in points.items()}
     exact = {point: enclosed(name, V=V) for point, (V, _) in points.items()}
     sticks = {point: Fraction(c) < bounds.low for point, bounds in exact.items()}
-    told = all(sticks[point] or Fraction(c) > bounds.high for point, bounds in exact.items())
+    decided = all(sticks[point] or Fraction(c) > bounds.high for point, bounds in exact.items())
     return find(
         ours=", ".join(run.kind for run in runs.values()),
         holds="the motions at both points are as stated, one below its threshold and one above",
@@ -212,10 +213,10 @@ def points_beside_the_threshold(find: Find, printed: Printed, *, name: str) -> F
             + ("below" if sticks[point] else "above")
             for point, (V, _) in points.items()
         ),
-        estimated="; ".join(f"{point}: {runs[point].kind}" for point in points) + ", by simulation",
+        estimated="simulated, " + "; ".join(f"the motion at {point} is {runs[point].kind}" for point in points),
         difference="none",
         reproduced=all(run.kind == points[point][1] for point, run in runs.items())
-        and told
+        and decided
         and all(sticks[point] == (motion == "stick-slip") for point, (_, motion) in points.items()),
     )
 
@@ -232,7 +233,8 @@ def friction_parameters(find: Find, printed: Printed) -> Finding:
     return find(
         ours=by_law(" > ".join(f"{area:.3f}" for area in areas[name]) + " kg m/s^2" for name in LAWS),
         holds=f"the region of stick-slip {'shrinks' if all(shrinks) else 'does not shrink'} as mu_m grows",
-        estimated=f"area under the exact threshold for V up to 1 m/s and mu_m = {', '.join(printed['mu_m'])}: "
+        estimated="the area under the exact threshold for V up to 1 m/s is, for mu_m = "
+        f"{', '.join(printed['mu_m'])}: "
         + "; ".join(f"{name} {' '.join(f'{area:.4f}' for area in areas[name])} kg m/s^2" for name in LAWS)
         + f"; it {'falls' if all(shrinks) else 'does not fall'} at every single V",
         difference="none",

@@ -157,15 +157,15 @@ def one_value_separates(find: Find, printed: Printed) -> Finding:
         ours=f"pure slip attracts over {by_law(f'{width:.3f} kg/s' for width in widths)}",
         holds=f"{'one' if separates else 'no single'} damping separates stick-slip from slip, but a range of "
         "dampings has stable pure slip, or rest beside stick-slip",
-        proved=f"{lemma.title.lower()}: {len(lemma.steps)} steps of one_threshold; the thresholds are "
-        f"{by_law(f'{proved[name]} kg/s' for name in LAWS)}, the Hopf points "
+        proved=f"the chapter one_threshold proves in {len(lemma.steps)} steps: {lemma.title.lower()}; the "
+        f"thresholds are {by_law(f'{proved[name]} kg/s' for name in LAWS)}, the Hopf points "
         f"{by_law(f'{hopf_proved[name]} kg/s, ' + ('above' if wider[name] else 'below') for name in LAWS)}",
-        estimated="stick-slip cycles end there, for c = 0 to 6 kg/s in steps of 0.1; polynomial law: a stable "
-        f"pure-slip cycle for every c from {graze['polynomial']:.4f} to "
-        f"{hopf['polynomial']:.4f} kg/s, so two values separate three motions; exponential law: an unstable "
-        f"one for every c from {hopf['exponential']:.4f} to {graze['exponential']:.4f} kg/s, and the initial "
-        f"condition decides: at {between:.3f} kg/s motions from near rest and from the paper's own "
-        + ("do not part" if not both else "part, the first comes to rest and the other sticks and slips"),
+        estimated="stick-slip cycles end there, for c = 0 to 6 kg/s in steps of 0.1; with the polynomial law a "
+        f"stable pure-slip cycle exists for every c from {graze['polynomial']:.4f} to "
+        f"{hopf['polynomial']:.4f} kg/s, so two values separate three motions; with the exponential law an "
+        f"unstable one exists for every c from {hopf['exponential']:.4f} to {graze['exponential']:.4f} kg/s, "
+        f"and the initial condition decides: at {between:.3f} kg/s motions from near rest and from the paper's "
+        "own " + ("do not part" if not both else "part, the first comes to rest and the other sticks and slips"),
         difference=by_law(f"{width:.3f} kg/s" for width in widths),
         reproduced=separates and all(agree),
         qualified=separates and any(agree) and both,
@@ -205,7 +205,7 @@ def amplitude_at_the_threshold(find: Find, printed: Printed) -> Finding:
         + (", so the slip from P does not come back to the belt's speed" if decays else ""),
         estimated=f"the peaks of the velocity are {listed(run.peaks[:6], 5)} m/s; the grazing orbit has the "
         f"Floquet exponent {exponent:+.3f} 1/s, and what the peaks lose grows at {rate:+.3f} 1/s: the orbit is "
-        f"{'unstable' if exponent > 0 else 'stable'}, deviations change e-fold in {abs(1 / exponent):.2f} s, and "
+        f"{'unstable' if exponent > 0 else 'stable'}, and deviations change e-fold in {abs(1 / exponent):.2f} s; "
         f"the peak is below V/2 after {half:.1f} s",
         difference=f"{100 * change:.2f} % of V a period",
         reproduced=as_drawn and exponent < 0 and abs(change - printed["change in a period"]) < NONE,

@@ -28,7 +28,7 @@ def damping_ratios(find: Find, printed: Printed) -> Finding:
     return find(
         ours=" ".join(f"{ratio:.6g}" for ratio in ratios),
         holds="the damping ratios are those printed",
-        proved=f"c/(2 sqrt(k m)) for c = {', '.join(printed['dampings'])} kg/s, to the digits printed",
+        proved=f"c/(2 sqrt(k m)) has the printed digits for c = {', '.join(printed['dampings'])} kg/s",
         difference="0 in the digits printed",
         reproduced=[Decimal(ratio).quantize(p) for ratio, p in zip(ratios, stated, strict=True)] == stated,
     )

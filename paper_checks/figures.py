@@ -46,7 +46,7 @@ _STICK = "Thick lines are stick."
 _DAMPINGS = {id: tuple(map(float, PRINTED[id]["dampings"])) for id in ("F3", "F4")}
 _LATER = (
     "The peaks of the velocity over 25 s: whether a motion sticks for ever, comes to rest, or tends "
-    "to a limit cycle in slip, which five seconds do not tell."
+    "to a limit cycle in slip, which five seconds do not show."
 )
 _STATES = (
     "The equilibrium (cross) with its stability, every limit cycle in pure slip (dash-dotted if unstable), and "

@@ -106,7 +106,7 @@ def formula_over_speeds(expr: Any, name: str) -> list[Enclosure]:
 
 
 def nearer(one: Enclosure, other: Enclosure, threshold: Enclosure) -> bool | None:
-    """Return whether one value is nearer to a threshold than another, or None where the enclosures do not tell."""
+    """Return whether one value is nearer to a threshold than another; None where the enclosures leave it open."""
     low, high = (one.low + other.low) / 2, (one.high + other.high) / 2
     if not one.overlaps(other) and (threshold.high < low or threshold.low > high):
         return (threshold.high < low) == (one.high < other.low)

@@ -80,7 +80,7 @@ def run(given: Given) -> None:
 def derived(
     law: ss.FrictionLaw, criterion: ss.Criterion, seconds: float = SECONDS
 ) -> Union["ClosedForm", NoClosedForm]:
-    """Return the closed form of a criterion, or why there is none; a terminal shows what is being done."""
+    """Return the closed form of a criterion, or why there is none; a terminal shows the progress."""
     from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
     step = TextColumn("{task.description}", markup=False)
@@ -92,7 +92,7 @@ def derived(
 
 
 def _lines(form: "ClosedForm") -> list[str]:
-    """Return what is printed of a form, its formula no longer than a few screens."""
+    """Return a form as lines of text, its formula no longer than a few screens."""
     from stickslip_sym.output import abbreviation, printing
 
     if form.law.curve is not None:

@@ -1,7 +1,7 @@
 """The options of the commands, each declared once.
 
-A command is a function of `Given`, which notes what is read of it: `Given.all_used` refuses an option that does
-nothing here, so that none is dropped without a word.
+A command is a function of `Given`, which notes the options that are read: `Given.all_used` refuses an option that
+does nothing here, so that none is dropped without a word.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -105,7 +105,7 @@ class _Read(click.ParamType[Any]):
         self._of_text = read
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return what is read of a text; a default that is none stays."""
+        """Return the value that a text stands for; another default stays."""
         return self._of_text(value, param) if isinstance(value, str) and param is not None else value
 
 

@@ -53,7 +53,7 @@ _ATTRIBUTES = {
     "seconds",
     "Regime": "attractors",
 }
-"""What is printed of these classes, by their names; of other dataclasses every attribute."""
+"""The attributes that are printed, by the names of classes; of other dataclasses all."""
 
 
 @contextmanager

@@ -74,7 +74,7 @@ def _run() -> int:
         click.echo(f"error: {_explained(error)}", err=True)
         return BAD_INPUT
     except OSError as error:
-        # What is still buffered goes nowhere: Python would try again at its end, and complain.
+        # The rest of the buffer goes nowhere: Python would try again at its end, and complain.
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
         os.close(nowhere)

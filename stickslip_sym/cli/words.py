@@ -30,7 +30,7 @@ _RULES: list[tuple[str, str | Callable[[re.Match[str]], str]]] = [
     (r"(?<!-p )(?<!--unit )(?<!--symbol )(?<![\w-])(\w+)=\.\.\.", r"-p \1=..."),
     (r"(=?\.\.\.), (?=-)", r"\1 "),
 ]  # fmt: skip
-"""What Python's users are told, and what stands for it, in this order."""
+"""Python's words in a message, and those of the command line, replaced in this order."""
 
 
 def in_options(message: str) -> str:

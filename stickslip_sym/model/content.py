@@ -3,7 +3,10 @@
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
+
+import numpy as np
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact
@@ -14,71 +17,49 @@ from stickslip_sym.output.printing import text
 
 __all__ = ["law_in", "law_out", "text_of_law"]
 
+_ABOUT = ("name", "source", "validity")
+
 
 def law_out(law: FrictionLaw) -> dict[str, object]:
     """Return a law as nested dictionaries and lists of text."""
-    content: dict[str, object] = {
-        "name": law.name,
-        "source": law.source,
-        "validity": law.validity,
-        "parameters": [
-            {key: getattr(parameter, key) for key in ("name", "meaning", "unit", "typical", "positive")}
-            for parameter in law.parameters.values()
-        ],
+    content: dict[str, object] = {key: getattr(law, key) for key in _ABOUT} | {
+        "parameters": [asdict(parameter) for parameter in law.parameters.values()],
         "values": {name: str(value) for name, value in law.values.items()},
         "static": None if law.static is None else text(law.static),
     }
     if law.uncertain:
         content["errors"] = _errors_out(law.uncertain)
-    if law.curve is not None:
-        cubics = [[str(coefficient) for coefficient in cubic] for cubic in law.curve.cubics]
-        end = None if law.curve.end is None else str(law.curve.end)
-        return content | {"places": [str(place) for place in law.curve.places], "cubics": cubics, "end": end}
-    return content | {"formula": text(law.expr)}
+    if law.curve is None:
+        return content | {"formula": text(law.expr)}
+    cubics = [[str(coefficient) for coefficient in cubic] for cubic in law.curve.cubics]
+    end = None if law.curve.end is None else str(law.curve.end)
+    return content | {"places": [str(place) for place in law.curve.places], "cubics": cubics, "end": end}
 
 
 def law_in(content: dict[str, Any]) -> FrictionLaw:
-    """Return the law that `law_out` wrote.
-
-    Raises
-    ------
-    InputError, KeyError, TypeError, ValueError, AttributeError
-        For content that is no law.
-    """
-    about = {key: content[key] for key in ("name", "source", "validity")}
-    if any(not isinstance(value, str | None) for value in about.values()):
-        raise InputError("the name, source and validity of a law are texts")
+    """Return the law that `law_out` wrote; other content is refused by one error of Python or another."""
+    about, static = {key: content[key] for key in _ABOUT}, content["static"]
+    if any(not isinstance(value, str | None) for value in (*about.values(), static)):
+        raise InputError("the name, source, validity and static coefficient of a law are texts")
     parameters = [Parameter(**described) for described in content["parameters"]]
     if any(type(parameter.positive) is not bool for parameter in parameters):
         raise InputError("a parameter is positive or not")
     if "places" in content:
-        end = content["end"]
         curve = SampledCurve(
             tuple(exact(place, "a place") for place in content["places"]),
             tuple(tuple(exact(number, "a coefficient") for number in cubic) for cubic in content["cubics"]),
-            None if end is None else exact(end, "the end"),
+            None if content["end"] is None else exact(content["end"], "the end"),
         )
         law = FrictionLaw.from_curve(curve, **about)
-        if content["static"] is not None:
-            law = law.with_static(_formula(content["static"]), parameters=parameters)
+        law = law if static is None else law.with_static(static, parameters=parameters)
     else:
-        static = content["static"]
-        law = FrictionLaw(
-            _formula(content["formula"]),
-            static=None if static is None else _formula(static),
-            parameters=parameters,
-            **about,
-        )
+        if not isinstance(content["formula"], str):
+            raise InputError("a formula in a file is text")
+        law = FrictionLaw(content["formula"], static=static, parameters=parameters, **about)
     law = law.bind(**content["values"])
     if "errors" in content:
         law._uncertain = _errors_in(content["errors"], law)  # to bind them would round the values to doubles
     return law
-
-
-def _formula(text: object) -> str:
-    if not isinstance(text, str):
-        raise InputError("a formula in a file is text")
-    return text
 
 
 def _errors_out(uncertain: Mapping[str, UFloat]) -> dict[str, object]:
@@ -92,7 +73,6 @@ def _errors_out(uncertain: Mapping[str, UFloat]) -> dict[str, object]:
 
 def _errors_in(content: dict[str, Any], law: FrictionLaw) -> dict[str, UFloat]:
     """Return the values of a law that carry a standard error, correlated as they were."""
-    import numpy as np  # here: a formula is derived without it
     from uncertainties import correlated_values_norm, ufloat
 
     pairs = {name: (float(law.values[name]), float(error)) for name, error in content["standard"].items()}

@@ -16,16 +16,9 @@ _ROUNDING = 1e-12  # of mu, which is of the order of 1
 
 
 def lowest(law: FrictionLaw, end: float) -> tuple[float, float]:
-    """Return the slip speed in m/s above 0 and up to `end` where mu is lowest, and mu there.
+    """Return the slip speed in m/s above 0 and up to `end`, where known, where mu is lowest, and mu there.
 
     A dip to below 0 that is narrower than a 200th of `end` may be missed.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all its values.
-    end : float
-        In m/s; speeds beyond the last measured one are left out.
     """
     end = min(end, float(law.v_max)) if law.v_max is not None else end
     speeds = min(end, _LARGEST) * _GRID
@@ -42,15 +35,9 @@ def lowest(law: FrictionLaw, end: float) -> tuple[float, float]:
 
 
 def warn_where_negative(law: FrictionLaw, V: float) -> bool:
-    """Warn of a coefficient below 0 at a slip speed that motions at the belt speed V reach; return whether.
-
-    Warns
-    -----
-    InputWarning
-    """
+    """Warn of a coefficient below 0 at a slip speed that motions at the belt speed V reach; return whether."""
     v, mu = lowest(law, 2 * V)
-    negative = mu < -_ROUNDING
-    if negative:
+    if negative := mu < -_ROUNDING:
         warnings.warn(
             f"mu = {mu:.3g} is negative at the slip speed v = {v:.3g} m/s; at V = {V:g} m/s motions slip at up to "
             "2 V, so what follows is of a law that drives where it should brake; check the law's values and units",

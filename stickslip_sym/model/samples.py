@@ -60,25 +60,10 @@ class SampledCurve:
 
     @classmethod
     def through(cls, v: Iterable[Number], mu: Iterable[Number], *, extrapolate: bool) -> "SampledCurve":
-        """Return the curve through points.
+        """Return the curve through 4 to 60 points of ascending slip speeds in m/s.
 
-        Parameters
-        ----------
-        v, mu : sequences of n numbers
-            Slip speeds in m/s, ascending, and coefficients; 4 to 60 points.
-        extrapolate : bool
-            Hold the first coefficient down to v = 0, and the last one beyond the last speed. Otherwise the
-            first speed must be 0, and the curve ends at the last.
-
-        Raises
-        ------
-        InputError
-            For points that no such curve goes through; the message names the first wrong one.
-
-        Warns
-        -----
-        InputWarning
-            If a coefficient is held below the first speed.
+        To extrapolate is to hold the first coefficient down to v = 0, with a warning, and the last one beyond the
+        last speed. Otherwise the first speed must be 0, and the curve ends at the last.
         """
         speeds, coefficients = _checked(v, mu)
         if speeds[0] != 0 and not extrapolate:
@@ -163,8 +148,7 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
             f"ss.read_measurements(path).binned({MOST})"
         )
     speeds = [exact(value, f"v of point {number}") for number, value in enumerate(v, 1)]
-    before = -LARGEST
-    for number, speed in enumerate(speeds, 1):
+    for number, (before, speed) in enumerate(pairwise([-LARGEST, *speeds]), 1):
         shown = f"v of point {number}, {float(speed):g} m/s,"
         if speed < 0:
             raise InputError(f"{shown} is below 0; the slip speed |x' - V| is never negative")
@@ -175,7 +159,6 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
             raise InputError(
                 f"{shown} {what} that of the point before; sort points by speed, and average those of one speed"
             )
-        before = speed
     return speeds, [exact(value, f"mu of point {number}") for number, value in enumerate(mu, 1)]
 
 
@@ -186,11 +169,11 @@ def _hermite_cubics(x: Sequence[Rational], y: Sequence[Rational]) -> list[tuple[
     scaled = PchipInterpolator([float(value / width) for value in x], [float(value / height) for value in y])
     d = [sp.Rational(float(slope)) * height / width for slope in scaled(scaled.x, nu=1)]
     cubics = []
-    for i in range(len(x) - 1):
-        step = x[i + 1] - x[i]
-        rise = (y[i + 1] - y[i]) / step
+    for i, ((x0, y0), (x1, y1)) in enumerate(pairwise(zip(x, y, strict=True))):
+        step = x1 - x0
+        rise = (y1 - y0) / step
         second, third = (3 * rise - 2 * d[i] - d[i + 1]) / step, (d[i] + d[i + 1] - 2 * rise) / step**2
-        cubics.append((y[i], d[i], second, third))
+        cubics.append((y0, d[i], second, third))
     return cubics
 
 

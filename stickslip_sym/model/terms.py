@@ -6,7 +6,7 @@ or a ratio of two speeds. Laws that differ in their parameters share their profi
 profile is derived once.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
@@ -18,9 +18,8 @@ from stickslip_sym.core.aliases import Expr
 
 __all__ = ["Term", "expand_above", "grouped", "shapes_of", "speed_scales", "split_polynomial", "terms_of"]
 
-_MOST_PIECES = (
-    8  # of a function in pieces whose pieces are simplified; that of a table of measurements has up to 60
-)
+_MOST_PIECES = 8  # of a function in pieces that are simplified; that of a table of measurements has up to 60
+_RELATIONS = (sp.StrictLessThan, sp.StrictGreaterThan)
 
 
 @dataclass(frozen=True)
@@ -125,14 +124,15 @@ def _scaled(constant: Expr, rest: Expr, rounded: Callable[[Expr], Expr] = lambda
 
 def _with_scale(constant: Expr, rest: Expr, scale: Expr) -> Term:
     coefficient, profile = _simplified(_at_scale(rest, scale)).as_independent(symbols.v, as_Add=False)
-    if profile.is_polynomial(symbols.v) and not profile.free_symbols - {symbols.v}:
+    if profile.is_polynomial(symbols.v) and not shapes_of(profile):
         polynomial = sp.Poly(profile, symbols.v)
         content, monic = polynomial.monic().as_expr().as_content_primitive()
         coefficient, profile = coefficient * polynomial.LC() * content, monic
     number, profile = profile.as_coeff_Mul() if not profile.has(sp.Piecewise) else (sp.Integer(1), profile)
-    named = _Shapes()
-    profile = named.without_parameters(profile)
-    return Term(sp.factor(constant * coefficient * number), scale, profile, named.meanings())
+    meanings: dict[Expr, Expr] = {}
+    profile = _without_parameters(profile, meanings)
+    shapes = {symbol: meaning for meaning, symbol in meanings.items()}
+    return Term(sp.factor(constant * coefficient * number), scale, profile, shapes)
 
 
 def _at_scale(rest: Expr, scale: Expr) -> Expr:
@@ -146,8 +146,7 @@ def _at_scale(rest: Expr, scale: Expr) -> Expr:
         place = sp.powsimp((relation.gts if below else relation.lts) / scale)
         return relative < place if below else place < relative
 
-    kinds = (sp.StrictLessThan, sp.StrictGreaterThan)
-    relations = {node: compared(node) for node in rest.atoms(*kinds) if node.has(symbols.v)}
+    relations = {node: compared(node) for node in rest.atoms(*_RELATIONS) if node.has(symbols.v)}
     return rest.xreplace(relations).subs(symbols.v, scale * relative).xreplace({relative: symbols.v})
 
 
@@ -159,7 +158,9 @@ def _simplified(expr: Expr) -> Expr:
     if expr.is_rational_function(symbols.v):
         return _with_plain_factors(sp.factor(expr))
     expr = expr.replace(lambda node: node.is_Pow and not node.exp.is_Integer, _with_plain_factors)
-    return expr.replace(lambda node: isinstance(node, sp.Function), _with_plain_arguments)
+    return expr.replace(
+        lambda node: isinstance(node, sp.Function), lambda node: node.func(*map(_factored, node.args))
+    )
 
 
 def _simplified_pieces(node: Expr) -> Expr:
@@ -169,9 +170,8 @@ def _simplified_pieces(node: Expr) -> Expr:
     common = factors[0].as_coeff_Mul()[1]
     if not all((factor / common).is_number for factor in factors):
         common = sp.Integer(1)
-    return common * node.func(
-        *[(piece / common, holds) for piece, (_, holds) in zip(pieces, node.args, strict=True)]
-    )
+    conditions = [holds for _, holds in node.args]
+    return common * node.func(*((piece / common, holds) for piece, holds in zip(pieces, conditions, strict=True)))
 
 
 def _with_plain_factors(product: Expr) -> Expr:
@@ -183,74 +183,59 @@ def _with_plain_factors(product: Expr) -> Expr:
             powers = sp.Poly(base, v)
             unit = sp.factor(powers.nth(0) or powers.LC())
             if unit.is_positive or exponent.is_Integer:
-                monic = sp.Add(*[sp.factor(coefficient / unit) * v**k for (k,), coefficient in powers.terms()])
-                plain += [unit**exponent, monic**exponent]
+                plain += [unit**exponent, _factored(base, unit) ** exponent]
                 continue
         plain.append(factor)
     return sp.Mul(*plain)
 
 
-def _with_plain_arguments(node: Expr) -> Expr:
-    """Write an argument that is a polynomial in v by its coefficients, each factored."""
-    arguments = []
-    for argument in node.args:
-        if argument.has(symbols.v) and argument.is_polynomial(symbols.v):
-            powers = sp.Poly(argument, symbols.v).terms()
-            argument = sp.Add(*[sp.factor(coefficient) * symbols.v**k for (k,), coefficient in powers])
-        arguments.append(argument)
-    return node.func(*arguments)
+def _factored(expr: Expr, unit: Expr = sp.S.One) -> Expr:
+    """Write a polynomial in v by its coefficients, each divided by a unit and factored; leave what is none."""
+    if not (expr.has(symbols.v) and expr.is_polynomial(symbols.v)):
+        return expr
+    powers = sp.Poly(expr, symbols.v).terms()
+    return sp.Add(*(sp.factor(coefficient / unit) * symbols.v**k for (k,), coefficient in powers))
 
 
-class _Shapes:
-    """The symbols p_1, p_2, ... for what a profile holds of a law's parameters."""
+def _without_parameters(expr: Expr, names: dict[Expr, Expr]) -> Expr:
+    """Replace the parameters of a function of v by shapes p_1, p_2, ..., which `names` keeps by their meanings."""
+    if not shapes_of(expr):
+        return expr
+    if isinstance(expr, sp.Expr) and not expr.has(symbols.v):
+        return _constant(expr, names)
+    if expr.is_Add or expr.is_Mul:
+        fixed, moving = expr.as_independent(symbols.v, as_Add=expr.is_Add)
+        parts = [_without_parameters(part, names) for part in expr.func.make_args(moving)]
+        return expr.func(*([_constant(fixed, names)] if fixed != expr.func.identity else []), *parts)
+    return expr.func(*(_without_parameters(argument, names) for argument in expr.args))
 
-    def __init__(self) -> None:
-        self._names: dict[Expr, Expr] = {}  # of what it stands for
 
-    def meanings(self) -> dict[Expr, Expr]:
-        """Return what each symbol stands for."""
-        return {symbol: meaning for meaning, symbol in self._names.items()}
-
-    def without_parameters(self, expr: Expr) -> Expr:
-        """Replace the parameters of a function of v by shapes."""
-        if not expr.free_symbols - {symbols.v}:
-            return expr
-        if not isinstance(expr, sp.Expr):  # the condition of a piece, and the pair that it makes with the piece
-            return expr.func(*[self.without_parameters(argument) for argument in expr.args])
-        if not expr.has(symbols.v):
-            return self._constant(expr)
-        if expr.is_Add or expr.is_Mul:
-            fixed, moving = expr.as_independent(symbols.v, as_Add=expr.is_Add)
-            parts = [self.without_parameters(part) for part in expr.func.make_args(moving)]
-            return expr.func(*([self._constant(fixed)] if fixed != expr.func.identity else []), *parts)
-        return expr.func(*[self.without_parameters(argument) for argument in expr.args])
-
-    def _constant(self, expr: Expr) -> Expr:
-        """Replace a function of the parameters by shapes: sums term by term, monomials up to a power."""
-        if not expr.free_symbols:
-            return expr
-        if expr.is_Add:
-            return sp.Add(*[self._constant(term) for term in expr.args])
-        if expr.is_Pow and expr.exp.free_symbols:
-            return self._constant(expr.base) ** self._constant(expr.exp)
-        number, product = expr.as_coeff_Mul()
-        powers = product.as_powers_dict()
-        if any(exponent.free_symbols for exponent in powers.values()):
-            return number * sp.Mul(*[self._constant(base**exponent) for base, exponent in powers.items()])
-        if not all(exponent.is_Rational for exponent in powers.values()):
-            return number * self._named(product)
+def _constant(expr: Expr, names: dict[Expr, Expr]) -> Expr:
+    """Replace a function of the parameters by shapes: sums term by term, monomials up to a power."""
+    if not expr.free_symbols:
+        return expr
+    if expr.is_Add:
+        return sp.Add(*(_constant(term, names) for term in expr.args))
+    if expr.is_Pow and expr.exp.free_symbols:
+        return _constant(expr.base, names) ** _constant(expr.exp, names)
+    number, product = expr.as_coeff_Mul()
+    powers = product.as_powers_dict()
+    if any(exponent.free_symbols for exponent in powers.values()):
+        return number * sp.Mul(*(_constant(base**exponent, names) for base, exponent in powers.items()))
+    if all(exponent.is_Rational for exponent in powers.values()):
         ordered = sorted(powers, key=sp.default_sort_key)
         common = sp.gcd_list([powers[base] for base in ordered]) * sp.sign(powers[ordered[0]])
-        primitive = sp.Mul(*[base ** (powers[base] / common) for base in ordered])
+        primitive = sp.Mul(*(base ** (powers[base] / common) for base in ordered))
         if primitive.is_positive or common.is_Integer:
-            return number * self._named(primitive) ** common
-        return number * self._named(product)
+            return number * _named(primitive, names) ** common
+    return number * _named(product, names)
 
-    def _named(self, meaning: Expr) -> Expr:
-        if meaning not in self._names:
-            kind = next((kind for kind in ("positive", "nonnegative") if getattr(meaning, f"is_{kind}")), "real")
-            self._names[meaning] = sp.Symbol(f"p_{len(self._names) + 1}", **{kind: True})
-        return self._names[meaning]
+
+def _named(meaning: Expr, names: dict[Expr, Expr]) -> Expr:
+    if meaning not in names:
+        kind = next((kind for kind in ("positive", "nonnegative") if getattr(meaning, f"is_{kind}")), "real")
+        names[meaning] = sp.Symbol(f"p_{len(names) + 1}", **{kind: True})
+    return names[meaning]
 
 
 # -- what a law is a sum of --------------------------------------------------------------------------
@@ -259,7 +244,7 @@ class _Shapes:
 def expand_above(expr: Expr) -> Expr:
     """Multiply out a product of sums but leave denominators whole: 1/(u + w)^2 stays what it is."""
     if expr.is_Add:
-        return sp.Add(*[expand_above(term) for term in expr.args])
+        return sp.Add(*map(expand_above, expr.args))
     terms = [sp.Integer(1)]
     for factor in sp.Mul.make_args(expr):
         base, power = factor.as_base_exp()
@@ -267,7 +252,7 @@ def expand_above(expr: Expr) -> Expr:
             base, power = factor, 1
         summands = sp.Add.make_args(expand_above(base)) if base.is_Add else (base,)
         for _ in range(power):
-            total = sp.Add(*[term * summand for term in terms for summand in summands])
+            total = sp.Add(*(term * summand for term in terms for summand in summands))
             terms = list(sp.Add.make_args(total))
     return sp.Add(*terms)
 
@@ -295,9 +280,10 @@ def grouped(f: Expr, u: Expr) -> dict[Expr, Expr]:
 
 def split_polynomial(product: Expr, u: Expr) -> tuple[Expr, list[Expr]]:
     """Split a product into its polynomial in u and its other factors."""
-    factors = sp.Mul.make_args(product)
-    others = [factor for factor in factors if not factor.is_polynomial(u)]
-    return sp.Mul(*[factor for factor in factors if factor.is_polynomial(u)]), others
+    polynomials, others = sp.sift(
+        sp.Mul.make_args(product), lambda factor: bool(factor.is_polynomial(u)), binary=True
+    )
+    return sp.Mul(*polynomials), others
 
 
 def _merge_exponentials(term: Expr, u: Expr) -> Expr:
@@ -307,7 +293,7 @@ def _merge_exponentials(term: Expr, u: Expr) -> Expr:
     )
     if len(exponentials) < 2:
         return term
-    return sp.Mul(*others, sp.exp(sp.Add(*[factor.exp for factor in exponentials])))
+    return sp.Mul(*others, sp.exp(sp.Add(*(factor.exp for factor in exponentials))))
 
 
 # -- the speeds at which a function changes ----------------------------------------------------------
@@ -319,36 +305,29 @@ def speed_scales(expr: Expr, v: Expr) -> list[Expr]:
     In a sum of monomials a v^p that is the speed at which two of them balance, in a power (a v)^p and in the
     argument of a function the speed at which it is 1, and of pieces the places between them.
     """
-    found: dict[Expr, None] = {}
-    for node in sp.postorder_traversal(expr):
-        for scale in _scales_of(node, v):
-            if not scale.has(v) and scale != 0:
-                found[scale] = None
-    return list(found)
+    scales = [scale for node in sp.postorder_traversal(expr) if node.has(v) for scale in _scales_of(node, v)]
+    return [scale for scale in dict.fromkeys(scales) if not scale.has(v) and scale != 0]
 
 
 def _scales_of(node: Expr, v: Expr) -> Iterator[Expr]:
-    if isinstance(node, sp.StrictLessThan | sp.StrictGreaterThan) and node.has(v):
+    if isinstance(node, _RELATIONS):
         yield node.gts if node.lts == v else node.lts
-    elif node.is_Pow and not node.exp.is_Integer and node.base.is_Mul and node.has(v):
+    elif node.is_Pow and not node.exp.is_Integer and node.base.is_Mul:
         constant, rest = node.base.as_independent(v, as_Add=False)
         if rest == v:
             yield _positive(1 / constant)
-    elif node.is_Add and node.has(v):
-        known = [term for term in (_monomial(term, v) for term in node.args) if term is not None]
-        for (a, p), (b, q) in pairwise(known):
+    elif node.is_Add:
+        for (p, a), (q, b) in pairwise(_monomials(node.args, v)):
             if p != q:
                 yield _root(a / b, q - p)
-    elif (isinstance(node, sp.Function) and not isinstance(node, sp.Piecewise)) or (
-        node.is_Pow and node.exp.has(v)
+    elif (node.is_Pow and node.exp.has(v)) or (
+        isinstance(node, sp.Function) and not isinstance(node, sp.Piecewise)
     ):
         for argument in node.args:
             powers: dict[Expr, Expr] = {}
-            for a, p in filter(None, (_monomial(term, v) for term in sp.Add.make_args(sp.expand_mul(argument)))):
+            for p, a in _monomials(sp.Add.make_args(sp.expand_mul(argument)), v):
                 powers[p] = powers.get(p, 0) + a
-            for p, a in powers.items():
-                if p != 0 and a != 0:
-                    yield _root(1 / sp.factor(a), p)
+            yield from (_root(1 / sp.factor(a), p) for p, a in powers.items() if p != 0 and a != 0)
 
 
 def _root(value: Expr, index: Expr) -> Expr:
@@ -359,11 +338,12 @@ def _positive(value: Expr) -> Expr:
     return value if value.is_positive else sp.Abs(value)
 
 
-def _monomial(term: Expr, v: Expr) -> tuple[Expr, Expr] | None:
-    """Return (a, p) of a term a v^p."""
-    split: Callable[..., Expr] = sp.expand_power_base
-    coefficient, rest = split(term, force=True).as_independent(v, as_Add=False)
-    base, exponent = rest.as_base_exp()
-    if rest == 1:
-        return coefficient, sp.Integer(0)
-    return (coefficient, exponent) if base == v and not exponent.has(v) else None
+def _monomials(terms: Sequence[Expr], v: Expr) -> Iterator[tuple[Expr, Expr]]:
+    """Yield (p, a) of each term a v^p among some terms."""
+    for term in terms:
+        coefficient, rest = sp.expand_power_base(term, force=True).as_independent(v, as_Add=False)
+        base, exponent = rest.as_base_exp()
+        if rest == 1:
+            yield sp.Integer(0), coefficient
+        elif base == v and not exponent.has(v):
+            yield exponent, coefficient

@@ -31,11 +31,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import FloatArray, IntArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.deadline import check_time, time_left
 from stickslip_sym.core.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.model.law import FrictionLaw
@@ -135,14 +136,15 @@ class Slip(NamedTuple):
 
 
 class Slips(NamedTuple):
-    """The ends of many slips, an array of each of the first fields of a `Slip`."""
+    """The ends of many slips, an array of each field of a `Slip` but its wedge and steps."""
 
     end: IntArray
     tau: FloatArray
     q: FloatArray
     w: FloatArray
     rate: FloatArray
-    wedge: FloatArray
+    taken: IntArray
+    extremes: FloatArray
 
 
 _OPEN = -1
@@ -341,15 +343,30 @@ def _is_rest(rise: Any, system: Any, q: float, w: float, rising: bool, rtol: flo
 
 @compilable
 def _follow_all(
-    rise: Any, eta: Any, zeta: Any, push: Any, side: Any, q: Any, w: Any, horizon: float, rtol: float, until: int,
-    level: float, most: int, wedge: Any, found: Any,
+    rise: Any, eta: Any, zeta: Any, push: Any, side: Any, q: Any, w: Any, horizon: Any, most: Any, rtol: float,
+    until: int, level: float, wedge: Any, found: Any,
 ) -> None:  # fmt: skip
-    """Follow many slips, an entry of each array for each, into the columns end, tau, q, w and w'."""
+    """Follow many slips, an entry of each array for each, into columns end, tau, q, w, w', steps and extremes."""
     for i in range(len(q)):
-        end, tau, q_end, w_end, rate, _, _, _, _ = follow(
-            rise, eta[i], zeta[i], push[i], side[i], q[i], w[i], horizon, rtol, until, level, most, wedge, False
+        end, tau, q_end, w_end, rate, _, taken, extremes, _ = follow(
+            rise,
+            eta[i],
+            zeta[i],
+            push[i],
+            side[i],
+            q[i],
+            w[i],
+            horizon[i],
+            rtol,
+            until,
+            level,
+            most[i],
+            wedge,
+            False,
         )
         found[i, 0], found[i, 1], found[i, 2], found[i, 3], found[i, 4] = end, tau, q_end, w_end, rate
+        found[i, 5], found[i, 6], found[i, 7] = taken, extremes[0], extremes[1]
+        found[i, 8], found[i, 9] = extremes[2], extremes[3]
 
 
 @compilable
@@ -425,18 +442,17 @@ class Dimensionless:
         """Return eta (side mu_static - mu(0+))."""
         return self.eta * (side * self.table.static - self.table.onset)
 
+    @property
+    def _everywhere(self) -> tuple[Pieces, int, int, int]:
+        return self.rise.pieces, 0, len(self.rise.pieces) - 1, 0
+
     def lifted(self, w: float) -> float:
         """Return mu(V w) - mu(0+) for a slip speed within the table."""
-        pieces = self.rise.pieces
-        return rise_at((pieces, 0, len(pieces) - 1, 0), w)
-
-    def friction(self, w: float, side: int = 1) -> float:
-        """Return what static and sliding friction together add to w', eta (side mu_static - mu(V w))."""
-        return self.push(side) - self.eta * self.lifted(w)
+        return rise_at(self._everywhere, w)
 
     def acceleration(self, q: float, w: float, side: int = 1) -> float:
         """Return w', the rate at which the slip speed grows."""
-        return self.friction(w, side) + side * q - 2 * self.zeta * w
+        return rate_at(self._everywhere, (self.eta, self.push(side), side, 2 * self.zeta), q, w)
 
     def decay(self, w: float) -> float:
         """Return -dw'/dw, the rate at which a deviation of the slip speed w >= 0 decays, between both sides."""
@@ -446,16 +462,22 @@ class Dimensionless:
 
     def turn(self, w: float) -> float:
         """Return the displacement q at which w' = 0 for a mass slower than the belt."""
-        return 2 * self.zeta * w - self.friction(w)
+        return -self.acceleration(0.0, w)
 
     @property
     def rest(self) -> tuple[float, float]:
         """The equilibrium (q, w): the mass stands still, and the belt slips under it."""
         return self.turn(1.0), 1.0
 
-    def sticks(self, q: float) -> bool:
-        """Whether static friction holds the mass at displacement q: |c V + k x| <= mu_static N."""
-        return -2 * self.eta * self.table.static <= q <= 0
+    @overload
+    def sticks(self, q: float) -> bool: ...
+
+    @overload
+    def sticks(self, q: FloatArray) -> BoolArray: ...
+
+    def sticks(self, q: float | FloatArray) -> bool | BoolArray:
+        """Whether static friction holds the mass at displacements q: |c V + k x| <= mu_static N."""
+        return (q <= 0) & (q >= -2 * self.eta * self.table.static)
 
     @property
     def horizon(self) -> float:
@@ -534,39 +556,36 @@ class Dimensionless:
         self,
         q: FloatArray,
         w: FloatArray,
-        side: FloatArray,
+        side: ArrayLike = 1.0,
         *,
-        eta: FloatArray | None = None,
-        zeta: FloatArray | None = None,
+        eta: ArrayLike | None = None,
+        zeta: ArrayLike | None = None,
         until: End = End.RETURN,
         level: float = math.inf,
-        horizon: float | None = None,
+        horizon: ArrayLike | None = None,
         rtol: float = 1e-12,
-        most: int = _MOST_STEPS,
+        most: ArrayLike = _MOST_STEPS,
         few: int = _FEW,
         workers: int = 1,
     ) -> Slips:
         """Follow many slips, compiled where numba is there; arguments as for `slip`, nothing is refused.
 
-        - `q`, `w`, `side`: an entry for each slip.
-        - `eta`, `zeta`: likewise, where they are not this system's.
+        - `eta`, `zeta`: where they are not this system's.
         - `few`: how many are followed in plain Python.
         - `workers`: a number of threads, -1 for all processors.
 
         Raises `OutOfTime` when the time of a `time_limit` is up, which is looked at between batches.
         """
-        etas = np.full(q.size, self.eta) if eta is None else eta
-        zetas = np.full(q.size, self.zeta) if zeta is None else zeta
-        push = etas * (side * self.table.static - self.table.onset)
-        found = np.full((q.size, 5), np.nan)
+        etas, zetas = (self.eta if eta is None else eta), (self.zeta if zeta is None else zeta)
+        push = np.multiply(etas, np.multiply(side, self.table.static) - self.table.onset)
         end_tau = self.horizon if horizon is None else horizon
-        arguments = end_tau, rtol, int(until), level, most
-        columns = etas, zetas, push, side, q, w
-        self.spread(_follow_all, columns, arguments, (found,), few=few, workers=workers)
+        columns = np.broadcast_arrays(etas, zetas, push, side, q, w, end_tau, most)
+        found = np.full((q.size, 10), np.nan)
+        self.spread(_follow_all, columns, (rtol, int(until), level), (found,), few=few, workers=workers)
         if np.isnan(found[:, 0]).any():
             check_time()
-        end, tau, q_end, w_end, rate = found.T
-        return Slips(end.astype(np.intp), tau, q_end, w_end, rate, np.zeros(q.size))
+        end, tau, q_end, w_end, rate, taken = found[:, :6].T
+        return Slips(end.astype(np.intp), tau, q_end, w_end, rate, taken.astype(np.intp), found[:, 6:])
 
     def states(
         self, steps: Sequence[Step], which: IntArray, tau: FloatArray, side: int, rtol: float
@@ -607,8 +626,8 @@ class Dimensionless:
 
     def slip_of(self, slips: Slips, number: int) -> Slip:
         """Return one of many slips."""
-        end, tau, q, w, rate, wedge = (column[number].item() for column in slips)
-        return Slip(End(end), tau, q, w, rate, wedge, 0, (q, q, w, w), [])
+        end, tau, q, w, rate, taken, extremes = (column[number].tolist() for column in slips)
+        return Slip(End(end), tau, q, w, rate, 0.0, taken, tuple(extremes), [])
 
     def unmeasured(self, w: float) -> InputError:
         """Return the refusal of a slip speed beyond the last measured one."""

@@ -1,7 +1,7 @@
 """What every drawing needs: matplotlib, or a word that it is missing; one style; the same file each time.
 
-Colours are Okabe and Ito's, which colour-blind readers tell apart. Nothing is told by colour alone: lines differ
-in style or width too, regions are hatched, and each is labelled.
+Colours are Okabe and Ito's, which colour-blind readers distinguish. Colour alone carries no meaning: lines
+differ in style or width too, regions are hatched, and each is labelled.
 """
 
 import io
@@ -112,7 +112,7 @@ class Drawn(ABC):
         """Return its matplotlib.figure.Figure."""
 
     def plot(self, path: str | Path | None = None) -> "Figure":
-        """Draw it: regions or basins told apart by colour and hatching, curves between them, orbits, or costs.
+        """Draw it: regions or basins in colours and hatching, curves between them, orbits, or costs.
 
         Parameters
         ----------
@@ -147,7 +147,7 @@ class Panel(Drawn):
         return ""
 
     def plot(self, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
-        """Draw it: regions or basins told apart by colour and hatching, curves between them, or orbits.
+        """Draw it: regions or basins in colours and hatching, curves between them, or orbits.
 
         Parameters
         ----------

@@ -1,7 +1,7 @@
 r"""SymPy's printer for LaTeX, with sums, products and functions as a person writes them.
 
 Long sums stand beside their fraction, not on it, exponents and arguments have slashes, and brackets grow from ( )
-to [ ] to { }. What is printed must be read in one way only: after a slash stands one factor, and nothing after it.
+to [ ] to { }. A formula has one reading only: after a slash stands one factor, and nothing after it.
 What stands in a product, over or under a slash, or behind a minus gets brackets by how it was printed, not by what
 kind of expression it is: a power may have become a quotient, and a sum may be one factor alone.
 """
@@ -26,7 +26,7 @@ __all__ = ["latex"]
 
 _SHORT_SUM = 30  # characters of LaTeX without braces and styles, of a sum that may stand on a fraction
 _SHORT = 48  # of one that may stand there alone, and that one pair of brackets holds in a line
-_NAMED = CONSTANTS.keys() - {sp.E, sp.I}  # E and I are printed in ways of their own
+_NAMED = CONSTANTS.keys() - {sp.E, sp.I}  # E and I are printed by methods of their own
 _NUMBER, _FORCE, _SYMBOL, _SPEED, _SUM, _EXP, _FUNCTION, _OTHER = range(8)
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|\s+|.", re.S)
 _OPENING = frozenset({"{", "(", "[", r"\{", r"\left", r"\begin"})
@@ -269,7 +269,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         argument = expr.args[0]
         with self._flat():
             printed = self._print(argument)
-        # Beside a symbol e, what stands upright is not enough to tell them apart.
+        # Beside a symbol e, an upright e is not distinct enough.
         powers = any(not power.exp.is_number for power in argument.atoms(sp.Pow))
         deep = "e" in self._taken or argument.has(sp.Add) or powers
         return f"\\exp{bracketed(printed)}" if deep else f"\\mathrm{{e}}^{{{printed}}}"

@@ -52,7 +52,7 @@ def results():
     sampled = ss.FrictionLaw.from_samples([0, 0.1, 0.2, 0.5], [0.5, 0.4, 0.35, 0.3])
     sampled.mu(0.3)
     both = paper_oscillator(c=2.2)
-    scene = {"N": 9.81, "m": 1.0, "k": 100.0}
+    at = {"N": 9.81, "m": 1.0, "k": 100.0}
     return {
         "law": law,
         "sampled": sampled,
@@ -62,8 +62,8 @@ def results():
         "step": form.derivation.steps[0],
         "verdict": form.verdict,
         "refuted": prove_equal(ss.symbols.V, 2 * ss.symbols.V),
-        "threshold": ss.pure_slip_damping(law, V=0.5, **scene),
-        "thresholds": ss.pure_slip_damping(law, V=np.linspace(0.1, 1.0, 30).reshape(3, 10), **scene),
+        "threshold": ss.pure_slip_damping(law, V=0.5, **at),
+        "thresholds": ss.pure_slip_damping(law, V=np.linspace(0.1, 1.0, 30).reshape(3, 10), **at),
         "unknown": ss.pure_slip_damping(law, V=[0.5, 0.6], N=9.81),
         "speed": ss.critical(law, "V", c=2.0, N=9.81)[0],
         "cycle": ss.stick_slip_cycle(law, both),
@@ -72,7 +72,7 @@ def results():
         "rest": regime.rest,
         "separatrix": regime.separatrices[0],
         "trajectory": ss.simulate(law, both, t_end=5.0),
-        "map": ss.motion_map(law, x=("V", [0.1, 0.9]), y=("alpha", [2.0, 3.0]), c=2.2, **scene),
+        "map": ss.motion_map(law, x=("V", [0.1, 0.9]), y=("alpha", [2.0, 3.0]), c=2.2, **at),
         "basins": ss.basin_map(law, both, x0=[0.0, 0.05], v0=[0.0, 0.5]),
     }
 

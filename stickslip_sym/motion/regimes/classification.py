@@ -18,7 +18,7 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.phase_plane import NEAR, PhasePlane, phase_plane
 from stickslip_sym.motion.regimes.regime import regime
-from stickslip_sym.motion.simulation.many import read_initial_conditions
+from stickslip_sym.motion.simulation.simulate import read_initial_conditions
 from stickslip_sym.motion.slip import End, Slip
 
 __all__ = ["classify", "classify_all", "followed"]
@@ -153,7 +153,7 @@ def followed(
     left = np.flatnonzero(~at_rest)
     while left.size:
         on_belt = left[w[left] == 0]
-        stuck = (q[on_belt] <= 0) & (q[on_belt] >= -2 * system.eta * system.table.static)
+        stuck = system.sticks(q[on_belt])
         decide(on_belt[stuck], lambda: plane.from_onset)
         side[on_belt] = np.where(q[on_belt] >= 0, 1.0, -1.0)
         slower = on_belt[~stuck & (q[on_belt] >= 0)]

@@ -15,7 +15,7 @@ from stickslip_sym.core.deadline import check_time, time_left
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.simulation.trajectory import Course, Outcome, Phase, Straight, Stretch, Trajectory
+from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectory
 
 __all__ = ["simulate_by_solve_ivp", "slip_by_solve_ivp"]
 
@@ -65,13 +65,12 @@ def simulate_by_solve_ivp(
     hold = law.static_value * osc.N
     x_P = (hold - osc.c * osc.V) / osc.k
     t, x, v = 0.0, x0, v0
-    parts = list[tuple[Stretch, FloatArray]]()
+    stretches = list[Stretch]()
     while t < t_end:
         pull = osc.c * osc.V + osc.k * x
         if v == osc.V and abs(pull) < hold * (1 - _ROUNDING):
             end = min(t_end, t + (x_P - x) / osc.V)
-            samples = np.array([[t, end], [x, x + osc.V * (end - t)], [v, v]])
-            stretch = Stretch(Phase.STICK, t, end, Straight(t, x, osc.V))
+            stretches.append(Stretch(Phase.STICK, np.array([[t, end], [x, x + osc.V * (end - t)], [v, v]])))
         else:
             side = math.copysign(1, pull) if v == osc.V else math.copysign(1, osc.V - v)
             phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
@@ -79,13 +78,14 @@ def simulate_by_solve_ivp(
             samples = np.array([found.t, *found.y])
             if found.t_events[0].size:
                 samples[2, -1] = osc.V
-            stretch = Stretch(phase, t, float(samples[0, -1]), _curved(found.sol))
-        parts.append((stretch, samples))
-        t, x, v = samples[:, -1].tolist()
-    return Trajectory.of(osc, rtol, parts, Outcome.FINISHED)
+            stretches.append(Stretch(phase, samples, _curved(found.sol)))
+        t, x, v = stretches[-1].samples[:, -1].tolist()
+    return Trajectory(osc, rtol, tuple(stretches), Outcome.FINISHED)
 
 
-def _curved(solution: Callable[[FloatArray], FloatArray]) -> Course:
+def _curved(
+    solution: Callable[[FloatArray], FloatArray],
+) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
     def course(times: FloatArray) -> tuple[FloatArray, FloatArray]:
         x, v = solution(times.ravel())
         return x.reshape(times.shape), v.reshape(times.shape)

@@ -1,24 +1,31 @@
-"""`simulate`: the motion from one initial condition, or from many."""
+"""`simulate`: the motion from one initial condition, or from many.
+
+A motion has three kinds of phases: stick, slip slower than the belt, and slip faster than the belt. Slip is
+integrated (`motion.slip`); stick is not, as it is known: x' = V exactly, until static friction gives way. Every
+stick ends at the same point P, so a motion that sticks is integrated for one round, whatever its length, and many
+motions are followed up to P only: what comes after is read from the motion from P.
+"""
 
 from __future__ import annotations
 
-from typing import overload
+from functools import partial
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import read_rtol, real
+from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.errors import InputError, OutOfTime
+from stickslip_sym.core.numbers import read_array, read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.simulation.by_events import simulate_by_events
-from stickslip_sym.motion.simulation.many import Trajectories, simulate_many
 from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
-from stickslip_sym.motion.simulation.trajectory import Trajectory
+from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectories, Trajectory
+from stickslip_sym.motion.slip import Dimensionless, End, Slip
 
-__all__ = ["simulate"]
+__all__ = ["read_initial_conditions", "simulate"]
 
 
 @overload
@@ -108,10 +115,183 @@ def simulate(
     many = np.ndim(x0) > 0 or np.ndim(speeds) > 0
     with deadline.time_limit(time_limit):
         if many and method == "events":
-            return simulate_many(law, osc, x0, speeds, t_end, rtol, max_steps, workers)
+            return _many(law, osc, *read_initial_conditions(x0, speeds), t_end, rtol, max_steps, workers)
         if many:
             raise InputError("method 'solve_ivp' takes one initial condition; simulate them one by one")
         x, v = real("x0", x0), real("v0", speeds)  # type: ignore[arg-type]
         if method == "solve_ivp":
             return simulate_by_solve_ivp(law, osc, x, v, t_end, rtol)
-        return simulate_by_events(law, osc, x, v, t_end, rtol, max_steps)
+        return _one(law, osc, x, v, t_end, rtol, max_steps)
+
+
+def _one(
+    law: FrictionLaw, osc: Oscillator, x0: float, v0: float, t_end: float, rtol: float, max_steps: int
+) -> Trajectory:
+    """Return the motion from one initial condition; its samples hold the extremes of x and of v."""
+    system, x_P, horizon = Dimensionless.of(law, osc), osc.onset(law), t_end * osc.omega
+    stretches, known = list[Stretch](), dict[tuple[float, int], Slip]()
+    outcome, note = Outcome.FINISHED, ""
+    tau, steps, q, w, side = 0.0, 0, (x0 - x_P) / osc.length, abs(1 - v0 / osc.V), 1 if v0 < osc.V else -1
+    while tau < horizon:
+        if w == 0 and q < 0 and system.sticks(q):
+            since = np.array([0.0, min(horizon - tau, -q)])
+            samples = np.array([(tau + since) / osc.omega, x_P + osc.length * (q + since), np.full(2, osc.V)])
+            stretches.append(Stretch(Phase.STICK, samples))
+            tau, q = min(horizon, tau - q), float(q + since[1])
+            continue
+        if w == 0:  # at P, or beyond what static friction holds on either side
+            side = 1 if q >= 0 else -1
+        # Nothing depends on time itself: a slip from where one began before is that one again.
+        slip = known.get((q, side)) if w == 0 else None
+        if deadline.time_left() < 0:
+            slip = Slip(End.STEPS, 0.0, q, w, 0.0, 0.0, 0, (q, q, w, w), [])
+        elif slip is None or tau + slip.tau > horizon or steps + slip.taken > max_steps:
+            slip = system.slip(
+                q, w, side, level=1.0, horizon=horizon - tau, rtol=rtol, most=max_steps - steps, recorded=True
+            )
+            refusal = system.refusal(slip, rtol)
+            if refusal is not None and not slip.taken and slip.end is not End.STEPS:
+                raise refusal
+            if w == 0 and slip.end is End.RETURN:
+                known[q, side] = slip
+        since, places, speeds = np.array([*(step[:3] for step in slip.steps), (slip.tau, slip.q, slip.w)]).T
+        samples = np.array([
+            (tau + since) / osc.omega, x_P + osc.length * places, osc.V * (1 - side * speeds)
+        ])  # fmt: skip
+        phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
+        stretches.append(Stretch(phase, samples, partial(_course, system, osc, x_P, rtol, slip, tau, side)))
+        tau, q, w, steps = tau + slip.tau, slip.q, slip.w, steps + slip.taken
+        if slip.end is not End.RETURN:
+            outcome, note = _outcome_of(system, slip, rtol, out_of_steps=steps >= max_steps)
+            break
+    if outcome is Outcome.AT_REST:
+        end, x_rest = stretches[-1].end, _at_rest(system, osc, x_P, w, stretches[-1].samples[1, -1])
+        stretches.append(Stretch(stretches[-1].phase, np.array([[end, t_end], [x_rest, x_rest], [0.0, 0.0]])))
+    return Trajectory(osc, rtol, tuple(stretches), outcome, note)
+
+
+def _course(
+    system: Dimensionless,
+    osc: Oscillator,
+    x_P: float,
+    rtol: float,
+    slip: Slip,
+    begin: float,
+    side: int,
+    t: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return x and v at times within a slip that began at tau = begin."""
+    tau = np.clip(np.ravel(t) * osc.omega - begin, 0.0, slip.tau)
+    if slip.steps:
+        which = np.searchsorted([step.tau for step in slip.steps[1:]], tau, side="right")
+        q, w = system.states(slip.steps, which, tau, side, rtol)
+    else:
+        q, w = np.full(tau.shape, slip.q), np.full(tau.shape, slip.w)
+    return (x_P + osc.length * q).reshape(np.shape(t)), (osc.V * (1 - side * w)).reshape(np.shape(t))
+
+
+def _at_rest(system: Dimensionless, osc: Oscillator, x_P: float, w: float, x: float) -> float:
+    """Return where a mass is at rest that came to x: where rest is isolated it is known better than integrated.
+
+    A jump of mu holds the mass wherever it is.
+    """
+    return x if w == 1 and 1.0 in system.rise.levels else x_P + osc.length * system.rest[0]
+
+
+def _outcome_of(system: Dimensionless, slip: Slip, rtol: float, *, out_of_steps: bool) -> tuple[Outcome, str]:
+    """Return what the end of a slip says of the whole motion, and why it does not go on."""
+    if slip.end is End.REST:
+        return Outcome.AT_REST, ""
+    if slip.end is End.STEPS:
+        return (Outcome.STEP_LIMIT if out_of_steps else Outcome.TIME_LIMIT), ""
+    if system.unbounded(slip):
+        return Outcome.UNBOUNDED, "damping and friction feed the motion: try a shorter t_end, or a larger c"
+    refusal = system.refusal(slip, rtol)
+    return (Outcome.FINISHED, "") if refusal is None else (Outcome.UNDEFINED, str(refusal))
+
+
+def _many(
+    law: FrictionLaw, osc: Oscillator, x0: FloatArray, v0: FloatArray, t_end: float, rtol: float, max_steps: int,
+    workers: int,
+) -> Trajectories:  # fmt: skip
+    """Return the ends of the motions from many initial conditions."""
+    system, x_P, horizon = Dimensionless.of(law, osc), osc.onset(law), t_end * osc.omega
+    q, u = (x0.ravel() - x_P) / osc.length, v0.ravel() / osc.V
+    w, side, tau, first = np.abs(1 - u), np.where(u < 1, 1.0, -1.0), np.zeros(q.size), np.full(q.size, np.nan)
+    lowest, highest = np.array([q, u]), np.array([q, u])
+    outcome, phase = (np.full(q.size, word, dtype=object) for word in (Outcome.FINISHED, None))
+    phases, sticks, steps = (np.zeros(q.size, dtype=np.intp) for _ in range(3))
+    left = np.arange(q.size)
+    while left.size:
+        held = left[(w[left] == 0) & (q[left] < 0) & system.sticks(q[left])]
+        phase[held], first[held] = Phase.STICK, tau[held]
+        phases[held] += 1
+        sticks[held] += 1
+        since = np.minimum(horizon - tau[held], -q[held])
+        tau[held] = np.minimum(horizon, tau[held] - q[held])
+        q[held] += since
+        highest[0] = np.maximum(highest[0], q)
+        left = left[((w[left] > 0) | (q[left] != 0)) & (tau[left] < horizon)]
+        side[left] = np.where(w[left] > 0, side[left], np.sign(q[left]))
+        try:
+            slips = system.slips(
+                q[left], w[left], side[left], level=1.0, horizon=horizon - tau[left], rtol=rtol,
+                most=max_steps - steps[left], workers=workers,
+            )  # fmt: skip
+        except OutOfTime:
+            outcome[left] = Outcome.TIME_LIMIT
+            break
+        phase[left] = np.array([Phase.SLIP_FORWARD, Phase.SLIP_BACK], dtype=object)[(side[left] > 0).astype(int)]
+        phases[left] += 1
+        steps[left] += slips.taken
+        tau[left], q[left], w[left] = tau[left] + slips.tau, slips.q, slips.w
+        reached = np.array([slips.extremes[:, :2], 1 - side[left, None] * slips.extremes[:, 2:]])
+        lowest[:, left] = np.minimum(lowest[:, left], reached.min(axis=2))
+        highest[:, left] = np.maximum(highest[:, left], reached.max(axis=2))
+        for i in np.flatnonzero(~np.isin(slips.end, (End.RETURN, End.HORIZON))).tolist():
+            out_of_steps = steps[left[i]] >= max_steps
+            outcome[left[i]], _ = _outcome_of(system, system.slip_of(slips, i), rtol, out_of_steps=out_of_steps)
+        left = left[slips.end == End.RETURN]
+
+    came = np.flatnonzero((w == 0) & (q == 0) & (tau < horizon))
+    t, first = np.where(tau >= horizon, t_end, tau / osc.omega), first / osc.omega
+    x, v = x_P + osc.length * q, osc.V * (1 - side * w)
+    for extremes in (lowest, highest):
+        extremes[:] = x_P + osc.length * extremes[0], osc.V * extremes[1]
+    for i in np.flatnonzero(outcome == Outcome.AT_REST).tolist():
+        t[i], x[i], v[i] = t_end, _at_rest(system, osc, x_P, w[i], x[i]), 0.0
+    if came.size:
+        rest = t_end - t[came]
+        course = _one(law, osc, x_P, osc.V, float(rest.max()), rtol, max_steps)
+        over = rest >= (course.stretches[-1].start if course.outcome is Outcome.AT_REST else course.t[-1])
+        outcome[came[over]] = course.outcome
+        since = np.minimum(rest, course.t[-1])
+        event = np.maximum(np.searchsorted([one.t for one in course.events], since) - 1, 0)
+        stuck = np.array([one.begins is Phase.STICK for one in course.events])
+        late = np.where(stuck.cumsum()[event] > 0, t[came] + course.events[stuck.argmax()].t, np.nan)
+        first[came] = np.fmin(first[came], late)
+        phases[came] += event + 1
+        sticks[came] += stuck.cumsum()[event]
+        t[came] += since
+        x[came], v[came], phase[came] = course.at(since)
+        sample = np.searchsorted(course.t, since, side="right") - 1
+        ends, rows = np.array([x[came], v[came]]), np.array([course.x, course.v])
+        for extremes, reach in ((lowest, np.minimum), (highest, np.maximum)):
+            extremes[:, came] = reach.reduce([extremes[:, came], reach.accumulate(rows, axis=1)[:, sample], ends])
+    columns: Any = t, x, v, phase, outcome, lowest[0], highest[0], lowest[1], highest[1], phases - 1, sticks, first
+    return Trajectories(law, osc, t_end, rtol, x0, v0, *(column.reshape(x0.shape) for column in columns))
+
+
+def read_initial_conditions(x0: ArrayLike, v0: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return initial displacements and velocities as arrays of one shape."""
+    places, speeds = read_array("x0", x0), read_array("v0", v0)
+    try:
+        places, speeds = np.broadcast_arrays(places, speeds)
+    except ValueError:
+        raise InputError(
+            f"x0 of shape {places.shape} and v0 of shape {speeds.shape} do not go together; give one v0 for each "
+            "x0, or x0[:, None] and v0 for all combinations"
+        ) from None
+    if not places.size:
+        raise InputError("x0 and v0 hold no initial conditions; give at least one")
+    return places.astype(np.float64), speeds.astype(np.float64)

@@ -1,6 +1,7 @@
-"""`Trajectory`: a motion of the mass, its events, and its course between them."""
+"""What simulations give: `Trajectory`, a motion with its events and its course, and the ends of many motions."""
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -11,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from stickslip_sym.core.aliases import FloatArray, ObjectArray
+from stickslip_sym.core.aliases import FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.output import drawing, files, markup
@@ -20,7 +22,7 @@ from stickslip_sym.output import drawing, files, markup
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Course", "Event", "EventKind", "Outcome", "Phase", "State", "Straight", "Stretch", "Trajectory"]
+__all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Trajectories", "Trajectory"]
 
 _ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
 _SAME = 1e-6  # relative change of a swing in a round, up to which a motion repeats itself
@@ -79,34 +81,37 @@ class State(NamedTuple):
     phase: ObjectArray
 
 
-Course = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-"""x and v as functions of time."""
-
-
 @dataclass(frozen=True)
 class Stretch:
-    """One phase of a motion, from `start` to `end` in s; `course` gives x and v at times within."""
+    """One phase of a motion.
+
+    - `samples`: rows of t in s, x in m and v in m/s, at the integrator's steps.
+    - `curve`: x and v as functions of time; without it x is a straight line, as in stick and at rest.
+    """
 
     phase: Phase
-    start: float
-    end: float
-    course: Course
+    samples: FloatArray
+    curve: Callable[[FloatArray], tuple[FloatArray, FloatArray]] | None = None
+
+    @property
+    def start(self) -> float:
+        """When it begins, in s."""
+        return float(self.samples[0, 0])
+
+    @property
+    def end(self) -> float:
+        """When it ends, in s."""
+        return float(self.samples[0, -1])
+
+    def course(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return x and v at times within."""
+        if self.curve is not None:
+            return self.curve(t)
+        times, x, v = self.samples
+        return np.interp(t, times, x), np.interp(t, times, v)
 
 
-@dataclass(frozen=True)
-class Straight:
-    """The course of a mass that moves with one velocity from a time and place on: in stick, or at rest."""
-
-    t: float
-    x: float
-    v: float
-
-    def __call__(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return x and v at times."""
-        return self.x + self.v * (t - self.t), np.full(t.shape, self.v)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False, eq=False)
 class Trajectory:
     """A motion of the mass.
 
@@ -115,57 +120,55 @@ class Trajectory:
     oscillator : Oscillator
     rtol : float
         Relative tolerance of a step.
-    t : numpy.ndarray
-        Times in s, ascending, at the integrator's steps and at every event.
-    x, v : numpy.ndarray
-        Displacement in m and velocity in m/s at these times.
-    phase : numpy.ndarray of Phase
-        The phase in which each sample lies; a sample at an event belongs to the phase that ends there.
-    events : tuple of Event
-    outcome : Outcome
-        Whether the end was reached; else the trajectory is what was computed so far.
     stretches : tuple of Stretch
         The phases in order, as functions of time.
+    outcome : Outcome
+        Whether the end was reached; else the trajectory is what was computed so far.
     note : str
         What kept the motion from going on, and what to try; empty as a rule.
     """
 
     oscillator: Oscillator
     rtol: float
-    t: FloatArray
-    x: FloatArray
-    v: FloatArray
-    phase: ObjectArray
-    events: tuple[Event, ...]
-    outcome: Outcome
     stretches: tuple[Stretch, ...]
+    outcome: Outcome
     note: str = ""
 
-    @classmethod
-    def of(
-        cls,
-        osc: Oscillator,
-        rtol: float,
-        parts: Sequence[tuple[Stretch, FloatArray]],
-        outcome: Outcome,
-        note: str = "",
-    ) -> "Trajectory":
-        """Return the motion that stretches make up, each with its samples as rows t, x and v.
+    @property
+    def t(self) -> FloatArray:
+        """Times in s, ascending, at the integrator's steps and at every event."""
+        return np.asarray(self._samples[0])
 
-        Each begins with an event, but for the rest to which a motion comes at last.
-        """
+    @property
+    def x(self) -> FloatArray:
+        """Displacement in m at these times."""
+        return np.asarray(self._samples[1])
+
+    @property
+    def v(self) -> FloatArray:
+        """Velocity in m/s at these times."""
+        return np.asarray(self._samples[2])
+
+    @cached_property
+    def _samples(self) -> FloatArray:
+        return np.concatenate([stretch.samples for stretch in self.stretches], axis=1)
+
+    @cached_property
+    def phase(self) -> ObjectArray:
+        """The phase in which each sample lies; one at an event belongs to the phase that ends there."""
+        phases = np.array([stretch.phase for stretch in self.stretches], dtype=object)
+        return np.repeat(phases, [stretch.samples.shape[1] for stretch in self.stretches])
+
+    @cached_property
+    def events(self) -> tuple[Event, ...]:
+        """The changes of phase, of which the first is the start; the rest to which a motion comes is none."""
         events = list[Event]()
-        for stretch, samples in parts[:-1] if outcome is Outcome.AT_REST else parts:
+        for stretch in self.stretches[:-1] if self.outcome is Outcome.AT_REST else self.stretches:
             kind = EventKind.SLIPS if events and events[-1].begins is Phase.STICK else EventKind.CROSSES
             kind = EventKind.STICKS if stretch.phase is Phase.STICK else kind
-            t, x, v = samples[:, 0].tolist()
+            t, x, v = stretch.samples[:, 0].tolist()
             events.append(Event(t, x, v, stretch.phase, kind if events else EventKind.START))
-        stretches = tuple(stretch for stretch, _ in parts)
-        t, x, v = np.concatenate([samples for _, samples in parts], axis=1)
-        kinds = np.empty(len(parts), dtype=object)
-        kinds[:] = [stretch.phase for stretch in stretches]
-        phase = np.repeat(kinds, [samples.shape[1] for _, samples in parts])
-        return cls(osc, rtol, t, x, v, phase, tuple(events), outcome, stretches, note)
+        return tuple(events)
 
     @cached_property
     def motion(self) -> Motion:
@@ -197,7 +200,8 @@ class Trajectory:
             return None
         if any(stretch.phase is Phase.STICK and stretch.end > self._turns[-3] for stretch in self.stretches):
             return None
-        return self._swings[2] / self._swings[0] - 1
+        before, _, now = self._swings
+        return float(now / before - 1)
 
     @cached_property
     def _turns(self) -> list[float]:
@@ -205,21 +209,18 @@ class Trajectory:
         moving = np.flatnonzero(self.v)
         signs = np.sign(self.v[moving])
         places = np.flatnonzero(signs[:-1] != signs[1:])[-4:]
-        brackets = [(float(self.t[moving[i]]), float(self.t[moving[i + 1]])) for i in places]
-        return [float(brentq(lambda t: float(self.at(t).v), low, high)) for low, high in brackets]
+        brackets = zip(self.t[moving[places]].tolist(), self.t[moving[places + 1]].tolist(), strict=True)
+        return [brentq(lambda t: float(self.at(t).v), *bracket) for bracket in brackets]
 
-    @property
-    def _swings(self) -> list[float]:
-        swings: list[float] = np.abs(np.diff(self.at(self._turns).x)).tolist()
-        return swings
+    @cached_property
+    def _swings(self) -> FloatArray:
+        return np.asarray(np.abs(np.diff(self.at(self._turns).x)))
 
     @property
     def _is_still(self) -> bool:
         """Whether the last swings of x are too small to be a motion."""
-        if len(self._turns) < 4:
-            return False
-        before, _, now = self._swings
-        return min(before, now) == 0 or max(before, now) <= _STILL * self.oscillator.length
+        ends = self._swings[[0, -1]] if len(self._turns) == 4 else np.array([math.inf])
+        return bool(ends.min() == 0 or ends.max() <= _STILL * self.oscillator.length)
 
     @property
     def summary(self) -> str:
@@ -351,10 +352,7 @@ class Trajectory:
         parts = [np.empty((3, 0))]
         for stretch in self.stretches:
             if stretch.phase is phase and stretch.end > since:
-                first = np.searchsorted(self.t, max(stretch.start, since), side="right")
-                inner = self.t[first : np.searchsorted(self.t, stretch.end)]
-                ends = np.array([max(stretch.start, since), *inner, stretch.end])
-                t = drawing.dense(ends)
+                t = drawing.dense(np.unique(np.maximum(stretch.samples[0], since)))
                 parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]
         return np.concatenate(parts, axis=1)
 
@@ -365,3 +363,88 @@ _STYLES: dict[Phase, dict[str, Any]] = {
     Phase.SLIP_FORWARD: {"color": "tab:orange", "linewidth": 1.4, "linestyle": (0, (3, 1))},
 }
 """In grey they are told apart by weight and by dashes."""
+
+
+@dataclass(frozen=True, repr=False)
+class Trajectories:
+    """What became of many initial conditions; every array has their shape.
+
+    Attributes
+    ----------
+    law : FrictionLaw
+    oscillator : Oscillator
+    t_end : float
+        Duration in s.
+    rtol : float
+        Relative tolerance of a step.
+    x0, v0 : numpy.ndarray
+        Initial displacements in m and velocities in m/s.
+    t, x, v : numpy.ndarray
+        Where each motion ended: time in s, displacement in m, velocity in m/s.
+    phase : numpy.ndarray of Phase
+        The phase in which it ended.
+    outcome : numpy.ndarray of Outcome
+        Whether `t_end` was reached; else the motion is what was computed so far.
+    x_min, x_max, v_min, v_max : numpy.ndarray
+        The extremes of the whole motion, as exact as its events.
+    changes : numpy.ndarray of int
+        How many changes of phase it had.
+    sticks : numpy.ndarray of int
+        How often the mass came to stick.
+    first_stick : numpy.ndarray
+        When it first stuck, in s; NaN if it never did.
+    """
+
+    law: FrictionLaw
+    oscillator: Oscillator
+    t_end: float
+    rtol: float
+    x0: FloatArray
+    v0: FloatArray
+    t: FloatArray
+    x: FloatArray
+    v: FloatArray
+    phase: ObjectArray
+    outcome: ObjectArray
+    x_min: FloatArray
+    x_max: FloatArray
+    v_min: FloatArray
+    v_max: FloatArray
+    changes: IntArray
+    sticks: IntArray
+    first_stick: FloatArray
+
+    def __len__(self) -> int:
+        return self.x0.size
+
+    def count(self) -> dict[str, int]:
+        """Return how many motions stick, slip, came to rest, or ended otherwise."""
+        done = self.outcome == Outcome.FINISHED
+        found = {
+            "stick": int((done & (self.sticks > 0)).sum()),
+            "only slip": int((done & (self.sticks == 0)).sum()),
+        }
+        found |= {one.value: int((self.outcome == one).sum()) for one in Outcome if one is not Outcome.FINISHED}
+        return {word: number for word, number in found.items() if number}
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{number} {word}" for word, number in self.count().items())
+        return f"Trajectories: {len(self)} initial conditions to t = {self.t.max():.6g} s; {counts}"
+
+    def _repr_html_(self) -> str:
+        rows = [[word, str(number)] for word, number in self.count().items()]
+        return markup.block(repr(self), markup.table(["motion", "initial conditions"], rows))
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write a line for each initial condition, with units in the header.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        units = {"x0": "m", "v0": "m/s", "t": "s", "x": "m", "v": "m/s", "x_min": "m", "x_max": "m"}
+        units |= {"v_min": "m/s", "v_max": "m/s", "first_stick": "s"}
+        columns: dict[str, ArrayLike] = {f"{name} ({unit})": getattr(self, name) for name, unit in units.items()}
+        columns |= {"changes": self.changes, "sticks": self.sticks, "outcome": files.texts(self.outcome)}
+        files.write_csv(Path(path), columns)

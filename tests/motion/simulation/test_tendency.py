@@ -103,6 +103,6 @@ def test_a_motion_whose_end_is_not_found_says_so(run, monkeypatch):
     def lost(*_, **__):
         raise ss.NotConverged("the bound on the work was reached")
 
-    monkeypatch.setattr("stickslip_sym.motion.regimes.classification.classify", lost)
+    monkeypatch.setattr("stickslip_sym.classify", lost)
     _, out, _ = run("simulate", "exponential", "-c", "3.5")
     assert "; in the end: not found: the bound on the work was reached\n" in out
