@@ -116,7 +116,7 @@ class TermFunction:
         reach = reach_of(self.average.profile, self.exact_shapes(self.shape_values(values)))
         bases = zip(self._base_functions, self.ratio, strict=True)
         factor = math.prod([float(power_of(base(values), e)) for base, e in bases if e]) / self.size
-        if values[0] * factor >= reach / 2:
+        if values[0] * factor >= reach / 2 and reach < math.inf:
             raise InputError(
                 f"V = {values[0]:g} m/s needs mu up to v = {2 * values[0]:g} m/s, but the term "
                 f"{self.term.expr} of the law ends at v = {reach / factor:g} m/s"
