@@ -72,7 +72,8 @@ def ball_value(expr: Expr, point: Point, otherwise: Otherwise | None = None) -> 
 
     A function that is not in the table is refused, unless `otherwise` encloses it.
     """
-    return cast(acb, fold(chosen(expr, point), _Balls(point, otherwise=otherwise)))
+    decided = chosen(expr, point) if expr.has(sp.Piecewise) else expr
+    return cast(acb, fold(decided, _Balls(point, otherwise=otherwise)))
 
 
 def ball_function(expr: Expr, variable: Expr, point: Point) -> BallFunction:
@@ -120,6 +121,9 @@ class _Balls:
             return self._joined(operator.add if node.is_Add else operator.mul, parts)
         if node.is_Pow and len(parts) == 2:
             return self._raised(node.exp, *parts)
+        if isinstance(node, sp.Min | sp.Max) and not any(map(callable, parts)):
+            extreme = arb.min if isinstance(node, sp.Min) else arb.max
+            return acb(reduce(extreme, [cast(acb, part).real for part in parts]))
         return self._applied(node, parts)
 
     # What follows is computed of balls here, and of power series in the class below.

@@ -25,6 +25,9 @@ __all__ = ["exact_value", "formula_ball", "from_mpmath", "in_mpmath", "to_ball",
 
 _GUARD = 40  # bits beyond those that are asked for
 _MOST_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
+_PATIENCE = (
+    4  # times the bits that are asked for, before a formula is taken apart by exact arithmetic, which takes long
+)
 _MORE = 64  # bits by which the second look of mpmath is more precise
 
 
@@ -62,10 +65,10 @@ def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, b
                     raise _no_value(point)
                 if reached >= goal:
                     return value.real, alone
-        # What is the same and cancels for good, SymPy's rationals see.
-        expr = expr.xreplace(dict(point))
-        if expr.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
-            raise _no_value(point)
+        if precision > _PATIENCE * goal:  # what is the same and cancels for good, SymPy's rationals see
+            expr = expr.xreplace(dict(point))
+            if expr.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+                raise _no_value(point)
         precision += max(min(goal - reached, precision) + 16, precision // 4)
     if finite:
         raise NotConverged(f"{digits} digits are out of reach of {_MOST_BITS} bits of working precision")

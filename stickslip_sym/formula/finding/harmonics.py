@@ -6,6 +6,7 @@ and hypergeometric series by moments, the rest by Fourier coefficients.
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import sympy as sp
 
@@ -274,26 +275,30 @@ def _series(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
 
 def average_of_pieces(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) -> Expr | None:
     """Return H of a term that is a polynomial in u, and in 1/u but on the first piece, i from end i to i + 1."""
-    theta, tangent = sp.Dummy("theta", real=True), sp.Dummy("t")
-    total = sp.Integer(0)
-    for number, (piece, low, high) in enumerate(zip(pieces, ends, ends[1:], strict=False)):
+    theta, t = sp.Dummy("theta", real=True), sp.Dummy("t")
+    primitives = [sp.Integer(0)]
+    for number, piece in enumerate(pieces):
         polynomial, inverse = sp.Integer(0), sp.Integer(0)
         for term in sp.Add.make_args(sp.expand(piece)):
-            constant, varying = term.as_independent(u, as_Add=False)
-            base, n = varying.as_base_exp()
             if term.is_polynomial(u):
                 polynomial += term
-            elif base == u and n.is_Integer and number:
-                inverse += constant * (2 * V) ** n * (tangent**2 - 1) * (1 + tangent**2) ** (-n - 2)
-            else:
+                continue
+            constant, varying = term.as_independent(u, as_Add=False)
+            base, n = varying.as_base_exp()
+            if base != u or not n.is_Integer or number == 0:
                 return None
+            inverse += constant * (2 * V) ** n * (t**2 - 1) * (1 + t**2) ** (-n - 2)
         mean, *weights = _in_cosines(polynomial, u, V)
         # 1/u = (1 + t^2)/(2 V), cos(theta) = (t^2 - 1)/(t^2 + 1), dtheta = -2 dt/(1 + t^2), t = cot(theta/2).
-        primitive = mean * theta + sp.Add(*[w * sp.sin(k * theta) / k for k, w in enumerate(weights, 1)])
-        of_inverse = -2 * sp.integrate(inverse, tangent).subs(sp.atan(tangent), -theta / 2)
-        for end, sign in ((high, 1), (low, -1)):
-            value = of_inverse.subs(tangent, sp.sqrt(2 * V / end - 1)) if inverse != 0 else sp.Integer(0)
-            total += sign * (primitive + value).subs(theta, sp.acos(1 - end / V))
+        of_inverse = -2 * sp.integrate(inverse, t).subs(sp.atan(t), -theta / 2)
+        primitives.append(
+            mean * theta + sp.Add(*[w * sp.sin(k * theta) / k for k, w in enumerate(weights, 1)]) + of_inverse
+        )
+    total = sp.Integer(0)
+    for end, (before, after) in zip(ends, pairwise([*primitives, sp.Integer(0)]), strict=True):
+        jump = sp.expand(before - after)
+        angle = sp.pi if end == 2 * V else sp.acos(1 - end / V)
+        total += (jump.subs(t, sp.sqrt(2 * V / end - 1)) if jump.has(t) else jump).subs(theta, angle)
     return 2 / (sp.pi * V) * total
 
 

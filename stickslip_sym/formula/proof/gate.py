@@ -9,16 +9,17 @@ import random
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
+import mpmath
 import sympy as sp
 from flint import acb
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.balls import ball, working_precision
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import exact
+from stickslip_sym.core.numbers import exact, to_mpf
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
@@ -85,26 +86,31 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
     )
 
 
-def _near(profile: Expr, point: Mapping[Expr, Expr], share: Expr = sp.S.One) -> Expr:
-    """Return a profile at a share of V, at rounded values: SymPy would factor exact powers of fractions."""
-    values = {**point, symbols.v: share * point[symbols.V]}
-    return sp.sympify(
-        profile.xreplace({symbol: sp.Float(value, 20) for symbol, value in values.items()}).evalf(15)
-    )
+def _at_share(profile: Expr, point: Mapping[Expr, Expr], share: Expr) -> Mpf:
+    """Return a profile at a share of V, NaN where it has no real value."""
+    V, *shapes = point
+    function = function_of([symbols.v, *shapes], profile, "mpmath")
+    with mpmath.workdps(15):
+        try:
+            value = mpmath.mpmathify(
+                function(*map(to_mpf, [share * point[V], *(point[shape] for shape in shapes)]))
+            )
+        except (ZeroDivisionError, ValueError):
+            return mpmath.nan
+    return mpmath.nan if isinstance(value, mpmath.mpc) else value
 
 
 def _is_real(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr]) -> bool:
     """Whether a profile is real at the lowest and at the highest slip speeds that its average needs."""
     shares = (sp.S.One,) if criterion.weight is None else (_NEARLY_AT_REST, sp.Integer(2))
-    values = [_near(profile, point, share) for share in shares]
-    return all(value.is_real and value.is_finite for value in values)
+    return all(mpmath.isfinite(_at_share(profile, point, share)) for share in shares)
 
 
 def _is_known(side: Enclosure, profile: Expr, point: Mapping[Expr, Expr], digits: int) -> bool:
     """Whether an enclosure says enough: to so many digits, or that the value is 0 beside g(V)/V."""
     if side.digits >= digits:
         return True
-    size = abs(complex(_near(profile, point))) / float(point[symbols.V])
+    size = abs(float(_at_share(profile, point, sp.S.One))) / float(point[symbols.V])
     return 0 in side and side.radius <= Fraction(size) / 10**GATE_DIGITS
 
 

@@ -62,7 +62,8 @@ def plain(expr: Expr) -> Expr:
     expr = expr.replace(
         sp.dirichlet_eta, lambda order: sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
     )
-    return expr.xreplace({node: _in_units(node) for node in expr.atoms(sp.Min, sp.Max)})
+    units = {node: unit for node in expr.atoms(sp.Min, sp.Max) if (unit := _in_units(node)) != node}
+    return expr.xreplace(units) if units else expr
 
 
 def _in_units(node: Expr) -> Expr:

@@ -73,7 +73,7 @@ def read_unit(text: str) -> Unit | None:
     return _UNITS.get(text) or _UNITS.get(f"{above.strip() or '1'}/{below.strip()}")
 
 
-_SPREAD = "sigma_mu", "sigma_F_t"
+_SPREAD = "sigma|sd|std(dev)?|stdev|(standard)?(error|uncertainty)|standarddeviation|err|scatter"
 _WORDS: dict[str, tuple[str, ...]] = {
     r"(v|vel)(r|rel|slip|sl|slide|sliding)?|(slip)rate|rpm|drehzahl|(gleit|relativ)?geschwindigkeit": ("v",),
     r"(slip|slide|sliding|rel|relative|surface|lin|linear|belt|track|rotational|angular|spindle)?(speed|velocity)":
@@ -84,8 +84,9 @@ _WORDS: dict[str, tuple[str, ...]] = {
     r"(friction|frictional|tangential|lateral|shear|traction)(force|load)": ("F_t",),
     r"f(n|z|normal)|forcenormal|(normal|contact)force|(normal|applied)?load|normalkraft|last": ("F_n",),
     r"friction|reibung": ("mu", "F_t"),
-    r"sigma|sd|std(dev)?|stdev|(standard)?(error|uncertainty)|standard(deviation|abweichung)|err|scatter": _SPREAD,
-    r"sigmaf": ("sigma_F_t",),
+    rf"(s|u|d|delta|{_SPREAD})(mu|cof)|(mu|cof)({_SPREAD})": ("sigma_mu",),
+    rf"(s|u|d|{_SPREAD})ft|(ft|frictionforce)({_SPREAD})|sigmaf": ("sigma_F_t",),
+    rf"{_SPREAD}|standardabweichung": ("sigma_mu", "sigma_F_t"),
     r"n": ("n", "F_n"),
     r"count|numbervalues|repeats|replicates|samples|anzahl": ("n",),
 }  # fmt: skip
@@ -102,22 +103,14 @@ def _words(text: str) -> list[str]:
     return [word for word in _BREAKS.split(text.lower().translate(_GREEK)) if word and word not in _QUALIFIERS]
 
 
-def _meaning(name: str) -> tuple[str, ...]:
-    return next((meanings for pattern, meanings in _WORDS.items() if re.fullmatch(pattern, name)), ())
-
-
 def _meanings(name: str) -> tuple[str, ...]:
-    """Return what a name may mean: that of its words, of two names alike, or the spread of one, like std of mu."""
+    """Return what a name may mean; two names of one quantity, like friction coefficient mu, mean it too."""
     words = _words(name)
     for i in range(len(words)):
-        first, second = "".join(words[:i]), "".join(words[i:])
-        before, meanings = _meaning(first), _meaning(second)
-        if meanings and (not first or before == meanings):
+        parts = ["".join(part) for part in (words[:i], words[i:]) if part]
+        found = {next((kind for form, kind in _WORDS.items() if re.fullmatch(form, part)), ()) for part in parts}
+        if len(found) == 1 and (meanings := found.pop()):
             return meanings
-        spread_first = before == _SPREAD or first in ("s", "u", "d", "delta")  # but mu_s and mu_d are coefficients
-        of = meanings if spread_first else before if meanings == _SPREAD else ()
-        if sigmas := tuple(f"sigma_{one}" for one in of if one in ("mu", "F_t")):
-            return sigmas
     return ()
 
 

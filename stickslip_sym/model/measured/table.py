@@ -248,7 +248,7 @@ def _no_header(rows: Sequence[tuple[int, str]], separator: str, name: str) -> st
 def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], count: int, separator: str) -> None:
     """Take the cells that are read of all rows, each of which has so many columns."""
     read = {column.position: quantity for quantity, column in table.columns.items()}
-    sign = _decimal_sign(rows, list(read), table.name)
+    sign = _decimal_sign(rows, sorted(read), table.name)
     looked_at = [row for _, row in rows[:_LOOKED_AT] if len(row) >= count]
     numeric = [  # a word in another column of numbers, like Mean, says that a row is none of measurements
         i for i in range(count)

@@ -45,8 +45,8 @@ CURVES = ("equilibrium", "least_squares", "exact")
 """The thresholds of an operating point."""
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _NEEDED = 1e-11  # tolerance of the steps with which needed dampings are found
-_SIGN = 1e-8  # tolerance of the steps by which the sign of a gap is found
-_UNSURE = 1e-5  # gap of which such steps do not tell the sign
+_SIGN = 1e-8  # tolerance of the steps by which the sign of a gap is found, where it is not next to 0
+_UNSURE = 100.0  # tolerances: gap of which steps do not tell the sign
 _FOLD = 1e-7  # amplitude to which a fold is found; the damping there is known to its square
 _FINER = 1e-2  # tolerance of the motions of single cells over that of thresholds
 _TIGHTEST = 1e-13
@@ -280,9 +280,13 @@ class _Decider:
 
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""
-        row = cell // self.zeta.shape[1]
-        found = self._orbits(_gaps_all, row, A, self.zeta.ravel()[cell], rtol=_SIGN)[:, 0]
-        return np.where(np.abs(found) < _UNSURE, math.nan, np.clip(found, -1.0, 1.0))
+        found, unsure = np.zeros(cell.size), np.ones(cell.size, dtype=bool)
+        for rtol in (_SIGN, _NEEDED):
+            some = cell[unsure]
+            rows = some // self.zeta.shape[1]
+            found[unsure] = self._orbits(_gaps_all, rows, A[unsure], self.zeta.ravel()[some], rtol=rtol)[:, 0]
+            unsure = np.abs(found) < _UNSURE * rtol
+        return np.where(unsure, math.nan, np.clip(found, -1.0, 1.0))
 
     def _beside_fold(self, i: int, zeta: float, low: float, high: float) -> tuple[bool, float]:
         """Tell whether the needed damping passes a given one between two amplitudes, and how near it comes."""

@@ -1,8 +1,12 @@
-"""What a map's picture and files show."""
+"""What the files and the pictures of maps, basins and sweeps show.
+
+The content is made up and different in every direction, so that no column can stand in for another, nor rows for
+columns.
+"""
 
 import csv
-import dataclasses
 import re
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -10,94 +14,149 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
+from stickslip_sym.motion.maps.basins import BasinMap
+from stickslip_sym.motion.maps.cells import CURVES, Reason
+from stickslip_sym.motion.maps.motions import MotionMap
 from stickslip_sym.motion.maps.table import Axis
+from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 
-SCENE = {"N": 9.81, "m": 1.0, "k": 100.0}
+LAW = ss.laws.exponential.typical()
+POINT = {"N": 9.81, "m": 1.0, "k": 100.0}
 V, C = np.linspace(0.05, 0.95, 7), np.linspace(0.02, 6, 8)
 
 
-def test_files_hold_what_the_map_does(tmp_path, law):
-    found = ss.motion_map(law, x=("V", V), y=("c", C), **SCENE)
-    found.to_npz(tmp_path / "map.npz")
-    with np.load(tmp_path / "map.npz", allow_pickle=False) as arrays:
-        assert np.array_equal(arrays["x"], V)
-        assert (arrays["x_name"], arrays["y_unit"], arrays["fixed_N"]) == ("V", "kg/s", 9.81)
-        assert arrays["motion"].tolist() == [[motion.value for motion in row] for row in found.motion]
-        assert np.array_equal(arrays["rest"], found.attractors["rest"])
-        assert np.array_equal(arrays["c_exact"], found.thresholds["exact"])
-    found.to_csv(tmp_path / "map.csv")
-    with (tmp_path / "map.csv").open(newline="") as stream:
+def any_of(rng, kinds, shape):
+    found = np.empty(shape, dtype=object)
+    for place in np.ndindex(shape):
+        found[place] = list(kinds)[rng.integers(len(kinds))]
+    return found
+
+
+def made_up_map(rng, names):
+    """Return a map whose arrays have nothing in common, with what its files should hold by their names."""
+    shape = [(5, 3), (2, 4)][rng.integers(2)]
+    x, y = (
+        Axis(name, np.sort(rng.uniform(low, low + 1, size)), "some unit", "")
+        for name, low, size in zip(names, (0, 3), shape[::-1], strict=True)
+    )
+    # A threshold broadcasts: along c it is one number for each cell of the other axis.
+    flat = (1, shape[1]) if y.name == "c" else (shape[0], 1) if x.name == "c" else shape
+    found = MotionMap(
+        axes=(x, y), law=LAW, fixed={"m": 1.0, "k": 100.0}, motion=any_of(rng, Motion, shape),
+        attractors={kind.name: rng.random(shape) < 0.5 for kind in ATTRACTORS}, reason=any_of(rng, Reason, shape),
+        thresholds={name: rng.normal(size=flat) for name in CURVES}, notes={},
+    )  # fmt: skip
+    words = {name: [[one.value for one in row] for row in getattr(found, name)] for name in ("motion", "reason")}
+    return found, words | found.attractors | {f"c_{name}": curve for name, curve in found.thresholds.items()}
+
+
+def made_up_basins(rng, _):
+    osc = replace(paper_oscillator(3.0), m=rng.uniform(0.9, 1.1), N=rng.uniform(9, 10))
+    x0, v0 = np.sort(rng.uniform(-2, -1, 4)), np.sort(rng.uniform(0, 1, 3))
+    axes = Axis("x0", x0, "m", ""), Axis("v0", v0, "m/s", "")
+    found = BasinMap(axes, LAW, asdict(osc), any_of(rng, Motion, (3, 4)), ss.regime(LAW, osc), {}, 12, 0, {})
+    return found, {"motion": [[one.value for one in row] for row in found.motion]}
+
+
+@pytest.mark.parametrize("make", [made_up_map, made_up_basins])
+@pytest.mark.parametrize("names", [("V", "c"), ("c", "alpha"), ("N", "k")])
+def test_files_hold_what_the_cells_say(tmp_path, make, names):
+    found, expected = make(np.random.default_rng(20160428), names)
+    found.to_csv(tmp_path / "cells.csv")
+    with (tmp_path / "cells.csv").open(newline="") as stream:
         rows = list(csv.DictReader(stream))
-    assert [float(row["V"]) for row in rows] == [*V] * C.size
-    assert [row["motion"] for row in rows] == [motion.value for motion in found.motion.ravel()]
-    assert [float(row["c_exact"]) for row in rows[: V.size]] == found.thresholds["exact"][0].tolist()
+    assert len(rows) == found.motion.size
+    for cell, (row, column) in zip(rows, np.ndindex(found.motion.shape), strict=True):
+        assert float(cell.pop(found.x.name)) == found.x.values[column]
+        assert float(cell.pop(found.y.name)) == found.y.values[row]
+        for name, content in expected.items():
+            value = np.broadcast_to(np.array(content), found.motion.shape)[row, column]
+            text = cell.pop(name)
+            assert (text if isinstance(value, str) else float(text)) == value
+        assert not cell
+    found.to_npz(tmp_path / "cells.npz")
+    with np.load(tmp_path / "cells.npz", allow_pickle=False) as arrays:
+        kept = {name: arrays[name] for name in arrays.files}
+    for side, axis in (("x", found.x), ("y", found.y)):
+        assert kept.pop(side).tolist() == axis.values.tolist()
+        assert (kept.pop(f"{side}_name"), kept.pop(f"{side}_unit")) == (axis.name, axis.unit)
+    for name, content in expected.items():
+        assert kept.pop(name).tolist() == np.array(content).tolist()
+    assert {name: float(kept.pop(f"fixed_{name}")) for name in found.fixed} == found.fixed
+    assert set(kept) == {"law"}
     with pytest.raises(ss.InputError, match="cannot write"):
         found.to_csv(tmp_path / "missing" / "map.csv")
 
 
+def test_a_motions_columns_are_its_samples(tmp_path):
+    motion = ss.simulate(LAW, paper_oscillator(1.0), t_end=3.0, v0=0.1)
+    motion.to_csv(tmp_path / "motion.csv")
+    with (tmp_path / "motion.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    for name in ("t", "x", "v"):
+        (column,) = (header for header in rows[0] if header.split()[0] == name)
+        assert [float(row[column]) for row in rows] == getattr(motion, name).tolist()
+    assert [row["phase"] for row in rows] == [phase.name.lower() for phase in motion.phase]
+
+
 def test_drawings_tell_regions_apart_without_colour(tmp_path, law):
-    found = ss.motion_map(law, x=("V", V), y=("c", np.linspace(0.02, 6, 40)), **SCENE)
+    found = ss.motion_map(law, x=("V", V), y=("c", np.linspace(0.02, 6, 40)), **POINT)
     found.plot(tmp_path / "map.svg")
     drawn = (tmp_path / "map.svg").read_text()
-    for text in (
-        "belt speed V (m/s)",
-        "viscous damping coefficient c (kg/s)",
-        "exact threshold",
-        "stick-slip",
-        "rest",
-    ):
-        assert f">{text}</text>" in drawn
+    labels = "belt speed V (m/s)", "viscous damping coefficient c (kg/s)", "exact threshold", "stick-slip", "rest"
+    assert all(f">{text}</text>" in drawn for text in labels)
     assert "<pattern" in drawn  # hatching
-    for axes in (
-        {"x": ("V", [0.5])},
-        {"x": ("c", [1, 2]), "y": ("V", [0.1, 0.2])},
-        {"y": ("m", [1, 2, 3]), "c": 2.6},
-    ):
-        request = {"x": ("V", V), "y": ("c", C)} | SCENE | axes
-        request = {name: value for name, value in request.items() if name != request["y"][0]}
-        ss.motion_map(law, **request).plot(tmp_path / "other.png")
     with pytest.raises(ss.InputError, match=r"cannot draw to 'map\.xyz'"):
         found.plot(tmp_path / "map.xyz")
 
 
 def test_the_legend_names_the_curves_that_are_drawn():
-    """Over a single row of N there is no line along which c is a threshold."""
+    """Lines along c, and contours otherwise: over a single row of N there is none."""
     contour = pytest.importorskip("matplotlib.contour")
-    law = ss.laws.exponential.typical()
-    for rows in ([9.81], [5.0, 9.81]):
-        found = ss.motion_map(law, x=("V", V), y=("N", rows), c=2.0, m=1.0, k=100.0)
-        figure = found.plot()
+    for axes, curves in (
+        ({"x": ("V", V), "y": ("N", [9.81]), "c": 2.0}, 0),
+        ({"x": ("V", V), "y": ("N", [5.0, 9.81]), "c": 2.0}, 3),
+        ({"x": ("V", [0.5]), "y": ("c", C), "N": 9.81}, 3),
+        ({"x": ("c", [1, 2]), "y": ("V", [0.1, 0.2]), "N": 9.81}, 3),
+    ):
+        figure = ss.motion_map(LAW, **axes, m=1.0, k=100.0).plot()
         contours = [one for one in figure.axes[0].collections if isinstance(one, contour.ContourSet)]
-        drawn = [one for one in contours if one.get_paths()]
+        drawn = [one for one in contours if one.get_paths()] + figure.axes[0].lines[:]
         texts = [text.get_text() for text in figure.legends[0].get_texts()]
         named = [text for text in texts if re.search("threshold|criterion", text)]
-        assert len(named) == len(drawn) == (3 if len(rows) > 1 else 0)
+        assert len(named) == len(drawn) == curves
 
 
-def test_maps_are_drawn_into_axes_of_ones_own(tmp_path):
+def test_pictures_are_drawn_into_axes_of_ones_own(tmp_path):
     figure_module = pytest.importorskip("matplotlib.figure")
-    law, osc = ss.laws.exponential.typical(), paper_oscillator(2.3)
+    osc = paper_oscillator(2.3)
     figure = figure_module.Figure()
-    left, right = figure.subplots(1, 2)
-    assert ss.motion_map(law, x=("V", V[:2]), y=("c", C[:2]), **SCENE).plot(ax=left) is figure
-    ss.basin_map(law, osc, x0=[0.0, 0.1], v0=[0.0, 0.1]).plot(tmp_path / "both.svg", ax=right)
-    text = (tmp_path / "both.svg").read_text()
-    assert ">belt speed V (m/s)</text>" in text
-    assert ">initial velocity v0 (m/s)</text>" in text
+    panels = figure.subplots(2, 2).ravel()
+    results = [
+        ss.motion_map(LAW, x=("V", V[:2]), y=("c", C[:2]), **POINT),
+        ss.basin_map(LAW, osc, x0=[0.0, 0.1], v0=[0.0, 0.1]),
+        ss.basin_sweep(LAW, osc, ("c", [2.2, 2.3]), x0=(0, 0.1), v0=(0, 0.1)),
+        ss.regime(LAW, osc),
+    ]
+    assert all(found.plot(ax=ax) is figure for found, ax in zip(results, panels, strict=True))
+    results[0].plot(tmp_path / "all.svg", ax=panels[0])
+    text = (tmp_path / "all.svg").read_text()
+    for label in ("belt speed V (m/s)", "initial velocity v0 (m/s)", "separatrix", "stick-slip", "rest"):
+        assert f">{label}</text>" in text
 
 
 def test_hatching_fills_its_cells_and_no_others():
     """Seeded motions on coarse grids, even, by ratios or neither: what is hatched is what has that colour."""
     to_rgb = pytest.importorskip("matplotlib.colors").to_rgb
     rng, hatched = np.random.default_rng(6), 0
-    basins = ss.basin_map(ss.laws.exponential.typical(), paper_oscillator(2.3), x0=[0.0], v0=[0.0])
+    basins = ss.basin_map(LAW, paper_oscillator(2.3), x0=[0.0], v0=[0.0])
     for _ in range(12):
         columns, rows = rng.integers(1, 9, 2).tolist()
         x0 = rng.choice([np.geomspace(0.01, 9, columns), np.linspace(-1, 2, columns)])
         v0 = np.cumsum(rng.uniform(0.1, 3, rows))
         motion = rng.choice(list(Motion), (rows, columns))
         over = Axis("x0", x0, "m", ""), Axis("v0", v0, "m/s", "")
-        axes = dataclasses.replace(basins, axes=over, motion=motion).plot().axes[0]
+        axes = replace(basins, axes=over, motion=motion).plot().axes[0]
         (mesh,) = (one for one in axes.collections if hasattr(one, "get_coordinates"))
         edges, colours = mesh.get_coordinates(), mesh.to_rgba(mesh.get_array())
         (left, low), (right, high) = edges[:-1, :-1].T, edges[1:, 1:].T
