@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import minimize_scalar
 
 from derivations import chapter
 from paper_checks.computed import LAWS, law, needed, orbit, oscillator, response, sticks_and_slips, threshold
@@ -67,32 +66,18 @@ def natural_frequency(find: Find, printed: Printed) -> Finding:
 
 def next_peak(name: str, osc: Oscillator) -> float:
     """Return the velocity in m/s at the peak after the slip from P, from (2) integrated as it stands."""
-    mu = law(name).mu
-    start = (mu(0.0) * osc.N - osc.c * osc.V) / osc.k
+    mu, period = law(name).mu, 2 * np.pi / osc.omega
 
     def acceleration(_: float, y: Any) -> float:
         return float(osc.N * mu(max(osc.V - y[1], 0.0)) - osc.c * y[1] - osc.k * y[0]) / osc.m
 
-    period = 2 * np.pi / osc.omega
+    start = (mu(0.0) * osc.N - osc.c * osc.V) / osc.k, osc.V
     motion = solve_ivp(
-        lambda t, y: [y[1], acceleration(t, y)],
-        (0.0, 1.3 * period),
-        (start, osc.V),
-        method="DOP853",
-        rtol=1e-11,
-        atol=1e-13,
-        dense_output=True,
-    )
-    times = np.linspace(0.8, 1.2, 41) * period
-    late = motion.sol(times)[1]
-    best = int(np.argmax(late))
-    found = minimize_scalar(
-        lambda t: -motion.sol(t)[1],
-        bounds=(times[max(best - 1, 0)], times[min(best + 1, 40)]),
-        method="bounded",
-        options={"xatol": 1e-7 * period},
-    )
-    return float(-found.fun)
+        lambda t, y: [y[1], acceleration(t, y)], (0.0, 1.3 * period), start, events=acceleration,
+        method="DOP853", rtol=1e-11, atol=1e-13,
+    )  # fmt: skip
+    turns = zip(motion.t_events[0], motion.y_events[0], strict=True)
+    return float(max(y[1] for t, y in turns if t > 0.8 * period))
 
 
 @check("S3")

@@ -26,24 +26,12 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim.
-
-    Attributes
-    ----------
-    id : str
-    where : str
-        The place in the paper.
-    says : str
-        The claim in a few words.
-    paper : str
-        The paper's value or equation.
-    outcome : Outcome
-    """
+    """One claim."""
 
     id: str
-    where: str
-    says: str
-    paper: str
+    where: str  # in the paper
+    says: str  # in a few words
+    paper: str  # the paper's value or equation
     outcome: Outcome = Outcome.REPRODUCED
 
 

@@ -111,28 +111,17 @@ def needed(name: str) -> NeededDamping:
 class Response:
     """A motion from the paper's initial condition, x(0) = 0 and x'(0) = V, over some forty periods.
 
-    Attributes
-    ----------
-    kind : str
-        "stick-slip" if the mass sticks again after it slipped. If not, "pure slip" where the peak of the
-        velocity changes by less than 1 % of V in each of the first five periods, "damped slip" where it falls
-        by more in each, and "other" if neither.
-    onsets : numpy.ndarray
-        Times in s at which slip began.
-    sticks : numpy.ndarray
-        Durations in s of the stick phases, after the first.
-    times, peaks : numpy.ndarray
-        Peaks of the velocity, P the first of them: when, in s, and how high, in m/s.
-    slip : scipy.interpolate.PPoly
-        The displacement in m as a function of time in s, in the slip that leaves P for the first time.
+    Its kind is "stick-slip" if the mass sticks again after it slipped. If not, "pure slip" where the peak of the
+    velocity changes by less than 1 % of V in each of the first five periods, "damped slip" where it falls by more
+    in each, and "other" if neither.
     """
 
     kind: str
-    onsets: Any
-    sticks: Any
-    times: Any
-    peaks: Any
-    slip: PPoly
+    onsets: Any  # times in s at which slip began
+    sticks: Any  # durations in s of the stick phases, after the first
+    times: Any  # of the peaks of the velocity in s, P the first of them
+    peaks: Any  # in m/s
+    slip: PPoly  # displacement in m over time in s, in the slip that leaves P for the first time
 
     @property
     def period(self) -> float:
@@ -186,21 +175,11 @@ def _smooth(law: FrictionLaw, osc: Oscillator, motion: Trajectory, start: float,
 
 @dataclass(frozen=True)
 class Orbit:
-    """The orbit that grazes the belt's speed, from simulation a hair above the exact threshold.
+    """The orbit that grazes the belt's speed, from simulation a hair above the exact threshold."""
 
-    Attributes
-    ----------
-    velocity : numpy.ndarray
-        In m/s, at equispaced times of one period.
-    distortion : float
-        Root of the sum of squares of the velocity's overtones, over its fundamental.
-    gap : float
-        How much the velocity in m/s changes over the period.
-    """
-
-    velocity: Any
-    distortion: float
-    gap: float
+    velocity: Any  # in m/s, at equispaced times of one period
+    distortion: float  # root of the sum of squares of its overtones, over its fundamental
+    gap: float  # change of the velocity over the period, in m/s
 
 
 @cache

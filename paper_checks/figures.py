@@ -15,24 +15,12 @@ __all__ = ["FIGURES", "PaperFigure"]
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """A figure of the paper.
-
-    Attributes
-    ----------
-    number : int
-    title : str
-    shown : str
-        What the paper shows, drawn in black.
-    left_out : str
-        What the paper leaves out, drawn in colour.
-    claims : tuple of str
-    compute : callable
-    """
+    """A figure of the paper."""
 
     number: int
     title: str
-    shown: str
-    left_out: str
+    shown: str  # by the paper, drawn in black
+    left_out: str  # by the paper, drawn in colour
     claims: tuple[str, ...]
     compute: Callable[[], Any]
 

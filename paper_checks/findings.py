@@ -26,32 +26,16 @@ number whose error is estimated."""
 
 @dataclass(frozen=True)
 class Finding:
-    """What a check found.
+    """What a check found, its evidence by kind."""
 
-    Attributes
-    ----------
-    id : str
-        Of the claim.
-    ours : str
-        Our value.
-    outcome : Outcome
-        The verdict that the evidence gives.
-    holds : str
-        In one plain sentence, without its stop: what holds and what does not.
-    proved, checked, estimated : str
-        What was found, by kind of evidence; empty where nothing was.
-    difference : str
-        Between the paper's value and ours; empty where the claim is no number.
-    """
-
-    id: str
-    ours: str
-    outcome: Outcome
-    holds: str
+    id: str  # of the claim
+    ours: str  # our value
+    outcome: Outcome  # the verdict that the evidence gives
+    holds: str  # what holds and what does not, in one plain sentence without its stop
     proved: str = ""
     checked: str = ""
     estimated: str = ""
-    difference: str = ""
+    difference: str = ""  # between the paper's value and ours; empty where the claim is no number
 
     @property
     def claim(self) -> Claim:

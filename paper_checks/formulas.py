@@ -25,22 +25,11 @@ Relation = tuple[Any, str, Any]
 
 @dataclass(frozen=True)
 class PrintedEquation:
-    """An equation of the paper.
+    """An equation of the paper; a text in a relation stands for an entry of `paper.equations`."""
 
-    Attributes
-    ----------
-    number : str
-        As printed, with parentheses.
-    about : str
-    claims : tuple of str
-        The checks that decide about it.
-    relations : list
-        Each a left side, a sign and a right side; a text stands for an entry of `paper.equations`.
-    """
-
-    number: str
+    number: str  # as printed, with parentheses
     about: str
-    claims: tuple[str, ...]
+    claims: tuple[str, ...]  # the checks that decide about it
     relations: list[Relation]
 
     def mathml(self) -> Markup:

@@ -29,23 +29,11 @@ _SIGNS = {Outcome.REPRODUCED: "✓", Outcome.QUALIFIED: "◐", Outcome.NOT_REPRO
 
 @dataclass(frozen=True)
 class Report:
-    """All that a report says.
+    """All that a report says."""
 
-    Attributes
-    ----------
-    findings : dict
-        By the identifiers of claims; a claim that was not checked in this run has none.
-    pictures : dict
-        Numbers of figures to data URIs.
-    methods : dict
-        Names of laws to the methods for a threshold, measured.
-    versions : dict
-    time : str
-    """
-
-    findings: dict[str, Finding]
-    pictures: dict[int, str]
-    methods: dict[str, tuple[Row, ...]]
+    findings: dict[str, Finding]  # of the claims that were checked in this run
+    pictures: dict[int, str]  # data URIs of the figures
+    methods: dict[str, tuple[Row, ...]]  # for a threshold, measured, by law
     versions: dict[str, str]
     time: str
 

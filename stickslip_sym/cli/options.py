@@ -39,13 +39,7 @@ _BELONGS = {
 
 
 class Given:
-    """The options of a command, and which of them were read.
-
-    Attributes
-    ----------
-    command : str
-        Name of the command.
-    """
+    """The options of a command, by its name, and which of them were read."""
 
     def __init__(self, context: click.Context) -> None:
         self._context, self._read = context, {"overwrite", "json"}

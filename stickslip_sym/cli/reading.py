@@ -25,27 +25,13 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Point:
-    """A law and an operating point as they were given, and what was left to defaults.
+    """A law and an operating point as they were given, and what was left to defaults."""
 
-    Attributes
-    ----------
-    law : FrictionLaw
-        With typical values where none was given.
-    typical : tuple of str
-        Names of these.
-    texts : dict of str to str
-        V, N, m and k, and c where the command takes it, perhaps with standard errors.
-    defaults : tuple of str
-        Those that were not given.
-    file : Path or None
-        Where it was read.
-    """
-
-    law: ss.FrictionLaw
-    typical: tuple[str, ...]
-    texts: dict[str, str]
-    defaults: tuple[str, ...]
-    file: Path | None = None
+    law: ss.FrictionLaw  # with typical values where none was given
+    typical: tuple[str, ...]  # names of these
+    texts: dict[str, str]  # V, N, m, k, and c where the command takes it, perhaps with standard errors
+    defaults: tuple[str, ...]  # those that were not given
+    file: Path | None = None  # where it was read
 
     @property
     def numbers(self) -> dict[str, float]:

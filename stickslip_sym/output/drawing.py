@@ -209,13 +209,7 @@ def dense(ends: "FloatArray") -> "FloatArray":
 
 
 def save(figure: "Figure", path: Path) -> None:
-    """Write a drawing to a file, in the format of its name.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written, or matplotlib does not know its format.
-    """
+    """Write a drawing to a file, in the format of its name; refuse a format that matplotlib does not know."""
     require_name(path)
     try:
         with styled():
