@@ -324,13 +324,21 @@ def derive(
     """
     law = as_law(law)
     criterion = find(criterion)
-    stages = _Stages(progress or (lambda _: None))
+    stage = "reading the law"
+
+    def at(words: str) -> None:
+        nonlocal stage
+        check_time()
+        stage = words
+        if progress is not None:
+            progress(words)
+
     try:
         with limit(time_limit):
-            return _derived(law, criterion, search, stages)
+            return _derived(law, criterion, search, at)
     except OutOfTime:
         raise NoClosedForm(
-            f"the time limit of {time_limit:g} s was reached while {stages.last}; give it more time with "
+            f"the time limit of {time_limit:g} s was reached while {stage}; give it more time with "
             "time_limit=..., or take the criterion by stickslip_sym.slope_average"
         ) from None
 
@@ -339,15 +347,15 @@ def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[T
     """Return the terms of the derivative of a term: of its amplitude, its scale, and its shapes."""
     amplitude, scale, average = term.amplitude, term.scale, average_of(term.profile, criterion)
     shares = [
-        (sp.diff(amplitude, parameter), term.profile),
-        (-amplitude * sp.diff(scale, parameter) / scale, v * average.slope),
+        (None, sp.diff(amplitude, parameter), term.profile),
+        (v, -amplitude * sp.diff(scale, parameter) / scale, v * average.slope),
         *(
-            (amplitude * sp.diff(meaning, parameter), sp.diff(term.profile, shape))
+            (shape, amplitude * sp.diff(meaning, parameter), sp.diff(term.profile, shape))
             for shape, meaning in term.shapes.items()
         ),
     ]
     found = []
-    for (share, profile), variable in zip(shares, (None, v, *term.shapes), strict=True):
+    for variable, share, profile in shares:
         if share == 0 or profile == 0:
             continue
         if variable is not None:
@@ -357,37 +365,25 @@ def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[T
     return found
 
 
-class _Stages:
-    """What a derivation is at."""
-
-    def __init__(self, progress: Progress) -> None:
-        self._progress, self.last = progress, "reading the law"
-
-    def __call__(self, stage: str) -> None:
-        check_time()
-        self.last = stage
-        self._progress(stage)
-
-
-def _derived(law: FrictionLaw, criterion: Criterion, search: bool, stages: _Stages) -> ClosedForm:
+def _derived(law: FrictionLaw, criterion: Criterion, search: bool, at: Progress) -> ClosedForm:
     form = ClosedForm(law, criterion, law.terms)
     for term, average in form.averages:
         name = printing.text(term.expr)
-        stages(f"averaging {name}")
+        at(f"averaging {name}")
         try:
-            average.find(_SEARCHING if search else 0.0, stages)
+            average.find(_SEARCHING if search else 0.0, at)
         except NoClosedForm as failure:
             raise NoClosedForm(
                 f"the term {name} has no closed form that is known here: {failure}. {_REMEDY}"
             ) from None
     for term, average in form.averages:
         name = printing.text(term.profile)
-        stages(f"comparing the average of {name} with its definition at {GATE_POINTS} points")
+        at(f"comparing the average of {name} with its definition at {GATE_POINTS} points")
         _require(average.gate)
-        stages(f"proving the average of {name}")
+        at(f"proving the average of {name}")
         for step in average.steps:
             _require(step.verdict)
-    stages("adding up the averages")
+    at("adding up the averages")
     _require(form.verdict)
     return form
 
