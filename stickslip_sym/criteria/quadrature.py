@@ -20,7 +20,7 @@ from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 
-__all__ = ["MOST_DIGITS", "average", "damping", "read_scene"]
+__all__ = ["MOST_DIGITS", "average", "damping", "read_operating_point"]
 
 Function = Callable[[Mpf], Mpf]
 
@@ -73,7 +73,7 @@ def damping(
         If the integrand is too irregular for the bound on the work.
     """
     law = as_law(law)
-    criterion, speed, force = read_scene(law, criterion, V, N, digits)
+    criterion, speed, force = read_operating_point(law, criterion, V, N, digits)
     if force == 0 or not law.expr.has(symbols.v):
         _real(law.function("mpmath"))  # refuses a law without values
         return mpmath.mpf(0)  # every kernel averages a slope: it integrates to zero
@@ -113,7 +113,7 @@ def average(coefficient: Function, kinks: Sequence[Expr], criterion: Criterion, 
     )
 
 
-def read_scene(
+def read_operating_point(
     law: FrictionLaw, criterion: str | Criterion, V: Number, N: Number, digits: int
 ) -> tuple[Criterion, Expr, Expr]:
     """Return a criterion, V and N, exactly, or refuse what no criterion has a value for."""
