@@ -66,7 +66,7 @@ REFUSED = [
     ("derive exponential -p alpha=1 -p alpha=2", "alpha is given twice, as 1 and 2; give it once"),
     ("derive exponential --latex a --latex b", "--latex is given twice; give it once"),
     ("simulate linear -V 1 -V2", "-V is given twice; give it once"),
-    ("derive exponential -V 1e-400", "V is below what double precision can hold"),
+    ("derive exponential -V 1e-400", "V is too small; give a size from 1e-20 to 1e+20"),
     ("derive exponential -V 1e300", "V is too large; give a size from 1e-20 to 1e+20"),
     ("derive exponential -p alpha=fast", "alpha = 'fast' is not a number; write it like"),
     ("derive exponential -p alpha", "'alpha' is not NAME=VALUE; write for example"),
