@@ -1,5 +1,7 @@
 """``stickslip export``: criteria as LaTeX, Python, C or Octave, or exactly, several at once or none at all."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 

@@ -1,5 +1,7 @@
 """``stickslip fit``: laws fitted to measured friction, and ranked."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -56,7 +58,7 @@ def run(given: Given) -> None:
         echo_all("fit", contents, files)
 
 
-def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> "Fits":
+def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
     """Return the fits of laws to a file of measurements, the last that asks for options."""
     reading = reading_of(given.__getitem__)
     given.all_used()

@@ -7,6 +7,8 @@ SI units, and null where there is none; formulas are text, and so is a number as
 a name goes or changes its meaning; names may be added without.
 """
 
+from __future__ import annotations
+
 import json
 import math
 import sys
@@ -57,7 +59,7 @@ _ATTRIBUTES = {
 
 
 @contextmanager
-def progress_bar(*columns: "ProgressColumn | str") -> Iterator[Callable[..., None]]:
+def progress_bar(*columns: ProgressColumn | str) -> Iterator[Callable[..., None]]:
     """Show columns of rich on a terminal, and yield what updates them; elsewhere show nothing."""
     from rich.console import Console
     from rich.progress import Progress

@@ -1,5 +1,7 @@
 """``stickslip study``: everything about an operating point, as one page."""
 
+from __future__ import annotations
+
 import warnings
 from dataclasses import replace
 from pathlib import Path
