@@ -9,28 +9,15 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
+from stickslip_sym.model.negative import lowest
 
+SEED = 20160428
 TEXT = "mu_m + (mu_s - mu_m)*exp(-alpha*v)"
 
 
-def test_text_and_sympy_give_the_same_law():
-    mu_s, mu_m, alpha, v = sp.symbols("mu_s mu_m alpha v")
-    from_sympy = ss.FrictionLaw(mu_m + (mu_s - mu_m) * sp.exp(-alpha * v))
-    assert ss.FrictionLaw(TEXT).expr == from_sympy.expr == ss.laws.exponential.expr
-    assert set(from_sympy.parameters) == {"mu_s", "mu_m", "alpha"}
-
-
-def test_values_and_slopes(law):
-    v = np.linspace(0.0, 2.0, 7)
-    step = 1e-6
-    numerical = (law.mu(v + step) - law.mu(np.abs(v - step))) / (2 * step)
-    assert law.mu(0.0) == 0.5
+def test_speeds_broadcast(law):
     assert isinstance(law.mu(0.3), float)
-    assert law.slope(v[1:]) == pytest.approx(numerical[1:], rel=1e-8, abs=1e-8)
-    assert law.mu(v.reshape(7, 1)).shape == (7, 1)
-
-
-def test_a_constant_law_broadcasts():
+    assert law.mu(np.ones((7, 1))).shape == (7, 1)
     coulomb = ss.FrictionLaw("mu_k").bind(mu_k=0.3)
     assert coulomb.mu(np.zeros((2, 3))).tolist() == [[0.3] * 3] * 2
     assert coulomb.slope(np.zeros(2)).tolist() == [0.0, 0.0]
@@ -48,31 +35,13 @@ def test_bind_is_partial_and_leaves_the_law_alone():
 @pytest.mark.parametrize(
     ("value", "read"),
     [
-        (0.1, sp.Rational(0.1)),
-        ("0.1", sp.Rational(1, 10)),
-        ("1/3", sp.Rational(1, 3)),
-        (np.float64(0.25), sp.Rational(1, 4)),
-        (np.int64(3), sp.Integer(3)),
-        (mpmath.mpf("0.5"), sp.Rational(1, 2)),
-        (sp.Rational(2, 7), sp.Rational(2, 7)),
-        (sp.Float("0.5"), sp.Rational(1, 2)),
+        (0.1, sp.Rational(0.1)), ("0.1", sp.Rational(1, 10)), ("1/3", sp.Rational(1, 3)),
+        (np.int64(3), sp.Integer(3)), (np.float64(0.25), sp.Rational(1, 4)), (sp.Float("0.5"), sp.Rational(1, 2)),
+        (sp.Rational(2, 7), sp.Rational(2, 7)), (mpmath.mpf("0.5"), sp.Rational(1, 2)),
     ],
-)
+)  # fmt: skip
 def test_numbers_are_read_exactly(value, read):
     assert ss.FrictionLaw("b*v").bind(b=value).values["b"] == read
-
-
-@pytest.mark.parametrize("name", ["V", "N", "m", "k", "c", "x", "t", "self", "digits", "on_invalid"])
-def test_names_of_quantities_and_arguments_are_taken(name):
-    with pytest.raises(ss.InputError, match=f"'{name}' is (taken: it is the|an argument of functions)"):
-        ss.FrictionLaw(f"1 + {name}*v")
-
-
-def test_v_is_no_parameter():
-    with pytest.raises(ss.InputError, match="'v' is taken"):
-        ss.Parameter("v")
-    with pytest.raises(ss.InputError, match="cannot depend on v"):
-        ss.FrictionLaw("mu_k", static="mu_k + v")
 
 
 @pytest.mark.parametrize(
@@ -115,14 +84,10 @@ def test_what_a_law_holds_cannot_be_changed():
 @pytest.mark.parametrize(
     ("formula", "mu", "slope"),
     [
-        ("log(v)", -np.inf, np.inf),
-        ("1/v", np.inf, -np.inf),
-        ("sqrt(v)", 0, np.inf),
-        ("v*log(v)", 0, -np.inf),
-        ("v^1.5", 0, 0),
-        ("Piecewise((v, v < 1), (log(v - 1)))", 0, 1),
+        ("log(v)", -np.inf, np.inf), ("1/v", np.inf, -np.inf), ("sqrt(v)", 0, np.inf), ("v*log(v)", 0, -np.inf),
+        ("v^1.5", 0, 0), ("Piecewise((v, v < 1), (log(v - 1)))", 0, 1),
     ],
-)
+)  # fmt: skip
 def test_limits_at_rest(formula, mu, slope):
     law = ss.FrictionLaw(formula)
     assert (law.mu(0.0), law.slope(0.0)) == (mu, slope)
@@ -136,13 +101,10 @@ def test_overflow_is_infinite_without_a_warning():
 @pytest.mark.parametrize(
     ("formula", "values", "speed"),
     [
-        ("log(v - 0.2)", {}, 0.1),
-        ("exp(800*v)/(1 + exp(800*v))", {}, 1.0),
-        ("sqrt(v - 1)", {}, 0.0),
-        ("v*b^0.5", {"b": -1}, 0.25),
-        ("v + 1/b", {"b": 0}, 0.25),
+        ("log(v - 0.2)", {}, 0.1), ("exp(800*v)/(1 + exp(800*v))", {}, 1.0), ("sqrt(v - 1)", {}, 0.0),
+        ("v*b^0.5", {"b": -1}, 0.25), ("v + 1/b", {"b": 0}, 0.25),
     ],
-)
+)  # fmt: skip
 def test_no_value_is_an_error_that_names_the_speed(formula, values, speed):
     free = [ss.Parameter(name, positive=False) for name in values]
     law = ss.FrictionLaw(formula, parameters=free).bind(**values)
@@ -154,33 +116,6 @@ def test_no_value_is_an_error_that_names_the_speed(formula, values, speed):
 def test_a_kink_without_a_place(place):
     with pytest.raises(ss.InputError, match=r"has a kink at v = .* which is not real"):
         ss.FrictionLaw(f"Piecewise((1, v < {place}), 2)").bind(a="0.5")
-
-
-@pytest.mark.parametrize("name", ["u", "s", "theta", "xi", "a", "b", "y", "q", "w"])
-def test_names_that_derivations_use_inside_are_free(name):
-    law = ss.FrictionLaw(f"mu_0 + {name}*v", parameters=[ss.Parameter(name, positive=False)])
-    assert law.bind(mu_0=1, **{name: -2}).mu([0.0, 0.25]).tolist() == [1.0, 0.5]
-
-
-@pytest.mark.parametrize(
-    ("formula", "message"),
-    [
-        ("(a+b+d+q+f+g+v)^64", "too high a power of a sum; at most"),
-        ("(1 + v)^-17", "too high a power of a sum; at most"),
-        ("a*v^40*exp(p*v)", r"v\*\*40 is too high a power of v; at most v\^24"),
-        ("v^20*v^5", "too high a power of v"),
-        ("exp(25*log(v))", "too high a power of v"),
-        ("(a+b+d+q+f+g+v)^16", "over 600 terms"),
-        ("((1 + v)^16 + a)^16", "over 600 terms"),
-        ("(-1)^(1/3)*v", "is not real: only whole powers"),
-        ("sqrt(-v)", "not finite and real"),
-        ("exp(1e999*v)", "'1e999' is not a decimal number"),
-        (sp.Integer(10) ** 6000 * sp.Symbol("v"), "a number in the formula has too many digits"),
-    ],
-)
-def test_formulas_that_algebra_cannot_handle(formula, message):
-    with pytest.raises(ss.InputError, match=message):
-        ss.FrictionLaw(formula)
 
 
 def test_the_highest_powers():
@@ -204,48 +139,16 @@ def test_descriptions_that_do_not_fit():
         ss.Parameter("a", typical="-1")
     with pytest.raises(ss.InputError, match="a = 'abc' is not a number"):
         ss.Parameter("a", typical="abc")
-    with pytest.raises(ss.InputError, match="the name of a parameter is text, got int"):
-        ss.Parameter(3)
     assert ss.Parameter("a", typical="-1", positive=False).typical == "-1"
-    with pytest.raises(ss.InputError, match=r"there is no law 'exponental' .did you mean 'exponential'"):
-        ss.laws.find("exponental")
 
 
-@pytest.mark.parametrize(
-    "unit",
-    ["sin(m)", "exp(1)*m", "exp(0)*m", "Abs(m)", "Max (m, m)", "m^pi", "pi*m", "m + m", "0", "m^m", "2", "", 3],
-)
-def test_units_that_are_none(unit):
-    with pytest.raises(ss.InputError):
-        ss.Parameter("a", unit=unit)
-
-
-@pytest.mark.parametrize("unit", ["1", "m", "N*s^2/m^2", "m^(1/2)", "kg/(m*s)", "m^0.5"])
-def test_units_that_are_some(unit):
-    assert ss.Parameter("a", unit=unit).unit == unit
-
-
-@pytest.mark.parametrize(
-    "expr",
-    [
-        sp.Function("f")(sp.Symbol("v")),
-        sp.Symbol("v") * sp.I,
-        sp.Symbol("__import__('os')") * sp.Symbol("v"),
-        sp.Symbol("a; b") + 1,
-        sp.Symbol("lambda") * sp.Symbol("v"),
-        sp.Integral(sp.Symbol("v"), sp.Symbol("v")),
-        sp.zoo * sp.Symbol("v"),
-    ],
-)
-def test_sympy_expressions_that_are_no_laws(expr):
-    with pytest.raises(ss.InputError):
-        ss.FrictionLaw(expr)
-
-
-def test_static_coefficient():
-    law = ss.FrictionLaw("mu_k", static="mu_0").bind(mu_k=0.3, mu_0=0.4)
-    assert law.static_value == 0.4
-    assert ss.laws.exponential.typical().static_value == 0.5
+def test_units_are_products_of_powers():
+    for unit in ("1", "m", "N*s^2/m^2", "m^(1/2)", "kg/(m*s)", "m^0.5"):
+        assert ss.Parameter("a", unit=unit).unit == unit
+    for unit in ("sin(m)", "exp(1)*m", "exp(0)*m", "Abs(m)", "Max (m, m)", "m^pi", "pi*m", "m + m", "0", "m^m",
+                 "2", "", 3):  # fmt: skip
+        with pytest.raises(ss.InputError):
+            ss.Parameter("a", unit=unit)
 
 
 def test_laws_are_equal_if_formula_values_and_description_are():
@@ -263,6 +166,102 @@ def test_laws_are_equal_if_formula_values_and_description_are():
     measured, held = (ss.FrictionLaw.from_samples(v, mu, extrapolate=held) for held in (False, True))
     assert measured != held
     assert measured == ss.FrictionLaw.from_samples(v, mu)
+
+
+# -- negative coefficients ---------------------------------------------------------------------------
+
+
+def test_a_negative_coefficient_is_said():
+    law = ss.FrictionLaw("a - b*v").bind(a="0.1", b="0.5")
+    with pytest.warns(ss.InputWarning, match=r"mu = -0\.4 is negative at the slip speed v = 1 m/s"):
+        ss.pure_slip_damping(law, V=0.5, N=1)
+    ss.pure_slip_damping(law, V=0.09, N=1)
+
+
+def test_the_lowest_coefficient_of_random_laws():
+    """Against a fine grid: sines of random phase, which have their minima anywhere."""
+    rng = np.random.default_rng(SEED)
+    law = ss.FrictionLaw("1.02 + sin(q*v + s)")
+    for _ in range(30):
+        bound = law.bind(q=rng.uniform(0.5, 9), s=rng.uniform(0, 6))
+        end = 10 ** rng.uniform(-3, 0.5)
+        fine = float(np.min(bound.mu(np.linspace(0, end, 20001))))
+        v, mu = lowest(bound, end)
+        assert 0 < v <= end * (1 + 1e-12)
+        assert mu == pytest.approx(fine, abs=2e-3)
+
+
+# -- the coefficient at rest -------------------------------------------------------------------------
+
+
+def test_the_static_coefficient_of_random_laws_in_pieces():
+    """`static_expr` at random values is the numeric limit of mu, whichever piece holds near v = 0."""
+    rng = np.random.default_rng(SEED)
+    pieces = ["a + b*v", "a*exp(-v)", "b/(1 + v)", "a", "sqrt(a + v)", "b*cos(v)", "a*sinh(v)/v"]
+    places = ["d", "g", "d - g", "0.3", "g/2", "d*g", "-0.1"]
+    for _ in range(40):
+        count = int(rng.integers(1, 4))
+        *chosen, last = rng.choice(pieces, count + 1, replace=False)
+        inner = [f"({piece}, v < {place})" for piece, place in zip(chosen, rng.choice(places, count), strict=True)]
+        text = f"Piecewise({', '.join(inner)}, {last})"
+        signed = [name for name in ("d", "g") if name in ss.FrictionLaw(text).parameters and rng.random() < 0.5]
+        law = ss.FrictionLaw(text, parameters=[ss.Parameter(name, positive=False) for name in signed])
+        bound = law.bind(**{name: rng.uniform(-1 if name in signed else 0.1, 1) for name in law.parameters})
+        expected = bound.mu(1e-9)
+        assert bound.number(law.static_expr) == pytest.approx(expected, abs=1e-7), text
+        assert bound.onset == pytest.approx(expected, abs=1e-7), text
+
+
+def test_a_place_that_is_bound_to_zero_parts_nothing():
+    law = ss.FrictionLaw("Piecewise((a, v < d), b)")
+    assert law.static_expr == law.parameters["a"].symbol
+    assert law.bind(a=0.3, b=0.2, d=0).onset == 0.2
+
+
+def test_a_limit_that_is_not_found_is_said():
+    with pytest.raises(ss.InputError, match=r"no limit mu\(0\+\) was found.*static=\.\.\."):
+        _ = ss.FrictionLaw("sin(1/v)*tan(1/v)").static_expr
+
+
+@pytest.mark.parametrize("name", ss.laws.catalogue)
+def test_a_catalogue_law_takes_a_static_coefficient(name):
+    plain = ss.laws.catalogue[name]
+    law = plain.typical().with_static("0.9")
+    assert law.static_expr == sp.Rational(9, 10)
+    assert (law.expr, law.values, law.name) == (plain.expr, plain.typical().values, name)
+    assert plain.static is None
+    assert law.with_static(None) == plain.typical()
+
+
+def test_a_static_coefficient_brings_and_takes_its_parameters():
+    law = ss.laws.exponential.with_static("mu_0*r", units={"mu_0": "1"}).bind(mu_0="0.6")
+    assert law.missing == ["mu_s", "mu_m", "alpha", "r"]
+    assert law.parameters["mu_0"].unit == "1"
+    assert law.with_static("mu_s").values == {}
+    assert law.with_static(0.7).static_expr == sp.Rational(0.7)
+    for static, units, message in (
+        ("mu_0 + v", None, "cannot depend on v"),
+        ("mu_0", {"q": "1"}, "'q' does not occur"),
+        ("mu_s", {"mu_s": "1"}, "'mu_s' has its description already"),
+    ):
+        with pytest.raises(ss.InputError, match=message):
+            ss.laws.exponential.with_static(static, units=units)
+
+
+def test_measured_points_take_a_static_coefficient_and_keep_it(tmp_path):
+    law = (
+        ss.FrictionLaw.from_samples([0, 0.1, 0.2, 1.2], [0.5, 0.4, 0.35, 0.3]).with_static("mu_0").bind(mu_0="0.6")
+    )
+    ss.save(ss.derive(law, "equilibrium"), tmp_path / "form.json")
+    assert ss.load(tmp_path / "form.json").law == law
+    osc = ss.Oscillator(m=1.0, k=100.0, V=0.5, N=9.81)
+    assert osc.onset(law) == pytest.approx(0.6 * 9.81 / 100)
+
+
+def test_static_coefficient():
+    law = ss.FrictionLaw("mu_k", static="mu_0").bind(mu_k=0.3, mu_0=0.4)
+    assert law.static_value == 0.4
+    assert ss.laws.exponential.typical().static_value == 0.5
 
 
 def test_a_static_coefficient_needs_its_parameters_only_where_it_enters():

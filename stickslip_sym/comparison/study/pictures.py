@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NotConverged, NoThreshold
 from stickslip_sym.core.uncertain import UFloat
-from stickslip_sym.model.fitting.curve import draw_law
+from stickslip_sym.model.fitting.curve import band, draw_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.regimes.drawing import phase_plane_of
@@ -92,14 +93,14 @@ def pictures(study: Study) -> Iterator[tuple[str, str, str, str]]:
 
 
 def _law(ax: Any, study: Study) -> None:
-    law, V, measured = study.law, study.oscillator.V, study.measured
+    law, V, fit, measured = study.law, study.oscillator.V, study.fit, study.measured
     top = max(2.2 * V, 0.0 if measured is None else float(measured.v[-1]))
     top = top if law.v_max is None else min(top, float(law.v_max))
     span: Look = {"facecolor": "0.93", "edgecolor": "0.8", "linewidth": 0.6, "zorder": 0}
     ax.axvspan(0, min(2 * V, top), label="0 to $2V$", **span)
     ax.axvline(V, color="black", linestyle=":", linewidth=1, label="belt speed $V$")
-    draw_law(ax, law, top, measured, r"$\mu(v)$")
-    ax.set(xlim=(0, top))
+    bounds = fit.band if fit is not None else partial(band, law) if law.uncertain else None
+    draw_law(ax, law, top, measured, bounds, r"$\mu(v)$")
 
 
 def _plane(ax: Any, study: Study) -> None:
@@ -117,8 +118,8 @@ def _plane(ax: Any, study: Study) -> None:
             ax.fill_between(found.V, lower, upper, where=where, label=label, **style)
     if np.nanmax(found.uncertainty, initial=0.0) > 0:
         half = _BAND * found.uncertainty
-        band: Look = {"color": "#56B4E9", "alpha": 0.45, "linewidth": 0}
-        ax.fill_between(found.V, exact - half, exact + half, label="95 % band", **band)
+        shade: Look = {"color": "#56B4E9", "alpha": 0.45, "linewidth": 0}
+        ax.fill_between(found.V, exact - half, exact + half, label="95 % band", **shade)
     ax.plot(found.V, exact, color=BLUE, linewidth=2, label="threshold")
     for name, (color, dashes) in _AVERAGES.items():
         ax.plot(found.V, found.averages[name], color=color, linestyle=dashes, label=name.replace("_", " "))

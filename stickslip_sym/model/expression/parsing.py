@@ -7,6 +7,7 @@ keep the work that a short text can ask for small.
 """
 
 import keyword
+import operator
 import re
 import unicodedata
 from collections.abc import Callable, Iterator
@@ -64,6 +65,9 @@ _SIGNS = {
 """Signs that have one meaning, with the plain ones."""
 _PLAIN = frozenset({*"+-*/^()|,.<>", "<=", ">=", "=="})
 _RELATIONS = ("<", "<=", ">", ">=")
+_OPERATORS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
+_BINDING = {"+": 1, "-": 1, "*": 2, "/": 2, "^": 4}
+"""How tightly operators bind; a sign binds as a product."""
 _ADVICE = {":": ": write one formula, without assignments", "%": ": write a decimal number"}
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _LEFT_SIDE = re.compile(r"\s*\\?(?:mu|μ|µ)\s*(?:\(\s*v\s*\))?\s*=(?!=)")
@@ -244,46 +248,36 @@ class _Parser:
     # -- grammar --
 
     def formula(self) -> Expr:
-        result = self.sum()
+        result = self.expression()
         if self.next.kind != "end":
             self._fail_after_operand(None)
         return result
 
-    def sum(self) -> Expr:
-        result = self.product()
-        while operator := self.take("+", "-"):
-            term = self.product()
-            result = self._checked(operator, result + term if operator.text == "+" else result - term)
-        return result
-
-    def product(self) -> Expr:
-        result = self.factor()
+    def expression(self, least: int = 0) -> Expr:
+        """Return what stands up to an operator that binds no tighter than `least`: -v^-2 is -(v^(-2))."""
+        signed, side = False, 1
+        while sign := self.take("+", "-"):
+            signed, side = True, -side if sign.text == "-" else side
+        start = self.next
+        result = side * self.expression(max(least, _BINDING["*"])) if signed else self.operand()
         while True:
             token = self.next
-            if self.take("/"):
-                divisor = self.next
-                factor = self.factor()
-                if factor == 0:
-                    self.fail(divisor, "division by zero")
-                result = self._checked(token, result / factor)
-            elif self.take("*") or token.kind in ("number", "name") or token.text == "(":
-                if token.kind == "number" and self.tokens[self.place - 1].kind == "number":
-                    self.fail(token, "two numbers side by side; write an operator between them")
-                result = self._checked(token, result * self.factor())
-            else:
+            implied = token.kind in ("number", "name") or token.text == "("  # a product without its sign
+            symbol = "*" if implied else token.text
+            if _BINDING.get(symbol, 0) <= least:
                 return result
-
-    def factor(self) -> Expr:
-        """Return a power with its sign; exponents have theirs: -v^-2 is -(v^(-2))."""
-        side = 1
-        while operator := self.take("+", "-"):
-            side = -side if operator.text == "-" else side
-        token, result = self.next, self.operand()
-        if self.take("^"):
-            below = self.next
-            exponent = self.nested(below, self.factor)
-            result = self._checked(token, self._power(below, result, exponent))
-        return side * result
+            if token.kind == "number" and self.tokens[self.place - 1].kind == "number":
+                self.fail(token, "two numbers side by side; write an operator between them")
+            self.place += not implied
+            right = self.next
+            if symbol == "^":  # from the right: v^a^2 is v^(a^2)
+                exponent = self.nested(right, lambda: self.expression(_BINDING["^"] - 1))
+                result = self._checked(start, self._power(right, result, exponent))
+            else:
+                operand = self.expression(_BINDING[symbol])
+                if symbol == "/" and operand == 0:
+                    self.fail(right, "division by zero")
+                result = self._checked(token, _OPERATORS[symbol](result, operand))
 
     def operand(self) -> Expr:
         token = self.next
@@ -306,7 +300,7 @@ class _Parser:
         return result
 
     def _enclosed(self, opened: _Token) -> Expr:
-        inner = self.sum()
+        inner = self.expression()
         self.close(opened, ")" if opened.text == "(" else "|")
         return inner if opened.text == "(" else self._kinked(opened, "Abs", [inner])
 
@@ -331,9 +325,9 @@ class _Parser:
             hint, known = suggestion(name, [*self.known, *_ALIASES]), ", ".join(self.known)
             product = "" if hint else f"; a product is written {name[:40]}*(...)"
             self.fail(token, f"there is no function {name[:40]!r}{hint}{product}; known: {known}")
-        arguments = [] if self.next.text == ")" else [self.sum()]
+        arguments = [] if self.next.text == ")" else [self.expression()]
         while self.take(","):
-            arguments.append(self.sum())
+            arguments.append(self.expression())
         self.close(token, ")")
         several = name in ("Min", "Max")
         if (len(arguments) < 2) if several else (len(arguments) != 1):
@@ -379,15 +373,15 @@ class _Parser:
         if token.text == ")":
             self.fail(token, _PIECEWISE)
         if not self._is_pair():
-            return token, self.sum(), None
+            return token, self.expression(), None
         self.take("(")
-        formula = self.sum()
+        formula = self.expression()
         self.take(",")
         if self.next.text == "True":
             self.place += 1
         else:
-            left, relation = self.sum(), self.take(*_RELATIONS)
-            bound = bound_of(left, relation.text, self.sum()) if relation else None
+            left, relation = self.expression(), self.take(*_RELATIONS)
+            bound = bound_of(left, relation.text, self.expression()) if relation else None
             if bound is None:
                 self.fail(token, _PIECEWISE)
         if not self.take(")"):

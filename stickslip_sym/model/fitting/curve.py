@@ -1,5 +1,6 @@
 """The curve of a law with what its standard errors leave open, as numbers and as a picture."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,9 @@ import numpy as np
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
-from stickslip_sym.output.drawing import BLUE
+from stickslip_sym.output.drawing import BLUE, finish
+
+Band = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 __all__ = ["band", "draw_law", "draw_points"]
 
@@ -33,13 +36,15 @@ def draw_points(ax: Any, measured: Measurements, y: FloatArray, **look: Any) -> 
     ax.plot(measured.v, y, ".", color="0.35", markersize=3.5, **look)
 
 
-def draw_law(ax: Any, law: FrictionLaw, top: float, measured: Measurements | None, label: str) -> None:
-    """Draw mu up to a slip speed, with the 95 % band of its standard errors, and what was measured."""
+def draw_law(
+    ax: Any, law: FrictionLaw, top: float, measured: Measurements | None, band: Band | None, label: str
+) -> None:
+    """Draw mu up to a slip speed, with the 95 % band that a function of speeds gives, and what was measured."""
     v = np.unique([*np.linspace(0, top, 300), *np.geomspace(1e-4, 1, 100) * top])[1:]
     if measured is not None:
         draw_points(ax, measured, measured.mu, label="measured")
-    if law.uncertain:
-        ax.fill_between(v, *band(law, v), color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
+    if band is not None:
+        ax.fill_between(v, *band(v), color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
     ax.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=label)
-    ax.set(xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$")
     ax.legend(loc="best")
+    finish(ax, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$", xlim=(0, top))

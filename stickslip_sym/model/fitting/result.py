@@ -20,7 +20,7 @@ from stickslip_sym.model.fitting.least_squares import Problem
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import markup
-from stickslip_sym.output.drawing import BLUE, Drawn, new_figure, picture
+from stickslip_sym.output.drawing import BLUE, Drawn, finish, new_figure, picture
 from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
@@ -145,20 +145,19 @@ class Fit(_Report):
 
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # that a standard error of 0 says nothing
-            return dict(
-                zip(self.values, correlated_values(list(self.values.values()), self.covariance), strict=True)
-            )
+            values = correlated_values(list(self.values.values()), self.covariance)
+        return dict(zip(self.values, values, strict=True))
 
     def extrapolation(self, V: float) -> str | None:
         """Return which part of 0 to 2 V, where thresholds take friction from, was not measured; None if none."""
         low, high = float(self.measured.v[0]), float(self.measured.v[-1])
-        beyond = {f"above {high:.3g} m/s": high * (1 + 1e-9) < 2 * V, f"below {low:.3g} m/s": low > _NEAR_REST * V}
-        if not any(beyond.values()):
-            return None
-        return (
-            f"extrapolated {' and '.join(side for side, is_so in beyond.items() if is_so)}: thresholds take "
-            f"friction from 0 to 2 V = {2 * V:.3g} m/s, and it was measured from {low:.3g} to {high:.3g} m/s"
+        beyond = [f"above {high:.3g} m/s"] if high * (1 + 1e-9) < 2 * V else []
+        beyond += [f"below {low:.3g} m/s"] if low > _NEAR_REST * V else []
+        needed = f"thresholds take friction from 0 to 2 V = {2 * V:.3g} m/s"
+        said = (
+            f"extrapolated {' and '.join(beyond)}: {needed}, and it was measured from {low:.3g} to {high:.3g} m/s"
         )
+        return said if beyond else None
 
     def confidence(self, level: float = 0.95, *, profile: bool = False) -> dict[str, tuple[float, float]]:
         """Return an interval for each fitted parameter that holds the true value with a probability.
@@ -276,10 +275,10 @@ class Fit(_Report):
     def _figure(self) -> "Figure":
         figure: Figure
         figure, ((above,), (below,)) = new_figure(6.4, 5.0, 2, sharex=True, height_ratios=[3, 1])
-        draw_law(above, self.law.bind(**self.uncertain), self.measured.v[-1], self.measured, self.name[:60])
+        draw_law(above, self.law, self.measured.v[-1], self.measured, self.band, self.name[:60])
         draw_points(below, self.measured, self.residuals)
         below.axhline(0, color=BLUE, linewidth=1)
-        below.set(xlabel=above.get_xlabel(), ylabel="residual")
+        finish(below, xlabel=above.get_xlabel(), ylabel="residual")
         above.set_xlabel("")
         return figure
 
@@ -332,12 +331,10 @@ class Averaged:
 
     def above(self, value: float, standard_error: float = 0.0) -> float:
         """Return the probability that the quantity, normal for each law, is above a value with an error."""
-        total = sum(row.weight for row in self.rows)
-        spreads = [max(math.hypot(row.standard_error, standard_error), 1e-300) for row in self.rows]
-        return sum(
-            row.weight / total / 2 * math.erfc((value - row.value) / spread / math.sqrt(2))
-            for row, spread in zip(self.rows, spreads, strict=True)
-        )
+        weights, values, errors = np.array([(row.weight, row.value, row.standard_error) for row in self.rows]).T
+        spreads = np.maximum(np.hypot(errors, standard_error), 1e-300)
+        chances = [math.erfc(x / math.sqrt(2)) / 2 for x in (value - values) / spreads]
+        return float(np.average(chances, weights=weights))
 
 
 class Fits(_Report, Sequence[Fit]):

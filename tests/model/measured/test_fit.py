@@ -196,6 +196,8 @@ def test_a_fit_reports_itself(fits, tmp_path):
     assert "<table>" in fits.best._repr_html_()
     above, below = fits.plot(tmp_path / "fit.svg").axes
     assert len(above.lines[0].get_xdata()) == len(below.lines[0].get_xdata()) == 60
+    low, high = fits.best.band(above.lines[1].get_xdata())
+    assert {*low, *high} <= {*above.collections[-1].get_paths()[0].vertices[:, 1]}  # Student's, not the normal one
     assert (tmp_path / "fit.svg").stat().st_size > 5000
 
 
