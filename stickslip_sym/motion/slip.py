@@ -618,7 +618,7 @@ class Dimensionless:
 
         def carry_out(some: slice) -> None:
             if time_left() >= 0:
-                parts = [np.ascontiguousarray(column[some], dtype=np.float64) for column in columns]
+                parts = [np.array(column[some], dtype=np.float64) for column in columns]
                 given = parts if fast else [part.tolist() for part in parts]
                 run(rise, *given, *arguments, wedge, *(part[some] for part in found))
 
