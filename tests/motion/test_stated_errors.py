@@ -251,11 +251,3 @@ def test_the_expansion_has_the_height_that_was_asked_for(name):
     lift = e**2 * (n * weak.sines).sum(axis=1) ** 2 / (2 * A)
     parts = np.array([lift, e**2 * np.abs(weak.cosines[:, 2:].sum(axis=1))])
     assert np.abs(height - A).max() < 0.1 * parts.max(axis=1).min()
-
-
-# -- Taylor steps ----------------------------------------------------------------------------------
-
-LAYERED = [
-    ss.FrictionLaw("(0.2 + 0.3*exp(-3*v))*tanh(v/w)"),
-    ss.FrictionLaw("0.2 + 0.1*tanh((v - 0.4)/w)"),
-]

@@ -390,11 +390,11 @@ class _Search:
                 for n, g in enumerate(terms)
                 if n
             ] or [0.0]
-        elif self.is_quantity or not law.expr.is_polynomial(law.parameters[self.of].symbol):
+        elif self.is_quantity or not law.expr.is_polynomial(symbol := law.parameters[self.of].symbol):
             return None
         else:
             part, coefficients = law.bind(**{self.of: 0}), []
-            while not coefficients or self.of in part.parameters:  # Taylor's expansion at 0 ends
+            while not coefficients or part.expr.has(symbol):  # Taylor's expansion at 0 ends
                 part = part.partial(self.of) if coefficients else part
                 mean = float(slope_mean(part, criterion, V)[0])
                 coefficients.append(N * mean / math.factorial(len(coefficients)))

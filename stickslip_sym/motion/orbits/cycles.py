@@ -8,9 +8,9 @@ followed.
 """
 
 import math
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +22,8 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.needed import by_zeta, gap, halves, needed_ratio
+from stickslip_sym.motion.orbits.needed import gap, halves, needed_ratio
+from stickslip_sym.motion.roots import sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.output import markup
 
@@ -81,10 +82,7 @@ class LimitCycle:
 class NeededDamping:
     """The damping d(A) that a slip orbit needs, over sqrt(k m), as a function of its amplitude A V.
 
-    Attributes
-    ----------
-    system : Dimensionless
-        Without a static excess, which no orbit in slip meets.
+    - `system`: without a static excess, which no orbit in slip meets.
     """
 
     system: Dimensionless
@@ -103,8 +101,9 @@ class NeededDamping:
         """Return the gap of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping, and d gap/dA."""
         deadline.check_time()
         system = self.system
-        nothing = (0.0, 0.0, 0.0, *by_zeta(system)[3:])
-        value, slope, *_ = gap(system.rise, system.eta, damping / 2, 0.0, A, _RTOL, True, -A, nothing)
+        value, slope, *_ = gap(
+            system.rise, system.eta, damping / 2, 0.0, A, _RTOL, True, -A, tuple(system.no_wedge)
+        )
         if math.isnan(value):
             raise NotConverged(
                 f"the slip orbit of amplitude {A * system.V:g} m/s takes too many steps: friction is too strong; "
@@ -114,8 +113,14 @@ class NeededDamping:
 
     def amplitudes(self, damping: float) -> FloatArray:
         """Return the amplitudes, over the belt speed, ascending, of all orbits with a damping over sqrt(k m)."""
-        values = [self.gap(A, damping) for A in _AMPLITUDES]
-        return np.array(sorted(_roots(lambda A: self.gap(A, damping), _AMPLITUDES, values)))
+        gaps = {A: self.gap(A, damping) for A in _AMPLITUDES}
+        for (low, (f, df)), (high, (g, dg)) in pairwise(list(gaps.items())):
+            if f * g > 0 and df * f < 0 < dg * f:  # both lead towards 0: there is an extremum between
+                turn = brentq(lambda A: self.gap(A, damping)[1], low, high, xtol=_CLOSE)
+                gaps[turn] = self.gap(turn, damping)
+        nodes = sorted(gaps)
+        values = [gaps[A][0] for A in nodes]
+        return np.array(list(sign_changes(lambda A: self.gap(A, damping)[0], nodes, values, _CLOSE)))
 
     @cached_property
     def folds(self) -> FloatArray:
@@ -124,40 +129,13 @@ class NeededDamping:
         def slope(A: float) -> float:
             return self.gap(A, self._one(A))[1]
 
-        slopes = [slope(A) for A in _AMPLITUDES]
-        pairs = zip(_AMPLITUDES, slopes, _AMPLITUDES[1:], slopes[1:], strict=False)
-        return np.array([brentq(slope, low, high, xtol=_CLOSE) for low, a, high, b in pairs if a * b < 0])
+        return np.array(list(sign_changes(slope, _AMPLITUDES, [slope(A) for A in _AMPLITUDES], _CLOSE)))
 
 
 def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
     """Return the damping that slip orbits need as a function of their amplitude; the c of `osc` is not used."""
     system = Dimensionless.of(law, osc)
     return NeededDamping(replace(system, table=replace(system.table, static=system.table.onset)))
-
-
-def _roots(
-    function: Callable[[float], tuple[float, float]], nodes: list[float], values: list[tuple[float, float]]
-) -> Iterator[float]:
-    """Yield the roots of a function with its derivative, from its values at nodes; a zero beside zeros is none."""
-
-    def value(A: float) -> float:
-        return min(max(function(A)[0], -1.0), 1.0)  # infinite where a half creeps to rest
-
-    def slope(A: float) -> float:
-        return function(A)[1]
-
-    for low, high, (f, df), (g, dg) in zip(nodes, nodes[1:], values, values[1:], strict=False):
-        if f * g < 0:
-            yield brentq(value, low, high, xtol=_CLOSE)
-        elif f * g > 0 and df * f < 0 < dg * f:  # both lead towards 0: there is an extremum between
-            turn = brentq(slope, low, high, xtol=_CLOSE)
-            if value(turn) * f < 0:
-                yield brentq(value, low, turn, xtol=_CLOSE)
-                yield brentq(value, turn, high, xtol=_CLOSE)
-    signs = [0.0, *(f for f, _ in values), 0.0]
-    for i, A in enumerate(nodes):
-        if signs[i + 1] == 0 and signs[i] != 0 and (signs[i + 2] != 0 or i + 1 == len(nodes)):
-            yield A
 
 
 def limit_cycles(
@@ -203,8 +181,7 @@ def limit_cycles(
 
 def _cycle(system: Dimensionless, osc: Oscillator, A: float) -> LimitCycle:
     """Return the cycle of an amplitude: two motions side by side part or close up by the ratio of their wedges."""
-    nothing = (0.0, 0.0, 0.0, *by_zeta(system)[3:])
-    ahead, back, _ = halves(system.rise, system.eta, osc.zeta, 0.0, A, _RTOL, True, 1.0, nothing)
+    ahead, back, _ = halves(system.rise, system.eta, osc.zeta, 0.0, A, _RTOL, True, 1.0, tuple(system.no_wedge))
     period = ahead[3] + back[3]
     # A wedge is 0 where its half slides along a jump of mu. Forward, the motions beside it come to lie on it;
     # backward, it is one from which those beside it part at once.

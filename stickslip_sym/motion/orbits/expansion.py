@@ -16,20 +16,19 @@ from functools import cache, lru_cache
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
-from scipy.fft import dct, dst
 
-from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
+from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray, IntArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion, harmonic, least_squares
 from stickslip_sym.criteria.gauss import weight_of
+from stickslip_sym.model.at_rest import reals
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["LARGEST_GRID", "Expansion", "averages", "expand", "of_layer", "slopes"]
+__all__ = ["Expansion", "Slope", "averages", "coefficients", "expand", "of_layer", "slopes", "values"]
 
 Slope = Callable[[FloatArray], FloatArray]
 """mu' at slip speeds."""
-SMALLEST_GRID = 16
-LARGEST_GRID = 1024
+_SMALLEST, _LARGEST = 16, 1024  # phases in half a period
 _TAIL = 1e-14  # of the highest quarter of the Fourier coefficients, relative: the rounding of a sum of them
 _OCTAVES = 40  # of the phase, to which panels shrink towards the graze
 _NODES = 16
@@ -42,16 +41,30 @@ def slopes(law: FrictionLaw) -> Slope:
     def slope(v: FloatArray) -> FloatArray:
         with np.errstate(all="ignore"):
             try:
-                value = np.asarray(compiled(v))
+                found = reals(compiled(v))
             except ArithmeticError:  # of constants in the formula
-                return np.full(np.shape(v), np.nan)
-            if value.dtype == np.float64 and value.shape == v.shape:
-                return value
-            if np.iscomplexobj(value):
-                value = np.where(value.imag == 0, value.real, np.nan)
-        return np.broadcast_to(value, np.shape(v)).astype(np.float64, copy=False)
+                found = np.asarray(np.nan)
+        return np.broadcast_to(found, np.shape(v))
 
     return slope
+
+
+# Fourier series on 2 K phases theta_j = (j + 1/2) pi/K of a period, the midpoints of cells: of real functions, by
+# z_n for n = 0 to K - 1 with sum of z_n exp(i n theta) + its conjugate; a row each.
+
+
+def coefficients(function: FloatArray) -> ComplexArray:
+    """Return the coefficients of functions from their values."""
+    size = function.shape[-1]
+    turn: ComplexArray = np.exp(-1j * np.pi / size * np.arange(size // 2)) / size
+    return np.fft.rfft(function)[..., : size // 2] * turn
+
+
+def values(z: ComplexArray | FloatArray) -> FloatArray:
+    """Return the values of functions from their coefficients."""
+    size = 2 * z.shape[-1]
+    found: FloatArray = np.fft.irfft(z * np.exp(1j * np.pi / size * np.arange(size // 2)), size) * size
+    return found
 
 
 @dataclass(frozen=True)
@@ -61,28 +74,31 @@ class Expansion:
     In z = A cos(theta) + sum of a_n cos(n theta) + b_n sin(n theta), and with f = N/sqrt(k m), the coefficients
     are b_n = f `sines`, a_n = f^2 `cosines`, the frequency is 1 - f^2 `slowing`, and c/N = `harmonic` +
     f^2 `second`.
+
+    - `harmonic`, `second`, `slowing`: in s/m, (s/m)^3 and (s/m)^2, shape (n,).
+    - `cosines`, `sines`: shape (n, H), column j belongs to the harmonic j.
+    - `largest`: the largest slope on the orbit, in s/m, shape (n,).
+    - `phases`: of the grid in half a period, shape (n,).
+    - `tail`: size of the highest coefficients of friction, relative, shape (n,).
     """
 
-    harmonic: FloatArray  # in s/m, shape (n,)
-    second: FloatArray  # in (s/m)^3, shape (n,)
-    slowing: FloatArray  # in (s/m)^2, shape (n,)
-    cosines: FloatArray  # shape (n, H): column j belongs to the harmonic j
-    sines: FloatArray  # the same
-    largest: FloatArray  # largest slope on the orbit, in s/m, shape (n,)
-    phases: IntArray  # of the grid in half a period, shape (n,)
+    harmonic: FloatArray
+    second: FloatArray
+    slowing: FloatArray
+    cosines: FloatArray
+    sines: FloatArray
+    largest: FloatArray
+    phases: IntArray
     tail: FloatArray
-    """Size of the highest coefficients of friction, relative: above 1e-14 the grid did not resolve the law, shape
-    (n,)."""
 
     def refined(self, rows: BoolArray, finer: "Expansion") -> "Expansion":
         """Return the expansion with some rows replaced by those from a finer grid."""
-        size = finer.sines.shape[1]
         columns = {}
         for entry in fields(self):
-            column = getattr(self, entry.name)
-            wider = ((0, 0), (0, size - column.shape[1])) if column.ndim == 2 else 0
+            column, finer_column = getattr(self, entry.name), getattr(finer, entry.name)
+            wider = [(0, 0), *((0, len(finer_column[0]) - len(column[0])) for _ in column.shape[1:])]
             columns[entry.name] = np.pad(column, wider)
-            columns[entry.name][rows] = getattr(finer, entry.name)
+            columns[entry.name][rows] = finer_column
         return Expansion(**columns)
 
     def distortion(self, strength: FloatArray) -> FloatArray:
@@ -107,79 +123,39 @@ def expand(law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, grid: int | No
     - `grid`: number of phases in half a period; found for each speed if not given.
     """
     V, A = (np.ravel(array) for array in np.broadcast_arrays(np.asarray(V, np.float64), A))
-    if grid is not None:
-        return _expand(law, V, A, grid)
-    size = SMALLEST_GRID
+    size = grid or _SMALLEST
     found = _expand(law, V, A, size)
-    while size < LARGEST_GRID and not found.resolved.all():
+    while grid is None and size < _LARGEST and not found.resolved.all():
         size *= 2
         again = ~found.resolved
-        finer = _expand(law, V[again], A[again], size)
-        found = found.refined(again, finer)
+        found = found.refined(again, _expand(law, V[again], A[again], size))
     return found
 
 
 def _expand(law: FrictionLaw, V: FloatArray, A: FloatArray, size: int) -> Expansion:
     """Expand on one grid; the midpoints of cells of the phase, so that v = 0 itself is never met."""
-    theta = (np.arange(size) + 0.5) * (np.pi / size)
-    sine = np.sin(theta)
-    n = np.arange(size, dtype=np.float64)
+    theta = (np.arange(2 * size) + 0.5) * (np.pi / size)
+    sine, n = np.sin(theta), np.arange(size, dtype=np.float64)
     off_resonance = n**2 - 1
     off_resonance[1] = np.inf  # the fundamental is set by the amplitude
-    A = A[:, None]
+    column = A[:, None]
     # 1 - cos(theta) without cancellation.
-    reach = (1 - A) + 2 * A * np.sin(theta / 2) ** 2
-    g = -slopes(law)(V[:, None] * reach)
-    feed = _sines(g * sine)
+    reach = (1 - column) + 2 * column * np.sin(theta[:size] / 2) ** 2
+    half = -slopes(law)(V[:, None] * reach)
+    g = np.hstack([half, half[:, ::-1]])
+    feed = -2 * coefficients(g * sine).imag
     harmonic = feed[:, 1]
-    b = A * feed / off_resonance
-    z1 = _from_sines(b)
-    excess = g - harmonic[:, None]
-    f = _sines(excess * z1)
+    b = column * feed / off_resonance
+    z1, excess = values(-0.5j * b), g - harmonic[:, None]
+    f = -2 * coefficients(excess * z1).imag
     a = -n * f / off_resonance
-    bend = (n * b).sum(axis=1)
-    a[:, 1] = -(bend**2) / (2 * A[:, 0]) - a[:, 2:].sum(axis=1)
-    z2 = _from_cosines(a)
-    curvature = _from_sines(n * _cosines(g)) / (A * sine)  # the derivative of g by z, from that by the phase
-    second = 2 * ((excess * z2 + curvature * z1**2 / 2) * np.cos(theta)).mean(axis=1) / A[:, 0]
+    a[:, 1] = -((n * b).sum(axis=1) ** 2) / (2 * A) - a[:, 2:].sum(axis=1)
+    curvature = values(-1j * n * coefficients(g)) / (column * sine)  # dg/dz, from the derivative by the phase
+    second = 2 * ((excess * values(a / 2) + curvature * z1**2 / 2) * np.cos(theta)).mean(axis=1) / A
     high, largest = np.abs(feed[:, size - size // 4 :]).max(axis=1), np.abs(g).max(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        tail = np.where(high == 0, 0.0, high / largest)
-    slowing, phases = f[:, 1] / (2 * A[:, 0]), np.full(len(A), size)
-    return Expansion(harmonic, second, slowing, a, b, largest, phases, np.where(np.isnan(tail), np.inf, tail))
-
-
-# Sums of sines and cosines at the phases theta_j = (j + 1/2) pi/size; column n belongs to n theta.
-
-
-def _sines(values: FloatArray) -> FloatArray:
-    """Return the coefficients of sin(n theta)."""
-    found: FloatArray = np.roll(dst(values, 2) / values.shape[1], 1, axis=1)
-    found[:, 0] = 0.0
-    return found
-
-
-def _cosines(values: FloatArray) -> FloatArray:
-    """Return the coefficients of cos(n theta), the mean as it is."""
-    found: FloatArray = dct(values, 2) / values.shape[1]
-    found[:, 0] /= 2
-    return found
-
-
-def _from_sines(coefficients: FloatArray) -> FloatArray:
-    """Return the sum of coefficients times sin(n theta); that of n = 0 does not count."""
-    shifted = np.roll(coefficients, -1, axis=1) / 2
-    shifted[:, -1] = 0.0
-    values: FloatArray = dst(shifted, 3)
-    return values
-
-
-def _from_cosines(coefficients: FloatArray) -> FloatArray:
-    """Return the sum of coefficients times cos(n theta)."""
-    halved = coefficients / 2
-    halved[:, 0] = coefficients[:, 0]
-    values: FloatArray = dct(halved, 3)
-    return values
+        tail = np.nan_to_num(np.where(high == 0, 0.0, high / largest), nan=np.inf, posinf=np.inf)
+    return Expansion(harmonic, second, f[:, 1] / (2 * A), a, b, largest, np.full(len(A), size), tail)
 
 
 def averages(
@@ -197,6 +173,30 @@ def averages(
     slope = -slopes(law)(V * ((1 - A) + 2 * A * np.sin(theta / 2) ** 2))
     # No product of matrices: threads would wait for each other longer than they work.
     return [(slope * _shares(criterion)).sum(axis=1) for criterion in criteria]
+
+
+@lru_cache(maxsize=32)
+def _shares(criterion: Criterion) -> FloatArray:
+    """Return what each node contributes to an average."""
+    theta, weight = _graded()
+    sine: FloatArray = np.sin(theta)
+    if criterion == harmonic:
+        return weight * (2 / np.pi) * sine**2
+    if criterion == least_squares:  # 1 - s^4 = (1 - s^2)(1 + s^2)
+        return weight * 0.625 * sine**3 * (2 - sine**2)
+    m, p, q = sp.symbols("m p q", positive=True)
+    value = function_of([m, p, q], weight_of(criterion, m, p, q), "numpy")
+    shares: FloatArray = weight * value(sine**2, 2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2) * sine
+    return shares
+
+
+@cache
+def _graded() -> tuple[FloatArray, FloatArray]:
+    """Return the nodes and weights of the panels."""
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    ends = np.pi * np.append(0.0, 2.0 ** np.arange(-_OCTAVES, 1))
+    half = np.diff(ends)[:, None] / 2
+    return (ends[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
 
 
 def of_layer(law: FrictionLaw, V: FloatArray, strength: FloatArray, phases: int) -> FloatArray:
@@ -217,26 +217,3 @@ def of_layer(law: FrictionLaw, V: FloatArray, strength: FloatArray, phases: int)
         height = law.at_speeds(V * v[0]) - law.onset - seen
     found: FloatArray = (strength * height / V) ** 2 / (2 * np.pi)
     return found
-
-
-@lru_cache(maxsize=32)
-def _shares(criterion: Criterion) -> FloatArray:
-    """Return what each node contributes to an average."""
-    theta, weight = _graded()
-    sine: FloatArray = np.sin(theta)
-    if criterion == harmonic:
-        return weight * (2 / np.pi) * sine**2
-    if criterion == least_squares:  # 1 - s^4 = (1 - s^2)(1 + s^2)
-        return weight * 0.625 * sine**3 * (2 - sine**2)
-    m, p, q = sp.symbols("m p q", positive=True)
-    value = function_of([m, p, q], weight_of(criterion, m, p, q), "numpy")
-    shares: FloatArray = weight * value(sine**2, 2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2) * sine
-    return shares
-
-
-@cache
-def _graded() -> tuple[FloatArray, FloatArray]:
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    ends = np.pi * np.append(0.0, 2.0 ** np.arange(-_OCTAVES, 1))
-    half = np.diff(ends)[:, None] / 2
-    return (ends[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()

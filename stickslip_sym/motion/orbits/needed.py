@@ -26,7 +26,7 @@ import numpy as np
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.slip import Dimensionless, End, follow
+from stickslip_sym.motion.slip import Dimensionless, End, Wedge, follow
 from stickslip_sym.motion.steps import rise_at, slope_at
 
 __all__ = [
@@ -270,7 +270,7 @@ def needed_ratio(
     tight = _TIGHTEST if rtol < _FINE else _STIFF if abs(eta) > _STRONG else _TIGHT
     fast = fast and is_compiling()
     rise = system.table.at(system.V, arrays=fast)
-    source = by_zeta(system)
+    source = tuple(by_zeta(system))
     if fast:
         source = (*source[:3], rise.pieces, np.zeros(len(rise.jumps)))
     run, most = (compiled(needed), MOST_GAPS) if fast else (needed, 1)
@@ -305,6 +305,6 @@ def needed_ratio(
     raise NotConverged(f"the damping ratio lies between {low:.10g} and {high:.10g}, and no closer was found")
 
 
-def by_zeta(system: Dimensionless) -> tuple[float, float, float, Any, Any]:
-    """Return the fields of the wedge by the damping ratio."""
-    return (0.0, -2.0, 0.0, system.rise.pieces, [0.0] * len(system.rise.jumps))
+def by_zeta(system: Dimensionless) -> Wedge:
+    """Return the wedge by the damping ratio."""
+    return system.no_wedge._replace(linear=-2.0)

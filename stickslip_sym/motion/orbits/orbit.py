@@ -14,8 +14,7 @@ the belt's speed, and d is the pure-slip threshold.
 Every term with friction enters as a small one, so weak friction loses no digits; nothing here knows a closed form.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,7 +22,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core.aliases import ComplexArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.expansion import Slope, averages, expand, of_layer, slopes
+from stickslip_sym.motion.orbits.expansion import Slope, averages, coefficients, expand, of_layer, slopes, values
 
 __all__ = ["Orbits", "derivatives", "obstacle", "orbits"]
 
@@ -40,15 +39,19 @@ _NEAREST = 1e-12  # slip speed over belt speed that an iterate may come down to;
 
 @dataclass(frozen=True)
 class Orbits:
-    """Slip orbits, one row for each operating point."""
+    """Slip orbits, one row for each operating point; all of shape (n,).
 
-    d: FloatArray  # damping over sqrt(k m), shape (n,)
-    frequency: FloatArray  # over omega, shape (n,)
-    error: FloatArray  # estimated error of d, as a part of the largest slope g on the orbit, shape (n,)
-    scale: FloatArray  # that largest slope, shape (n,)
+    - `d`: damping over sqrt(k m); NaN where there is no orbit.
+    - `error`: estimated error of d, as a part of `scale`, the largest slope g on the orbit.
+    - `exponent`: Floquet exponent over omega, the mean of g(z) - d: the orbit is stable if it is negative.
+    - `lowest`: lowest velocity z.
+    """
+
+    d: FloatArray
+    error: FloatArray
+    scale: FloatArray
     exponent: FloatArray
-    """Floquet exponent, the mean of g(z) - d, over omega: the orbit is stable if it is negative, shape (n,)."""
-    lowest: FloatArray  # lowest velocity z of the orbit, shape (n,)
+    lowest: FloatArray
 
     @property
     def relative_error(self) -> FloatArray:
@@ -56,6 +59,134 @@ class Orbits:
         with np.errstate(divide="ignore", invalid="ignore"):
             relative = np.where(self.error == 0, 0.0, self.error * self.scale / np.abs(self.d))
         return np.where(np.isnan(relative), np.inf, relative)
+
+
+def orbits(
+    law: FrictionLaw,
+    V: ArrayLike,
+    strength: ArrayLike,
+    A: ArrayLike = 1.0,
+    *,
+    rtol: float = 1e-13,
+    most_work: float = _MOST_WORK,
+) -> Orbits:
+    """Return the pure-slip orbits of given height; one that was not found has an infinite error.
+
+    - `law`: with all parameters bound, smooth on the speeds of the orbit.
+    - `V`: belt speeds in m/s.
+    - `strength`: N/sqrt(k m) in m/s.
+    - `A`: highest velocity over belt speed, at most 1.
+    - `rtol`: relative error of d at which the grid is fine enough, where rounding allows.
+    - `most_work`: cubes of grids, summed over the Newton steps of an orbit, after which it is given up.
+    """
+    V, strength, A = (np.ravel(column).astype(np.float64) for column in np.broadcast_arrays(V, strength, A))
+    with np.errstate(all="ignore"):  # iterates that run away are given up
+        everything = strength * averages(law, V, A)[0]
+        rows = [
+            _measured(law, *_solved(law, speed, force, height, rtol, most_work), whole)
+            for speed, force, height, whole in np.transpose([V, strength, A, everything]).tolist()
+        ]
+    return Orbits(*np.array(rows).reshape(-1, 5).T)
+
+
+def _measured(law: FrictionLaw, orbit: "_Orbit", tail: float, everything: float) -> tuple[float, ...]:
+    """Return the row of an orbit; `everything` is its harmonic damping from slopes at every scale."""
+    g, phases = orbit.g(orbit.slope), orbit.size // 2
+    scale = max(float(np.abs(g).max()), abs(everything))
+    # A layer of the law between v = 0 and the first phase would pass unseen.
+    V, strength = np.array([orbit.V]), np.array([orbit.strength])
+    seen = orbit.strength * float(expand(law, V, orbit.A, grid=phases).harmonic[0])
+    layer = float(of_layer(law, V, strength, phases)[0]) if orbit.A == 1 else 0.0
+    unseen = (abs(seen - everything) + layer) / (scale or 1.0)
+    error = 0.0 if scale == 0 else tail + unseen + _ROUNDING * orbit.size / _GRIDS[0]
+    d = orbit.d if np.isfinite(error) else np.nan
+    return d, error, scale, float(g.mean()) - orbit.d, float(orbit.velocity.min())
+
+
+def derivatives(law: FrictionLaw, V: FloatArray, strength: FloatArray) -> dict[str, FloatArray]:
+    """Return d of grazing orbits, and its derivatives, from one linear solve an orbit; NaN where there is none.
+
+    With F(u, d; p) = 0 the balance of the harmonics, and l the vector with l^T F_u = 0 and l^T F_d = 1,
+    dd/dp = -l^T F_p. Along the orbit F_p is the spectrum of -(dg/dp) dz/dtheta, over the squares of the orders.
+
+    By name: "d"; "V" and "strength", derivatives by the logarithms of these; and each parameter of the law.
+    """
+    changes = {name: slopes(law.partial(name)) for name in ("V", *law.parameters)} | {"strength": slopes(law)}
+    found = {name: np.full(len(V), np.nan) for name in ("d", *changes)}
+    with np.errstate(all="ignore"):
+        for row in range(len(V)):
+            orbit, tail = _solved(law, float(V[row]), float(strength[row]), 1.0, _TIGHT, np.inf)
+            if not np.isfinite(tail):
+                continue
+            matrix, residual, _ = orbit.equations()
+            left = np.linalg.solve(matrix.T, np.eye(len(residual))[-2])
+            rate, squares = orbit.rate, np.arange(1, len(orbit.z)) ** 2
+            found["d"][row] = orbit.d
+            for name, slope in changes.items():
+                found[name][row] = left @ _parts(coefficients(orbit.g(slope) * rate)[1:] / squares)
+    return found
+
+
+def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool = True) -> str | None:
+    """Say why slip orbits of a law are not smooth at belt speeds V, or return None.
+
+    - `lowest`: the lowest velocity of the orbits over the belt speed.
+    - `jump`: whether a static coefficient matters, as it does where orbits touch the belt's speed.
+    """
+    if jump and law.static is not None:
+        static, onset = law.number(law.static), law.onset
+        if not static <= onset * (1 + _SAME):
+            return f"its static coefficient {static:g} lies above mu(0+) = {onset:g}"
+    reach = float(np.max(V, initial=0.0)) * (1 - lowest)
+    kinks = [float(place) for place in law.kinks() if place < reach]
+    return f"it has a kink at v = {kinks[0]:g}, which the orbit passes" if kinks else None
+
+
+# -- collocation -----------------------------------------------------------------------------------
+
+
+def _solved(
+    law: FrictionLaw, V: float, strength: float, A: float, rtol: float, most_work: float
+) -> tuple["_Orbit", float]:
+    """Solve by Newton's method on finer and finer grids; return the orbit and its tail, infinite if that fails."""
+    orbit, tail, work = _Orbit.weak(law, V, strength, A), np.inf, 0.0
+    for size in _GRIDS:
+        finer, tail = orbit.on(size), np.inf
+        for _ in range(_MOST_STEPS):
+            check_time()
+            if work > most_work:
+                return orbit, np.inf
+            work += size**3
+            try:
+                change, push = finer.improve()
+            except np.linalg.LinAlgError:
+                return orbit, np.inf
+            if not (np.isfinite(change) and np.abs(finer.z).max() < _RUNAWAY):
+                return orbit, np.inf
+            if change <= _CLOSE:
+                orbit, tail = finer, _tail(push)
+                break
+        largest = float(np.abs(orbit.g(orbit.slope)).max()) or 1.0
+        enough = max(_ROUNDING, rtol * min(1.0, abs(orbit.d) / largest))
+        if not np.isfinite(tail) or work > most_work or tail <= enough:
+            break
+    return orbit, tail
+
+
+def _tail(size: FloatArray) -> float:
+    """Estimate the size of the coefficients that fold back into the first.
+
+    From the decay over the last octave: right for a power of the order, too large for a geometric decay.
+    """
+    K = len(size) - 1
+    last = float(size[(4 * K) // 5 :].max())
+    before = float(size[(2 * K) // 5 : K // 2].max())
+    return last * min(1.0, last / before) if before else last
+
+
+def _parts(rows: ComplexArray) -> FloatArray:
+    """Return the real parts of rows and then the imaginary ones."""
+    return np.concatenate([rows.real, rows.imag])
 
 
 @dataclass
@@ -73,26 +204,32 @@ class _Orbit:
     d: float
     sigma: float
 
+    @classmethod
+    def weak(cls, law: FrictionLaw, V: float, strength: float, A: float) -> "_Orbit":
+        """Return the second-order orbit, its phase shifted so that the highest velocity is at 0."""
+        size = _GRIDS[0] // 2
+        weak, n = expand(law, V, A, grid=size), np.arange(size)
+        shift = strength * (n * weak.sines[0]).sum() / A
+        z = (strength**2 * weak.cosines[0] - 1j * strength * weak.sines[0]) / 2 * np.exp(1j * n * shift)
+        d = strength * weak.harmonic[0] + strength**3 * weak.second[0]
+        orbit = cls(slopes(law), V, strength, A, z, float(d), float(-2 * strength**2 * weak.slowing[0]))
+        orbit.close()
+        return orbit
+
     @property
     def size(self) -> int:
         """The number of points a period."""
         return 2 * len(self.z)
 
     @property
-    def frequency(self) -> float:
-        """The positive root of frequency - 1/frequency = sigma."""
-        root = float(np.sqrt(1 + self.sigma**2 / 4))
-        return root + self.sigma / 2 if self.sigma >= 0 else 1 / (root - self.sigma / 2)
-
-    @property
     def velocity(self) -> FloatArray:
         """The velocity z on the grid."""
-        return _values(self.z)
+        return values(self.z)
 
     @property
     def rate(self) -> FloatArray:
         """The derivative of z by the phase on the grid."""
-        return _values(1j * np.arange(len(self.z)) * self.z)
+        return values(1j * np.arange(len(self.z)) * self.z)
 
     def g(self, slope: Slope) -> FloatArray:
         """Return the slope g of friction, or its change for that of mu', on the grid."""
@@ -101,8 +238,7 @@ class _Orbit:
     def on(self, size: int) -> "_Orbit":
         """Return the iterate on another grid."""
         K = size // 2
-        z = np.pad(self.z, (0, max(0, K - len(self.z))))[:K]
-        return _Orbit(self.slope, self.V, self.strength, self.A, z.copy(), self.d, self.sigma)
+        return replace(self, z=np.pad(self.z, (0, max(0, K - len(self.z))))[:K].copy())
 
     def close(self) -> None:
         """Set the fundamental so that z(0) = A is an extremum."""
@@ -119,9 +255,10 @@ class _Orbit:
         size, K = self.size, len(self.z) - 1
         n = np.arange(1, K + 1)
         excess = self.g(self.slope) - self.d
-        push = _coefficients(excess * self.rate)
-        fast = self.frequency
-        slow = 1 / fast
+        push = coefficients(excess * self.rate)
+        # The positive root of frequency - 1/frequency = sigma, and its inverse, without cancellation.
+        root = np.hypot(1.0, self.sigma / 2) + abs(self.sigma) / 2
+        fast, slow = (root, 1 / root) if self.sigma >= 0 else (1 / root, root)
         # Balance of the harmonic n: (1/(n^2 frequency) - frequency) z_n = push_n/n^2.
         detuned = slow / n**2 - fast
         detuned[0] = -self.sigma
@@ -159,173 +296,3 @@ class _Orbit:
         self.sigma += float(change[-1])
         self.close()
         return float(np.abs(change).max()) / min(1.0, strength), push / strength
-
-
-def _values(z: ComplexArray) -> FloatArray:
-    """Return a real function at the midpoints of cells of the phase from its coefficients."""
-    size = 2 * len(z)
-    return np.fft.irfft(z * np.exp(1j * np.pi / size * np.arange(len(z))), size) * size
-
-
-def _coefficients(function: FloatArray) -> ComplexArray:
-    """Return the coefficients of a real function at the midpoints of cells of the phase."""
-    size = len(function)
-    turn: ComplexArray = np.exp(-1j * np.pi / size * np.arange(size // 2)) / size
-    return np.fft.rfft(function)[: size // 2] * turn
-
-
-def _parts(rows: ComplexArray) -> FloatArray:
-    """Return the real parts of rows and then the imaginary ones."""
-    return np.concatenate([rows.real, rows.imag])
-
-
-def _begin(law: FrictionLaw, slope: Slope, V: float, strength: float, A: float) -> _Orbit:
-    """Return the second-order orbit, its phase shifted so that the highest velocity is at 0."""
-    size = _GRIDS[0] // 2
-    weak, n = expand(law, V, A, grid=size), np.arange(size)
-    shift = strength * (n * weak.sines[0]).sum() / A
-    z = (strength**2 * weak.cosines[0] - 1j * strength * weak.sines[0]) / 2 * np.exp(1j * n * shift)
-    d = strength * weak.harmonic[0] + strength**3 * weak.second[0]
-    orbit = _Orbit(slope, V, strength, A, z, float(d), float(-2 * strength**2 * weak.slowing[0]))
-    orbit.close()
-    return orbit
-
-
-def _tail(size: FloatArray) -> float:
-    """Estimate the size of the coefficients that fold back into the first.
-
-    From the decay over the last octave: right for a power of the order, too large for a geometric decay.
-    """
-    K = len(size) - 1
-    last = float(size[(4 * K) // 5 :].max())
-    before = float(size[(2 * K) // 5 : K // 2].max())
-    return last * min(1.0, last / before) if before else last
-
-
-def _solved(orbit: _Orbit, rtol: float, most_work: float) -> tuple[_Orbit, float]:
-    """Solve by Newton's method on finer and finer grids; return the orbit and its tail, infinite if that fails."""
-    work, tail = 0.0, np.inf
-    for size in _GRIDS:
-        finer, tail = orbit.on(size), np.inf
-        for _ in range(_MOST_STEPS):
-            check_time()
-            if work > most_work:
-                break
-            work += size**3
-            try:
-                change, push = finer.improve()
-            except np.linalg.LinAlgError:
-                break
-            if not (np.isfinite(change) and np.abs(finer.z).max() < _RUNAWAY):
-                break
-            if change <= _CLOSE:
-                orbit, tail = finer, _tail(push)
-                break
-        if not np.isfinite(tail) or work > most_work:
-            break
-        largest = float(np.abs(orbit.g(orbit.slope)).max()) or 1.0
-        if tail <= max(_ROUNDING, rtol * min(1.0, abs(orbit.d) / largest)):
-            break
-    return orbit, tail
-
-
-def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool = True) -> str | None:
-    """Say why slip orbits of a law are not smooth at belt speeds V, or return None.
-
-    - `lowest`: the lowest velocity of the orbits over the belt speed.
-    - `jump`: whether a static coefficient matters, as it does where orbits touch the belt's speed.
-    """
-    if jump and law.static is not None:
-        static, onset = law.number(law.static), law.onset
-        if not static <= onset * (1 + _SAME):
-            return f"its static coefficient {static:g} lies above mu(0+) = {onset:g}"
-    reach = float(np.max(V, initial=0.0)) * (1 - lowest)
-    kinks = [float(place) for place in law.kinks() if place < reach]
-    return f"it has a kink at v = {kinks[0]:g}, which the orbit passes" if kinks else None
-
-
-def derivatives(law: FrictionLaw, V: ArrayLike, strength: ArrayLike) -> dict[str, FloatArray]:
-    """Return the derivatives of d of grazing orbits, from one linear solve an orbit.
-
-    With F(u, d; p) = 0 the balance of the harmonics, and l the vector with l^T F_u = 0 and l^T F_d = 1,
-    dd/dp = -l^T F_p. Along the orbit F_p is the spectrum of -(dg/dp) dz/dtheta, over the squares of the orders.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        With all parameters bound, smooth on the speeds of the orbit.
-    V, strength : array_like, shape (n,)
-        As for `orbits`.
-
-    Returns
-    -------
-    dict of str to numpy.ndarray, shape (n,)
-        "d" itself; "V" and "strength", derivatives by the logarithms of these; and each parameter of the law. NaN
-        where there is no orbit.
-    """
-    changes = {name: slopes(law.partial(name)) for name in ("V", *law.parameters)}
-    changes["strength"] = slopes(law)
-    rows: list[dict[str, float]] = []
-    with np.errstate(all="ignore"):
-        columns = (np.ravel(column).tolist() for column in np.broadcast_arrays(V, strength))
-        for speed, force in zip(*columns, strict=True):
-            orbit, tail = _solved(_begin(law, changes["strength"], speed, force, 1.0), _TIGHT, np.inf)
-            if not np.isfinite(tail):
-                rows.append(dict.fromkeys(("d", *changes), np.nan))
-                continue
-            matrix, residual, _ = orbit.equations()
-            left = np.linalg.solve(matrix.T, np.eye(len(residual))[-2])
-            rate, n = orbit.rate, np.arange(1, len(orbit.z))
-            rows.append(
-                {"d": orbit.d}
-                | {
-                    name: float(left @ _parts(_coefficients(orbit.g(slope) * rate)[1:] / n**2))
-                    for name, slope in changes.items()
-                }
-            )
-    return {name: np.array([row[name] for row in rows]) for name in ("d", *changes)}
-
-
-def orbits(
-    law: FrictionLaw,
-    V: ArrayLike,
-    strength: ArrayLike,
-    A: ArrayLike = 1.0,
-    *,
-    rtol: float = 1e-13,
-    most_work: float = _MOST_WORK,
-) -> Orbits:
-    """Return the pure-slip orbits of given height.
-
-    - `law`: with all parameters bound, smooth on the speeds of the orbit.
-    - `V`: belt speeds in m/s.
-    - `strength`: N/sqrt(k m) in m/s.
-    - `A`: highest velocity over belt speed, at most 1.
-    - `rtol`: relative error of d at which the grid is fine enough, where rounding allows.
-    - `most_work`: cubes of grids, summed over the Newton steps of an orbit, after which it is given up.
-
-    An orbit that was not found has an infinite error, and no number for d.
-    """
-    slope = slopes(law)
-    columns = [np.ravel(column).astype(np.float64) for column in np.broadcast_arrays(V, strength, A)]
-    with np.errstate(all="ignore"):  # iterates that run away are given up
-        everything = columns[1] * averages(law, columns[0], columns[2])[0]
-        rows = [
-            _measured(law, *_solved(_begin(law, slope, *one), rtol, most_work), float(whole))
-            for *one, whole in zip(*(column.tolist() for column in columns), everything, strict=True)
-        ]
-    return Orbits(*np.array(rows).reshape(-1, 6).T)
-
-
-def _measured(law: FrictionLaw, orbit: _Orbit, tail: float, everything: float) -> Sequence[float]:
-    """Return the row of an orbit; `everything` is its harmonic damping from slopes at every scale."""
-    z, g = orbit.velocity, orbit.g(orbit.slope)
-    scale = max(float(np.abs(g).max()), abs(everything))
-    # A layer of the law between v = 0 and the first phase would pass unseen.
-    V, strength = np.array([orbit.V]), np.array([orbit.strength])
-    seen = orbit.strength * float(expand(law, V, orbit.A, grid=orbit.size // 2).harmonic[0])
-    layer = float(of_layer(law, V, strength, orbit.size // 2)[0]) if orbit.A == 1 else 0.0
-    unseen = (abs(seen - everything) + layer) / (scale or 1.0)
-    error = 0.0 if scale == 0 else tail + unseen + _ROUNDING * orbit.size / _GRIDS[0]
-    d = orbit.d if np.isfinite(error) else np.nan
-    return d, orbit.frequency, error, scale, float(g.mean()) - orbit.d, float(z.min())

@@ -50,7 +50,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     def derivative(source: Wedge) -> float:
         return float(gap(rise, eta, zeta, push, 1.0, _TIGHT, True, 0.0, tuple(source))[1])
 
-    unit, slope = 2 * osc.impedance, derivative(Wedge(*by_zeta(system)))
+    unit, slope = 2 * osc.impedance, derivative(by_zeta(system))
     if not slope < 0.0:  # no number, or 0 where a half creeps to rest
         raise NotConverged(
             f"how the threshold changes is not known at eta = {eta:g} and V = {V:g} m/s: friction is so strong "

@@ -60,22 +60,29 @@ def test_put_back_they_give_the_damping(method):
     assert tried >= 2
 
 
-def test_laws_with_kinks_and_measured_points_by_simulation():
-    """Where a motion goes beyond the last measured speed there is no threshold, and others are found."""
-    kink = ss.FrictionLaw("Piecewise((mu_s - a*v, v < v_1), (mu_s - a*v_1 + b*(v - v_1), True))")
-    points = ss.FrictionLaw.from_samples(
-        [0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.2], [0.5, 0.44, 0.4, 0.34, 0.29, 0.27, 0.26]
+KINK = ss.FrictionLaw("Piecewise((mu_s - a*v, v < v_1), (mu_s - a*v_1 + b*(v - v_1), True))")
+POINTS = [0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.2], [0.5, 0.44, 0.4, 0.34, 0.29, 0.27, 0.26]
+PIECES = {
+    "kink": (KINK.bind(mu_s=0.5, a=0.4, b=0.1, v_1=0.3), "v_1", 0.3, {}, (0.2, 0.4)),
+    # Where a motion goes beyond the last measured speed there is no threshold, and others are found.
+    "points": (ss.FrictionLaw.from_samples(*POINTS), "N", 2.0, {}, (8.0, 100.0)),
+    "static": (ss.FrictionLaw("0.3", static="0.35"), "V", 0.1, {}, None),
+    "kinked in V": (ss.FrictionLaw("0.2 + 0.3*Max(0, 1 - v/0.3)"), "V", 2.0, {"k": 1e4}, None),
+}
+
+
+@pytest.mark.parametrize("name", PIECES)
+def test_laws_that_are_not_smooth_by_simulation(name):
+    law, of, c, changes, within = PIECES[name]
+    point = SCENE | changes
+    (one,) = ss.critical(law, of, c=c, **without(point, of), within=within, rtol=1e-6)
+    assert one.method == "simulation"
+    there, point = put_back(law, point, of, one.value)
+    assert ss.pure_slip_damping(there, **point, method="simulation", rtol=1e-10).value == pytest.approx(
+        c, rel=1e-8
     )
-    for law, of, c, within in (
-        (kink.bind(mu_s=0.5, a=0.4, b=0.1, v_1=0.3), "v_1", 0.3, (0.2, 0.4)),
-        (points, "N", 2.0, (8.0, 100.0)),
-    ):
-        (one,) = ss.critical(law, of, c=c, **without(SCENE, of), within=within, rtol=1e-6)
-        assert one.method == "simulation"
-        there, scene = put_back(law, SCENE, of, one.value)
-        assert ss.pure_slip_damping(there, **scene, method="simulation", rtol=1e-10).value == (
-            pytest.approx(c, rel=1e-8)
-        )
+    with pytest.raises(ss.InputError, match="needs a law that is smooth"):
+        ss.critical(law, of, c=c, **without(point, of), method="orbit")
 
 
 def test_a_value_of_the_other_sign_is_found_on_its_side():
@@ -154,18 +161,6 @@ def test_a_critical_speed_put_back_gives_the_damping(name, count, method):
         assert back == pytest.approx(2.0, rel=1e-6)
         assert speed.relative_error is None or speed.relative_error <= 1e-2
     assert ss.critical(law, "V", c=2.0, **without(SCENE, "V"), method=method, within=(10.0, 20.0)) == ()
-
-
-@pytest.mark.parametrize(
-    "law", [ss.FrictionLaw("0.3", static="0.35"), ss.FrictionLaw("0.2 + 0.3*Max(0, 1 - v/0.3)")]
-)
-def test_critical_speeds_of_static_jumps_and_kinks(law):
-    (found,) = ss.critical(law, "V", c=0.1 if law.static else 2.0, N=9.81, m=1.0, k=100.0 if law.static else 1e4)
-    point = {"V": found.value, "N": 9.81, "m": 1.0, "k": 100.0 if law.static else 1e4}
-    back = ss.pure_slip_damping(law, **point, method="simulation", rtol=1e-8)
-    assert back.value == pytest.approx(0.1 if law.static else 2.0, rel=1e-6)
-    with pytest.raises(ss.InputError, match="needs a law that is smooth"):
-        ss.critical(law, "V", c=2.0, **without(SCENE, "V"), method="orbit")
 
 
 def test_the_error_of_a_speed_is_known_where_no_damping_is_needed():

@@ -15,7 +15,6 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 SIX = ["exponential", "polynomial", "hyperbolic", "gaussian", "lorentzian", "tanh"]
-REFERENCE = 2e-12  # relative error of the orbits that estimates are judged by
 
 
 @pytest.fixture(scope="module")
@@ -77,22 +76,6 @@ def test_the_error_of_the_last_secant_is_stated():
         assert abs(found.value / exact - 1) <= found.relative_error <= rtol
 
 
-@sweep("count", [18, 300], 18)
-def test_estimates_bound_the_error(count):
-    bounded, total = 0, 0
-    for law, numbers, rtol in random_points(count):
-        try:
-            exact = ss.pure_slip_damping(law, **numbers, method="orbit", rtol=1e-12)
-        except ss.NotConverged:
-            continue
-        found = ss.pure_slip_damping(law, **numbers, rtol=rtol)
-        total += 1
-        bounded += abs(found.value / exact.value - 1) <= found.relative_error + REFERENCE
-        assert found.relative_error <= rtol
-    assert total >= 0.9 * count
-    assert bounded >= 0.99 * total
-
-
 def test_auto_gives_the_first_value_that_is_good_enough():
     """Asked one by one in the order of their costs, no method before it knows its error to be within rtol."""
     last = Counter()
@@ -128,14 +111,3 @@ def test_the_name_of_a_method_is_never_cut(exponential, monkeypatch):
         assert name in several.method
         assert set(several.method) <= set(methods())
         monkeypatch.undo()
-
-
-@pytest.mark.parametrize(
-    ("rtol", "method"), [(0.5, "second_order"), (5e-3, "second_order"), (1e-4, "orbit"), (1e-9, "orbit")]
-)
-def test_auto_goes_as_far_as_it_must(exponential, rtol, method):
-    found = ss.pure_slip_damping(exponential, **POINT, rtol=rtol)
-    assert found.method == method
-    exact = ss.pure_slip_damping(exponential, **POINT, method="simulation", rtol=1e-11).value
-    assert abs(found.value / exact - 1) <= found.relative_error + 2e-11
-    assert found.relative_error <= rtol

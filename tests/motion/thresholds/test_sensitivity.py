@@ -93,19 +93,6 @@ def test_simulation_against_differences(name):
     assert error_along(law, SCENE | {"V": 0.45}, "simulation", 7, 5e-3, 1e-11) < 1e-8
 
 
-def test_the_orbit_and_the_simulation_agree_and_share_nothing():
-    for law, scene in random_scenes(3, 4):
-        orbit, simulated = (
-            ss.pure_slip_damping(law, **scene, method=method, rtol=1e-9).sensitivity
-            for method in ("orbit", "simulation")
-        )
-        scale = max(abs(value) * value_of(law, scene, name) for name, value in orbit.items())
-        for name, value in orbit.items():
-            assert simulated[name] * value_of(law, scene, name) == pytest.approx(
-                value * value_of(law, scene, name), abs=1e-8 * scale
-            )
-
-
 AVERAGED = [
     (text, criterion)
     for text in ("mu_m + (mu_s - mu_m)*exp(-alpha*v)", JUMPS["down"])
