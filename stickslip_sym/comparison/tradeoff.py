@@ -41,6 +41,7 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.basins import basin_map
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import classify
+from stickslip_sym.motion.regimes.regime import by_side
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 
@@ -316,10 +317,10 @@ def _share(
 
     rng = np.random.default_rng(_SEED)
     initial = np.column_stack([rng.uniform(*ends, max(SIMULATED)) for ends in (x0, v0)])
-    by_side = basins.regime.by_side(*initial.T).tolist()
+    sides = by_side(basins.regime, *initial.T).tolist()
     truth = [
         rests(*at) if motion is None else motion is Motion.REST
-        for motion, at in zip(by_side, initial.tolist(), strict=True)
+        for motion, at in zip(sides, initial.tolist(), strict=True)
     ]
 
     def sampled(decide: Callable[[float, float], bool], count: int) -> list[bool]:

@@ -13,7 +13,6 @@ from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.fitting.curve import band, draw_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.regimes.drawing import phase_plane_of
 from stickslip_sym.motion.simulation.trajectory import Phase
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
@@ -152,7 +151,7 @@ def _time(ax: Any, study: Study) -> None:
 
 
 def _phase_plane(ax: Any, study: Study) -> None:
-    handles = phase_plane_of(ax, study.regime)
+    handles = study.regime.draw(ax)
     if study.motion is not None:
         state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
         handles += ax.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0, label="motion over time")
