@@ -92,7 +92,7 @@ def _refusing(path: Path) -> Iterator[None]:
 
 
 def _may_be_replaced(target: Path) -> bool:
-    """Return whether a file is there; refuse one that may not be written, though its folder lets it be replaced."""
+    """Return whether a file is there; refuse one that may not be written, though it could be replaced."""
     try:
         target.stat()
     except FileNotFoundError:
