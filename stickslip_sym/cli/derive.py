@@ -8,9 +8,8 @@ import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli.options import CRITERIA, LAW, POINT, Given, command, file_option, option, time_limit
-from stickslip_sym.cli.output import Json, echo_json, point_of, progress_bar
+from stickslip_sym.cli.output import Json, echo_json, in_options, point_of, progress_bar
 from stickslip_sym.cli.reading import criteria_of, point
-from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, NoClosedForm
 
 if TYPE_CHECKING:

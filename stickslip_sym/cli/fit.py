@@ -10,9 +10,8 @@ import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli.options import FILE_OF_MEASUREMENTS, LAW_NAMES, Given, command, file_option, option
-from stickslip_sym.cli.output import counted, echo_all
+from stickslip_sym.cli.output import counted, echo_all, in_options
 from stickslip_sym.cli.reading import assignments, reading_of
-from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import pytest
 from commands import read_json
 
 import stickslip_sym as ss
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.cli.output import in_options
 
 POINTS = "v [m/s],mu\n0,0.5\n0.1,0.4\n0.3,0.3\n1.2,0.25\n"
 FORMULA = "a - b*v + d*v^2"
