@@ -3,6 +3,8 @@
 One more method is one `Candidate` of the number that it is for.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
