@@ -330,17 +330,23 @@ class Trajectory:
         figure = Figure(figsize=(8.4, 4.2), layout="constrained")
         panels = figure.subplot_mosaic("xp;vp", width_ratios=(3, 2))
         panels["x"].sharex(panels["v"])
+        begin = float(self.t[0]) if since is None else since
         for phase, style in _STYLES.items():
-            t, x, v = self._drawn(phase, self.t[0] if since is None else since)
-            if t.size:
+            parts = list[FloatArray]()
+            for stretch in self.stretches:
+                if stretch.phase is phase and stretch.end > begin:
+                    t = drawing.dense(np.unique(np.maximum(stretch.samples[0], begin)))
+                    parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]  # a gap between two
+            if parts:
+                t, x, v = np.concatenate(parts, axis=1)
                 panels["x"].plot(t, x, **style)
                 panels["v"].plot(t, v, **style)
                 panels["p"].plot(x, v, label=phase.value, **style)
-        panels["x"].set(ylabel="displacement $x$ (m)")
+        place, speed = "displacement $x$ (m)", "velocity $\\dot x$ (m/s)"
+        for name, labels in {"x": ("", place), "v": ("time $t$ (s)", speed), "p": (place, speed)}.items():
+            panels[name].set(xlabel=labels[0], ylabel=labels[1])
         panels["x"].tick_params(labelbottom=False)
-        panels["v"].set(xlabel="time $t$ (s)", ylabel="velocity $\\dot x$ (m/s)")
         panels["p"].locator_params(axis="x", nbins=5)
-        panels["p"].set(xlabel="displacement $x$ (m)", ylabel="velocity $\\dot x$ (m/s)")
         for panel in panels.values():
             panel.grid(alpha=0.25)
         figure.align_ylabels([panels["x"], panels["v"]])
@@ -348,15 +354,6 @@ class Trajectory:
         if path is not None:
             drawing.save(figure, Path(path))
         return figure
-
-    def _drawn(self, phase: Phase, since: float) -> FloatArray:
-        """Return t, x and v of all stretches of a phase that end after a time, with NaN between two of them."""
-        parts = [np.empty((3, 0))]
-        for stretch in self.stretches:
-            if stretch.phase is phase and stretch.end > since:
-                t = drawing.dense(np.unique(np.maximum(stretch.samples[0], since)))
-                parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]
-        return np.concatenate(parts, axis=1)
 
 
 _STYLES: dict[Phase, dict[str, Any]] = {
