@@ -250,28 +250,28 @@ class Dimensionless:
         Raises `NotConverged` without `most`, where steps are too many, none is short enough, or mu has no value.
         Raises `OutOfTime` when the time of a `time_limit` is up.
         """
-        way = -1.0 if backward else 1.0
+        sign = -1.0 if backward else 1.0
         end_tau = self.horizon if horizon is None else horizon
         more = 0.0 if horizon is None else _MORE_STEPS * len(self.rise.jumps) * end_tau
         bound = math.ceil(_MOST_STEPS + more) if most is None else most
         constant, linear, factor, pieces, shifts = self.no_wedge if wedge is None else wedge
-        source = way * constant, way * linear, way * factor, pieces, shifts
+        source = sign * constant, sign * linear, sign * factor, pieces, shifts
         found = Slip(End.STEPS, 0.0, float(q), float(w), 0.0, D, 0, (q, q, w, w), [])
         while found.end is End.STEPS and found.taken < bound and (most is None or time_left() >= 0):
             if most is None:
                 check_time()
             end, tau, q, w, rate, D, taken, extremes, steps = follow(
-                self.rise, way * self.eta, way * self.zeta, way * self.push(side), float(side), way * found.q,
+                self.rise, sign * self.eta, sign * self.zeta, sign * self.push(side), float(side), sign * found.q,
                 found.w, end_tau - found.tau, rtol, int(until), level, min(_CHUNK, bound - found.taken),
                 (wedge is not None, found.wedge, source), recorded,
             )  # fmt: skip
             found.steps.extend(
-                Step(found.tau + since, way * q, w, way * rate, *others) for since, q, w, rate, *others in steps
+                Step(found.tau + since, sign * q, w, sign * rate, *others) for since, q, w, rate, *others in steps
             )
-            ends = [way * extremes[0], way * extremes[1], *found.extremes[:2]]
+            ends = [sign * extremes[0], sign * extremes[1], *found.extremes[:2]]
             w_least, w_most = min(extremes[2], found.extremes[2]), max(extremes[3], found.extremes[3])
             found = Slip(
-                End(end), found.tau + tau, way * q, w, way * rate, D, found.taken + taken,
+                End(end), found.tau + tau, sign * q, w, sign * rate, D, found.taken + taken,
                 (min(ends), max(ends), w_least, w_most), found.steps,
             )  # fmt: skip
         if most is None and (refusal := self.refusal(found, rtol)) is not None:

@@ -315,7 +315,7 @@ class Trajectory:
         files.write_csv(Path(path), numbers | {"phase": phases})
 
     def plot(self, path: str | Path | None = None, *, since: float | None = None) -> "Figure":
-        """Draw the time history and the phase plane, stick and slip told apart.
+        """Draw the time history and the phase plane, with stick and slip in different styles.
 
         Parameters
         ----------
@@ -361,7 +361,7 @@ _STYLES: dict[Phase, dict[str, Any]] = {
     Phase.SLIP_BACK: {"color": "tab:blue", "linewidth": 1.1},
     Phase.SLIP_FORWARD: {"color": "tab:orange", "linewidth": 1.4, "linestyle": (0, (3, 1))},
 }
-"""In grey they are told apart by weight and by dashes."""
+"""In grey they differ by weight and by dashes."""
 
 
 @dataclass(frozen=True, repr=False)

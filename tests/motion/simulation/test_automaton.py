@@ -1,4 +1,4 @@
-"""The automaton at its limits: kinks and jumps of mu, grazing returns, stiff scenes, bounds on the work."""
+"""The automaton at its limits: kinks and jumps of mu, grazing returns, stiff motions, bounds on the work."""
 
 import math
 from dataclasses import replace
@@ -22,7 +22,7 @@ EVENT_TIMES = 1e-11  # relative, at rtol = 1e-12
 
 @given(seed=st.integers(0, 10**6))
 def test_no_event_is_missed_and_none_is_spurious(seed):
-    """5000 scenes of the kind are measured by tests/benchmarks/measure_events.py."""
+    """5000 motions of the kind are measured by tests/benchmarks/measure_events.py."""
     law, osc, x0, v0 = motions.one_scene(seed)
     motion, _ = motions.simulated(law, osc, x0, v0)
     assert motions.violations(law, osc, motion) == []
