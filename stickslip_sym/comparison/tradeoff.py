@@ -29,7 +29,6 @@ from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, Out
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, suggestion
 from stickslip_sym.core.status import Status
-from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.closed_form import ClosedForm, derive
 from stickslip_sym.formula.evaluation.values import slope_of
@@ -206,16 +205,16 @@ def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Numbe
 
 
 def _integrand(form: ClosedForm, V: float, N: float) -> Callable[[FloatArray], FloatArray]:
-    """Return that of `gauss`, over an angle."""
-    terms = sp.symbols("m p q", positive=True, cls=sp.Dummy)
-    weight = function_of(terms, gauss.angle_weight(form.criterion, *terms), "numpy")
+    """Return w(s) mu'(v) ds/dphi with v = 2V sin(phi)^2: smooth at both ends, square roots too."""
+    ends = sp.symbols("p q", positive=True, cls=sp.Dummy)
+    weight = function_of(ends, form.criterion.from_ends(*ends), "numpy")
     point = form.law.point
     slope = function_of([*point, symbols.v], slope_of(form.law.expr), "numpy")
     parameters = [float(value) for value in point.values()]
 
     def integrand(angle: FloatArray) -> FloatArray:
         sine, cosine = np.sin(angle), np.cos(angle)
-        share: FloatArray = weight((2 * sine * cosine) ** 2, 2 * sine * sine, 2 * cosine * cosine)
+        share: FloatArray = 4 * sine * cosine * weight(2 * sine * sine, 2 * cosine * cosine)
         rise: FloatArray = slope(*parameters, 2 * V * sine * sine)
         return -N * share * rise
 
