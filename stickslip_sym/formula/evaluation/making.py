@@ -126,7 +126,8 @@ class _Builder:
         self.closed = closed
         if self.local:
             self.closed = -slope_of(self.values.last_piece).subs(symbols.v, symbols.V).xreplace(point)
-        self.corners = [float(kink) / (1 if self.local else 2) for kink in self.values.kinks]
+        # Each r beyond which a kink counts, as a float, and what it is exactly: a root grows from there.
+        self.corners = {float(r): r for r in (kink / (1 if self.local else 2) for kink in self.values.kinks)}
         exponents = {node.exp.xreplace(point) for node in profile.atoms(sp.Pow) if node.base == symbols.v}
         fractional = [e for e in exponents if not e.is_Integer]
         # The e of v^e if v occurs, apart from whole powers, in that way only.
@@ -400,7 +401,7 @@ class _Builder:
         low, high = (left, right) if origin is None else (np.sqrt(left - origin), np.sqrt(right - origin))
         centre, half = (low + high) / 2, (high - low) / 2
         y = [arb(centre) + t * arb(half) for t in _chebyshev(_NODES).nodes]
-        values = [self.values(x if origin is None else arb(origin) + x * x) for x in y]
+        values = [self.values(x if origin is None else self.corners[origin] + x * x) for x in y]
         coefficients = _chebyshev(_NODES).coefficients(values)
         middle = (left + right) / 2
         size = max(self.values.mean_slope(np.array([left, middle, right])).min(), abs(float(coefficients[0])))
