@@ -3,6 +3,8 @@
 One more method is one `Candidate` of the number that it is for.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -27,7 +29,6 @@ from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, Out
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, suggestion
 from stickslip_sym.core.status import Status
-from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.closed_form import ClosedForm, derive
 from stickslip_sym.formula.evaluation.values import slope_of
@@ -39,6 +40,7 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.basins import basin_map
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import classify
+from stickslip_sym.motion.regimes.regime import by_side
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 
@@ -203,16 +205,16 @@ def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Numbe
 
 
 def _integrand(form: ClosedForm, V: float, N: float) -> Callable[[FloatArray], FloatArray]:
-    """Return that of `gauss`, over an angle."""
-    terms = sp.symbols("m p q", positive=True, cls=sp.Dummy)
-    weight = function_of(terms, gauss.angle_weight(form.criterion, *terms), "numpy")
+    """Return w(s) mu'(v) ds/dphi with v = 2V sin(phi)^2: smooth at both ends, square roots too."""
+    ends = sp.symbols("p q", positive=True, cls=sp.Dummy)
+    weight = function_of(ends, form.criterion.from_ends(*ends), "numpy")
     point = form.law.point
     slope = function_of([*point, symbols.v], slope_of(form.law.expr), "numpy")
     parameters = [float(value) for value in point.values()]
 
     def integrand(angle: FloatArray) -> FloatArray:
         sine, cosine = np.sin(angle), np.cos(angle)
-        share: FloatArray = weight((2 * sine * cosine) ** 2, 2 * sine * sine, 2 * cosine * cosine)
+        share: FloatArray = 4 * sine * cosine * weight(2 * sine * sine, 2 * cosine * cosine)
         rise: FloatArray = slope(*parameters, 2 * V * sine * sine)
         return -N * share * rise
 
@@ -314,10 +316,10 @@ def _share(
 
     rng = np.random.default_rng(_SEED)
     initial = np.column_stack([rng.uniform(*ends, max(SIMULATED)) for ends in (x0, v0)])
-    by_side = basins.regime.by_side(*initial.T).tolist()
+    sides = by_side(basins.regime, *initial.T).tolist()
     truth = [
         rests(*at) if motion is None else motion is Motion.REST
-        for motion, at in zip(by_side, initial.tolist(), strict=True)
+        for motion, at in zip(sides, initial.tolist(), strict=True)
     ]
 
     def sampled(decide: Callable[[float, float], bool], count: int) -> list[bool]:

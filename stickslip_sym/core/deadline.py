@@ -21,13 +21,7 @@ _end: ContextVar[float] = ContextVar("end of the time limit, of time.monotonic",
 
 @contextmanager
 def time_limit(seconds: float | str | None) -> Iterator[None]:
-    """Let `check_time` raise `OutOfTime` within this block once so many seconds have passed; None sets no limit.
-
-    Raises
-    ------
-    InputError
-        If it is no number of seconds from 0 to a day.
-    """
+    """Let `check_time` raise `OutOfTime` within this block once so many seconds have passed; None is no limit."""
     if isinstance(seconds, str):
         seconds = real("time_limit", seconds)
     if seconds is not None and not 0 <= seconds <= LONGEST:

@@ -33,17 +33,7 @@ __all__ = ["Average", "average_of"]
 
 
 class Average:
-    """F(V; shapes) = -<g'(V (1 + s); shapes)>_w of a profile g(v; shapes).
-
-    Attributes
-    ----------
-    profile : sympy.Expr
-        g, a function of `symbols.v` and of shapes.
-    criterion : Criterion
-    shapes : tuple of Symbol
-    slope : sympy.Expr
-        g'.
-    """
+    """F(V; shapes) = -<g'(V (1 + s); shapes)>_w of a profile g(v; shapes)."""
 
     def __init__(self, profile: Expr, criterion: Criterion) -> None:
         self.profile, self.criterion = profile, criterion
@@ -59,11 +49,6 @@ class Average:
         """Return F as a formula in V and the shapes; SymPy's integrator has so many seconds where no rule applies.
 
         What failed once is not tried again, unless SymPy's integrator is given more time.
-
-        Raises
-        ------
-        NoClosedForm
-            Saying what was tried, or which condition the profile does not fulfil.
         """
         if self._parts is None and seconds > self._searched:
             try:
@@ -108,7 +93,7 @@ class Average:
             value = known.value
             if not value.has(sp.Derivative, sp.Subs, sp.meijerg):
                 integral = definition(self.profile, self.criterion)
-                self._parts = (Part(self.profile, integral, value, f"differentiate {source!r}", known),)
+                self._parts = (Part(integral, value, f"differentiate {source!r}", known),)
 
     @property
     def closed(self) -> Expr | None:
@@ -119,12 +104,7 @@ class Average:
             return None
 
     def require_integrable(self) -> None:
-        """Refuse a profile that is infinite at v = 0+, faster than the weight vanishes there.
-
-        Raises
-        ------
-        NoClosedForm
-        """
+        """Refuse a profile that is infinite at v = 0+, faster than the weight vanishes there."""
         v = symbols.v
         if self.criterion.weight is None or self.profile.subs(v, 0).is_finite is not False or self.conditions:
             return
@@ -163,22 +143,12 @@ class Average:
 
     @cached_property
     def gate(self) -> Verdict:
-        """The agreement of the closed form with its definition, which shares no step with finding or proof.
-
-        Raises
-        ------
-        NoClosedForm
-        """
+        """The agreement of the closed form with its definition, which shares no step with finding or proof."""
         return verify(self.profile, self.criterion, self.find(), self.conditions)
 
     @cached_property
     def steps(self) -> tuple[Step, ...]:
-        """The steps from the definition to the closed form, each with its verdict.
-
-        Raises
-        ------
-        NoClosedForm
-        """
+        """The steps from the definition to the closed form, each with its verdict."""
         self.find()
         return tuple(map(self._step, self._parts or ()))
 
@@ -203,15 +173,7 @@ class Average:
 
 @dataclass(frozen=True)
 class Differentiated:
-    """Evaluate the average of v g'(v), or of dg/dp, by the average F of g: it is (V F)', or dF/dp.
-
-    Attributes
-    ----------
-    source : Average
-        Of g; its closed form is proved.
-    variable : Symbol
-        `symbols.v`, or a shape p.
-    """
+    """Evaluate the average of v g'(v), or of dg/dp, by the average F of g: it is (V F)', or dF/dp."""
 
     source: Average
     variable: Expr

@@ -42,13 +42,6 @@ def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, b
     """Return a ball around an expression, its relative radius below 10^-digits, and whether Arb alone made it.
 
     A zero is believed only where the arithmetic of rationals gives it: everywhere else all digits cancelled.
-
-    Raises
-    ------
-    InputError
-        Where the formula divides by zero or is not real.
-    NotConverged
-        If the bound on the working precision does not settle it.
     """
     goal = math.ceil(digits * math.log2(10)) + 4
     precision, finite = goal + _GUARD, False
@@ -76,15 +69,7 @@ def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, b
 
 
 def formula_ball(expr: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[acb, bool]:
-    """Return a ball around an expression at the working precision, and whether Arb alone made it.
-
-    Raises
-    ------
-    ZeroDivisionError, ValueError, OverflowError
-        Where a function of mpmath has no value.
-    NotConverged
-        Where it cannot be evaluated.
-    """
+    """Return a ball around an expression at the working precision, and whether Arb alone made it."""
     asked: list[Expr] = []
 
     def otherwise(node: Expr, arguments: list[acb]) -> acb:
@@ -163,7 +148,7 @@ def exact_value(expr: Expr, slope: Expr, point: Mapping[Expr, Expr], digits: int
                 sp.Pow, lambda base, p: base ** (p if p.has(symbols.v) else p.xreplace(dict(point)))
             )
             limit = symbolic_limit_at_rest(valued)
-        if limit.has(sp.oo, sp.zoo, sp.nan):
+        if limit.has(sp.oo, -sp.oo, sp.zoo, sp.nan):
             raise InputError("the slope of mu is infinite at v = 0, so the criterion has no value at V = 0")
         expr = -symbols.N * limit
     return to_digits(without_squares(expr), point, digits)

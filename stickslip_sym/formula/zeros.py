@@ -21,17 +21,7 @@ _ROOT = float(4 * np.finfo(np.float64).eps)
 
 @dataclass(frozen=True)
 class Zeros:
-    """The belt speeds at which a criterion vanishes: the transition speeds of the undamped oscillator.
-
-    Attributes
-    ----------
-    formula : sympy.Expr or None
-        The one positive zero, where it has a formula.
-    values : tuple of float or None
-        The zeros for typical parameters, in m/s; None where there is a formula, or they are not known.
-    everywhere : bool
-        Whether the criterion is 0 at all belt speeds.
-    """
+    """The belt speeds at which a criterion vanishes: the transition speeds of the undamped oscillator."""
 
     formula: Expr | None = None
     values: tuple[float, ...] | None = None

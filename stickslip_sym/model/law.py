@@ -125,23 +125,13 @@ class FrictionLaw:
     ) -> Self:
         """Return the law with another static coefficient, or with None without one; bound values stay.
 
-        Parameters
-        ----------
-        static : str, float, sympy.Expr or None
-            A number, or a formula of the law's parameters and of more that it brings.
-        units, parameters : optional
-            Descriptions of what it brings, as for a new law.
-
-        Raises
-        ------
-        InputError
-            If it cannot be read, or depends on v.
+        It is a number, or a formula of the law's parameters, but not of v, and of more that it brings; `units` and
+        `parameters` describe these, as for a new law.
 
         Examples
         --------
         >>> from stickslip_sym import laws
-        >>> law = laws.exponential.with_static("0.6").typical()
-        >>> law.static_value
+        >>> laws.exponential.with_static("0.6").typical().static_value
         0.6
         """
         described = _described(parameters, units)
@@ -175,11 +165,6 @@ class FrictionLaw:
             Hold the first coefficient down to v = 0, and the last one for all higher speeds. Otherwise
             speeds beyond the last are errors: a criterion at the belt speed V needs mu up to 2 V.
         name, source : str, optional
-
-        Raises
-        ------
-        InputError
-            For too few or too many points, or speeds that are negative, repeated or not in order.
 
         Warns
         -----
@@ -282,11 +267,10 @@ class FrictionLaw:
         if name != "V" and name not in self._parameters:
             raise InputError(f"{self._label()} has no parameter {name!r}; it has: {', '.join(self._parameters)}")
         law = copy.copy(self)
-        law.expr = (
-            symbols.v * self.slope_expr - self.expr
-            if name == "V"
-            else sp.diff(self.expr, self._parameters[name].symbol)
-        )
+        if name == "V":
+            law.expr = symbols.v * self.slope_expr - self.expr
+        else:
+            law.expr = sp.diff(self.expr, self._parameters[name].symbol)
         law.curve = law.static = None
         return law
 
@@ -325,7 +309,7 @@ class FrictionLaw:
                 )
         bound = copy.copy(self)
         bound._values = {**self._values, **read}
-        bound._uncertain = {key: self.uncertain[key] for key in self.uncertain.keys() - read.keys()} | errors
+        bound._uncertain = {key: error for key, error in self._uncertain.items() if key not in read} | errors
         if not bound._without_value(bound.expr):
             bound.kinks()  # refuses values for which a kink has no place
         return bound
@@ -391,7 +375,7 @@ class FrictionLaw:
 
     def require_speed(self, v: SupportsFloat) -> None:
         """Refuse a slip speed beyond the last measured one, with both speeds, and what to do."""
-        if self.v_max is not None and v > self.v_max:
+        if self.v_max is not None and float(v) > float(self.v_max):  # the double next to a decimal may be above it
             raise InputError(
                 f"{self._label()} is measured up to v = {float(self.v_max):g} m/s, and its value at "
                 f"{float(v):g} m/s is needed; measure further, take a lower speed, or hold the last "

@@ -12,7 +12,7 @@ __all__ = ["Oscillator"]
 
 _NO_BELT = (
     "on a belt that stands still nothing drives the mass, so take a small speed such as 1e-6 instead",
-    "x counts along the belt, so where it runs backward mirror the scene: V, x0 and v0 with their signs changed",
+    "x counts along the belt, so where it runs backward change the signs of V, x0 and v0",
 )
 
 

@@ -1,13 +1,37 @@
-"""One step of a slip phase: explicit, implicit, and one that ends where something happens.
+"""One slip phase: from where it begins to where it ends, whatever the law.
+
+In units of the belt's speed V, of 1/omega and of V/omega: w = |V - x'|/V >= 0 is the slip speed, q the
+displacement from the point P where every forward stick phase ends, and side = 1 where the mass is slower than
+the belt, -1 where it is faster. With eta = N/(V sqrt(k m)) and zeta = c/(2 sqrt(k m)),
+
+    q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.
+
+So w = 0 is the belt's speed exactly, and P is the origin: no digits cancel where returns are decided. Backward in
+time the equations are the same, with q, eta and zeta negated.
+
+The law is a `Rise`: polynomials, in smooth segments between the kinks of mu. A step ends wherever
+something happens: at an extremum of w, at a kink, at the belt's speed. So w is monotone in a step, and an extremum
+is located before a crossing of w = 0: an orbit that grazes the belt's speed touches 0 and turns within a step, and
+no change of sign is left to see. A state between two steps is one shorter step from the first.
+
+Where mu jumps up, the rates on both sides may lead to the jump: the mass then slides at the slip speed of the
+jump, w is constant and q a straight line, until one of the rates turns (Filippov's sliding mode).
+
+With p any quantity on which the motion depends, the wedge D = f_q dw/dp - f_w dq/dp of the rates f = (q', w')
+with the derivative of the state obeys one scalar equation, since div f does not depend on q:
+
+    D' = (div f) D + (1 - side w) dw'/dp,    div f = -eta V mu'(V w) - 2 zeta.
+
+At an extremum dw/dp = D/(1 - side w); at a level of w that p does not move, dq/dp = -D/w'. Where mu jumps at a
+level b(p), D - (1 - side w) db/dp changes as w' does.
 
 Explicit steps are those of DOP853, a Runge-Kutta method of order 8; in a fast decay of w they are those of the
 linearly implicit Euler method, extrapolated to order 8. A step that is to end at an extremum of w, or at a level,
 is taken again with other lengths: it is as accurate as the integration, and there are no interpolants.
 
-Arguments, in the notation of `slip`:
+Functions here take
 
-- `law`: the polynomials of the rise, the first and the last interval of the smooth segment that w is in, and an
-  interval near w;
+- `law`: the pieces of the rise, the first and the last of the smooth segment that w is in, and one near w;
 - `system`: eta, push = eta (side mu_static - mu(0+)), side, and 2 zeta;
 - `wedge`: whether D is wanted, its value, and the fields of a `Wedge`.
 
@@ -15,35 +39,49 @@ Hairer, Norsett, Wanner: Solving Ordinary Differential Equations I, II.5 (DOP853
 """
 
 import math
+from enum import IntEnum
 from typing import Any
 
 from scipy.integrate import DOP853
 
 from stickslip_sym.motion.compiled import compilable
 
-__all__ = [
-    "AMPLIFIED",
-    "EXPLICIT",
-    "IMPLICIT",
-    "SLIDING",
-    "interval",
-    "located",
-    "rate_at",
-    "rise_at",
-    "slope_at",
-    "stepped",
-]
+__all__ = ["SLIDING", "End", "entered", "follow", "rate_at", "rise_at", "slope_at", "stepped"]
+
+
+class End(IntEnum):
+    """Why a slip ended."""
+
+    RETURN = 0  # w came down to 0
+    MINIMUM = 1  # w turned before; an orbit that left P then never returns, since orbits in a plane do not cross
+    MAXIMUM = 2  # w turned down
+    LEVEL = 3  # w came to the level asked for
+    REST = 4  # the mass came to rest, within the tolerance
+    HORIZON = 5  # the time was over
+    STEPS = 6  # the bound on the steps was reached
+    OUTSIDE = 7  # w came to where the table of the law ends
+    FAILED = 8  # no step is short enough for the tolerance
+
 
 EXPLICIT, IMPLICIT, SLIDING = 0, 1, 2
-AMPLIFIED = 4e3
-"""Rounding errors of the rows by the extrapolation, the sum of its weights."""
+_OPEN = -1
+_RETURN, _MINIMUM, _MAXIMUM, _LEVEL, _REST, _HORIZON, _STEPS, _OUTSIDE, _FAILED = (int(end) for end in End)
 
+_LONGEST_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
+_STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
+_STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
+_PATIENCE = 15  # steps held short by stability before the method changes
+_NOISE = 1e-13  # of the terms of w', below which it may be nothing but rounding
+_SHORTEST = 1e-14  # length of a step, over max(tau, 1), that is not made shorter
+_REST_WITHIN = 10  # times the tolerance: nearer to rest the errors of steps do not let the mass come
+_BESIDE = 1e-6  # of w = 1, over which the slope of mu at rest is taken
+_CREEP = 2.0  # decay of w from which a deviation from rest has real exponents
 _BEYOND = 4.0  # half-widths of an interval from its middle, up to which a polynomial is continued
 _SMALL = 0.01  # states below count as that large in an error: less than order 1, since events are where w is 0
 _ROWS = 8  # of the extrapolation
+_AMPLIFIED = 4e3  # their rounding errors by it, the sum of its weights
 _ULP = 2.0**-52
 _OFF = 1e-9  # of tau, over which a straight line is off by less than rounding
-_BISECTIONS = 100  # at most, for the root that ends a step
 
 _A: tuple[tuple[float, ...], ...] = tuple(map(tuple, DOP853.A.tolist()))
 _B, _E, _F = (tuple(row[:12].tolist()) for row in (DOP853.B, DOP853.E5, DOP853.E3))
@@ -64,7 +102,7 @@ _F1, _, _, _, _, _F6, _F7, _F8, _F9, _F10, _F11, _F12 = _F
 
 
 @compilable
-def interval(pieces: Any, first: int, last: int, near: int, w: float) -> int:
+def _interval(pieces: Any, first: int, last: int, near: int, w: float) -> int:
     """Return the number of the interval of w among those from first to last; it is likely to be near."""
     if pieces[near][0] <= w and (near == last or w < pieces[near + 1][0]):
         return near
@@ -83,7 +121,7 @@ def rate_at(law: Any, system: Any, q: float, w: float) -> float:
     """Return w'. Beyond the ends of a segment its law goes on as a polynomial, and then as a constant."""
     pieces, first, last, near = law
     eta, push, side, damping = system
-    c = pieces[interval(pieces, first, last, near, w)]
+    c = pieces[_interval(pieces, first, last, near, w)]
     t = (w - c[1]) * c[2]
     if t < -_BEYOND:
         t = -_BEYOND
@@ -108,7 +146,7 @@ def rise_at(law: Any, w: float) -> float:
 def slope_at(law: Any, w: float) -> float:
     """Return the derivative of the rise by w."""
     pieces, first, last, near = law
-    c = pieces[interval(pieces, first, last, near, w)]
+    c = pieces[_interval(pieces, first, last, near, w)]
     t = min(max((w - c[1]) * c[2], -_BEYOND), _BEYOND)
     slope: float = 0.0
     for k in range(14, 0, -1):
@@ -217,7 +255,7 @@ def _implicit(law: Any, system: Any, q: float, w: float, r: float, h: float, rto
     of_q, of_w, of_D = [0.0] * _ROWS, [0.0] * _ROWS, [0.0] * _ROWS
     error = 0.0
     # No step is more accurate than the rounding of w', which the decay divides and the extrapolation multiplies.
-    rounding = AMPLIFIED * _ULP
+    rounding = _AMPLIFIED * _ULP
     terms = max(max(abs(push), abs(eta * rise_at(law, w))), max(abs(q), abs(damping * w)))
     least_q, least_w = rounding * abs(q), rounding * (terms / max(abs(decay), 1.0) + abs(w))
     for row in range(_ROWS):
@@ -251,7 +289,7 @@ def _implicit(law: Any, system: Any, q: float, w: float, r: float, h: float, rto
 
 
 @compilable
-def located(
+def _located(
     kind: int, law: Any, system: Any, q: float, w: float, r: float, h: float, rtol: float, wedge: Any,
     w_h: float, r_h: float, level: float, sign: float,
 ) -> Any:  # fmt: skip
@@ -271,7 +309,7 @@ def located(
         length += (end - begin) * part * (1.0 - part) * ((1.0 - part) / by - part / by_end)
     low, high = 0.0, h
     q_now, w_now, r_now, D_now, error = q, w, r, 0.0, 0.0
-    for _ in range(_BISECTIONS):
+    while True:
         if not low < length < high:
             length = 0.5 * (low + high)
         q_now, w_now, r_now, D_now, error = stepped(kind, law, system, q, w, r, length, rtol, wedge)
@@ -289,7 +327,7 @@ def located(
             r_now += shift * bend
             length += shift
             break
-        if high - low <= _OFF * _OFF * h:
+        if high - low <= 4.0 * _ULP * h:
             break
         length += shift
     return length, q_now, w_now, r_now, D_now, error
@@ -301,3 +339,181 @@ def _bend(law: Any, system: Any, w: float, r: float) -> float:
     eta, _, side, damping = system
     bend: float = side * (1.0 - side * w) - (eta * slope_at(law, w) + damping) * r
     return bend
+
+
+@compilable
+def follow(
+    rise: Any, eta: float, zeta: float, push: float, side: float, q: float, w: float, horizon: float, rtol: float,
+    until: int, level: float, most: int, wedge: Any, recorded: bool,
+) -> Any:  # fmt: skip
+    """Follow a slip, and return its end, tau, q, w, w', the wedge, the number of steps, extremes, and all steps.
+
+    - `push`: eta (side mu_static - mu(0+)).
+    - `until`: the number of one more `End` at which it stops: a minimum, a maximum or a level of w.
+    - `level`: of w, at which a step ends in any case.
+    - `most`: how many steps it may take.
+    - `wedge`: whether it is wanted, its value at the begin, and the fields of a `Wedge`.
+    """
+    pieces, levels, firsts, jumps, steepest = rise
+    wanted, D, source = wedge
+    damping = 2.0 * zeta
+    system = (eta, push, side, damping)
+    steps = [(0.0, 0.0, 0.0, 0.0, 0.0, 0, 0)]
+    steps.pop()
+    tau, count, held, kind, h = 0.0, 0, 0, EXPLICIT, 0.0
+    q_least, q_most, w_least, w_most = q, q, w, w
+    segments = len(firsts) - 1
+    farthest = levels[segments]
+    if not (w <= farthest and abs(q) < math.inf):
+        return _OUTSIDE, tau, q, w, 0.0, D, count, (q, q, w, w), steps
+    segment = 0
+    while segment + 1 < segments and w >= levels[segment + 1]:
+        segment += 1
+    law = entered(rise, segment, True, w)
+    r = rate_at(law, system, q, w)
+    noise = _NOISE * (abs(push) + abs(eta * rise_at(law, w)) + abs(q) + abs(damping * w))
+    rising = w == 0.0 or r > noise or (abs(r) <= noise and w < side)
+    arrived = not rising and segment > 0 and w == levels[segment]  # at a kink, which it leaves downward
+    length = min(rtol**0.125 / max(1.0, max(abs(1.0 - side * w), abs(r))), _LONGEST_STEP)
+
+    end = _OPEN
+    while end == _OPEN:
+        if arrived:
+            arrived = False
+            beyond = segment + 1 if rising else segment - 1
+            upper = max(segment, beyond)
+            across = rate_at(entered(rise, beyond, rising, w), system, q, w)
+            if (across >= 0.0) == rising or jumps[upper] == 0.0:
+                if wanted and jumps[upper] != 0.0 and r != 0.0:
+                    shift = source[4][upper] * (1.0 - side * w)
+                    D = shift + (D - shift) * across / r
+                segment = beyond
+            elif side * w == 1.0:
+                end, r = _REST, 0.0
+                break
+            else:
+                # Both rates lead to the jump: the mass slides, until the one on the side that it leaves to turns.
+                fell, rising = not rising, side * (1.0 - side * w) > 0.0
+                segment = upper if rising else upper - 1
+                turning = rate_at(entered(rise, segment, rising, w), system, q, w)
+                duration = min(horizon - tau, max(0.0, -turning / (side * (1.0 - side * w))))
+                if recorded:
+                    steps.append((tau, q, w, 0.0, duration, upper, SLIDING))
+                tau, q, count = tau + duration, q + duration * (1.0 - side * w), count + 1
+                q_least, q_most = min(q_least, q), max(q_most, q)
+                D = source[4][upper] * (1.0 - side * w)
+                turn = _MINIMUM if rising else _MAXIMUM
+                if fell == rising and until == turn:
+                    end, r = turn, 0.0
+                    break
+            law = entered(rise, segment, rising, w)
+            r = rate_at(law, system, q, w)
+        if tau >= horizon or count >= most:
+            end = _HORIZON if tau >= horizon else _STEPS
+            break
+
+        # The kind of the step: implicit where stability holds explicit ones short.
+        if abs(eta) * steepest + abs(damping) > _STIFF:
+            decay = eta * slope_at(law, w) + damping
+            if kind == IMPLICIT and decay <= _STIFF / 3.0:  # less, so that the method does not change to and fro
+                kind, held, length = EXPLICIT, 0, rtol**0.125 / max(1.0, abs(r))
+            elif kind == EXPLICIT:
+                held = held + 1 if decay > _STIFF and decay * h > _STABLE else 0
+                if held >= _PATIENCE:
+                    kind = IMPLICIT
+        h = min(length, horizon - tau)
+        if kind == EXPLICIT:
+            h = min(h, _LONGEST_STEP)
+        wedge = (wanted, D, source)
+        q_now, w_now, r_now, D_now, error = stepped(kind, law, system, q, w, r, h, rtol, wedge)
+        shortest = _SHORTEST * max(tau, 1.0)
+        if not error < 1.0:
+            if h <= shortest:
+                end = _FAILED
+            length = h * max(0.2, 0.9 * error**-0.125 if error < math.inf else 0.0)
+            continue
+        length = h * (min(10.0, 0.9 * error**-0.125) if error > 0.0 else 10.0)
+
+        # Where w' changes its sign there is an extremum if w'' = side - w has the sign for it; else it is
+        # rounding, or the error of an implicit step.
+        event, taken = _OPEN, h
+        slowest = rtol ** (2.0 / 3.0) * max(1.0, abs(r)) if kind == IMPLICIT else 0.0
+        if (r_now < -slowest if rising else r_now > slowest) and (w_now > side) == rising:
+            event = _MAXIMUM if rising else _MINIMUM
+            taken, q_now, w_now, r_now, D_now, error = _located(
+                kind, law, system, q, w, r, h, rtol, wedge, w_now, r_now, math.nan, 1.0 if rising else -1.0
+            )
+        border = levels[segment + 1] if rising else levels[segment]
+        inner = (w < level < border) if rising else (border < level < w)
+        target = level if inner else border
+        if (w_now >= target) if rising else (w_now <= target):
+            if w_now != target:
+                taken, q_now, w_now, r_now, D_now, error = _located(
+                    kind, law, system, q, w, r, taken, rtol, wedge, w_now, r_now, target, -1.0 if rising else 1.0
+                )
+            event, w_now = _LEVEL, target
+        if event != _OPEN and not error < 1.0 and taken > shortest:
+            length = 0.5 * taken  # as where mu is singular at the level: its step is taken in shorter ones
+            continue
+
+        if recorded:
+            steps.append((tau, q, w, r, taken, segment, kind))
+        tau = horizon if event == _OPEN and h == horizon - tau else tau + taken
+        q, w, r, D = q_now, w_now, r_now, D_now
+        q_least, q_most, w_least, w_most = min(q_least, q), max(q_most, q), min(w_least, w), max(w_most, w)
+        count += 1
+        law = (pieces, law[1], law[2], _interval(pieces, law[1], law[2], law[3], w))
+        if (
+            event in (_OPEN, _LEVEL)
+            and abs(w - 1.0) <= _BESIDE + _REST_WITHIN * rtol
+            and _is_rest(rise, system, q, w, rising, rtol)
+        ):
+            end = _REST
+        elif event == _LEVEL:
+            if target == 0.0:
+                end = _RETURN
+            elif target == farthest and not inner:
+                end = _OUTSIDE
+            elif until == _LEVEL and level == target:
+                end = _LEVEL
+            arrived = not inner
+        elif event != _OPEN:
+            r, rising = 0.0, not rising
+            if until == event:
+                end = event
+    return end, tau, q, w, r, D, count, (q_least, q_most, w_least, w_most), steps
+
+
+@compilable
+def entered(rise: Any, segment: int, rising: bool, w: float) -> Any:
+    """Return the law on a segment that is entered at w, from below if w rises."""
+    pieces, _, firsts, _, _ = rise
+    first, last = firsts[segment], firsts[segment + 1] - 1
+    return pieces, first, last, _interval(pieces, first, last, first if rising else last, w)
+
+
+@compilable
+def _is_rest(rise: Any, system: Any, q: float, w: float, rising: bool, rtol: float) -> bool:
+    """Whether a mass with w near 1 is at rest within the tolerance, and stays there.
+
+    Where two segments of the law meet at rest, a motion may come to it in swings over both, where deviations decay
+    on the mean, or creep to it on one side, where that side has real exponents below 0.
+    """
+    eta, push, side, damping = system
+    pieces, levels, firsts, _, _ = rise
+    if side < 0.0 or levels[len(levels) - 1] <= 1.0 + _BESIDE:
+        return False
+    whole = (pieces, 0, firsts[len(firsts) - 1] - 1, 0)
+    lifted = eta * rise_at(whole, 1.0)
+    faster = (eta * rise_at(whole, 1.0 + _BESIDE) - lifted) / _BESIDE + damping
+    slower = (lifted - eta * rise_at(whole, 1.0 - _BESIDE)) / _BESIDE + damping
+    rest = damping - push + lifted
+    fastest = max(abs(faster), abs(slower))
+    noise = _ULP * max(max(abs(push), abs(lifted)), max(abs(rest), abs(damping)))
+    if fastest > _STIFF:  # of implicit steps
+        noise *= _AMPLIFIED / fastest
+    close = _REST_WITHIN * (rtol + noise)
+    if abs(w - 1.0) > close or abs(q - rest) > close * max(1.0, abs(rest)):
+        return False
+    decay = slower if w < 1.0 or (w == 1.0 and rising) else faster
+    return bool(faster + slower > 0.0 or decay >= _CREEP)

@@ -39,32 +39,23 @@ def collect(
 ) -> list[Result | None]:
     """Return the result of each task; None for a task that Ctrl-C kept from its end.
 
-    Parameters
-    ----------
-    function : callable
-        At the top level of a module, so that other processes find it.
-    tasks : sequence
-        Plain content, for the same reason.
-    workers : int or concurrent.futures.Executor
-        A number of threads, -1 for all processors, or an executor, such as a dask client's ``get_executor()``.
-    progress : callable, optional
-        Called with the number of finished tasks and of all.
+    - `function`, `tasks`: at the top level of a module, and plain content, so that other processes find them.
+    - `workers`: a number of threads, -1 for all processors, or an executor,
+      such as a dask client's ``get_executor()``.
+    - `progress`: called with the number of finished tasks and of all.
 
-    Raises
-    ------
-    InputError
-        For unusable workers.
-    NotConverged
-        If a process of ours ends before its work is done.
-    KeyboardInterrupt
-        If Ctrl-C comes before the first result.
+    Raises `InputError` for unusable workers.
+    Raises `NotConverged` if a process of ours ends before its work is done.
+    Raises `KeyboardInterrupt` if Ctrl-C comes before the first result.
     """
     results: list[Result | None] = [None] * len(tasks)
     report = progress or (lambda done, total: None)
+    left = time_left()
+    limited = function if math.isinf(left) else partial(_until, time.time() + left, function)
     report(0, len(tasks))
     done = 0
     try:
-        for index, result in _results(_limited(function), tasks, workers):
+        for index, result in _results(limited, tasks, workers):
             results[index] = result
             done += 1
             report(done, len(tasks))
@@ -72,6 +63,12 @@ def collect(
         if done == 0:
             raise
     return results
+
+
+def _until(end: float, function: Callable[[Task], Result], task: Task) -> Result:
+    """Carry out a task with the time until a given one, in seconds of the clock that all processes have."""
+    with time_limit(min(max(end - time.time(), 0.0), LONGEST)):
+        return function(task)
 
 
 def in_batches(batch: Callable[[slice], None], size: int, length: int, workers: int) -> None:
@@ -115,20 +112,16 @@ def _results(
 @contextmanager
 def _executor(workers: Workers, tasks: int) -> Iterator[Executor | None]:
     """Give an executor of ours, which ends with the block, one of the caller's, which does not, or None."""
-    if isinstance(workers, Executor):
-        yield workers
-        return
-    count = min(_count(workers), tasks)
-    if count < 2:
-        yield None
-        return
-    if is_compiling():
+    count = 0 if isinstance(workers, Executor) else min(_count(workers), tasks)
+    if isinstance(workers, Executor) or count < 2:
+        yield workers if isinstance(workers, Executor) else None
+    elif is_compiling():
         with ThreadPoolExecutor(count) as threads:
             yield threads
-        return
-    # Spawned, not forked: a fork of a process with threads may hang.
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_ignore_interrupts) as pool:
-        yield pool
+    else:
+        # Spawned, not forked: a fork of a process with threads may hang.
+        with ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_ignore_interrupts) as pool:
+            yield pool
 
 
 def _ignore_interrupts() -> None:
@@ -146,15 +139,3 @@ def _count(workers: int) -> int:
     if workers > 0:
         return workers
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _limited(function: Callable[[Task], Result]) -> Callable[[Task], Result]:
-    """Return a function that keeps to the time that is left here, in other threads and processes too."""
-    left = time_left()
-    return function if math.isinf(left) else partial(_until, time.time() + left, function)
-
-
-def _until(end: float, function: Callable[[Task], Result], task: Task) -> Result:
-    """Carry out a task with the time until a given one, in seconds of the clock that all processes have."""
-    with time_limit(min(max(end - time.time(), 0.0), LONGEST)):
-        return function(task)

@@ -139,7 +139,7 @@ class Panel(Drawn):
     """A result whose picture is one panel, which can be drawn into axes of a figure of one's own."""
 
     @abstractmethod
-    def _draw(self, ax: "Axes") -> "Sequence[Artist]":
+    def draw(self, ax: "Axes") -> "Sequence[Artist]":
         """Draw it, and return the handles of its legend."""
 
     def _title(self) -> str:
@@ -167,7 +167,7 @@ class Panel(Drawn):
         """
         if ax is None:
             return super().plot(path)
-        ax.legend(handles=self._draw(ax), fontsize=8)
+        ax.legend(handles=self.draw(ax), fontsize=8)
         figure: Figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
         if path is not None:
             save(figure, Path(path))
@@ -175,7 +175,7 @@ class Panel(Drawn):
 
     def _figure(self) -> "Figure":
         figure, axes = new_figure(*_PANEL)
-        handles = self._draw(axes[0, 0])
+        handles = self.draw(axes[0, 0])
         axes[0, 0].set_title(self._title(), fontsize=10)
         figure.legend(
             handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6

@@ -12,7 +12,7 @@ import stickslip_sym as ss
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.formula.average import average_of
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
-from stickslip_sym.formula.finding.harmonics import average_of_pieces, harmonic_average
+from stickslip_sym.formula.finding.averages import average_of_pieces, harmonic_average
 from stickslip_sym.formula.proof import recurrence
 from stickslip_sym.formula.proof.recurrence import AverageSeries, prove_average
 

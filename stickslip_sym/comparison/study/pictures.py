@@ -13,7 +13,6 @@ from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.fitting.curve import band, draw_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.regimes.drawing import phase_plane_of
 from stickslip_sym.motion.simulation.trajectory import Phase
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
@@ -35,16 +34,10 @@ _AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "ha
 
 @dataclass(frozen=True)
 class Plane:
-    """Thresholds over belt speed, all else as at the operating point.
+    """Thresholds over belt speed V in m/s, all else as at the operating point, in kg/s.
 
-    Attributes
-    ----------
-    V : numpy.ndarray
-        Belt speeds in m/s.
-    averages : mapping of str to numpy.ndarray
-        The thresholds by averages of slopes, in kg/s.
-    exact, uncertainty : numpy.ndarray
-        The threshold, NaN where there is none, and its standard error, in kg/s.
+    `averages` by slopes, by name, and the `exact` ones with their standard error `uncertainty`; NaN where there is
+    none.
     """
 
     V: FloatArray
@@ -152,7 +145,7 @@ def _time(ax: Any, study: Study) -> None:
 
 
 def _phase_plane(ax: Any, study: Study) -> None:
-    handles = phase_plane_of(ax, study.regime)
+    handles = study.regime.draw(ax)
     if study.motion is not None:
         state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
         handles += ax.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0, label="motion over time")

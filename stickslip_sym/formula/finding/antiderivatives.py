@@ -4,13 +4,15 @@ A rule returns F with F' = polynomial times factors, real and smooth for u >= 0,
 is proved by differentiation wherever it is used, so a wrong rule cannot give a wrong result.
 """
 
+from collections.abc import Callable
+
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import Lerch
-from stickslip_sym.formula.finding.ladders import LADDERS, by_parts, polylog
 from stickslip_sym.formula.finding.matching import (
     Rule,
+    as_binomial,
     as_power,
     as_stretched,
     coefficients,
@@ -23,6 +25,72 @@ from stickslip_sym.model.terms import grouped
 __all__ = ["antiderivative"]
 
 _HALF = sp.Rational(1, 2)
+
+# -- repeated integrals -----------------------------------------------------------------------------
+
+
+def by_parts(polynomial: Expr, ladder: Callable[[int], Expr], u: Expr) -> Expr:
+    """Return sum_j (-1)^j polynomial^(j) ladder(j + 1), where ladder(j)' = ladder(j - 1)."""
+    total, sign, j = sp.Integer(0), 1, 1
+    while polynomial != 0:
+        total += sign * polynomial * ladder(j)
+        polynomial, sign, j = sp.factor_terms(sp.diff(polynomial, u)), -sign, j + 1
+    return total
+
+
+class polylog(sp.polylog):  # type: ignore[misc]  # noqa: N801  # SymPy is untyped; the name is what is printed
+    """Li_s(z) as SymPy's, which spends a tenth of a second on the question whether z = 1 whenever it is made."""
+
+    @classmethod
+    def eval(cls, s: Expr, z: Expr) -> Expr | None:
+        """Evaluate where it is known."""
+        return super().eval(s, z) if z in (-1, 0, 1) or (s, z) == (2, sp.I) else None
+
+    def fdiff(self, argindex: int = 2) -> Expr:
+        """Differentiate with respect to z."""
+        if argindex != 2:
+            return super().fdiff(argindex)
+        s, z = self.args
+        return 1 / (1 - z) if s == 1 else polylog(s - 1, z) / z
+
+
+def _tanh_ladder(x: Expr, n: int, j: int) -> Expr:
+    """Tanh = 1 + 2 Li_0(-exp(-2 x)), Li_s integrates to Li_(s+1); tanh^n = tanh^(n-2) - (tanh^(n-1))'/(n - 1)."""
+    if j == 0 or n == 0:
+        return sp.tanh(x) ** n * x**j / sp.factorial(j)
+    if n > 1:
+        return _tanh_ladder(x, n - 2, j) - _tanh_ladder(x, n - 1, j - 1) / (n - 1)
+    z = -sp.exp(-2 * x)
+    last = -sp.log(1 - z) if j == 1 else polylog(j, z)
+    return x**j / sp.factorial(j) + 2 * sp.Rational(-1, 2) ** j * last
+
+
+def _sech_ladder(x: Expr, n: int, j: int) -> Expr:
+    """Note that sech = 2 Ti_0(exp(-x)), Ti_j(y) = Im Li_j(i y).
+
+    (n - 1) sech^n = (n - 2) sech^(n-2) - (sech^(n-2))''/(n - 2), sech^2 = tanh'.
+    """
+    if j <= 0:
+        return sp.diff(sp.sech(x) ** n, x, -j)
+    if n == 1:
+        y = sp.exp(-x)
+        return 2 * (-1) ** j * (sp.atan(y) if j == 1 else sp.im(polylog(j, sp.I * y)))
+    if n == 2:
+        return _tanh_ladder(x, 1, j - 1)
+    return ((n - 2) * _sech_ladder(x, n - 2, j) - _sech_ladder(x, n - 2, j - 2) / (n - 2)) / (n - 1)
+
+
+LADDERS: dict[type[Expr], Callable[[Expr, int, int], Expr]] = {
+    sp.exp: lambda x, n, j: sp.exp(x),
+    sp.sin: lambda x, n, j: sp.sin(x - j * sp.pi / 2),
+    sp.cos: lambda x, n, j: sp.cos(x - j * sp.pi / 2),
+    sp.tanh: _tanh_ladder,
+    sp.sech: _sech_ladder,
+}
+"""The j-th integral of a function; of hyperbolic ones, of the n-th power."""
+
+
+# -- rules ------------------------------------------------------------------------------------------
 
 
 def antiderivative(rest: Expr, kernel: Expr, u: Expr) -> tuple[str, Expr] | None:
@@ -41,12 +109,11 @@ def _integral(polynomial: Expr, u: Expr) -> Expr:
     return sp.Poly(polynomial, u).integrate().as_expr()
 
 
-def _ladder(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+def _ladder(polynomial: Expr, node: Expr, line: list[Expr], u: Expr) -> Expr | None:
     """Integrate u^n times a power of a function of a linear argument."""
     base, power = (node, 1) if isinstance(node, sp.exp) else node.as_base_exp()
-    line = coefficients(base.args[0], u)
     ladder, x = LADDERS[base.func], sp.Dummy("x", real=True)
-    if len(line) != 2 or (power != 1 and base.func not in (sp.tanh, sp.sech)):
+    if power != 1 and base.func not in (sp.tanh, sp.sech):
         return None
     return by_parts(polynomial, lambda j: ladder(x, int(power), j).subs(x, base.args[0]) / line[0] ** j, u)
 
@@ -107,12 +174,11 @@ def _root(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     return above * sp.sqrt(base) + constant / sp.sqrt(a) * sp.asinh((2 * a * u + b) / sp.sqrt(gap))
 
 
-def _gaussian(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+def _gaussian(polynomial: Expr, node: Expr, quadratic: list[Expr], u: Expr) -> Expr | None:
     """Integrate u^n exp(-a u^2 + b u + c), a > 0."""
-    quadratic = coefficients(node.args[0], u)
-    if len(quadratic) != 3 or not (-quadratic[0]).is_positive:
-        return None
     a, b, c = -quadratic[0], *quadratic[1:]
+    if not a.is_positive:
+        return None
     x, root, middle = sp.Dummy("x", real=True), sp.sqrt(a), b / (2 * a)
     inner = sp.expand(polynomial.subs(u, x / root + middle)) / root
     above, constant = _reduced(inner, sp.Integer(1), -2 * x, x)
@@ -129,6 +195,18 @@ def _stretched(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     w = sp.powdenest(k ** (-1 / d))
     terms = sp.Poly(front * polynomial, u).terms()
     return sp.Add(*[c * w ** (n + 1 + q) / d * sp.lowergamma((n + 1 + q) / d, (u / w) ** d) for (n,), c in terms])
+
+
+def _binomial(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n (b + a u^d)^p: b^p u^(n+1)/(n+1) 2F1(-p, q; 1 + q; -a u^d/b), q = (n + 1)/d."""
+    match = as_binomial(node, u)
+    if match is None:
+        return None
+    b, a, d, p = match
+    return b**p * sp.Add(*[
+        c * u ** (n + 1) / (n + 1) * sp.hyper((-p, (n + 1) / d), (1 + (n + 1) / d,), -a * u**d / b)
+        for (n,), c in sp.Poly(polynomial, u).terms()
+    ])  # fmt: skip
 
 
 def _rational(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
@@ -170,7 +248,7 @@ def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr |
     line = coefficients(exponential.args[0], u) if isinstance(exponential, sp.exp) else []
     if parts is None or len(line) != 2 or not line[0].is_negative or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
-    total = _ladder(parts[0], exponential, u) or sp.Integer(0)
+    total = _ladder(parts[0], exponential, line, u) or sp.Integer(0)
     for numerator, (_, shift), power in parts[1]:
         base = u + shift
         for k in range(power - 1, 0, -1):
@@ -227,13 +305,14 @@ def _exponential_tanh(polynomial: Expr, exponential: Expr, tanh: Expr, u: Expr) 
 _RULES = (
     Rule("polynomial", (), _integral),
     Rule("partial fractions", None, _rational),
-    Rule("repeated integrals", (tuple(LADDERS),), _ladder),
+    Rule("repeated integrals", (tuple(LADDERS),), _ladder, degree=1),
     Rule("integration by parts", ((sp.log, sp.atan, sp.asinh, sp.erf),), _by_parts),
     Rule("power", (sp.Pow,), _power),
     Rule("square root of a quadratic", (sp.Pow,), _root),
-    Rule("Gaussian", (sp.exp,), _gaussian),
+    Rule("Gaussian", (sp.exp,), _gaussian, degree=2),
     Rule("incomplete gamma", None, _stretched),
     Rule("Lerch transcendent", (sp.exp, sp.tanh), _exponential_tanh),
     Rule("exponential integral", None, _exponential_over_linear),
     Rule("dilogarithm", None, _logarithm_over_linear),
+    Rule("hypergeometric function of a power", (sp.Pow,), _binomial),
 )

@@ -13,6 +13,7 @@ from stickslip_sym.model.terms import split_polynomial
 
 __all__ = [
     "Rule",
+    "as_binomial",
     "as_power",
     "as_stretched",
     "coefficients",
@@ -27,39 +28,40 @@ Kinds = tuple[type[Expr] | tuple[type[Expr], ...], ...]
 class Rule(NamedTuple):
     """How a polynomial times factors of some kinds is integrated or averaged.
 
-    `apply` takes the polynomial, each factor that is none, and what `first_rule` was given beside; without `kinds`
-    it takes the product of these factors instead. It returns None where the rule does not apply.
+    `apply` takes the polynomial, each factor that is none, and what `first_rule` was given beside; of a function
+    whose argument is a polynomial of a `degree` its coefficients too. Without `kinds` it takes the product of the
+    factors instead. It returns None where the rule does not apply.
     """
 
     name: str
     kinds: Kinds | None
     apply: Callable[..., Expr | None]
+    degree: int | None = None
 
 
 def first_rule(rules: Sequence[Rule], rest: Expr, kernel: Expr, u: Expr, *more: Expr) -> tuple[str, Expr] | None:
     """Return the name of the first rule that applies to a term times a polynomial, and its result, or None."""
     polynomial, factors = split_polynomial(rest, u)
-    for name, kinds, apply in rules:
-        if kinds is None:
-            result = apply(polynomial * kernel, sp.Mul(*factors), u, *more)
-        elif len(kinds) == len(factors) and all(map(_is_of_kind, ordered := _in_order(factors), kinds)):
-            result = apply(polynomial * kernel, *ordered, u, *more)
-        else:
+    factors.sort(key=lambda factor: str(factor.func))
+    functions = [_function(factor) for factor in factors]
+    for name, kinds, apply, degree in rules:
+        given = [sp.Mul(*factors)] if kinds is None else factors
+        if kinds is not None and not (len(kinds) == len(factors) and all(map(isinstance, functions, kinds))):
             continue
+        if degree is not None:
+            given = [*factors, coefficients(functions[0].args[0], u)]
+            if len(given[-1]) != degree + 1:
+                continue
+        result = apply(polynomial * kernel, *given, u, *more)
         if result is not None:
             return name, result
     return None
 
 
-def _in_order(factors: list[Expr]) -> list[Expr]:
-    return sorted(factors, key=lambda factor: str(factor.func))
-
-
-def _is_of_kind(factor: Expr, kind: type[Expr] | tuple[type[Expr], ...]) -> bool:
-    """Tell whether a factor is a function of some kind or a whole power of it, or a power."""
+def _function(factor: Expr) -> Expr:
+    """Return a factor, or the function of which it is a whole power."""
     base, exponent = factor.as_base_exp()
-    whole = isinstance(base, sp.Function) and exponent.is_Integer and exponent > 0
-    return isinstance(base if whole else factor, kind)
+    return base if isinstance(base, sp.Function) and exponent.is_Integer and exponent > 0 else factor
 
 
 def coefficients(expr: Expr, u: Expr) -> list[Expr]:
@@ -72,6 +74,16 @@ def as_power(node: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
     base, p = node.as_base_exp()
     line = coefficients(base, u)
     return (base, *line, p) if len(line) == 2 and not (p.has(u) or p.is_integer) else None
+
+
+def as_binomial(node: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
+    """Match (b + a u^d)^p, all of a, b, d positive; return b, a, d, p."""
+    base, p = node.as_base_exp()
+    b, power = base.as_independent(u, as_Add=True)
+    a, monomial = power.as_independent(u, as_Add=False)
+    of, d = monomial.as_base_exp()
+    positive = a.is_positive and b.is_positive and d.is_positive
+    return (b, a, d, p) if of == u and positive and not (p.has(u) or d.has(u)) else None
 
 
 def as_stretched(factors: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:

@@ -16,36 +16,20 @@ from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.finding import search
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
-from stickslip_sym.formula.finding.harmonics import average_of_pieces, harmonic_average
+from stickslip_sym.formula.finding.averages import average_of_pieces, harmonic_average
 from stickslip_sym.formula.finding.search import NothingFound, Progress
-from stickslip_sym.formula.finding.series import series_average
 from stickslip_sym.formula.proof.recurrence import AverageSeries, definition
 from stickslip_sym.formula.proof.theorems import By, PieceByPiece, ends_of_pieces, value_at
 from stickslip_sym.model.expression.pieces import pieces_of
-from stickslip_sym.model.terms import grouped, split_polynomial
+from stickslip_sym.model.terms import grouped
 
 __all__ = ["Part", "integrate_terms"]
 
 
 @dataclass(frozen=True)
 class Part:
-    """One term of a profile, averaged.
+    """One term of a profile, averaged."""
 
-    Attributes
-    ----------
-    term : sympy.Expr
-        The term, as a function of v.
-    integral : sympy.Expr
-        Its average, as an integral.
-    value : sympy.Expr
-        What it comes to.
-    rule : str
-        The rule that gave it.
-    by : By or None
-        The theorem that may prove it; None where only numbers can tell.
-    """
-
-    term: Expr
     integral: Expr
     value: Expr
     rule: str
@@ -53,13 +37,7 @@ class Part:
 
 
 def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Progress) -> list[Part]:
-    """Integrate a profile mu(v) term by term; `seconds` are for SymPy's integrator, each time that it is asked.
-
-    Raises
-    ------
-    NoClosedForm
-        Saying what was tried.
-    """
+    """Integrate a profile mu(v) term by term; `seconds` are for SymPy's integrator, each time that it is asked."""
     parts = []
     for rest, constant in grouped(mu, symbols.v).items():
         pieces, places = pieces_of(rest)
@@ -75,7 +53,7 @@ def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Pr
             by = PieceByPiece([constant * primitive for primitive in primitives], symbols.v, places)
         elif not places:
             by = AverageSeries(rest, criterion, constant, whole / constant)
-        parts.append(Part(term, definition(term, criterion), whole, rule, by))
+        parts.append(Part(definition(term, criterion), whole, rule, by))
     return parts
 
 
@@ -100,11 +78,6 @@ def _averaged(
     found = []
     for piece in pieces:
         primitive = antiderivative(piece, criterion.kernel, v)
-        if primitive is None and len(pieces) == 1:
-            polynomial, factors = split_polynomial(piece, v)
-            series = series_average(polynomial, sp.Mul(*factors), v, V, criterion)
-            if series is not None:
-                return "hypergeometric series", series, []
         if primitive is None:
             limit = 0.0 if _is_hopeless(piece) else seconds
             primitive = search.RULE, search.antiderivative(piece, criterion.kernel, v, limit, progress)

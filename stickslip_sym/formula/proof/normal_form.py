@@ -12,13 +12,7 @@ _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal f
 
 
 def single_limit(integral: Expr) -> tuple[Expr, Expr, Expr]:
-    """Return the variable and the limits of a definite integral over one variable.
-
-    Raises
-    ------
-    ValueError
-        For an indefinite or a multiple integral.
-    """
+    """Return the variable and the limits of a definite integral over one variable."""
     if len(integral.limits) != 1 or len(integral.limits[0]) != 3:
         raise ValueError(f"{integral} is not a definite integral over one variable")
     variable, low, high = integral.limits[0]

@@ -21,10 +21,9 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.symbols import V
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.proof.algebra import Algebra, Element
-from stickslip_sym.formula.proof.expansions import Expansion
+from stickslip_sym.formula.proof.algebra import Algebra, Element, Expansion
 from stickslip_sym.formula.proof.normal_form import normal_form
-from stickslip_sym.formula.proof.smoothness import is_positive, is_smooth
+from stickslip_sym.formula.proof.theorems import is_positive, is_smooth
 from stickslip_sym.output import printing
 
 __all__ = ["AVERAGES_AGREE", "AverageSeries", "definition", "prove_average"]
@@ -41,17 +40,7 @@ AVERAGES_AGREE = (
 
 @dataclass(frozen=True)
 class AverageSeries:
-    """Evaluate the average of `constant` g(v) under a criterion as `constant` times `value`.
-
-    Attributes
-    ----------
-    term : sympy.Expr
-        g, analytic for v >= 0, or under the harmonic weight a power of v.
-    criterion : Criterion
-    constant : sympy.Expr
-    value : sympy.Expr
-        The proposed average of g.
-    """
+    """Evaluate the average of `constant` g(v) under a criterion as `constant` times `value`."""
 
     term: Expr
     criterion: Criterion
@@ -71,13 +60,7 @@ class AverageSeries:
 
 
 def definition(mu: Expr, criterion: Criterion) -> Expr:
-    """Return -<mu'(V(1 + s))>_w as an integral of mu itself.
-
-    Raises
-    ------
-    NoClosedForm
-        If mu has no value at v = 0, where the weight is not 0.
-    """
+    """Return -<mu'(V(1 + s))>_w as an integral of mu itself."""
     v, theta = symbols.v, symbols.theta
     if not criterion.is_polynomial:
         return sp.Integral(mu.subs(v, V * (1 - sp.cos(theta))) * criterion.angle_kernel, (theta, 0, sp.pi))
@@ -209,7 +192,7 @@ def _fixed_from(leading: Expr, n: Expr, start: int) -> int:
 
 def _require_real_analytic(value: Expr) -> None:
     """Refuse a formula that may leave the domain on which its functions are analytic."""
-    if not is_smooth(value, V, inside=False):
+    if not is_smooth(value, V, analytic=True, inside=False):
         raise ValueError(f"{value} is not known to be analytic for {V} > 0")
 
 

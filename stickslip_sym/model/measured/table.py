@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import product
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -98,6 +98,14 @@ class Table:
         return ", ".join(f"{len(lines)} {reason} (line {min(lines)})" for reason, lines in self.faults.items())
 
 
+class _Line(NamedTuple):
+    """A line that is not empty: its number from 1, its text, and whether a sign before that made it a comment."""
+
+    number: int
+    text: str
+    comment: bool
+
+
 def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | None, *, leave_out: bool) -> Table:
     """Return the columns of a text file that hold measurements, chosen as `choose_columns` does.
 
@@ -109,13 +117,16 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
     for number, line in enumerate(lines, 1):
         if len(line) > _LONGEST:
             raise InputError(f"{name}, line {number}: it has {len(line)} characters; a row is a line of its own")
-    rows = [(number, line) for number, line in enumerate(lines, 1) if line.strip("\t;|, ")]
+    rows = [
+        _Line(number, _COMMENT.sub("", line, count=1), _COMMENT.match(line) is not None)
+        for number, line in enumerate(lines, 1) if line.strip("\t;|, ")
+    ]  # fmt: skip
     if not rows:
         raise InputError(f"{name} has no points; write a line for each, like 0.1,0.35")
-    separator = _separator([_COMMENT.sub("", line, count=1) for _, line in rows[:_LOOKED_AT]])
+    separator = _separator(rows[:_LOOKED_AT])
     first, headers, where = _header(rows[:_LOOKED_AT], separator, name, unnamed=bool(chosen))
     columns = choose_columns(headers, where, chosen, radius)
-    body = [(number, line) for number, line in rows if number >= first and not _COMMENT.match(line)]
+    body = [line for line in rows if line.number >= first and not line.comment]
     if len(body) > MOST_ROWS:
         raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
     if not body:
@@ -123,7 +134,7 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
     read = {column.position for column in columns.values()}
     unread = [header.text for i, header in enumerate(headers) if i not in read and header.text]
     table = Table(name, columns, unread, leave_out)
-    _fill(table, [(number, _cells(line, separator)) for number, line in body], len(headers), separator)
+    _fill(table, [(line.number, _cells(line.text, separator)) for line in body], len(headers), separator)
     for quantity in columns:
         good = ~_stand_ins(table.floats(quantity), table.cells[quantity])
         table.require(good, quantity, "this stands for no value", "of a value that stands for none")
@@ -176,11 +187,11 @@ def _is_number(cell: str) -> bool:
     return any(number.fullmatch(cell) for number in (*_NUMBERS.values(), _THOUSANDS))
 
 
-def _separator(lines: Sequence[str]) -> str:
+def _separator(lines: Sequence[_Line]) -> str:
     """Return what separates the columns of a header and of most lines of numbers."""
 
     def score(separator: str) -> tuple[bool, int, int]:
-        table = [_names(line, separator) for line in lines]
+        table = [_names(line.text, separator) for line in lines]
         numbers = [(sum(map(_is_number, cells)), len(cells)) for cells in table]
         rows = sum(count > 1 and (separator in "\t;|" or count > width / 2) for count, width in numbers)
         parted = 0 if separator == " " else sum(width > 1 for _, width in numbers)  # any sentence has blanks
@@ -189,55 +200,51 @@ def _separator(lines: Sequence[str]) -> str:
     return max(SEPARATORS, key=score)
 
 
-def _header(
-    rows: Sequence[tuple[int, str]], separator: str, name: str, *, unnamed: bool
-) -> tuple[int, list[Column], str]:
+def _header(lines: Sequence[_Line], separator: str, name: str, *, unnamed: bool) -> tuple[int, list[Column], str]:
     """Return the line from which on there are numbers, the names of the columns, and where these stand.
 
     The header is the last row above the numbers that names a speed and friction, else the last that has a name
     for each column; units may stand in the row below it. Without names, there are two columns, or as many as
     there are where columns may be `unnamed`.
     """
-    plain = [_COMMENT.match(line) is None for _, line in rows]
-    lines = [_COMMENT.sub("", line, count=1) for _, line in rows]
-    numbers = [_names(line, separator) for line, own in zip(lines, plain, strict=True) if own]
+    numbers = [_names(line.text, separator) for line in lines if not line.comment]
     widths = Counter(len(cells) for cells in numbers if sum(map(_is_number, cells)) > 1)
     width = widths.most_common(1)[0][0] if widths else 0
-    table = [_names(line, separator, width) for line in lines]
+    table = [_names(line.text, separator, width) for line in lines]
     header = first = None
     named, units = False, list[str]()
     for i, cells in enumerate(table):
         if any(map(_is_number, cells)):
-            if plain[i] and (named or (len(cells) == width > 1 and all(map(_is_number, cells)))):
+            if not lines[i].comment and (named or (len(cells) == width > 1 and all(map(_is_number, cells)))):
                 first = i
                 break
         elif is_header(cells):
             header, named, units = i, True, []
-        elif header == i - 1 and plain[i] and any(read_unit(cell.strip("[]()")) for cell in cells):
+        elif header == i - 1 and not lines[i].comment and any(read_unit(cell.strip("[]()")) for cell in cells):
             units = cells
         elif not named and (len(cells) == width > 1 or (separator != " " and len(cells) > 1 and header is None)):
             header, units = i, []
     if header is None:
-        if first is None or not (unnamed or (width == 2 and not any(plain[:first]))):
-            raise InputError(_no_header(rows, separator, name))
+        if first is None or not (unnamed or (width == 2 and all(line.comment for line in lines[:first]))):
+            raise InputError(_no_header(lines, separator, name))
         known = [Column("", "", ())] * width if unnamed else [Column(one, one, (one,)) for one in ("v", "mu")]
-        return rows[first][0], known, name
+        return lines[first].number, known, name
     below = units + [""] * len(table[header])
     headers = [Column.read(cell, unit) for cell, unit in zip(table[header], below, strict=False)]
-    where = f"{name}, line {rows[header][0]}"
+    where = f"{name}, line {lines[header].number}"
     if separator == " " and width and len(headers) != width:
+        shown, count = repr(lines[header].text.strip()[:80]), f"{len(headers)} column{'s' * (len(headers) > 1)}"
         raise InputError(
-            f"{where}: {lines[header].strip()[:80]!r} has {_columns(len(headers))}, parted by blanks, and the "
-            f"rows have {width}; part names of more words by two blanks, or all columns by tabs or semicolons"
+            f"{where}: {shown} has {count}, parted by blanks, and the rows have {width}; part names of more words "
+            "by two blanks, or all columns by tabs or semicolons"
         )
-    return rows[header + bool(units)][0] + 1, headers, where
+    return lines[header + bool(units)].number + 1, headers, where
 
 
-def _no_header(rows: Sequence[tuple[int, str]], separator: str, name: str) -> str:
-    number, line = next(((n, text) for n, text in rows if not _COMMENT.match(text)), rows[0])
-    shown = repr(line[:60]) + ("..." if len(line) > 60 else "")
-    count = len(_names(line, separator))
-    parted = _columns(count) + (f", parted by {SEPARATORS[separator]}" if count > 1 else "")
+def _no_header(lines: Sequence[_Line], separator: str, name: str) -> str:
+    number, line, _ = next((line for line in lines if not line.comment), lines[0])
+    shown, count = repr(line[:60]) + ("..." if len(line) > 60 else ""), len(_names(line, separator))
+    parted = f"{count} column{'s' * (count > 1)}" + (f", parted by {SEPARATORS[separator]}" if count > 1 else "")
     return (
         f"{name}, line {number}: got {shown}, {parted}; a table begins with a header that names the slip speed "
         f"and friction, like {EXPECTED}, or with its first point; number the columns of one without names, like "
@@ -263,7 +270,7 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], count: int, separ
                 separator.join(row)[:60],
                 "of another number of columns",
             )
-            rule = f"the row has {_columns(len(row))}, and the header {count}"
+            rule = f"the row has {len(row)} column{'s' * (len(row) > 1)}, and the header {count}"
             rule += advice if separator == "," and len(row) > count else ""
         else:
             wrong = [i for i in numeric if not (_is_number(row[i]) or _NOTHING.fullmatch(row[i]))]
@@ -281,30 +288,28 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], count: int, separ
 
 def _decimal_sign(rows: Sequence[tuple[int, list[str]]], read: Sequence[int], name: str) -> str:
     """Return the decimal sign of the cells that are read, or refuse both signs, or one between thousands."""
-    first: dict[str, str] = {}
-    certain = False  # of a comma that stands between no thousands
-    for (line, row), i in product(rows, read):
-        cell = row[i] if i < len(row) else ""
-        signs = [sign for sign, number in _NUMBERS.items() if number.fullmatch(cell)]
-        if not signs and (thousands := _THOUSANDS.fullmatch(cell)):
+    cells = [(row[i], f"line {line}, column {i + 1}") for line, row in rows for i in read if i < len(row)]
+    for cell, place in cells:
+        thousands = _THOUSANDS.fullmatch(cell)
+        if thousands and not any(number.fullmatch(cell) for number in _NUMBERS.values()):
+            plain = cell.replace(thousands[1], "").replace(",", ".")
             raise InputError(
-                f"{name}, line {line}, column {i + 1}: {cell!r} has a sign between thousands; write it without, "
-                f"like {cell.replace(thousands[1], '').replace(',', '.')}"
+                f"{name}, {place}: {cell!r} has a sign between thousands; write it without, like {plain}"
             )
-        if len(signs) == 1:
-            first.setdefault(signs[0], f"{cell!r} in line {line}, column {i + 1}")
-            certain = certain or (signs == [","] and _THREE_DIGITS.fullmatch(cell) is None)
-    if len(first) > 1:
+    signed = {sign: [(cell, place) for cell, place in cells if sign in cell and number.fullmatch(cell)]
+              for sign, number in _NUMBERS.items()}  # fmt: skip
+    shown = {sign: f"{found[0][0]!r} in {found[0][1]}" for sign, found in signed.items() if found}
+    if len(shown) > 1:
         raise InputError(
-            f"{name}: {first['.']}, has a decimal point, and {first[',']}, a comma; write one sign everywhere, "
+            f"{name}: {shown['.']}, has a decimal point, and {shown[',']}, a comma; write one sign everywhere, "
             "and none between thousands"
         )
-    if "," in first and not certain:
+    if "," in shown and all(_THREE_DIGITS.fullmatch(cell) for cell, _ in signed[","]):
         raise InputError(
-            f"{name}: {first[',']}, may be a thousand times as much, if the comma stands between thousands; write "
+            f"{name}: {shown[',']}, may be a thousand times as much, if the comma stands between thousands; write "
             "the number without a comma, or with a decimal point"
         )
-    return next(iter(first), ".")
+    return next(iter(shown), ".")
 
 
 def _stand_ins(values: FloatArray, cells: Sequence[str]) -> BoolArray:
@@ -318,7 +323,3 @@ def _stand_ins(values: FloatArray, cells: Sequence[str]) -> BoolArray:
         ratio = others / values[i]
         nines[i] = not ((ratio > 0.5) & ((ratio < 2) | (values[i] > 0))).any()
     return np.asarray(nines | ~(np.abs(values) < _OVERFLOW))
-
-
-def _columns(count: int) -> str:
-    return "1 column" if count == 1 else f"{count} columns"

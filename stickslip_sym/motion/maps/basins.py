@@ -26,7 +26,7 @@ from stickslip_sym.motion.maps.table import Axis, Table, count_of, read_values, 
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import followed
 from stickslip_sym.motion.regimes.phase_plane import phase_plane
-from stickslip_sym.motion.regimes.regime import Regime, regime
+from stickslip_sym.motion.regimes.regime import Regime, by_side, regime
 from stickslip_sym.motion.regimes.separatrix import Separatrix
 from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import files
@@ -120,7 +120,8 @@ class BasinMap(Table):
         rows = [[motion.value, str(n), str(self.share.get(motion, ""))] for motion, n in self.count().items()]
         return ["motion", "initial conditions", "share of the box"], rows
 
-    def _draw(self, ax: Axes) -> list[Artist]:
+    def draw(self, ax: Axes) -> list[Artist]:
+        """Draw it, and return the handles of its legend."""
         masks = [(region, self.motion == one) for one, region in regions_of_motions().items()]
         present = [(region, mask) for region, mask in masks if mask.any()]
         place = np.select([mask for _, mask in present], range(len(present)), 0)
@@ -184,8 +185,8 @@ def basin_map(
     require_few(x.size, v.size)
     with deadline.time_limit(time_limit):
         found = regime(law, osc, rtol=FINEST)
-        motion = found.by_side(x, v[:, None])
-        by_side = motion.copy()
+        sides = by_side(found, x, v[:, None])
+        motion = sides.copy()
         known = np.flatnonzero(motion)
         check = np.random.default_rng(_SEED).choice(known, min(known.size, _CHECKED), replace=False)
         chosen = ~motion.astype(bool)
@@ -209,9 +210,9 @@ def basin_map(
         motion[place] = fate if isinstance(fate, Motion) else Motion.UNDECIDED
         if not isinstance(fate, Motion):
             notes[place] = LATE if isinstance(fate, OutOfTime) else str(fate)
-        elif by_side[place] not in (None, fate):
+        elif sides[place] not in (None, fate):
             disagreements += 1
-            notes[place] = f"geometry says {by_side[place].value}"
+            notes[place] = f"geometry says {sides[place].value}"
     if len(notes) - disagreements == motion.size and LATE not in notes.values():
         raise NotConverged(f"every initial condition failed, the first one since {notes[0, 0]}")
     return BasinMap(

@@ -1,8 +1,7 @@
 """Drawings of maps: regions by colour and hatching, and thresholds as curves."""
 
-from dataclasses import dataclass
 from itertools import combinations, cycle
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -21,14 +20,19 @@ __all__ = [
 ]  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Region:
+class Region(NamedTuple):
     """What cells have in common: how they are called and drawn, and their letter in text."""
 
     name: str
     color: str
     hatch: str
     letter: str
+
+    @property
+    def look(self) -> dict[str, Any]:
+        """Return how it is drawn, with its name for a legend."""
+        line = {"edgecolor": "0.25", "linewidth": 0.5}
+        return {"label": self.name, "facecolor": self.color, "hatch": self.hatch} | line
 
 
 _TOGETHER = [("#56B4E9", "oo"), ("#F0E442", "////"), ("#CC79A7", "xxxx"), ("#D55E00", "++")]
@@ -78,10 +82,7 @@ def paint(axes: "Axes", x: Axis, y: Axis, place: IntArray, kinds: list[Region]) 
     xscale, yscale = ("log" if _is_logarithmic(axis.values) else "linear" for axis in (x, y))
     axes.set(xlabel=x.label, ylabel=y.label, xscale=xscale, yscale=yscale)
     axes.set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
-    return [
-        Patch(facecolor=kind.color, hatch=kind.hatch, edgecolor="0.25", linewidth=0.5, label=kind.name)
-        for kind in kinds
-    ]
+    return [Patch(**kind.look) for kind in kinds]
 
 
 def _outline(x_edges: FloatArray, y_edges: FloatArray, chosen: BoolArray) -> "Path":

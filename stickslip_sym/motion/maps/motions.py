@@ -97,7 +97,8 @@ class MotionMap(Table):
     def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
         return ["motion", "cells"], [[motion.value, str(n)] for motion, n in self.count().items()]
 
-    def _draw(self, ax: Axes) -> list[Artist]:
+    def draw(self, ax: Axes) -> list[Artist]:
+        """Draw it, and return the handles of its legend."""
         from matplotlib.lines import Line2D
 
         handles = paint(ax, self.x, self.y, *self.regions())

@@ -13,7 +13,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from scipy.optimize import brentq
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
@@ -28,6 +27,7 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.regimes.phase_plane import phase_plane
 from stickslip_sym.motion.regimes.regime import regime
+from stickslip_sym.motion.roots import sign_changes
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -100,7 +100,8 @@ class BasinSweep(Table):
         rows = [[change.kind, f"{change.value:.12g}", f"{change.error:.1g}"] for change in self.changes]
         return ["where basins are born or die", self.x.label, "error"], rows
 
-    def _draw(self, ax: "Axes") -> "list[Artist]":
+    def draw(self, ax: "Axes") -> "list[Artist]":
+        """Draw it, and return the handles of its legend."""
         regions = {motion: region for motion, region in regions_of_motions().items() if motion in self.share}
         values, shares = self.x.values, np.array([self.share[motion] for motion in regions])
         for change in self.changes:  # at which shares may jump
@@ -108,16 +109,6 @@ class BasinSweep(Table):
             sides = shares[:, [max(place - 1, 0), min(place, values.size - 1)]]
             values = np.insert(values, place, [change.value] * 2)
             shares = np.insert(shares, [place, place], sides, axis=1)
-        edges = np.vstack([np.zeros(shares.shape[1]), np.cumsum(shares, axis=0)])
-        handles: list[Artist] = []
-        for kind, low, high in zip(regions.values(), edges, edges[1:], strict=False):
-            handles.append(
-                ax.fill_between(
-                    values, low, high, label=kind.name, facecolor=kind.color, hatch=kind.hatch, edgecolor="0.25",
-                    linewidth=0.5,
-                )
-            )  # fmt: skip
-        for change in self.changes:
             ax.axvline(change.value, color="black", linestyle=_LINES[change.kind], linewidth=1.4)
             ax.annotate(
                 f"{change.kind} {change.value:.6g}", (change.value, 0.02), rotation=90, fontsize=8, va="bottom",
@@ -125,7 +116,8 @@ class BasinSweep(Table):
             )  # fmt: skip
         ax.set(xlabel=self.x.label, ylabel="share of the box of initial conditions", ylim=(0, 1))
         ax.set_xlim(self.x.values[0], self.x.values[-1])
-        return handles
+        edges = np.vstack([np.zeros(shares.shape[1]), np.cumsum(shares, axis=0)])
+        return [ax.fill_between(values, *edges[i : i + 2], **one.look) for i, one in enumerate(regions.values())]
 
 
 def basin_sweep(
@@ -178,12 +170,11 @@ def basin_sweep(
             regimes.append(regime(*at(value), rtol=FINEST))
             deadline.check_time()  # a regime whose time is up is incomplete, and no error
         shares = [shares_by_area(found, *box) for found in regimes]
-        changes = list[Change]()
+        changes = [
+            *_changes("Hopf", lambda value: _rest_decay(*at(value)), values),
+            *_changes("graze", lambda value: phase_plane(*at(value), FINEST).height, values),
+        ]
         for ends, (before, after) in zip(pairwise(values), pairwise(regimes), strict=True):
-            if before.rest.stable != after.rest.stable:
-                changes.append(_root("Hopf", lambda value: _rest_decay(*at(value)), *ends))
-            if (before.stick_slip is None) != (after.stick_slip is None):
-                changes.append(_root("graze", lambda value: _height(*at(value)), *ends))
             if len(before.cycles) != len(after.cycles):
                 changes += _folds(at, *ends)
     present = [motion for motion in Motion if any(motion in share for share in shares)]
@@ -210,26 +201,31 @@ def _rest_decay(law: FrictionLaw, osc: Oscillator) -> float:
     return 2 * osc.zeta + osc.N * float(law.slope(osc.V)) / osc.impedance
 
 
-def _height(law: FrictionLaw, osc: Oscillator) -> float:
-    return float(np.clip(phase_plane(law, osc, FINEST).height, -1.0, 1.0))  # it may be infinite
+def _changes(kind: Kind, function: Callable[[float], float], values: Sequence[float]) -> Iterator[Change]:
+    """Yield where a function changes its sign between values, with the error that its own makes there."""
+    size = max(map(abs, values))
+    for value in sign_changes(function, values, list(map(function, values)), _ROOT * size):
+        ahead, behind = min(value + _BESIDE * size, values[-1]), max(value - _BESIDE * size, values[0])
+        slope = (function(ahead) - function(behind)) / (ahead - behind)
+        yield Change(kind, value, _NOISE[kind] / abs(slope) + _ROOT * size if slope else math.inf)
 
 
-def _folds(at: Callable[[float], tuple[FrictionLaw, Oscillator]], low: float, high: float) -> Iterator[Change]:
-    """Find where an extremum of the damping that slip orbits need passes the damping that there is."""
+def _folds(at: Callable[[float], tuple[FrictionLaw, Oscillator]], *ends: float) -> Iterator[Change]:
+    """Yield where an extremum of the damping that slip orbits need passes the damping that there is."""
 
     def excess(value: float) -> FloatArray:
         law, osc = at(value)
         return _extrema(law, replace(osc, c=0.0)) - 2 * osc.zeta
 
     try:
-        ends = excess(low), excess(high)
-        if ends[0].size == ends[1].size:
-            for place in np.flatnonzero(ends[0] * ends[1] < 0).tolist():
-                yield _root("fold", lambda value, place=place: float(excess(value)[place]), low, high)  # type: ignore[misc]
+        counts = {excess(value).size for value in ends}
+        if len(counts) == 1:
+            for place in range(*counts):
+                yield from _changes("fold", lambda value, place=place: float(excess(value)[place]), ends)  # type: ignore[misc]
             return
     except (InputError, NotConverged):
         pass
-    yield Change("fold", (low + high) / 2, (high - low) / 2)  # it is only known to lie between the two
+    yield Change("fold", sum(ends) / 2, (ends[1] - ends[0]) / 2)  # it is only known to lie between the two
 
 
 @lru_cache(maxsize=64)  # along c the oscillators of a sweep share them
@@ -237,11 +233,3 @@ def _extrema(law: FrictionLaw, osc: Oscillator) -> FloatArray:
     """Return the extrema of the damping that slip orbits need, over sqrt(k m)."""
     need = needed_damping(law, osc)
     return need.at(need.folds)
-
-
-def _root(kind: Kind, function: Callable[[float], float], low: float, high: float) -> Change:
-    size = max(abs(low), abs(high))
-    value = float(brentq(function, low, high, xtol=_ROOT * size, rtol=_ROOT))
-    ahead, behind = min(value + _BESIDE * size, high), max(value - _BESIDE * size, low)
-    slope = (function(ahead) - function(behind)) / (ahead - behind)
-    return Change(kind, value, _NOISE[kind] / abs(slope) + _ROOT * size if slope else math.inf)

@@ -26,8 +26,8 @@ import numpy as np
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.slip import Dimensionless, End, Wedge, follow
-from stickslip_sym.motion.steps import rise_at, slope_at
+from stickslip_sym.motion.slip import Dimensionless, End, Wedge
+from stickslip_sym.motion.steps import follow, rise_at, slope_at
 
 __all__ = [
     "BEYOND", "FOUND", "LOST", "MOST_GAPS", "NONE", "SOUGHT", "begun", "by_zeta", "gap", "halves", "needed",

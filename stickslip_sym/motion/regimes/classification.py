@@ -1,5 +1,7 @@
 """Which motion an initial condition leads to."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -17,7 +19,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.phase_plane import NEAR, PhasePlane, phase_plane
-from stickslip_sym.motion.regimes.regime import regime
+from stickslip_sym.motion.regimes.regime import by_side, regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions
 from stickslip_sym.motion.slip import End, Slip
 
@@ -119,7 +121,7 @@ def classify_all(
     found = np.full(x.shape, None, dtype=object)
     if x.size >= _MANY:
         with suppress(StickSlipError):  # where the phase plane is not known, some motions may be decided yet
-            found = regime(law, osc, rtol=rtol).by_side(x, v)
+            found = by_side(regime(law, osc, rtol=rtol), x, v)
     left = ~found.astype(bool)
     found[left] = followed(law, osc, x[left], v[left], rtol=rtol, workers=workers)
     return found

@@ -130,8 +130,8 @@ class PhasePlane:
         slow = system.slip(q, 0.0, 1, until=End.MINIMUM, rtol=rtol, wedge=wedge, D=-begin)
         moved = -slow.wedge / slow.rate  # the q at which the mass overtakes the belt, by that of the begin
         begin = system.acceleration(slow.q, 0.0, -1)
-        fast = system.slip(slow.q, 0.0, -1, rtol=rtol, wedge=wedge, D=-begin * moved, recorded=True)
-        period, speed = (slow.tau + fast.tau) / self.oscillator.omega, 1 + max(step.w for step in fast.steps)
+        fast = system.slip(slow.q, 0.0, -1, rtol=rtol, wedge=wedge, D=-begin * moved)
+        period, speed = (slow.tau + fast.tau) / self.oscillator.omega, 1 + fast.extremes[-1]
         floquet = math.log(max(-fast.wedge / fast.rate, _STRONGEST)) / period
         return LimitCycle(self.oscillator.V * speed, period, floquet, floquet < 0)
 

@@ -25,16 +25,27 @@ from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.regimes.phase_plane import NEAR, PhasePlane, phase_plane
 from stickslip_sym.motion.regimes.separatrix import Separatrix
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle
+from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.output import drawing, markup
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
-__all__ = ["Attractor", "Regime", "Rest", "regime"]
+__all__ = ["Attractor", "Regime", "Rest", "by_side", "regime"]
 
 _ROUNDING = 1e-14  # of a damping coefficient's terms
 _SAME = 1e-12  # relative, of the belt's speed and a kink
+_SECONDS = 2.0  # of computation, for a curve that is a period of a motion
+_RTOL = 1e-8
+_GRAZE = "separatrix: orbit that touches the belt's speed"
+_LOOKS: dict[str, dict[str, Any]] = {
+    "stick-slip": {"color": "black", "linewidth": 2.2},
+    "pure-slip cycle": {"color": "#009E73", "linewidth": 2.2},
+    "pure-slip cycle, unstable": {"color": "#D55E00", "linewidth": 1.2, "linestyle": "--"},
+    _GRAZE: {"color": "0.45", "linewidth": 1.2, "linestyle": "-."},
+    "belt speed": {"color": "black", "linewidth": 0.8, "linestyle": ":", "zorder": 0},
+}
 _PARTS = {
     "height": "whether the slip from P returns, and stick-slip",
     "stick_slip": "whether the slip from P returns, and stick-slip",
@@ -144,40 +155,32 @@ class Regime(drawing.Panel):
         table = markup.table(["motion", "neighbours"], rows, caption="motions")
         return markup.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *notes)
 
-    def by_side(self, x0: FloatArray, v0: FloatArray) -> ObjectArray:
-        """Return what initial conditions lead to, by the separatrices that surround them; none is followed.
-
-        What begins outside all separatrices comes to stick, or goes round without sticking as P's orbit does,
-        which lies outside them too: so does what begins faster than the belt, since it can only come down where
-        the mass sticks, or farther out.
-
-        Parameters
-        ----------
-        x0, v0 : numpy.ndarray
-            In m and m/s; they broadcast.
-
-        Returns
-        -------
-        numpy.ndarray of Motion
-            None near a separatrix, and where separatrices do not settle the basins.
-        """
-        found = np.full(np.broadcast_shapes(x0.shape, v0.shape), None, dtype=object)
-        if self.basins is None:
-            return found
-        osc = self.oscillator
-        q, w = (x0 - osc.onset(self.law)) / osc.length, 1 - v0 / osc.V
-        around, clear = np.zeros(found.shape, dtype=np.intp), np.ones(found.shape, dtype=bool)
-        for separatrix in self.separatrices:
-            inside = separatrix.curve.surrounds(q, np.where(w > 0, w, -1.0), NEAR * self.rtol)
-            around += inside
-            clear &= inside >= 0
-        found[clear] = np.array(self.basins[::-1], dtype=object)[around[clear]]
-        return found
-
-    def _draw(self, ax: "Axes") -> "list[Artist]":
-        from stickslip_sym.motion.regimes.drawing import phase_plane_of
-
-        return phase_plane_of(ax, self)
+    def draw(self, ax: "Axes") -> "list[Artist]":
+        """Draw the phase plane, and return the handles of its legend: one of several curves of a kind."""
+        law, osc = self.law, self.oscillator
+        cycle = self.stick_slip
+        periodic = [] if cycle is None else [("stick-slip", osc.onset(law), osc.V, cycle.period)]
+        for one in self.cycles:
+            # Where v is highest the forces are in balance; slower than the belt or faster, friction has its sign.
+            slip = osc.V - one.amplitude
+            force = osc.N * float(law.mu(abs(slip))) * (1 if slip >= 0 else -1)
+            name = "pure-slip cycle" if one.stable else "pure-slip cycle, unstable"
+            periodic.append((name, (force - osc.c * one.amplitude) / osc.k, one.amplitude, one.period))
+        for name, x0, v0, period in periodic:
+            motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
+            state = motion.at(drawing.dense(np.unique(motion.t)))
+            ax.plot(state.x, state.v, label=name, **_LOOKS[name])
+        for curve in self.separatrices:
+            if curve.kind == "graze":  # any other is drawn as the cycle that it is
+                ax.plot(curve.x, curve.v, label=_GRAZE, **_LOOKS[_GRAZE])
+        face, name = ("black", "rest") if self.rest.stable else ("white", "rest, unstable")
+        ax.plot([self.rest.x], [0.0], "o", color="black", markerfacecolor=face, label=name)
+        ax.axhline(osc.V, label="belt speed", **_LOOKS["belt speed"])
+        ax.set(xlabel="displacement $x$ (m)", ylabel="velocity $\\dot x$ (m/s)")
+        ax.locator_params(axis="x", nbins=6)
+        ax.grid(alpha=0.25)
+        handles, labels = ax.get_legend_handles_labels()
+        return list(dict(zip(labels, handles, strict=True)).values())
 
 
 def regime(
@@ -206,6 +209,27 @@ def regime(
     rtol = read_rtol(rtol)
     with deadline.time_limit(time_limit):
         return _found(phase_plane(law, osc, rtol))
+
+
+def by_side(found: Regime, x0: FloatArray, v0: FloatArray) -> ObjectArray:
+    """Return what initial conditions lead to, arrays in m and m/s, by the separatrices that surround them.
+
+    What begins outside all separatrices comes to stick, or goes round without sticking as P's orbit does, which
+    lies outside them too: so does what begins faster than the belt, since it can only come down where the mass
+    sticks, or farther out. It is None near a separatrix, and where separatrices do not settle the basins.
+    """
+    motions = np.full(np.broadcast_shapes(x0.shape, v0.shape), None, dtype=object)
+    if found.basins is None:
+        return motions
+    osc = found.oscillator
+    q, w = (x0 - osc.onset(found.law)) / osc.length, 1 - v0 / osc.V
+    around, clear = np.zeros(motions.shape, dtype=np.intp), np.ones(motions.shape, dtype=bool)
+    for separatrix in found.separatrices:
+        inside = separatrix.curve.surrounds(q, np.where(w > 0, w, -1.0), NEAR * found.rtol)
+        around += inside
+        clear &= inside >= 0
+    motions[clear] = np.array(found.basins[::-1], dtype=object)[around[clear]]
+    return motions
 
 
 def _found(plane: PhasePlane) -> Regime:

@@ -7,20 +7,17 @@ nothing elsewhere.
 import math
 import platform
 import re
+from contextlib import suppress
 from datetime import UTC, datetime
-from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.version import __version__
 from stickslip_sym.output import printing
 from stickslip_sym.output.markup import Markup, element, escaped, prose
-
-if TYPE_CHECKING:
-    from jinja2 import Environment
 
 __all__ = [
     "equation",
@@ -36,7 +33,7 @@ __all__ = [
 
 _PACKAGES = ("sympy", "mpmath", "numpy", "scipy", "matplotlib")
 _FRAME = Path(__file__).parent
-_POWER = re.compile(r"e([+-])0*(\d+)$")
+_POWER = re.compile(r"(.*)e([+-])0*(\d+)")
 _MOST_DECIMALS = 9
 _LARGE = 1e7  # from which a number is shown with a power of ten
 
@@ -59,46 +56,31 @@ def render(template: Path, **values: Any) -> str:
     Raises `InputError` if jinja2 or latex2mathml is not installed.
     """
     require_templates()
-    style = template.with_suffix(".css")
-    sheets = [_FRAME / "page.css", *([style] if style.is_file() else [])]
-    values["style"] = Markup("".join(sheet.read_text(encoding="utf-8") for sheet in sheets))
-    values["versions"] = versions("uncertainties")
-    return _environment(template.parent).get_template(template.name).render(values)
-
-
-@lru_cache(maxsize=8)
-def _environment(folder: Path) -> "Environment":
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-    def clean(value: object) -> object:
-        return value if hasattr(value, "__html__") else escaped_text(str(value))
-
     environment = Environment(
-        loader=FileSystemLoader([folder, _FRAME]), autoescape=True, trim_blocks=True, lstrip_blocks=True,
-        undefined=StrictUndefined, finalize=clean, keep_trailing_newline=True,
+        loader=FileSystemLoader([template.parent, _FRAME]), autoescape=True, trim_blocks=True, lstrip_blocks=True,
+        undefined=StrictUndefined, keep_trailing_newline=True,
+        finalize=lambda one: one if hasattr(one, "__html__") else Markup(escaped(str(one), quote=True)),
     )  # fmt: skip
-    environment.filters |= {"number": number, "percent": percent, "prose": prose, "symbol": symbol}
-    environment.filters |= {"with_error": with_error}
+    filters = {"number": number, "percent": percent, "prose": prose, "symbol": symbol, "with_error": with_error}
+    environment.filters |= filters
     environment.tests["finite"] = math.isfinite
-    return environment
-
-
-def escaped_text(text: str) -> Markup:
-    """Return text as markup; what is no character of XML becomes a replacement character."""
-    return Markup(escaped(text, quote=True))
+    sheets = [sheet for sheet in (_FRAME / "page.css", template.with_suffix(".css")) if sheet.is_file()]
+    style = Markup("".join(sheet.read_text(encoding="utf-8") for sheet in sheets))
+    page = environment.get_template(template.name)
+    return page.render(values, style=style, versions=versions("uncertainties"))
 
 
 def number(value: float | None, form: str = ".6g") -> Markup:
     """Return a number as an element ``data``, whose attribute has all its digits; without one the word none."""
     if value is None or not math.isfinite(value):
         return element("span", "none" if value is None or math.isnan(value) else "∞")
-    text = format(float(value), form)
-    power = _POWER.search(text)
-    mantissa = (text if power is None else text[: power.start()]).replace("-", "−")
-    if power is None:
-        return element("data", mantissa, value=repr(float(value)))
-    exponent = f"{'−' if power[1] == '-' else ''}{power[2]}"
-    return element("data", f"{mantissa}·10", element("sup", exponent), value=repr(float(value)))
+    text, exact = format(float(value), form), repr(float(value))
+    if power := _POWER.fullmatch(text):
+        exponent = element("sup", f"{power[2]}{power[3]}".replace("-", "−").removeprefix("+"))
+        return element("data", f"{power[1]}·10".replace("-", "−"), exponent, value=exact)
+    return element("data", text.replace("-", "−"), value=exact)
 
 
 def percent(value: float | None, form: str = "+.3g") -> Markup:
@@ -119,10 +101,7 @@ def with_error(value: float, error: float | None) -> Markup:
 
 
 def formula(latex: str, *, block: bool = True) -> Markup:
-    """Return LaTeX as an element ``math``.
-
-    Raises `InputError` if latex2mathml is not installed.
-    """
+    """Return LaTeX as an element ``math``, or refuse it without latex2mathml."""
     require_templates()
     from latex2mathml.converter import convert
 
@@ -145,13 +124,11 @@ def versions(*more: str) -> dict[str, str]:
     """Return what computes here: Python, packages and more of them, as far as they are installed, the machine."""
     found = {"python": platform.python_version(), "stickslip_sym": __version__}
     for name in (*_PACKAGES, *more):
-        try:
+        with suppress(PackageNotFoundError):
             found[name] = version(name)
-        except PackageNotFoundError:
-            continue
     return found | {"platform": platform.platform(), "machine": platform.machine()}
 
 
 def now() -> str:
-    """Return the time as pages tell it."""
-    return datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+    """Return the time as pages have it."""
+    return f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"

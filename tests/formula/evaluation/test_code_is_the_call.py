@@ -130,10 +130,3 @@ def test_a_wrong_coefficient_in_a_text_refutes_it(monkeypatch):
     assert "As written CHECKED" in average.code("c")
     monkeypatch.setattr(TermFunction, "branches", lambda *args: replace(right, branches=wrong))
     assert "As written REFUTED" in average.code("c")
-
-
-def test_a_divergent_average_is_refused():
-    average = ss.slope_average("a*v^(-n)", "harmonic")
-    assert np.isfinite(average(V=0.5, N=2.0, a=0.3, n=0.25))
-    with pytest.raises(ss.InputError, match="its integral diverges"):
-        average(V=0.5, N=2.0, a=0.3, n=0.75)

@@ -199,7 +199,7 @@ def test_numbers_may_be_written_as_text():
     ("V", "message"),
     [
         (0.0, "V = 0 must be positive: it is the belt speed; on a belt that stands still"),
-        (-0.5, "V = -0.5 must be positive.*mirror the scene: V, x0 and v0 with their signs changed"),
+        (-0.5, "V = -0.5 must be positive.*change the signs of V, x0 and v0"),
     ],
 )
 def test_belts_that_stand_or_run_backward(V, message):

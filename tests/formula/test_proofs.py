@@ -1,0 +1,252 @@
+"""What keeps a false statement from being proved, a right one from being refuted, a false limit out."""
+
+import random
+import re
+
+import mpmath
+import pytest
+import sympy as sp
+from forms import form_of, some
+from latex_reader import read
+
+import stickslip_sym as ss
+from stickslip_sym import Status, symbols
+from stickslip_sym.core.functions import Lerch
+from stickslip_sym.core.numbers import bits
+from stickslip_sym.core.symbols import V, a, b, mu, s, u
+from stickslip_sym.formula.exact import without_squares
+from stickslip_sym.formula.proof.normal_form import expand_above, normal_form
+from stickslip_sym.formula.proof.proving import prove_equal, prove_positive
+from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable, PieceByPiece
+from stickslip_sym.output.notation import notation_of
+
+Int = sp.Integral
+r, xi, y = sp.symbols("r xi y", real=True)
+w, p = sp.symbols("w p", positive=True)
+q = sp.Symbol("q", real=True)  # of either sign
+inside = u - w  # vanishes at u = w, between 0 and V if w < V
+SLIGHTLY = 1 + sp.Rational(1, 10**15)
+
+# -- equations ---------------------------------------------------------------------------------------
+
+FALSE = {
+    "a pole inside": (Int(1 / (u - V) ** 2, (u, 0, 2 * V)), -2 / V, Antiderivative(-1 / (u - V), u)),
+    "a logarithm across its pole": (
+        Int(1 / (u - V), (u, 0, 3 * V)), sp.log(2 * V) - sp.log(-V), Antiderivative(sp.log(u - V), u),
+    ),
+    "an arctangent that jumps": (Int(1 / (r**2 + 1), (r, -1, 1)), -sp.pi / 2, Antiderivative(-sp.atan(1 / r), r)),
+    "an arctangent of a tangent": (Int(1, (r, 0, sp.pi)), sp.Integer(0), Antiderivative(sp.atan(sp.tan(r)), r)),
+    "a double integral": (Int(u * y, (u, 0, 1), (y, 0, 2)), y / 2, None),
+    "a variable captured": (
+        Int(s * mu(u), (u, 0, V)), Int(s * V * mu(V * s), (s, 0, 1)), ChangeOfVariable(u, s, V * s),
+    ),
+    "a name captured": (Int(xi * mu(u), (u, 0, 1)), Int(u * mu(u), (u, 0, 1)), None),
+    "infinity": (sp.oo, sp.oo, None),
+    "not a number": (sp.nan, sp.Integer(0), None),
+    "a logarithm of a product": (sp.log(a * b), sp.log(a) + sp.log(b), None),
+    "a root of a square": (sp.sqrt(a**2), a, None),
+    "a divergent integral": (Int(1 / r, (r, -V, V)), sp.Integer(0), None),
+    "a piece too few": (
+        Int(sp.Piecewise((u, u < w), (w, True)), (u, 0, 2 * V)), 2 * V**2, PieceByPiece([u**2 / 2], u, []),
+    ),
+    "a near miss": (V**2 * SLIGHTLY, V**2, None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FALSE)
+def test_nothing_false_is_proved_or_checked(name):
+    lhs, rhs, by = FALSE[name]
+    verdict = prove_equal(lhs, rhs, by)
+    assert verdict.status is Status.REFUTED
+    assert verdict.evidence
+
+
+def test_what_is_no_number_or_does_not_suit_its_variable_is_not_proved():
+    with pytest.raises(ValueError, match="not a definite integral"):
+        normal_form(Int(mu(u), u) + 1)
+    # u is nonnegative, so sqrt(u^2) is u to SymPy: not on [-1, 1].
+    verdict = prove_equal(Int(sp.sqrt(u**2), (u, -1, 1)), sp.Integer(0), by=Antiderivative(u**2 / 2, u))
+    assert verdict.status is not Status.PROVED
+    for wrong in (sp.I * V, sp.log(a)):
+        assert prove_positive(wrong).status is Status.REFUTED
+
+
+@pytest.mark.parametrize("expr", [V**2 + 1, sp.exp(-V) * V, sp.sqrt(1 + V) - sp.log(2 + V)])
+def test_what_is_said_to_be_equal_is_so_to_the_digits_that_are_said(expr):
+    hidden = Int(sp.exp(-u) / (1 + u), (u, 0, 1))  # not known in closed form, so nothing is proved
+    said = prove_equal(expr + hidden, expr + hidden.evalf(40, maxn=200)).evidence
+    digits = int(re.search(r"(\d+) digits", said)[1])
+    assert digits > 15
+    rng = random.Random(41)
+    for off in (3, 9, 15, *range(18, digits)):
+        wrong = expr * (1 + sp.Rational(rng.randint(2, 8), 10**off))
+        assert prove_equal(expr, wrong).status is Status.REFUTED
+
+
+def test_normal_forms():
+    c, d = sp.symbols("c d", positive=True)
+    assert normal_form(sp.sqrt(c**2 + 2 * c * d + d**2) - c - d) == 0
+    expr = (1 + u) ** 2 * (w + 1 / (1 + u / w)) / (u + w) ** 2
+    expanded = expand_above(expr)
+    assert sp.simplify(expanded - expr) == 0
+    assert all(term.has((u + w) ** -2) for term in sp.Add.make_args(expanded))
+    assert without_squares(1 - sp.tanh(r) ** 2) == sp.sech(r) ** 2
+    for other in (1 + sp.tanh(r) ** 2, 1 - sp.tanh(r) ** 3, 1 - sp.cos(r) ** 2, 2 - sp.tanh(r) ** 2):
+        assert without_squares(other) == other
+
+
+# -- the fundamental theorem needs a continuous primitive ---------------------------------------------
+
+ROUGH = {
+    "a power below zero": inside**-2,
+    "a root": sp.sqrt(inside),
+    "a power of unknown sign": (u + w) ** 2 + (inside**2) ** q,
+    "a power with a moving exponent": inside**u,
+    "a logarithm": sp.log(inside),
+    "a logarithm of a square": sp.log(inside**2),
+    "an incomplete gamma function of negative order": sp.lowergamma(-sp.Rational(1, 2), inside**2),
+    "an incomplete gamma function of unknown order": sp.lowergamma(q, u),
+    "an incomplete gamma function across 0": sp.lowergamma(sp.Rational(1, 2), inside),
+    "an exponential integral": sp.expint(1, inside),
+    "a polylogarithm across its cut": sp.polylog(2, u / w),
+    "a Lerch function across its cut": Lerch(u / w, 2, p),
+    "a hypergeometric function across its cut": sp.hyper((1, 1), (2,), u / w),
+    "a tangent": sp.tan(u),
+    "a step": sp.sign(inside),
+}
+SMOOTH = [
+    (u + w) ** -2, sp.sqrt(u + w), sp.log(u + w), sp.log(u**2 + w**2), sp.lowergamma(p, u / w),
+    sp.expint(1, u + w), sp.polylog(2, -u / w), sp.polylog(2, w / (u + 2 * w)),
+    2 / sp.sqrt(3) * sp.atan((2 * u - 1) / sp.sqrt(3)),
+    u + w * sp.log(1 + sp.exp(-2 * u / w)), sp.sqrt(sp.pi) / 2 * sp.erf(u),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ROUGH)
+def test_a_primitive_that_may_jump_between_the_limits_is_refused(name):
+    with pytest.raises(ValueError, match=r"not known to be (smooth|nonnegative|an antiderivative)|not finite"):
+        Antiderivative(ROUGH[name], u)(Int(sp.diff(ROUGH[name], u), (u, 0, V)))
+
+
+@pytest.mark.parametrize("primitive", SMOOTH, ids=str)
+def test_a_primitive_that_cannot_jump_is_taken(primitive):
+    value = primitive.subs(u, V) - primitive.subs(u, 0)
+    by = Antiderivative(primitive, u)
+    assert prove_equal(Int(sp.diff(primitive, u), (u, 0, V)), value, by=by).status is Status.PROVED
+
+
+# -- pieces ------------------------------------------------------------------------------------------
+
+
+def test_pieces():
+    kinked = sp.Piecewise((w - u, u < w), (2 * (u - w), True))
+    primitives = [w * u - u**2 / 2, u**2 - 2 * w * u]
+    end = sp.Min(w, V)
+    value = primitives[0].subs(u, end) + primitives[1].subs(u, V) - primitives[1].subs(u, end)
+    by = PieceByPiece(primitives, u, [w])
+    assert prove_equal(Int(kinked, (u, 0, V)), value, by=by).status is Status.PROVED
+    assert prove_equal(Int(kinked, (u, 0, V)), value + primitives[0].subs(u, V), by=by).status is Status.REFUTED
+
+
+def _in_pieces(low, high, end, place, other=0):
+    """Return a*v below a place, b up to the next one, and a constant above."""
+    return sp.Piecewise((a * low + other, u < place), (b * high, u < place + w), (end, True))
+
+
+def test_functions_in_pieces_are_equal_piece_by_piece():
+    left = _in_pieces(sp.sqrt(u) * (u + 1), u, w, V / a)
+    right = w * _in_pieces(sp.sqrt(u) / w + u ** sp.Rational(3, 2) / w, u / w, sp.Integer(1), V / a)
+    assert prove_equal(left, right).status is Status.PROVED
+    both = sp.Piecewise((u, u < w), (w, True)) + left
+    assert prove_equal(both, right + sp.Piecewise((u * b, u < w), (w * b, True)) / b).status is Status.PROVED
+
+
+@pytest.mark.parametrize(
+    "tampered",
+    [
+        _in_pieces(u, u, w, V / a, other=SLIGHTLY - 1),
+        _in_pieces(u, u * SLIGHTLY, w, V / a),
+        _in_pieces(u, u, w * SLIGHTLY, V / a),
+        _in_pieces(u, u, w, V / a * SLIGHTLY),
+        _in_pieces(u, u, w, V / b),
+        sp.Piecewise((a * u, u < V / a), (w, True)),
+        sp.Piecewise((b * u, u < V / a), (a * u, u < V / a + w), (w, True)),
+    ],
+)
+def test_a_tampered_piece_or_place_is_not_proved(tampered):
+    assert prove_equal(_in_pieces(u, u, w, V / a), tampered).status is not Status.PROVED
+
+
+def test_pieces_under_an_integral_are_not_taken_one_by_one():
+    """With either piece in both places the two sides are the same; with the step they are not."""
+    step = sp.Piecewise((sp.Integer(1), u < w), (sp.Integer(2), True))
+    total = Int(step * mu(u), (u, 0, V))
+    assert prove_equal(total, step.subs(u, V) * Int(mu(u), (u, 0, V))).status is not Status.PROVED
+
+
+# -- limits ------------------------------------------------------------------------------------------
+
+FAR = [
+    "a*(sqrt(v^2 + w^2) - v)^(-2)", "a*v/(sqrt(v + w) - sqrt(v))", "a/(exp(-v/w) + 1 - tanh(v/w))", "a*v/(v + w)",
+    "a*w/(sqrt(v^2 + w^2) + v)", "a*v^2/(v + w)", "a*log(1 + v/w)", "a/(sqrt(v^2 + w^2) - v)",
+    "a/(v^2 - w*v + w^2)",
+]  # fmt: skip
+"""Laws with a base that vanishes as v grows, and laws with one that does not."""
+
+
+@pytest.mark.parametrize("text", some(FAR, 0, 3, 6, 7, 8))
+def test_a_limit_by_rules_is_right_or_not_given(text):
+    law = ss.FrictionLaw(text)
+    found = ss.derive(law, "equilibrium", search=False).limits
+    values = {"a": sp.Rational(3, 10), "w": sp.Rational(7, 10)}
+    point = {law.parameters[name].symbol: value for name, value in values.items()} | {symbols.N: 2}
+    for limit, speed in ((found.at_rest, "1e-40"), (found.far, "1e40")):
+        if limit is None:
+            continue
+        with mpmath.workdps(60):
+            expected = limit.xreplace(point).subs(symbols.V, sp.Rational(speed))
+            slope = law.slope_expr.xreplace(point).subs(symbols.v, sp.Rational(speed))
+            got = -2 * sp.N(slope, 30, maxn=2000)
+            assert abs(got - sp.N(expected, 30)) <= sp.Rational(1, 10**10) * (abs(sp.N(expected, 30)) + 1)
+
+
+@pytest.mark.parametrize("name", ["exponential", "polynomial"])
+def test_a_document_says_which_limit_is_which(name):
+    """The sentences are read back, and their values compared with the criterion far out to that side."""
+    form = form_of(name, "least_squares")
+    text = ss.export_latex(form)
+    values = {key: str(float(value)) for key, value in form.law.typical().values.items()}
+    written = notation_of(["c", "mu", "V", "N", *values], {})
+    for place, speed in (("0", "1e-30"), (r"\infty", "1e30")):
+        where = rf"For \$V \\to {re.escape(place)}\$ it (?:tends to|grows as)(.*?)\n(?=For|It|Verification)"
+        (sentence,) = re.findall(where, text, re.S)
+        formula = re.split(r"\\to|\\sim", sentence.replace("$", ""))[-1].strip().removesuffix(".")
+        given = {"V": speed, "N": "2"} | values
+        expected = form.evaluate(20, **given)
+        shown = read(formula, {written[key]: mpmath.mpf(value) for key, value in given.items()})
+        assert abs(shown - expected) <= 1e-9 * abs(expected) + 1e-20
+
+
+# -- numbers in a formula ----------------------------------------------------------------------------
+
+
+def grown(rng, depth):
+    """Write a formula whose numbers grow by powers and products."""
+    if depth == 0:
+        return rng.choice(["9", "1.7", "a", "(2*a)", "(a/3)", "1e-60", "7e50"])
+    inner = grown(rng, depth - 1)
+    return rng.choice([f"({inner})^{rng.randint(2, 64)}", f"({inner})^-{rng.randint(2, 64)}", f"({inner}*8^60/3)"])
+
+
+def test_no_number_in_a_formula_passes_its_limit():
+    rng = random.Random(43)
+    refused = 0
+    products = ["*".join([rng.choice(["9^60", "a*7^64", "8^-64"])] * n) for n in range(1, 40, 3)]
+    for formula in products + [grown(rng, rng.randint(1, 8)) for _ in range(60)]:
+        try:
+            expr = ss.FrictionLaw(f"v*{formula}").expr
+        except ss.InputError as error:
+            refused += "too large" in str(error)
+            continue
+        assert all(bits(number) <= 4096 for number in expr.atoms(sp.Rational)), formula
+    assert 10 < refused < 70
