@@ -62,6 +62,8 @@ def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
     reading = reading_of(given.__getitem__)
     given.all_used()
     measured = ss.read_measurements(file, **reading)
+    if given.command != "fit":  # whose answer begins with it
+        click.echo(measured.understood, err=True)
     with counted("laws") as progress:
         return ss.fit(measured, laws=laws, progress=progress)
 

@@ -56,7 +56,6 @@ def run(given: Given) -> None:
         laws = [described.bind(**assignments(given["parameter"]))] if described else laws_to_fit((), given)
         at = points(given, c="0", law=laws[0])
         fits = fitted(given["fit"], laws, given)
-        click.echo(fits.measured.understood, err=True)
         at = [replace(one, law=fits.best.law) for one in at]
     contents = []
     for one in at:

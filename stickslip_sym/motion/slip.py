@@ -15,7 +15,7 @@ from stickslip_sym.core.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.steps import SLIDING, End, entered, follow, rate_at, rise_at, stepped
+from stickslip_sym.motion.steps import SLIDING, End, entered, follow, rate_at, stepped
 from stickslip_sym.motion.table import FARTHEST, FrictionTable, Pieces, Rise
 from stickslip_sym.motion.workers import in_batches
 
@@ -187,23 +187,15 @@ class Dimensionless:
         """Return eta (side mu_static - mu(0+))."""
         return self.eta * (side * self.table.static - self.table.onset)
 
-    @property
-    def _everywhere(self) -> tuple[Pieces, int, int, int]:
-        return self.rise.pieces, 0, len(self.rise.pieces) - 1, 0
-
-    def lifted(self, w: float) -> float:
-        """Return mu(V w) - mu(0+) for a slip speed within the table."""
-        return rise_at(self._everywhere, w)
-
     def acceleration(self, q: float, w: float, side: int = 1) -> float:
         """Return w', the rate at which the slip speed grows."""
-        return rate_at(self._everywhere, (self.eta, self.push(side), side, 2 * self.zeta), q, w)
+        law = self.rise.pieces, 0, len(self.rise.pieces) - 1, 0
+        return rate_at(law, (self.eta, self.push(side), side, 2 * self.zeta), q, w)
 
     def decay(self, w: float) -> float:
         """Return -dw'/dw, the rate at which a deviation of the slip speed w >= 0 decays, between both sides."""
-        half = 1e-6 * max(w, 1.0)
-        low, high = max(w - half, 0.0), w + half
-        return self.eta * (self.lifted(high) - self.lifted(low)) / (high - low) + 2 * self.zeta
+        low, high = max(w - 1e-6 * max(w, 1.0), 0.0), w + 1e-6 * max(w, 1.0)
+        return (self.acceleration(0.0, low) - self.acceleration(0.0, high)) / (high - low)
 
     def turn(self, w: float) -> float:
         """Return the displacement q at which w' = 0 for a mass slower than the belt."""

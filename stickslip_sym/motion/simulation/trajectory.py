@@ -86,12 +86,12 @@ class Stretch:
     """One phase of a motion.
 
     - `samples`: rows of t in s, x in m and v in m/s, at the integrator's steps.
-    - `curve`: x and v as functions of time; without it x is a straight line, as in stick and at rest.
+    - `curve`: the rows x and v at a row of times; without it x is a straight line, as in stick and at rest.
     """
 
     phase: Phase
     samples: FloatArray
-    curve: Callable[[FloatArray], tuple[FloatArray, FloatArray]] | None = None
+    curve: Callable[[FloatArray], FloatArray] | None = None
 
     @property
     def start(self) -> float:
@@ -106,9 +106,11 @@ class Stretch:
     def course(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return x and v at times within."""
         if self.curve is not None:
-            return self.curve(t)
-        times, x, v = self.samples
-        return np.interp(t, times, x), np.interp(t, times, v)
+            x, v = self.curve(np.ravel(t))
+            return x.reshape(np.shape(t)), v.reshape(np.shape(t))
+        times, *state = self.samples
+        x, v = (np.interp(t, times, row) for row in state)
+        return x, v
 
 
 @dataclass(frozen=True, repr=False, eq=False)
