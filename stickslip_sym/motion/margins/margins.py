@@ -172,7 +172,7 @@ def margins(
     method, rtol
         As for `critical`.
     samples : int
-        Seeded samples for the probability; each takes a threshold. 0 for none.
+        Seeded samples for the probability; each takes less than a threshold. 0 for none.
     reach : float
         How far changes are looked for: from a value over it to the value times it, above 1. That of c needs no
         search, and is given wherever it lies.
