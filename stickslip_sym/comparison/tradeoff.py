@@ -164,11 +164,7 @@ def _title(of: str, law: FrictionLaw, point: Mapping[str, object]) -> str:
 
 
 def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Number]) -> Trade:
-    """Measure the methods for the value of a criterion, held against the closed form in 70 digits.
-
-    They are plain ``lambdify`` of the formula, the stable function, a Gauss rule with n nodes,
-    ``scipy.integrate.quad``, and mpmath at 15, 30 and 50 digits.
-    """
+    """Measure the methods for the value of a criterion, held against the closed form in 70 digits."""
     form = derive(law, criterion, time_limit=max(0.0, min(_DERIVING, deadline.time_left())))
     # Floats are what every method gets, so that none is blamed for the rounding of the input.
     numbers: dict[str, Any] = {name: float(exact(point[name], name)) for name in "VN"}
@@ -235,8 +231,7 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
     """Measure the methods for a threshold, held against the grazing orbit to 1e-11.
 
     They are the package's, with their largest errors over `SPEEDS`; and at the operating point only the paper's
-    scan of Newmark runs up to twice the threshold in steps of 0.001 kg/s, and bisection by
-    ``scipy.integrate.solve_ivp``.
+    scan of Newmark runs up to twice the threshold, and bisection by ``scipy.integrate.solve_ivp``.
     """
     known = methods()
 
@@ -293,10 +288,9 @@ def _share(
 ) -> Trade:
     """Measure the methods for the share of a box of initial conditions that come to rest, held against its area.
 
-    They are the area inside the separatrices; seeded samples, by event-driven simulation; and fewer, by runs of
-    ``scipy.integrate.solve_ivp`` over 80 natural periods, once with events and stick, once with the sign of the
-    slip speed smoothed over a hundredth of the belt's speed. The error of a sample is the root of the sum of two
-    squares: of the standard error of its size, and of the share that is wrong of these very initial conditions.
+    They are the area inside the separatrices, and seeded samples, decided by the package or by SciPy. The error of
+    a sample is the root of the sum of two squares: of the standard error of its size, and of the share that is
+    wrong of these very initial conditions.
 
     Raises `InputError` where geometry does not settle the basins, or no motion comes to rest.
     """

@@ -98,7 +98,7 @@ REFUSED = [
     ("damping a-b*v --unit b=furlong", "'furlong' is not a unit"),
     ("damping a-b*v --static 0.6+v", "the static coefficient is one number"),
     ("study linear --fit a.csv --from-csv a.csv", "the measurements are given twice, by --fit and by --from-csv"),
-    # what Python's users are told otherwise
+    # in other words for Python's users
     ("damping a-b*v", "the law has no value for a, b; give -p a=... -p b=..."),
     ("map a-b*v --x V=1:1:1 --y c=1:1:1", "give each by -p NAME=VALUE, or make one an axis"),
     ("derive a+b*v -p b=-1", "write the formula with -b, and give a positive value, if any sign is meant"),

@@ -136,7 +136,7 @@ def test_unknown_symbols_are_suggested():
         form_of("exponential", "equilibrium").latex({"alpa": "x"})
 
 
-def test_names_that_look_alike_are_told_apart():
+def test_names_that_look_alike_are_printed_differently():
     assert notation_of(["a1", "a_1"]) == {"a1": "a_{1}", "a_1": r"\mathit{a\_1}"}
 
 
