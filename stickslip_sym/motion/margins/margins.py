@@ -60,8 +60,8 @@ class Sampled:
     probability, standard_error : float
         The share of the decided samples, and its standard error.
     undecided : float
-        The share of samples whose threshold could not be told from their damping, or that are no operating point,
-        as where a parameter is negative that may not be.
+        The share of samples whose threshold is not known, or that are no operating point, as where a parameter is
+        negative that may not be.
     """
 
     probability: float

@@ -68,7 +68,7 @@ Changes = Callable[[OperatingPoints, FloatArray], Mapping[str, FloatArray]]
 
 @dataclass(frozen=True)
 class Method:
-    """One way to a threshold.
+    """How a threshold is computed, and what that needs and costs.
 
     Attributes
     ----------
