@@ -105,7 +105,8 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
             low = start or (end / 4 if end < math.inf else 1.0)
             r = math.sqrt(low * min(end, 4 * low))
             right = average_ball(profile, shapes, kinks_of(profile, shapes), criterion, arb(r))
-            value = float(branches(r))
+            with np.errstate(all="ignore"):
+                value = float(branches(r))
             if not right.is_finite() or math.isnan(value):
                 continue  # infinite at rest, or beyond the last speed: there is nothing to compare with
             size = max(mean_slope(np.array([r]), *values)[0], abs(float(right)))
