@@ -51,7 +51,6 @@ def mass_and_stiffness(find: Find, printed: Printed) -> Finding:
         ours="none" if free else "m or k appears",
         holds=f"mass and stiffness are {'not ' if free else ''}in (16), (17) and (18)",
         proved="; ".join(f"the symbols of {label} are {names}" for label, names in symbols.items()),
-        difference="none",
         reproduced=free,
     )
 
@@ -72,7 +71,6 @@ def falls_with_belt_speed(find: Find, printed: Printed) -> Finding:
         holds=f"the pure-slip damping {'falls' if falls else 'does not fall'} with the belt speed, for both laws",
         proved="; ".join(what for what, status in proofs.items() if status is Status.PROVED),
         estimated=f"the exact thresholds {'' if falls else 'do not '}fall over {SPEEDS.size} belt speeds",
-        difference="none",
         reproduced=all(status is Status.PROVED for status in proofs.values())
         and ("falls" if falls else "rises") == printed["with V"],
     )
@@ -230,7 +228,6 @@ def difference_of_coefficients(find: Find, printed: Printed) -> Finding:
         estimated=f"the exact thresholds {'rise' if exactly else 'do not rise'} at every V up to {slow[-1]:g} m/s "
         "as the difference goes from 0.1 over 0.2 to 0.3, in all by "
         + by_law(f"{ratio.min():.4f} to {ratio.max():.4f} times" for ratio in ratios),
-        difference="none",
         reproduced=("rises" if rises and exactly else "falls") == printed["with mu_s - mu_m"],
     )
 

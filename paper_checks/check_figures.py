@@ -214,7 +214,6 @@ def points_beside_the_threshold(find: Find, printed: Printed, *, name: str) -> F
             for point, (V, _) in points.items()
         ),
         estimated="simulated, " + "; ".join(f"the motion at {point} is {runs[point].kind}" for point in points),
-        difference="none",
         reproduced=all(run.kind == points[point][1] for point, run in runs.items())
         and decided
         and all(sticks[point] == (motion == "stick-slip") for point, (_, motion) in points.items()),
@@ -237,6 +236,5 @@ def friction_parameters(find: Find, printed: Printed) -> Finding:
         f"{', '.join(printed['mu_m'])}: "
         + "; ".join(f"{name} {' '.join(f'{area:.4f}' for area in areas[name])} kg m/s^2" for name in LAWS)
         + f"; it {'falls' if all(shrinks) else 'does not fall'} at every single V",
-        difference="none",
         reproduced=all(shrinks if FALLS[printed["region"]] else grows),
     )

@@ -17,8 +17,8 @@ from .criteria import quadrature as quadrature
 from .criteria.criterion import Criterion as Criterion
 from .criteria.enclosure import enclose as enclose
 from .formula.closed_form import derive as derive
-from .formula.export.export import export_code as export_code
-from .formula.export.export import export_latex as export_latex
+from .formula.export import export_code as export_code
+from .formula.export import export_latex as export_latex
 from .formula.files import load as load
 from .formula.files import save as save
 from .formula.slope_average import slope_average as slope_average

@@ -6,9 +6,8 @@ import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli.options import LAW, METHOD, POINT, Given, command, option, time_limit
-from stickslip_sym.cli.output import echo_all, point_of
+from stickslip_sym.cli.output import echo_all, in_options, point_of
 from stickslip_sym.cli.reading import points
-from stickslip_sym.cli.words import in_options
 from stickslip_sym.output.tables import table
 
 _RTOL = 1e-10  # asked of every method that can be made more accurate, with --all

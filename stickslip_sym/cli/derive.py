@@ -1,14 +1,15 @@
 """``stickslip derive``: a law's criteria in closed form, with a table that cross-checks each."""
 
-from typing import TYPE_CHECKING, Union
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli.options import CRITERIA, LAW, POINT, Given, command, file_option, option, time_limit
-from stickslip_sym.cli.output import Json, echo_json, point_of, progress_bar
+from stickslip_sym.cli.output import Json, echo_json, in_options, point_of, progress_bar
 from stickslip_sym.cli.reading import criteria_of, point
-from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, NoClosedForm
 
 if TYPE_CHECKING:
@@ -77,9 +78,7 @@ def run(given: Given) -> None:
             raise form
 
 
-def derived(
-    law: ss.FrictionLaw, criterion: ss.Criterion, seconds: float = SECONDS
-) -> Union["ClosedForm", NoClosedForm]:
+def derived(law: ss.FrictionLaw, criterion: ss.Criterion, seconds: float = SECONDS) -> ClosedForm | NoClosedForm:
     """Return the closed form of a criterion, or why there is none; a terminal shows the progress."""
     from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
@@ -91,7 +90,7 @@ def derived(
             return error
 
 
-def _lines(form: "ClosedForm") -> list[str]:
+def _lines(form: ClosedForm) -> list[str]:
     """Return a form as lines of text, its formula no longer than a few screens."""
     from stickslip_sym.output import abbreviation, printing
 
@@ -103,7 +102,7 @@ def _lines(form: "ClosedForm") -> list[str]:
     return [repr(form), "", shown, "", form.verdict.evidence]
 
 
-def _latex(form: "ClosedForm", steps: bool) -> str:
+def _latex(form: ClosedForm, steps: bool) -> str:
     from stickslip_sym.output import printing
     from stickslip_sym.output.layout import displayed, key
 

@@ -1,7 +1,9 @@
 """``stickslip export``: criteria as LaTeX, Python, C or Octave, or exactly, several at once or none at all."""
 
+from __future__ import annotations
+
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -21,10 +23,6 @@ from stickslip_sym.cli.output import echo_json
 from stickslip_sym.cli.reading import assignments, criteria_of, law_described
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.formula.code.languages import LANGUAGES
-
-if TYPE_CHECKING:
-    from stickslip_sym.formula.closed_form import ClosedForm
-    from stickslip_sym.formula.slope_average import SlopeAverage
 
 _KINDS = ("latex", *LANGUAGES, "save")
 
@@ -62,30 +60,25 @@ def run(given: Given) -> None:
         _check_notation(notation, laws)
         style = {"symbols": notation, "fragment": given["fragment"], "steps": given["steps"]}
     given.all_used()
-    only_code = len(code) == len(targets)
     unbound = _unbound(laws, every) if code else []
-    forms, coded = list["ClosedForm"](), list["ClosedForm | SlopeAverage"]()
-    missing: list[tuple[ss.FrictionLaw, str, str]] = []
-    for law, criterion in ((law, criterion) for law in laws for criterion in chosen):
-        form = derived(law, criterion, limit)
-        if not isinstance(form, NoClosedForm):
-            forms.append(form)
-        elif len(chosen) == 1 and not every and not only_code:
-            raise form
-        else:
-            missing.append((law, criterion.name, str(form)))
-        if code and law not in unbound:
-            coded.append(ss.slope_average(law, criterion) if isinstance(form, NoClosedForm) else form)
-    if not forms and not only_code:
-        raise NoClosedForm(f"none of the criteria has a closed form: {missing[0][2]}")
+    found = [(law, criterion, derived(law, criterion, limit)) for law in laws for criterion in chosen]
+    forms = [form for *_, form in found if not isinstance(form, NoClosedForm)]
+    missing = [(law, one.name, str(form)) for law, one, form in found if isinstance(form, NoClosedForm)]
+    if missing and len(code) < len(targets) and (not forms or (len(chosen) == 1 and not every)):
+        raise NoClosedForm(missing[0][2])
+    coded = [
+        ss.slope_average(law, criterion) if isinstance(form, NoClosedForm) else form
+        for law, criterion, form in found
+        if code and law not in unbound
+    ]
     write = {"latex": lambda: ss.export_latex(forms, missing=missing, **style), "save": lambda: text_of(forms)}
     files.write_texts(
         {path: write[kind]() if kind in write else ss.export_code(coded, kind) for kind, path in targets.items()}
     )
     for law, name, _ in missing:
-        what = "its fast function is written" if only_code else "only its fast function is written, to code"
-        if law in unbound or not code:
-            what = "nothing is written of it but the reason"
+        what = (
+            "its fast function is written as code" if code and law not in unbound else "only the reason is written"
+        )
         click.echo(f"no closed form: {law.name or law.text}, {name}; {what}", err=True)
     if given["json"]:
         content = [{"law": one.law.name, "criterion": one.criterion.name, "form": one} for one in forms]

@@ -1,5 +1,7 @@
 """``stickslip fit``: laws fitted to measured friction, and ranked."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -8,9 +10,8 @@ import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli.options import FILE_OF_MEASUREMENTS, LAW_NAMES, Given, command, file_option, option
-from stickslip_sym.cli.output import counted, echo_all
+from stickslip_sym.cli.output import counted, echo_all, in_options
 from stickslip_sym.cli.reading import assignments, reading_of
-from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -56,11 +57,13 @@ def run(given: Given) -> None:
         echo_all("fit", contents, files)
 
 
-def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> "Fits":
+def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
     """Return the fits of laws to a file of measurements, the last that asks for options."""
     reading = reading_of(given.__getitem__)
     given.all_used()
     measured = ss.read_measurements(file, **reading)
+    if given.command != "fit":  # whose answer begins with it
+        click.echo(measured.understood, err=True)
     with counted("laws") as progress:
         return ss.fit(measured, laws=laws, progress=progress)
 

@@ -1,10 +1,11 @@
 """``stickslip map``: the motions over a plane of two quantities."""
 
+from __future__ import annotations
+
 from itertools import product
 from typing import TYPE_CHECKING
 
 import click
-import numpy as np
 
 import stickslip_sym as ss
 from stickslip_sym.cli.options import (
@@ -20,11 +21,11 @@ from stickslip_sym.cli.options import (
 )
 from stickslip_sym.cli.output import counted, echo_found
 from stickslip_sym.cli.reading import assignments, point
-from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
+    from stickslip_sym.core.aliases import FloatArray
     from stickslip_sym.motion.maps.motions import MotionMap
 
 __all__ = ["read_axis", "report"]
@@ -75,6 +76,8 @@ def run(given: Given) -> None:
 
 def read_axis(option: str, text: str) -> tuple[str, FloatArray]:
     """Read NAME=START:STOP:COUNT."""
+    import numpy as np
+
     name, equals, range_text = text.partition("=")
     parts = range_text.split(":")
     if not equals or len(parts) != 3:
@@ -103,8 +106,10 @@ def _warn_at_corners(
             return
 
 
-def report(found: "MotionMap") -> str:
+def report(found: MotionMap) -> str:
     """Return a picture of the map in letters, and the number of cells of each kind."""
+    import numpy as np
+
     region, kinds = found.regions()
     rows, columns = (
         np.linspace(0, size - 1, min(size, most)).round().astype(int)

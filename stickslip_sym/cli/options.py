@@ -25,17 +25,17 @@ __all__ = [
 _LARGEST = 10**20
 """Of a number in SI units, and its inverse the smallest: beyond, no table could be computed in doubles."""
 _PICTURES = (".svg", ".png", ".pdf")
-_FORMULA = "it belongs to a formula or to measured points"
-_MEASURED = "it belongs to a file of measurements"
-_BOX = "it belongs to --basins or --all"
-_LATEX = "it belongs to --latex FILE"
 _BELONGS = {
-    "name": _FORMULA, "source": _FORMULA, "unit": "it belongs to the parameters of a formula or of --static",
+    "name source": "it belongs to a formula or to measured points",
+    "unit": "it belongs to the parameters of a formula or of --static",
     "extrapolate": "it belongs to --from-csv: a formula holds at all speeds",
-    "column": _MEASURED, "radius": _MEASURED, "speeds": _MEASURED, "leave_out": _MEASURED,
-    "keep_outliers": _MEASURED, "x0": _BOX, "v0": _BOX, "c": "the damping has no part in this",
-    "fragment": _LATEX, "steps": _LATEX, "symbol": _LATEX,
-}  # fmt: skip
+    "column radius speeds leave_out keep_outliers": "it belongs to a file of measurements",
+    "x0 v0": "it belongs to --basins or --all",
+    "c": "the damping has no part in this",
+    "fragment steps symbol": "it belongs to --latex FILE",
+    "": "it has no part in what was asked for",
+}
+"""Where options belong that do nothing elsewhere."""
 
 
 class Given:
@@ -56,7 +56,7 @@ class Given:
             name = str(parameter.name)
             stands = self._context.get_parameter_source(name) is ParameterSource.COMMANDLINE
             if stands and name not in self._read:
-                reason = _BELONGS.get(name, "it has no part in what was asked for")
+                reason = next(words for names, words in _BELONGS.items() if name in names.split() or not names)
                 raise InputError(f"{max(parameter.opts, key=len)} does nothing here: {reason}; leave it out")
 
 
@@ -110,14 +110,12 @@ class _Written(_Read):
 def read_number(text: Any, name: str) -> float:
     """Read a number as people write one, such as 0.5, 1e-3 or 1/3, of a size that an operating point may have."""
     value = fraction(text, name)
-    size = abs(value)
-    if size == 0 or 1 <= size * _LARGEST <= _LARGEST**2:
-        return float(value)
-    if size > 1:
-        reason = "beyond what double precision can hold" if float(size) == float("inf") else "too large"
-    else:
-        reason = "below what double precision can hold" if float(size) == 0 else "too small"
-    raise InputError(f"{name} is {reason}; give a size from {1 / _LARGEST:g} to {_LARGEST:g} in SI units")
+    if value and not 1 <= abs(value) * _LARGEST <= _LARGEST**2:
+        raise InputError(
+            f"{name} is too {'large' if abs(value) > 1 else 'small'}; "
+            f"give a size from {1 / _LARGEST:g} to {_LARGEST:g} in SI units"
+        )
+    return float(value)
 
 
 def _read_range(text: str, option: click.Parameter, *, half: bool) -> tuple[float | None, ...]:

@@ -7,8 +7,11 @@ SI units, and null where there is none; formulas are text, and so is a number as
 a name goes or changes its meaning; names may be added without.
 """
 
+from __future__ import annotations
+
 import json
 import math
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -22,7 +25,6 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli.options import Given
 from stickslip_sym.cli.reading import Point
-from stickslip_sym.cli.words import in_options
 from stickslip_sym.core import symbols
 from stickslip_sym.core.uncertain import UFloat, separated
 from stickslip_sym.core.version import __version__
@@ -34,7 +36,8 @@ Json = dict[str, Any]
 """What stands for an object of JSON."""
 
 __all__ = [
-    "Json", "as_json", "counted", "echo_all", "echo_found", "echo_json", "law_of", "point_of", "progress_bar",
+    "Json", "as_json", "counted", "echo_all", "echo_found", "echo_json", "in_options", "law_of", "point_of",
+    "progress_bar",
 ]  # fmt: skip
 
 _FORMAT = 2
@@ -56,8 +59,43 @@ _ATTRIBUTES = {
 """The attributes that are printed, by the names of classes; of other dataclasses all."""
 
 
+_QUANTITIES = ("V", "N", "m", "k", "c")
+_OPTIONS = (
+    "method", "criterion", "workers", "time_limit", "rtol", "t_end", "x0", "v0", "static",
+    "name", "source", "radius", "speeds",
+)  # fmt: skip
+_RULES: list[tuple[str, str | Callable[[re.Match[str]], str]]] = [
+    (r"bind them first: law\.bind\(([^()]*)\)", r"give \1"),
+    (r"(?:bind it first: )?\blaw\.bind\((\w+=[\w.]+)\)", r"-p \1"),
+    (r"bind them first", "give each by -p NAME=VALUE"),
+    (r"declare it with Parameter\('(\w+)', positive=False\) if any sign is meant",
+     r"write the formula with -\1, and give a positive value, if any sign is meant"),
+    (r"use evaluate\(digits=\.\.\.\)", "stickslip derive computes it to 50 digits"),
+    (r"columns=\{'(\w+)': '?([^'}]*)'?, '(\w+)': '?([^'}]*)'?\}", r'--column \1="\2" --column \3="\4"'),
+    (r"columns=\{'(\w+)': '?([^'}]*)'?\}", r'--column \1="\2"'),
+    (r"\b(leave|keep)_(out|outliers)=True", r"--\1-\2"),
+    (r"pass extrapolate=True", "give --extrapolate"),
+    (r"extrapolate=True", "--extrapolate"),
+    (r"\bsimulate\(\)", "stickslip simulate"),
+    (r"within=\(low, high\)", "--within LOW:HIGH"),
+    (r"units=\{'(\w+)': \.\.\.\}", r"--unit \1=..."),
+    (rf"\b({'|'.join(_OPTIONS)})=(\"?)([\w.+-]+)\2", lambda m: f"--{m[1].replace('_', '-')} {m[3]}"),
+    (rf"(?<![\w-])({'|'.join(_QUANTITIES)})=\.\.\.", r"-\1 ..."),
+    (r"(?<!-p )(?<!--unit )(?<!--symbol )(?<![\w-])(\w+)=\.\.\.", r"-p \1=..."),
+    (r"(=?\.\.\.), (?=-)", r"\1 "),
+]  # fmt: skip
+"""Python's words in a message, and those of the command line, replaced in this order."""
+
+
+def in_options(message: str) -> str:
+    """Return a message of the package as a user of the command line can follow it."""
+    for python, option in _RULES:
+        message = re.sub(python, option, message)
+    return message
+
+
 @contextmanager
-def progress_bar(*columns: "ProgressColumn | str") -> Iterator[Callable[..., None]]:
+def progress_bar(*columns: ProgressColumn | str) -> Iterator[Callable[..., None]]:
     """Show columns of rich on a terminal, and yield what updates them; elsewhere show nothing."""
     from rich.console import Console
     from rich.progress import Progress

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.cli.output import in_options
 from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 from stickslip_sym.core.numbers import suggestion
 from stickslip_sym.core.version import __version__

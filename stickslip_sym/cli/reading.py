@@ -1,5 +1,7 @@
 """The law and the operating point that options make."""
 
+from __future__ import annotations
+
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -38,7 +40,7 @@ class Point:
         """The quantities without their errors."""
         return {name: read_number(split(text, name)[0], name) for name, text in self.texts.items()}
 
-    def exact(self, command: str) -> "Point":
+    def exact(self, command: str) -> Point:
         """Return the point, for a command that computes without standard errors, or refuse the first of them."""
         quantities = [f"-{name}" for name, text in self.texts.items() if split(text, name)[0] != text]
         for option in [*quantities, *(f"-p {name}" for name in self.law.uncertain)]:
@@ -152,7 +154,7 @@ def law_described(option: Callable[[str], Any], text: str | None) -> ss.Friction
     return law
 
 
-def measurements(option: Callable[[str], Any], file: Path) -> "Measurements":
+def measurements(option: Callable[[str], Any], file: Path) -> Measurements:
     """Return the measurements in a file, read as options say."""
     return ss.read_measurements(file, **reading_of(option))
 

@@ -1,5 +1,7 @@
 """``stickslip study``: everything about an operating point, as one page."""
 
+from __future__ import annotations
+
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -9,9 +11,8 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli.fit import fitted, laws_to_fit
 from stickslip_sym.cli.options import DAMPING, LAW, POINT, Given, command, file_option, option, time_limit
-from stickslip_sym.cli.output import echo_all, point_of
+from stickslip_sym.cli.output import echo_all, in_options, point_of
 from stickslip_sym.cli.reading import assignments, law_described, measurements, points
-from stickslip_sym.cli.words import in_options
 from stickslip_sym.core.errors import InputError, InputWarning
 
 
@@ -55,7 +56,6 @@ def run(given: Given) -> None:
         laws = [described.bind(**assignments(given["parameter"]))] if described else laws_to_fit((), given)
         at = points(given, c="0", law=laws[0])
         fits = fitted(given["fit"], laws, given)
-        click.echo(fits.measured.understood, err=True)
         at = [replace(one, law=fits.best.law) for one in at]
     contents = []
     for one in at:

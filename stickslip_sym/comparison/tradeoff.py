@@ -3,6 +3,8 @@
 One more method is one `Candidate` of the number that it is for.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -27,7 +29,6 @@ from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, Out
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, suggestion
 from stickslip_sym.core.status import Status
-from stickslip_sym.criteria import gauss
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.closed_form import ClosedForm, derive
 from stickslip_sym.formula.evaluation.values import slope_of
@@ -163,11 +164,7 @@ def _title(of: str, law: FrictionLaw, point: Mapping[str, object]) -> str:
 
 
 def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Number]) -> Trade:
-    """Measure the methods for the value of a criterion, held against the closed form in 70 digits.
-
-    They are plain ``lambdify`` of the formula, the stable function, a Gauss rule with n nodes,
-    ``scipy.integrate.quad``, and mpmath at 15, 30 and 50 digits.
-    """
+    """Measure the methods for the value of a criterion, held against the closed form in 70 digits."""
     form = derive(law, criterion, time_limit=max(0.0, min(_DERIVING, deadline.time_left())))
     # Floats are what every method gets, so that none is blamed for the rounding of the input.
     numbers: dict[str, Any] = {name: float(exact(point[name], name)) for name in "VN"}
@@ -204,16 +201,16 @@ def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Numbe
 
 
 def _integrand(form: ClosedForm, V: float, N: float) -> Callable[[FloatArray], FloatArray]:
-    """Return that of `gauss`, over an angle."""
-    terms = sp.symbols("m p q", positive=True, cls=sp.Dummy)
-    weight = function_of(terms, gauss.angle_weight(form.criterion, *terms), "numpy")
+    """Return w(s) mu'(v) ds/dphi with v = 2V sin(phi)^2: smooth at both ends, square roots too."""
+    ends = sp.symbols("p q", positive=True, cls=sp.Dummy)
+    weight = function_of(ends, form.criterion.from_ends(*ends), "numpy")
     point = form.law.point
     slope = function_of([*point, symbols.v], slope_of(form.law.expr), "numpy")
     parameters = [float(value) for value in point.values()]
 
     def integrand(angle: FloatArray) -> FloatArray:
         sine, cosine = np.sin(angle), np.cos(angle)
-        share: FloatArray = weight((2 * sine * cosine) ** 2, 2 * sine * sine, 2 * cosine * cosine)
+        share: FloatArray = 4 * sine * cosine * weight(2 * sine * sine, 2 * cosine * cosine)
         rise: FloatArray = slope(*parameters, 2 * V * sine * sine)
         return -N * share * rise
 
@@ -234,8 +231,7 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
     """Measure the methods for a threshold, held against the grazing orbit to 1e-11.
 
     They are the package's, with their largest errors over `SPEEDS`; and at the operating point only the paper's
-    scan of Newmark runs up to twice the threshold in steps of 0.001 kg/s, and bisection by
-    ``scipy.integrate.solve_ivp``.
+    scan of Newmark runs up to twice the threshold, and bisection by ``scipy.integrate.solve_ivp``.
     """
     known = methods()
 
@@ -292,10 +288,9 @@ def _share(
 ) -> Trade:
     """Measure the methods for the share of a box of initial conditions that come to rest, held against its area.
 
-    They are the area inside the separatrices; seeded samples, by event-driven simulation; and fewer, by runs of
-    ``scipy.integrate.solve_ivp`` over 80 natural periods, once with events and stick, once with the sign of the
-    slip speed smoothed over a hundredth of the belt's speed. The error of a sample is the root of the sum of two
-    squares: of the standard error of its size, and of the share that is wrong of these very initial conditions.
+    They are the area inside the separatrices, and seeded samples, decided by the package or by SciPy. The error of
+    a sample is the root of the sum of two squares: of the standard error of its size, and of the share that is
+    wrong of these very initial conditions.
 
     Raises `InputError` where geometry does not settle the basins, or no motion comes to rest.
     """

@@ -250,7 +250,7 @@ def number_at(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
     It is exact where sums, products, whole powers, Abs, Min, Max and pieces suffice, else a Float of 4000 bits;
     NaN where there is no finite real value.
     """
-    expr = chosen(expr, point)
+    expr = chosen(expr, point) if expr.has(sp.Piecewise) else expr
     if (exact := fold(expr, _rationals(point))) is not None:
         return exact
     with working_precision(_NUMBER_BITS + 64):
@@ -270,7 +270,7 @@ def _rationals(point: Mapping[Expr, Expr]) -> Callable[[Expr, list[Expr]], Expr]
             number = point.get(node, node)
         elif None in parts:
             return None
-        elif node.is_Add or node.is_Mul or isinstance(node, sp.Abs | sp.sign):
+        elif node.is_Add or node.is_Mul or isinstance(node, sp.Abs | sp.sign | sp.Min | sp.Max):
             return node.func(*parts)
         elif node.is_Pow and len(parts) == 2 and parts[1].is_Integer and abs(parts[1]) <= _LARGEST_POWER:
             number = parts[0] ** parts[1]

@@ -1,4 +1,4 @@
-"""A limit on the time of a call, heeded by every loop beneath it.
+"""A limit on the time of a call, which every loop beneath it asks for.
 
 A call that may take long opens a `time_limit`; the loops under it ask `check_time` once a round. Limits nest: the
 earliest end counts.

@@ -74,9 +74,10 @@ class Criterion:
             return sp.Add(*[2 * w / (n + k + 1) for (n,), w in terms if (n + k) % 2 == 0])
         return sp.Integer(0) if k % 2 else sp.catalan(k // 2) / sp.Integer(4) ** (k // 2)
 
+    @lru_cache(maxsize=256)  # noqa: B019  # criteria are few, and kept
     def mean_power(self, k: int) -> Expr:
         """Return the mean of (1 + s)^k, exact."""
-        return _mean_power(self, k)
+        return sp.Add(*[sp.binomial(k, j) * self.moment(j) for j in range(k + 1)])
 
     @property
     def label(self) -> str:
@@ -101,6 +102,18 @@ class Criterion:
     def from_rest(self) -> sp.Poly:
         """A polynomial weight in powers of p = 1 + s, the slip speed over V, with `symbols.s` for p."""
         return sp.Poly(self.weight, symbols.s).compose(sp.Poly(symbols.s - 1, symbols.s))
+
+    def from_ends(self, p: Expr, q: Expr) -> Expr:
+        """Return w(s) in terms of p = 1 + s and q = 1 - s, symbols for numbers that do not cancel at the ends."""
+        s, m = symbols.s, sp.Dummy(positive=True)  # 1 - s^2
+        weight: Expr = self.weight
+        if sp.expand(weight.subs(s, -s) - weight) == 0:
+            even = sp.powdenest(weight.subs(s, sp.sqrt(1 - m)), force=True)
+            return (sp.factor(even) if even.is_polynomial(m) else even).subs(m, p * q)
+        content, factors = sp.factor_list(weight, s)
+        # In the middle s = (p - q)/2 cancels, to an absolute error of one unit.
+        known = {1 + s: p, s - 1: -q}
+        return content * sp.Mul(*[known.get(f, f.subs(s, (p - q) / 2)) ** power for f, power in factors])
 
     @property
     def kernel(self) -> Expr:
@@ -136,14 +149,7 @@ class Criterion:
         return sp.diff(self.weight, symbols.s)
 
 
-@lru_cache(maxsize=256)
-def _mean_power(criterion: Criterion, k: int) -> Expr:
-    return sp.Add(*[sp.binomial(k, j) * criterion.moment(j) for j in range(k + 1)])
-
-
 _HIGHEST = 40  # degree of a weight; double precision holds no polynomial in s of a much higher one
-
-
 _HARMONIC_WEIGHT = 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
 
 
@@ -184,9 +190,7 @@ harmonic = Criterion(
     "first-harmonic energy balance at velocity amplitude V; for the polynomial law Thomsen & Fidlin 2003",
 )
 
-catalogue: dict[str, Criterion] = {
-    criterion.name: criterion for criterion in (equilibrium, least_squares, harmonic)
-}
+catalogue = {criterion.name: criterion for criterion in (equilibrium, least_squares, harmonic)}
 """Every criterion by name. One that is put here is found by its name wherever a criterion is taken."""
 
 

@@ -21,7 +21,7 @@ from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_val
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_scene
+from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_operating_point
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -185,7 +185,7 @@ def enclose(
         If the integral is not enclosed, as where mu is infinite at v = 0.
     """
     law = as_law(law)
-    criterion, speed, force = read_scene(law, criterion, V, N, digits)
+    criterion, speed, force = read_operating_point(law, criterion, V, N, digits)
     point = law.point
     if force == 0 or not law.expr.has(symbols.v):
         return Enclosure(Fraction(0), Fraction(0))  # every criterion averages a slope

@@ -20,7 +20,7 @@ from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 
-__all__ = ["MOST_DIGITS", "average", "damping", "read_scene"]
+__all__ = ["MOST_DIGITS", "average", "damping", "read_operating_point"]
 
 Function = Callable[[Mpf], Mpf]
 
@@ -73,7 +73,7 @@ def damping(
         If the integrand is too irregular for the bound on the work.
     """
     law = as_law(law)
-    criterion, speed, force = read_scene(law, criterion, V, N, digits)
+    criterion, speed, force = read_operating_point(law, criterion, V, N, digits)
     if force == 0 or not law.expr.has(symbols.v):
         _real(law.function("mpmath"))  # refuses a law without values
         return mpmath.mpf(0)  # every kernel averages a slope: it integrates to zero
@@ -102,22 +102,18 @@ def average(coefficient: Function, kinks: Sequence[Expr], criterion: Criterion, 
     InputError, NotConverged
         As `damping`.
     """
-    mu, singular = _real(coefficient), criterion.weight is not None and _is_singular(coefficient)
-    if singular:
-        _require_integrable(mu, criterion, speed)
+    mu = _real(coefficient)
     if criterion.weight is None:
         return _confirmed_slope(mu, speed, digits)
-    integrate = _over_speed if criterion.is_polynomial else _over_angle
+    singular = _is_singular(coefficient)
+    if singular:
+        _require_integrable(mu, criterion, speed)
     return _following_cancellation(
-        lambda tolerance: _with_ends(
-            integrate(mu, kinks, criterion, speed, tolerance, singular), mu, criterion, speed, singular
-        ),
-        digits,
-        _MOST_LOST,
+        lambda tolerance: _integral(mu, kinks, criterion, speed, tolerance, singular), digits, _MOST_LOST
     )
 
 
-def read_scene(
+def read_operating_point(
     law: FrictionLaw, criterion: str | Criterion, V: Number, N: Number, digits: int
 ) -> tuple[Criterion, Expr, Expr]:
     """Return a criterion, V and N, exactly, or refuse what no criterion has a value for."""
@@ -171,21 +167,6 @@ def _require_integrable(mu: Function, criterion: Criterion, speed: Expr) -> None
         )
 
 
-def _with_ends(
-    inside: tuple[Mpf, Mpf], mu: Function, criterion: Criterion, speed: Expr, singular: bool
-) -> tuple[Mpf, Mpf]:
-    """Add the boundary terms of the integration by parts to an integral and its size, where the weight has any."""
-    low, high = criterion.ends
-    total, size = inside
-    V = to_mpf(speed)
-    rest = V * mpmath.mpf(10) ** (-4 * mpmath.mp.dps) if singular else mpmath.mpf(0)
-    for weight, v in ((to_mpf(low), rest), (-to_mpf(high), 2 * V)):
-        if weight:
-            term = weight * mu(v) / V
-            total, size = total + term, size + abs(term)
-    return total, size
-
-
 def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: int, most: int) -> Mpf:
     """Repeat a computation at rising precision until it has the digits that were asked for, whatever cancels.
 
@@ -209,46 +190,40 @@ def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: i
         lost = most if drowned and lost else int(min(most, max(needed + 2, 10)))
 
 
-def _over_speed(
+def _integral(
     mu: Function, kinks: Sequence[Expr], criterion: Criterion, speed: Expr, tolerance: Mpf, singular: bool
 ) -> tuple[Mpf, Mpf]:
-    """Integrate mu(v) times the kernel over the slip speed."""
+    """Return the integral of mu times the kernel with the boundary terms, and the sum of their sizes.
+
+    Over v, or under the harmonic weight over phi, v = 2V sin(phi)^2: no singular ends, no v that cancels.
+    """
     V = to_mpf(speed)
-    kernel = function_of([symbols.v, symbols.V], criterion.kernel, "mpmath")
-    # The kernel changes sign at V, and the two sides cancel.
-    ends = [mpmath.mpf(0), *sorted({V, *_inside(kinks, speed)}), 2 * V]
-    return _pieces(lambda v: mu(v) * kernel(v, V), ends, tolerance, singular)
+    inside = [to_mpf(place) for place in kinks if place < 2 * speed]
+    if criterion.is_polynomial:
+        over_speed = function_of([symbols.v, symbols.V], criterion.kernel, "mpmath")
+        # The kernel changes sign at V, and the two sides cancel.
+        ends = [mpmath.mpf(0), *sorted({V, *inside}), 2 * V]
+    else:
+        over_angle = function_of([symbols.theta, symbols.V], criterion.angle_kernel, "mpmath")
+        angles = [mpmath.asin(mpmath.sqrt(place / (2 * V))) for place in inside]
+        ends = [mpmath.mpf(0), *sorted({mpmath.pi / 4, *angles}), mpmath.pi / 2]
 
-
-def _over_angle(
-    mu: Function, kinks: Sequence[Expr], criterion: Criterion, speed: Expr, tolerance: Mpf, singular: bool
-) -> tuple[Mpf, Mpf]:
-    """Integrate over theta = 2 phi, v = V(1 - cos(theta)) = 2V sin(phi)^2: no singular ends, no cancelled v."""
-    V = to_mpf(speed)
-    kernel = function_of([symbols.theta, symbols.V], criterion.angle_kernel, "mpmath")
-    angles = [mpmath.asin(mpmath.sqrt(place / (2 * V))) for place in _inside(kinks, speed)]
-    ends = [mpmath.mpf(0), *sorted({mpmath.pi / 4, *angles}), mpmath.pi / 2]
-
-    def integrand(phi: Mpf) -> Mpf:
-        return 2 * mu(2 * V * mpmath.sin(phi) ** 2) * kernel(2 * phi, V)
-
-    return _pieces(integrand, ends, tolerance, singular)
-
-
-def _inside(kinks: Sequence[Expr], speed: Expr) -> list[Mpf]:
-    return [to_mpf(place) for place in kinks if place < 2 * speed]
-
-
-def _pieces(f: Function, ends: list[Mpf], tolerance: Mpf, singular: bool) -> tuple[Mpf, Mpf]:
-    """Integrate between consecutive ends, the first one 0; return the sum and the sum of sizes."""
+    def integrand(x: Mpf) -> Mpf:
+        if criterion.is_polynomial:
+            return mu(x) * over_speed(x, V)
+        return 2 * mu(2 * V * mpmath.sin(x) ** 2) * over_angle(2 * x, V)
 
     def stretched(y: Mpf) -> Mpf:
         # In y, x = y^8, what is infinite at x = 0 but integrable vanishes at y = 0.
-        return f(y**_STRETCHING) * _STRETCHING * y ** (_STRETCHING - 1) if y else mpmath.mpf(0)
+        return integrand(y**_STRETCHING) * _STRETCHING * y ** (_STRETCHING - 1) if y else mpmath.mpf(0)
 
     if singular:
         ends = [mpmath.root(end, _STRETCHING) for end in ends]
-    parts = [_adaptive(stretched if singular else f, left, right, tolerance) for left, right in pairwise(ends)]
+    pairs = pairwise(ends)
+    parts = [_adaptive(stretched if singular else integrand, left, right, tolerance) for left, right in pairs]
+    rest = V * mpmath.mpf(10) ** (-4 * mpmath.mp.dps) if singular else mpmath.mpf(0)
+    at_rest, at_twice = criterion.ends
+    parts += [to_mpf(weight) * mu(v) / V for weight, v in ((at_rest, rest), (-at_twice, 2 * V)) if weight]
     return mpmath.fsum(parts), mpmath.fsum(parts, absolute=True)
 
 

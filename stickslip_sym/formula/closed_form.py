@@ -5,14 +5,12 @@ from dataclasses import dataclass, fields
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.deadline import time_limit as limit
 from stickslip_sym.core.errors import InputError, NoClosedForm, OutOfTime
-from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, suggestion
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
@@ -25,7 +23,7 @@ from stickslip_sym.formula.finding.search import Progress
 from stickslip_sym.formula.limits import Limits, limits_of
 from stickslip_sym.formula.proof.gate import GATE_POINTS
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
-from stickslip_sym.formula.slope_average import OnInvalid, SlopeAverage, check_names, check_reach
+from stickslip_sym.formula.slope_average import OnInvalid, SlopeAverage
 from stickslip_sym.formula.tidy import tidy
 from stickslip_sym.model.law import FrictionLaw, Parameter
 from stickslip_sym.model.laws import as_law
@@ -121,13 +119,10 @@ class ClosedForm:
         evidence = dict.fromkeys(gate.evidence for gate in gates)
         return Verdict(status, "; ".join([f"{count} steps" if count != 1 else "1 step", *evidence]))
 
-    @cached_property
+    @property
     def conditions(self) -> tuple[Expr, ...]:
         """Relations between the law's parameters without which the criterion has no value."""
-        relations = [
-            term.in_parameters(condition) for term, average in self.averages for condition in average.conditions
-        ]
-        return tuple(dict.fromkeys(relation for relation in relations if relation != sp.true))
+        return self.average.conditions
 
     @cached_property
     def limits(self) -> Limits:
@@ -221,25 +216,7 @@ class ClosedForm:
         ------
         InputError
         """
-        if self.conditions:
-            self._require_conditions(dict(self.law.values) | values)
         return self.average(on_invalid=on_invalid, **values)
-
-    def _require_conditions(self, values: Mapping[str, Any]) -> None:
-        """Refuse parameters for which the criterion has no value."""
-        for relation in self.conditions:
-            names = [str(symbol) for symbol in sorted(relation.free_symbols, key=str)]
-            if not values.keys() >= set(names):
-                continue  # a missing argument is refused in its own words
-            columns = [np.asarray(values[name], dtype=np.float64) for name in names]
-            holds = function_of([self.arguments[name] for name in names], relation.lhs - relation.rhs, "numpy")
-            sides = np.asarray(holds(*columns))
-            if not np.all(sides > 0 if isinstance(relation, sp.StrictGreaterThan) else sides < 0):
-                got = ", ".join(f"{name} = {values[name]}" for name in names)
-                raise InputError(
-                    f"the {self.criterion.name} criterion exists for {printing.text(relation)} only, got {got}; "
-                    "for other values its integral does not converge"
-                )
 
     def evaluate(self, digits: int = 50, **values: Number) -> Mpf:
         """Return the damping coefficient in kg/s to any number of digits.
@@ -257,13 +234,11 @@ class ClosedForm:
         if not 1 <= digits <= 10_000:
             raise InputError(f"digits = {digits} is outside 1 to 10000")
         given = dict(self.law.values) | values
-        check_names(self.arguments, given)
-        self._require_conditions(given)
+        self.average.require(given)
         point = {symbol: exact(given[name], name) for name, symbol in self.arguments.items()}
         for name, symbol in self.arguments.items():
             if symbol.is_nonnegative and point[symbol] < 0:
                 raise InputError(f"{name} = {float(point[symbol]):g} must not be negative")
-        check_reach(self.law, self.criterion, point[V])
         return exact_value(self._uncancelled, self._slope, point, digits)
 
     def latex(self, symbols: Mapping[str, str] | None = None) -> str:
@@ -349,13 +324,21 @@ def derive(
     """
     law = as_law(law)
     criterion = find(criterion)
-    stages = _Stages(progress or (lambda _: None))
+    stage = "reading the law"
+
+    def at(words: str) -> None:
+        nonlocal stage
+        check_time()
+        stage = words
+        if progress is not None:
+            progress(words)
+
     try:
         with limit(time_limit):
-            return _derived(law, criterion, search, stages)
+            return _derived(law, criterion, search, at)
     except OutOfTime:
         raise NoClosedForm(
-            f"the time limit of {time_limit:g} s was reached while {stages.last}; give it more time with "
+            f"the time limit of {time_limit:g} s was reached while {stage}; give it more time with "
             "time_limit=..., or take the criterion by stickslip_sym.slope_average"
         ) from None
 
@@ -364,15 +347,15 @@ def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[T
     """Return the terms of the derivative of a term: of its amplitude, its scale, and its shapes."""
     amplitude, scale, average = term.amplitude, term.scale, average_of(term.profile, criterion)
     shares = [
-        (sp.diff(amplitude, parameter), term.profile),
-        (-amplitude * sp.diff(scale, parameter) / scale, v * average.slope),
+        (None, sp.diff(amplitude, parameter), term.profile),
+        (v, -amplitude * sp.diff(scale, parameter) / scale, v * average.slope),
         *(
-            (amplitude * sp.diff(meaning, parameter), sp.diff(term.profile, shape))
+            (shape, amplitude * sp.diff(meaning, parameter), sp.diff(term.profile, shape))
             for shape, meaning in term.shapes.items()
         ),
     ]
     found = []
-    for (share, profile), variable in zip(shares, (None, v, *term.shapes), strict=True):
+    for variable, share, profile in shares:
         if share == 0 or profile == 0:
             continue
         if variable is not None:
@@ -382,37 +365,25 @@ def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[T
     return found
 
 
-class _Stages:
-    """What a derivation is at."""
-
-    def __init__(self, progress: Progress) -> None:
-        self._progress, self.last = progress, "reading the law"
-
-    def __call__(self, stage: str) -> None:
-        check_time()
-        self.last = stage
-        self._progress(stage)
-
-
-def _derived(law: FrictionLaw, criterion: Criterion, search: bool, stages: _Stages) -> ClosedForm:
+def _derived(law: FrictionLaw, criterion: Criterion, search: bool, at: Progress) -> ClosedForm:
     form = ClosedForm(law, criterion, law.terms)
     for term, average in form.averages:
         name = printing.text(term.expr)
-        stages(f"averaging {name}")
+        at(f"averaging {name}")
         try:
-            average.find(_SEARCHING if search else 0.0, stages)
+            average.find(_SEARCHING if search else 0.0, at)
         except NoClosedForm as failure:
             raise NoClosedForm(
                 f"the term {name} has no closed form that is known here: {failure}. {_REMEDY}"
             ) from None
     for term, average in form.averages:
         name = printing.text(term.profile)
-        stages(f"comparing the average of {name} with its definition at {GATE_POINTS} points")
+        at(f"comparing the average of {name} with its definition at {GATE_POINTS} points")
         _require(average.gate)
-        stages(f"proving the average of {name}")
+        at(f"proving the average of {name}")
         for step in average.steps:
             _require(step.verdict)
-    stages("adding up the averages")
+    at("adding up the averages")
     _require(form.verdict)
     return form
 

@@ -14,7 +14,7 @@ from stickslip_sym.formula.proof.theorems import By
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.abbreviation import equation
 from stickslip_sym.output.layout import prose
-from stickslip_sym.output.notation import notation_of, told_apart
+from stickslip_sym.output.notation import distinct_notation, notation_of
 
 __all__ = ["Derivation", "Step"]
 
@@ -152,7 +152,7 @@ class Derivation:
     def _names(self, given: Mapping[str, str] | None = None) -> dict[str, str]:
         """Return the LaTeX of every symbol, the same in all steps."""
         symbols = {symbol for step in self.steps for symbol in step.statement.atoms(sp.Symbol)}
-        return told_apart((symbol.name for symbol in symbols if not symbol.is_Dummy), given or {})
+        return distinct_notation((symbol.name for symbol in symbols if not symbol.is_Dummy), given or {})
 
     def _repr_html_(self) -> str:
         names = self._names()

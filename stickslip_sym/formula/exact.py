@@ -148,7 +148,7 @@ def exact_value(expr: Expr, slope: Expr, point: Mapping[Expr, Expr], digits: int
                 sp.Pow, lambda base, p: base ** (p if p.has(symbols.v) else p.xreplace(dict(point)))
             )
             limit = symbolic_limit_at_rest(valued)
-        if limit.has(sp.oo, sp.zoo, sp.nan):
+        if limit.has(sp.oo, -sp.oo, sp.zoo, sp.nan):
             raise InputError("the slope of mu is infinite at v = 0, so the criterion has no value at V = 0")
         expr = -symbols.N * limit
     return to_digits(without_squares(expr), point, digits)

@@ -10,7 +10,7 @@ no signature.
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -36,9 +36,9 @@ __all__ = ["load", "save", "text_of"]
 _FORMAT, _VERSION = "stickslip_sym", 2
 _LARGEST = 20_000_000  # bytes of a file
 _BROKEN = (KeyError, TypeError, ValueError, AttributeError, IndexError)
+_SAME = 1e-6  # relative difference of fitted values that are one minimum, on another machine too
 
 Item = ClosedForm | FrictionLaw | Fit | Fits
-_SAME = 1e-6  # relative difference of fitted values that are one minimum, on another machine too
 
 
 def save(items: Item | Sequence[Item], path: str | Path) -> None:
@@ -61,97 +61,12 @@ def save(items: Item | Sequence[Item], path: str | Path) -> None:
 def text_of(items: Item | Sequence[Item]) -> str:
     """Return the text of the file that `save` writes."""
     single = isinstance(items, Item)
-    listed: Sequence[Item] = [items] if isinstance(items, Item) else list(items)
+    listed = [items] if isinstance(items, Item) else list(items)
     content: dict[str, object] = {
-        "format": _FORMAT,
-        "version": _VERSION,
-        "single": single,
-        "items": [_item_out(item) for item in listed],
-    }
+        "format": _FORMAT, "version": _VERSION, "single": single, "items": [_item_out(item) for item in listed]
+    }  # fmt: skip
     content["digest"] = _digest(content)
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
-
-
-def _item_out(item: object) -> dict[str, object]:
-    if isinstance(item, FrictionLaw):
-        return {"kind": "law", "law": law_out(item)}
-    if isinstance(item, Fit):
-        weight = {"weight": item.weight, "aicc": item.aicc if math.isfinite(item.aicc) else None}
-        return _fits_out(Fits([item], item.measured, {})) | {"kind": "fit"} | weight
-    if isinstance(item, Fits):
-        return _fits_out(item)
-    if not isinstance(item, ClosedForm):
-        raise InputError(
-            f"closed forms, laws and fits are saved, got {type(item).__name__}; save its .law, for example"
-        )
-    return {
-        "kind": "closed form",
-        "law": law_out(item.law),
-        "criterion": _criterion_out(item.criterion),
-        "formula": printing.text(item.expr),
-        "status": item.verdict.status.value,
-    }
-
-
-def _fits_out(fits: Fits) -> dict[str, object]:
-    measured = {field.name: getattr(fits.measured, field.name) for field in fields(fits.measured) if field.init}
-    return {
-        "kind": "fits",
-        "fits": [{"law": law_out(fit.free_law), "values": dict(fit.values)} for fit in fits],
-        "rejected": fits.rejected,
-        "measurements": {
-            name: value.tolist() if isinstance(value, np.ndarray) else value
-            for name, value in measured.items()
-            if not name.startswith("_")
-        },
-    }
-
-
-def _fits_in(content: dict[str, Any]) -> Fits:
-    """Return the fits of a file, fitted again, or refuse values that are not those of its measurements."""
-    columns = {
-        name: None if x is None else np.array(x) for name, x in content["measurements"].items() if name in _ROWS
-    }
-    measured = Measurements(**content["measurements"] | columns)
-    saved = {fit.name: fit for fit in fit_laws(measured, laws=[law_in(one["law"]) for one in content["fits"]])}
-    for fit, one in zip(saved.values(), content["fits"], strict=True):
-        for name, value in one["values"].items():
-            right = fit.values[name]
-            if not math.isclose(right, value, rel_tol=_SAME, abs_tol=_SAME * fit.standard_errors[name]):
-                what = f"{name} = {value!r} of the law {fit.name}"
-                raise InputError(f"{what} is not that of its measurements, {right!r}")
-    return Fits(list(saved.values()), measured, content["rejected"])
-
-
-_ROWS = ("v", "mu", "sigma", "order", "counts")
-"""What measurements hold of each row."""
-
-
-def _criterion_out(criterion: Criterion) -> str | dict[str, object]:
-    """Return the name of a criterion of the catalogue, and all there is to know of another one."""
-    if criteria.catalogue.get(criterion.name) == criterion:
-        return criterion.name
-    weight: object = None if criterion.weight is None else "harmonic"
-    if criterion.is_polynomial:
-        weight = [str(number) for number in sp.Poly(criterion.weight, symbols.s).all_coeffs()]
-    return {"name": criterion.name, "weight": weight, "source": criterion.source}
-
-
-def _criterion_in(content: Any) -> Criterion:
-    if isinstance(content, str):
-        return criteria.find(content)
-    weight = content["weight"]
-    if weight == "harmonic":
-        weight = criteria.harmonic.weight
-    elif weight is not None:
-        weight = sp.Poly([exact(number, "a coefficient") for number in weight], symbols.s).as_expr()
-    return Criterion(content["name"], weight, str(content["source"]))
-
-
-def _digest(content: Mapping[str, object]) -> str:
-    """Return a digest of everything but itself."""
-    others = {key: value for key, value in content.items() if key != "digest"}
-    return hashlib.sha256(json.dumps(others, sort_keys=True).encode()).hexdigest()
 
 
 def load(path: str | Path) -> Item | tuple[Item, ...]:
@@ -176,58 +91,136 @@ def load(path: str | Path) -> Item | tuple[Item, ...]:
     NoClosedForm
         If there is none for a law and a criterion in the file.
     """
-    content = _checked(_read(Path(path)), path)
+    name = repr(str(path))
+    content = _read(Path(path), name)
+    if not isinstance(content, dict) or content.get("format") != _FORMAT:
+        raise InputError(f"{name} holds no closed form and no law; `save` writes them")
+    version = content.get("version")
+    if type(version) is not int or version != _VERSION:
+        raise InputError(
+            f"{name} is of version {version!r}, and this package reads version {_VERSION}; "
+            "derive the form again, or use the package that wrote it"
+        )
+    if content.pop("digest", None) != _digest(content):
+        raise InputError(f"{name} was changed since it was saved; derive the form again")
     try:
         items = tuple(_item_in(item) for item in content["items"])
         return items[0] if content["single"] else items
     except InputError as error:
-        raise InputError(f"{str(path)!r} holds something that cannot be read: {error}") from None
+        raise InputError(f"{name} holds something that cannot be read: {error}") from None
     except _BROKEN as error:
-        raise InputError(f"{str(path)!r} lacks a part, or one has another shape: {error!r}") from None
+        raise InputError(f"{name} lacks a part, or one has another shape: {error!r}") from None
 
 
-def _item_in(content: dict[str, Any]) -> Item:
-    if content["kind"] in ("fit", "fits"):
-        fits, aicc = _fits_in(content), content.get("aicc")
-        return (
-            replace(fits.best, weight=content["weight"], aicc=math.inf if aicc is None else aicc)
-            if content["kind"] == "fit"
-            else fits
-        )
-    law = law_in(content["law"])
-    if content["kind"] == "law":
-        return law
-    form = derive(law, _criterion_in(content["criterion"]))
-    for name, right in (("formula", printing.text(form.expr)), ("status", form.verdict.status.value)):
-        if content[name] != right:
-            got = str(content[name])[:80]
-            raise InputError(f"its {name} is {got!r}, and that of its law and criterion is {right[:80]!r}")
-    return form
-
-
-def _read(path: Path) -> object:
+def _read(path: Path, name: str) -> object:
     files.require_name(path)
     try:
         if path.stat().st_size > _LARGEST:
-            raise InputError(f"{str(path)!r} has over {_LARGEST} bytes; nothing that is saved here is as long")
-        return json.loads(path.read_text(encoding="utf-8"))
+            raise InputError(f"{name} has over {_LARGEST} bytes; nothing that is saved here is as long")
+        text = path.read_text(encoding="utf-8")
     except OSError as error:
-        raise InputError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
+        raise InputError(f"cannot read {name}: {error.strerror or error}") from None
+    except ValueError as error:
+        raise InputError(f"{name} is no text in UTF-8: {str(error)[:80]}") from None
+    try:
+        return json.loads(text)
     except (ValueError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{str(path)!r} is no JSON text: {str(error)[:80]}") from None
+        raise InputError(f"{name} is no JSON text: {str(error)[:80]}") from None
 
 
-def _checked(content: object, path: str | Path) -> dict[str, Any]:
-    """Refuse what is not of this format and version, or was changed."""
-    if not isinstance(content, dict) or content.get("format") != _FORMAT:
-        raise InputError(f"{str(path)!r} holds no closed form and no law; `save` writes them")
-    if type(content.get("version")) is not int or content["version"] != _VERSION:
+def _digest(content: dict[str, Any]) -> str:
+    """Return a digest of everything but itself."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+# -- items -------------------------------------------------------------------------------------------
+
+
+def _item_out(item: object) -> dict[str, object]:
+    if isinstance(item, FrictionLaw):
+        return {"kind": "law", "law": law_out(item)}
+    if isinstance(item, Fits):
+        return _fits_out(item)
+    if isinstance(item, Fit):
+        weight = {"weight": item.weight, "aicc": item.aicc if math.isfinite(item.aicc) else None}
+        return _fits_out(Fits([item], item.measured, {})) | {"kind": "fit"} | weight
+    if not isinstance(item, ClosedForm):
         raise InputError(
-            f"{str(path)!r} is of version {content.get('version')!r}, and this package reads version {_VERSION}; "
-            "derive the form again, or use the package that wrote it"
+            f"closed forms, laws and fits are saved, got {type(item).__name__}; save its .law, for example"
         )
-    if content.get("digest") != _digest(content):
-        raise InputError(f"{str(path)!r} was changed since it was saved; derive the form again")
-    return content
+    criterion = _criterion_out(item.criterion)
+    return {"kind": "closed form", "law": law_out(item.law), "criterion": criterion, **_claims(item)}
+
+
+def _claims(form: ClosedForm) -> dict[str, str]:
+    """Return what a file says of a form, and what is computed again when it is read."""
+    return {"formula": printing.text(form.expr), "status": form.verdict.status.value}
+
+
+def _item_in(content: dict[str, Any]) -> Item:
+    kind = content["kind"]
+    if kind in ("fit", "fits"):
+        fits, aicc = _fits_in(content), content.get("aicc")
+        if kind == "fits":
+            return fits
+        return replace(fits.best, weight=content["weight"], aicc=math.inf if aicc is None else aicc)
+    law = law_in(content["law"])
+    if kind == "law":
+        return law
+    form = derive(law, _criterion_in(content["criterion"]))
+    for name, right in _claims(form).items():
+        if content[name] != right:
+            wrong = str(content[name])[:80]
+            raise InputError(f"its {name} is {wrong!r}, and that of its law and criterion is {right[:80]!r}")
+    return form
+
+
+def _fits_out(fits: Fits) -> dict[str, object]:
+    measured = {field.name: getattr(fits.measured, field.name) for field in fields(fits.measured) if field.init}
+    return {
+        "kind": "fits",
+        "fits": [{"law": law_out(fit.free_law), "values": dict(fit.values)} for fit in fits],
+        "rejected": fits.rejected,
+        "measurements": {
+            name: value.tolist() if isinstance(value, np.ndarray) else value
+            for name, value in measured.items()
+            if not name.startswith("_")
+        },
+    }
+
+
+def _fits_in(content: dict[str, Any]) -> Fits:
+    """Return the fits of a file, fitted again, or refuse values that are not those of its measurements."""
+    columns: dict[str, Any] = {
+        name: np.array(x) if isinstance(x, list) else x for name, x in content["measurements"].items()
+    }
+    measured = Measurements(**columns)
+    fitted = list(fit_laws(measured, laws=[law_in(saved["law"]) for saved in content["fits"]]))
+    for fit, saved in zip(fitted, content["fits"], strict=True):
+        for name, value in saved["values"].items():
+            right = fit.values[name]
+            if not math.isclose(right, value, rel_tol=_SAME, abs_tol=_SAME * fit.standard_errors[name]):
+                what = f"{name} = {value!r} of the law {fit.name}"
+                raise InputError(f"{what} is not that of its measurements, {right!r}")
+    return Fits(fitted, measured, content["rejected"])
+
+
+def _criterion_out(criterion: Criterion) -> str | dict[str, object]:
+    """Return the name of a criterion of the catalogue, and all there is to know of another one."""
+    if criteria.catalogue.get(criterion.name) == criterion:
+        return criterion.name
+    weight: object = None if criterion.weight is None else "harmonic"
+    if criterion.is_polynomial:
+        weight = [str(number) for number in sp.Poly(criterion.weight, symbols.s).all_coeffs()]
+    return {"name": criterion.name, "weight": weight, "source": criterion.source}
+
+
+def _criterion_in(content: Any) -> Criterion:
+    if isinstance(content, str):
+        return criteria.find(content)
+    weight = content["weight"]
+    if weight == "harmonic":
+        weight = criteria.harmonic.weight
+    elif weight is not None:
+        weight = sp.Poly([exact(number, "a coefficient") for number in weight], symbols.s).as_expr()
+    return Criterion(content["name"], weight, str(content["source"]))

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Mpf, Numbers
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import read_array, suggestion, to_mpf
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.criteria.enclosure import enclose
@@ -20,8 +22,9 @@ from stickslip_sym.formula.exact import exact_value
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.terms import Term
+from stickslip_sym.output import printing
 
-__all__ = ["OnInvalid", "SlopeAverage", "check_names", "check_reach", "slope_average"]
+__all__ = ["OnInvalid", "SlopeAverage", "slope_average"]
 
 OnInvalid = Literal["raise", "nan"]
 
@@ -71,6 +74,47 @@ class SlopeAverage:
         middle = enclose(law, self.criterion, V=point[symbols.V], N=point[symbols.N], digits=_DIGITS).mid
         return to_mpf(sp.Rational(middle.numerator, middle.denominator))
 
+    @cached_property
+    def conditions(self) -> tuple[Expr, ...]:
+        """Relations between the law's parameters without which the criterion has no value."""
+        relations = [
+            function.term.in_parameters(condition)
+            for function in self.evaluator.terms
+            for condition in function.average.conditions
+        ]
+        return tuple(dict.fromkeys(relation for relation in relations if relation != sp.true))
+
+    def require(self, values: Mapping[str, Any]) -> None:
+        """Refuse missing and unknown arguments, and values for which the criterion does not exist.
+
+        Raises
+        ------
+        InputError
+        """
+        if values.keys() != self.arguments.keys():
+            for name in values:
+                if name not in self.arguments:
+                    hint, known = suggestion(name, self.arguments), ", ".join(self.arguments)
+                    raise InputError(f"{name!r} is not an argument of this closed form{hint}; it takes: {known}")
+            missing = [name for name in self.arguments if name not in values]
+            raise InputError(
+                f"no value for {', '.join(missing)}; give {', '.join(f'{name}=...' for name in missing)}"
+            )
+        if self.law.v_max is not None:
+            speeds = np.ma.masked_invalid(np.ma.asarray(values["V"], dtype=np.float64))
+            if speeds.count():
+                self.law.require_speed(speeds.max() * (1 if self.criterion.weight is None else 2))
+        for relation in self.conditions:
+            names = sorted(map(str, relation.free_symbols))
+            columns = [np.asarray(values[name], dtype=np.float64) for name in names]
+            margin = function_of([self.arguments[name] for name in names], relation.gts - relation.lts, "numpy")
+            if not np.all(margin(*columns) > 0):
+                got = ", ".join(f"{name} = {values[name]}" for name in names)
+                raise InputError(
+                    f"the {self.criterion.name} criterion exists for {printing.text(relation)} only, got {got}; "
+                    "for other values its integral diverges"
+                )
+
     def __call__(self, *, on_invalid: OnInvalid = "raise", **values: ArrayLike) -> Any:
         """Return the damping coefficient in kg/s, broadcast over all arguments.
 
@@ -90,15 +134,70 @@ class SlopeAverage:
         Raises
         ------
         InputError
-            For a missing, unknown, negative or infinite argument, a speed for which the law is needed where it
-            has no value, or a result beyond the range of float64.
+            For a missing, unknown, negative or infinite argument, a value for which the criterion does not exist,
+            a speed for which the law is needed where it has no value, or a result beyond the range of float64.
         NotConverged
             If the slope is too irregular.
         """
         given = self._defaults | values
-        check_names(self.arguments, given)
-        check_reach(self.law, self.criterion, given["V"])
-        return _call(self.evaluator, self.arguments, given, on_invalid)
+        self.require(given)
+        if on_invalid not in ("raise", "nan"):
+            raise InputError(f'on_invalid = {on_invalid!r} must be "raise" or "nan"')
+        ordered = [given[name] for name in self.arguments]
+        if all(type(value) is float or (type(value) is int and value.bit_length() < 1000) for value in ordered):
+            floats = [float(value) for value in ordered]  # type: ignore[arg-type]  # just looked
+            if all(low <= x < np.inf for x, low in zip(floats, self._lowest, strict=True)):
+                return self.evaluator(floats)
+        return self._over_arrays(ordered, on_invalid)
+
+    @cached_property
+    def _lowest(self) -> list[float]:
+        """The lowest value that each argument may have."""
+        least = -float(np.finfo(np.float64).max)
+        return [0.0 if symbol.is_nonnegative else least for symbol in self.arguments.values()]
+
+    def _over_arrays(self, values: list[ArrayLike], on_invalid: OnInvalid) -> Any:
+        arrays = [_array(name, value) for name, value in zip(self.arguments, values, strict=True)]
+        try:
+            shape = np.broadcast_shapes(*(array.shape for array in arrays))
+        except ValueError:
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(self.arguments, arrays, strict=True))
+            raise InputError(f"the shapes do not broadcast: {shapes}") from None
+        flat: list[Numbers] = [
+            float(array.item()) if array.size == 1 else np.broadcast_to(array, shape).ravel() for array in arrays
+        ]
+        good = self._valid(arrays, shape, on_invalid)
+        flat_result = np.full(math.prod(shape), np.nan)
+        for start in range(0, flat_result.size, _BLOCK):
+            block: Any = slice(start, start + _BLOCK)
+            if good is not None:
+                block = start + np.flatnonzero(good[block])
+                if not block.size:
+                    continue
+            flat_result[block] = self.evaluator(
+                [value if isinstance(value, float) else value[block] for value in flat]
+            )
+        result = flat_result.reshape(shape)
+        masks = [np.ma.getmaskarray(value) for value in values if isinstance(value, np.ma.MaskedArray)]
+        if masks:
+            mask = np.logical_or.reduce([np.broadcast_to(mask, shape) for mask in masks])
+            return np.ma.MaskedArray(result, mask)
+        return float(result) if result.ndim == 0 else result
+
+    def _valid(self, arrays: list[FloatArray], shape: tuple[int, ...], on_invalid: OnInvalid) -> BoolArray | None:
+        """Return where all arguments are valid numbers; None if they are everywhere."""
+        good: BoolArray | None = None
+        for name, lowest, array in zip(self.arguments, self._lowest, arrays, strict=True):
+            if not array.size or (array.min() >= lowest and array.max() < np.inf):
+                continue
+            invalid = (array < lowest) | np.isinf(array)
+            if invalid.any() and on_invalid == "raise":
+                first = array[invalid].flat[0]
+                if np.isinf(first):
+                    raise InputError(f"{name} holds a value that is not finite: {first}")
+                raise InputError(f"{name} = {first:g} must not be negative")
+            good = (np.ones(shape, dtype=bool) if good is None else good) & ~(invalid | np.isnan(array))
+        return None if good is None else good.ravel()
 
     def code(self, language: str) -> str:
         """Return text of a language that defines a function ``damping`` of V, N, ...; see `ClosedForm.code`."""
@@ -109,6 +208,13 @@ class SlopeAverage:
 
     def __repr__(self) -> str:
         return f"SlopeAverage: {self.law.name or self.law.text}, {self.criterion.name}"
+
+
+def _array(name: str, value: ArrayLike) -> FloatArray:
+    if isinstance(value, np.ma.MaskedArray):
+        # What is masked takes no part: 1 is a valid value of everything.
+        value = value.filled(1) if value.dtype.kind in "iub" else value.filled(1.0)
+    return read_array(name, value, finite=False).astype(np.float64, copy=False)
 
 
 def slope_average(law: FrictionLaw | str, criterion: str | Criterion = "least_squares") -> SlopeAverage:
@@ -136,99 +242,3 @@ def slope_average(law: FrictionLaw | str, criterion: str | Criterion = "least_sq
     '2.97253721817'
     """
     return SlopeAverage(as_law(law), find(criterion))
-
-
-def check_names(arguments: Mapping[str, Expr], given: Mapping[str, ArrayLike]) -> None:
-    """Refuse names that are not arguments, and arguments without a value.
-
-    Raises
-    ------
-    InputError
-    """
-    if given.keys() == arguments.keys():
-        return
-    for name in given:
-        if name not in arguments:
-            known = ", ".join(arguments)
-            hint = suggestion(name, arguments)
-            raise InputError(f"{name!r} is not an argument of this closed form{hint}; it takes: {known}")
-    missing = [name for name in arguments if name not in given]
-    example = ", ".join(f"{name}=..." for name in missing)
-    raise InputError(f"no value for {', '.join(missing)}; give {example}")
-
-
-def check_reach(law: FrictionLaw, criterion: Criterion, V: ArrayLike) -> None:
-    """Refuse belt speeds for which a criterion needs mu beyond the last speed that the law is known for.
-
-    Raises
-    ------
-    InputError
-    """
-    if law.v_max is None:
-        return
-    speeds = np.ma.masked_invalid(np.ma.asarray(V, dtype=np.float64))
-    if speeds.count():
-        law.require_speed(speeds.max() * (1 if criterion.weight is None else 2))
-
-
-def _call(
-    evaluator: Evaluator, arguments: Mapping[str, Expr], given: Mapping[str, ArrayLike], on_invalid: OnInvalid
-) -> Any:
-    """Evaluate a criterion, broadcast over all arguments."""
-    if on_invalid not in ("raise", "nan"):
-        raise InputError(f'on_invalid = {on_invalid!r} must be "raise" or "nan"')
-    values = [given[name] for name in arguments]
-    if all(type(value) is float or (type(value) is int and value.bit_length() < 1000) for value in values):
-        floats = [float(value) for value in values]  # type: ignore[arg-type]  # just looked
-        if all(0 <= x < np.inf or (-np.inf < x < 0 and not s.is_nonnegative)
-               for x, s in zip(floats, arguments.values(), strict=True)):  # fmt: skip
-            return evaluator(floats)
-    arrays = [_array(name, value) for name, value in zip(arguments, values, strict=True)]
-    try:
-        shape = np.broadcast_shapes(*(array.shape for array in arrays))
-    except ValueError:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(arguments, arrays, strict=True))
-        raise InputError(f"the shapes do not broadcast: {shapes}") from None
-    flat: list[Numbers] = [
-        float(array.item()) if array.size == 1 else np.broadcast_to(array, shape).ravel() for array in arrays
-    ]
-    flat_result = np.full(math.prod(shape), np.nan)
-    good = _valid(arguments, arrays, shape, on_invalid)
-    for start in range(0, flat_result.size, _BLOCK):
-        block: Any = slice(start, start + _BLOCK)
-        if good is not None:
-            block = start + np.flatnonzero(good[block])
-            if not block.size:
-                continue
-        flat_result[block] = evaluator([value if isinstance(value, float) else value[block] for value in flat])
-    result = flat_result.reshape(shape)
-    masks = [np.ma.getmaskarray(value) for value in values if isinstance(value, np.ma.MaskedArray)]
-    if masks:
-        return np.ma.MaskedArray(result, np.logical_or.reduce([np.broadcast_to(mask, shape) for mask in masks]))
-    return float(result) if result.ndim == 0 else result
-
-
-def _array(name: str, value: ArrayLike) -> FloatArray:
-    if isinstance(value, np.ma.MaskedArray):
-        # What is masked takes no part: 1 is a valid value of everything.
-        value = value.filled(1) if value.dtype.kind in "iub" else value.filled(1.0)
-    return read_array(name, value, finite=False).astype(np.float64, copy=False)
-
-
-def _valid(
-    arguments: Mapping[str, Expr], arrays: list[FloatArray], shape: tuple[int, ...], on_invalid: OnInvalid
-) -> BoolArray | None:
-    """Return where all arguments are valid numbers; None if they are everywhere."""
-    good: BoolArray | None = None
-    for (name, symbol), array in zip(arguments.items(), arrays, strict=True):
-        lowest = 0.0 if symbol.is_nonnegative else -np.finfo(np.float64).max
-        if not array.size or (array.min() >= lowest and array.max() < np.inf):
-            continue
-        invalid = (array < lowest) | np.isinf(array)
-        if invalid.any() and on_invalid == "raise":
-            first = array[invalid].flat[0]
-            if np.isinf(first):
-                raise InputError(f"{name} holds a value that is not finite: {first}")
-            raise InputError(f"{name} = {first:g} must not be negative")
-        good = (np.ones(shape, dtype=bool) if good is None else good) & ~(invalid | np.isnan(array))
-    return None if good is None else good.ravel()

@@ -1,6 +1,6 @@
 """What the user describes: a friction law, measured points, an oscillator, the catalogue of laws.
 
-Imports `core`, `output` and its own rooms `expression` and `measured`. One more law of the catalogue is one
+Imports `core`, `output` and its own subpackages. One more law of the catalogue is one
 entry in `laws`.
 """
 

@@ -1,6 +1,6 @@
 """What the oscillator does, by computations that share nothing with closed forms.
 
-Its rooms are `simulation`, `orbits`, `thresholds`, `margins`, `regimes` and `maps`, each importing from those
+Its packages are `simulation`, `orbits`, `thresholds`, `margins`, `regimes` and `maps`, each importing from those
 before it and from `core`, `output`, `model` and `criteria`. One arrow crosses from here to `formula`: thresholds
 take averages of slopes from `formula.evaluation`.
 """

@@ -58,11 +58,9 @@ def compiled(function: _Function) -> _Function:
         _marked[part] = True
     machine_code: Any = numba.njit(cache=True, nogil=True)(function)
     _forget_what_is_older()
-    ready = False
 
     def call(*arguments: Any) -> Any:
-        nonlocal ready
-        if ready:
+        if machine_code.overloads:
             return machine_code(*arguments)
         notice = threading.Timer(_PATIENCE, _say, ["compiling the integrator, once for this installation ..."])
         notice.daemon = True
@@ -71,7 +69,6 @@ def compiled(function: _Function) -> _Function:
             return machine_code(*arguments)
         finally:
             notice.cancel()
-            ready = True
 
     return call  # type: ignore[return-value]
 

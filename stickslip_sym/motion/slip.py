@@ -15,7 +15,7 @@ from stickslip_sym.core.errors import InputError, NotConverged, StickSlipError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.steps import SLIDING, End, entered, follow, rate_at, rise_at, stepped
+from stickslip_sym.motion.steps import SLIDING, End, entered, follow, rate_at, stepped
 from stickslip_sym.motion.table import FARTHEST, FrictionTable, Pieces, Rise
 from stickslip_sym.motion.workers import in_batches
 
@@ -187,23 +187,15 @@ class Dimensionless:
         """Return eta (side mu_static - mu(0+))."""
         return self.eta * (side * self.table.static - self.table.onset)
 
-    @property
-    def _everywhere(self) -> tuple[Pieces, int, int, int]:
-        return self.rise.pieces, 0, len(self.rise.pieces) - 1, 0
-
-    def lifted(self, w: float) -> float:
-        """Return mu(V w) - mu(0+) for a slip speed within the table."""
-        return rise_at(self._everywhere, w)
-
     def acceleration(self, q: float, w: float, side: int = 1) -> float:
         """Return w', the rate at which the slip speed grows."""
-        return rate_at(self._everywhere, (self.eta, self.push(side), side, 2 * self.zeta), q, w)
+        law = self.rise.pieces, 0, len(self.rise.pieces) - 1, 0
+        return rate_at(law, (self.eta, self.push(side), side, 2 * self.zeta), q, w)
 
     def decay(self, w: float) -> float:
         """Return -dw'/dw, the rate at which a deviation of the slip speed w >= 0 decays, between both sides."""
-        half = 1e-6 * max(w, 1.0)
-        low, high = max(w - half, 0.0), w + half
-        return self.eta * (self.lifted(high) - self.lifted(low)) / (high - low) + 2 * self.zeta
+        low, high = max(w - 1e-6 * max(w, 1.0), 0.0), w + 1e-6 * max(w, 1.0)
+        return (self.acceleration(0.0, low) - self.acceleration(0.0, high)) / (high - low)
 
     def turn(self, w: float) -> float:
         """Return the displacement q at which w' = 0 for a mass slower than the belt."""
@@ -258,28 +250,28 @@ class Dimensionless:
         Raises `NotConverged` without `most`, where steps are too many, none is short enough, or mu has no value.
         Raises `OutOfTime` when the time of a `time_limit` is up.
         """
-        way = -1.0 if backward else 1.0
+        sign = -1.0 if backward else 1.0
         end_tau = self.horizon if horizon is None else horizon
         more = 0.0 if horizon is None else _MORE_STEPS * len(self.rise.jumps) * end_tau
         bound = math.ceil(_MOST_STEPS + more) if most is None else most
         constant, linear, factor, pieces, shifts = self.no_wedge if wedge is None else wedge
-        source = way * constant, way * linear, way * factor, pieces, shifts
+        source = sign * constant, sign * linear, sign * factor, pieces, shifts
         found = Slip(End.STEPS, 0.0, float(q), float(w), 0.0, D, 0, (q, q, w, w), [])
         while found.end is End.STEPS and found.taken < bound and (most is None or time_left() >= 0):
             if most is None:
                 check_time()
             end, tau, q, w, rate, D, taken, extremes, steps = follow(
-                self.rise, way * self.eta, way * self.zeta, way * self.push(side), float(side), way * found.q,
+                self.rise, sign * self.eta, sign * self.zeta, sign * self.push(side), float(side), sign * found.q,
                 found.w, end_tau - found.tau, rtol, int(until), level, min(_CHUNK, bound - found.taken),
                 (wedge is not None, found.wedge, source), recorded,
             )  # fmt: skip
             found.steps.extend(
-                Step(found.tau + since, way * q, w, way * rate, *others) for since, q, w, rate, *others in steps
+                Step(found.tau + since, sign * q, w, sign * rate, *others) for since, q, w, rate, *others in steps
             )
-            ends = [way * extremes[0], way * extremes[1], *found.extremes[:2]]
+            ends = [sign * extremes[0], sign * extremes[1], *found.extremes[:2]]
             w_least, w_most = min(extremes[2], found.extremes[2]), max(extremes[3], found.extremes[3])
             found = Slip(
-                End(end), found.tau + tau, way * q, w, way * rate, D, found.taken + taken,
+                End(end), found.tau + tau, sign * q, w, sign * rate, D, found.taken + taken,
                 (min(ends), max(ends), w_least, w_most), found.steps,
             )  # fmt: skip
         if most is None and (refusal := self.refusal(found, rtol)) is not None:

@@ -23,7 +23,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.at_rest import Rising
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.steps import rise_at, slope_at
+from stickslip_sym.motion.steps import rise_at
 
 __all__ = ["FARTHEST", "FrictionTable", "Pieces", "Rise"]
 
@@ -122,10 +122,6 @@ class FrictionTable:
     def rise(self, v: float) -> float:
         """Return mu(v) - mu(0+) at a slip speed in m/s within the table."""
         return float(rise_at((self.pieces, 0, len(self.pieces) - 1, 0), v))
-
-    def slope(self, v: float) -> float:
-        """Return dmu/dv in s/m at a slip speed in m/s within the table."""
-        return float(slope_at((self.pieces, 0, len(self.pieces) - 1, 0), v))
 
     def at(self, V: float, *, arrays: bool = False) -> Rise:
         """Return the rise as a function of w = v/V, as lists for plain Python or as arrays for compiled code."""

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, nullcontext
 from contextvars import copy_context
 from functools import partial
 from multiprocessing import get_context
@@ -109,19 +109,17 @@ def _results(
                 future.cancel()
 
 
-@contextmanager
-def _executor(workers: Workers, tasks: int) -> Iterator[Executor | None]:
+def _executor(workers: Workers, tasks: int) -> AbstractContextManager[Executor | None]:
     """Give an executor of ours, which ends with the block, one of the caller's, which does not, or None."""
-    count = 0 if isinstance(workers, Executor) else min(_count(workers), tasks)
-    if isinstance(workers, Executor) or count < 2:
-        yield workers if isinstance(workers, Executor) else None
-    elif is_compiling():
-        with ThreadPoolExecutor(count) as threads:
-            yield threads
-    else:
-        # Spawned, not forked: a fork of a process with threads may hang.
-        with ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_ignore_interrupts) as pool:
-            yield pool
+    if isinstance(workers, Executor):
+        return nullcontext(workers)
+    count = min(_count(workers), tasks)
+    if count < 2:
+        return nullcontext()
+    if is_compiling():
+        return ThreadPoolExecutor(count)
+    # Spawned, not forked: a fork of a process with threads may hang.
+    return ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_ignore_interrupts)
 
 
 def _ignore_interrupts() -> None:

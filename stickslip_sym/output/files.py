@@ -9,11 +9,10 @@ import io
 import os
 import secrets
 import shutil
-import zipfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stickslip_sym.core.errors import InputError
 
@@ -35,19 +34,13 @@ def is_kept(path: Path) -> bool:
 
 
 def require_name(path: Path) -> None:
-    """Refuse what no system takes for the name of a file, each with words of its own.
-
-    Raises `InputError` if it holds a null byte.
-    """
+    """Refuse a null byte, which systems refuse in the name of a file, each with words of its own."""
     if "\0" in str(path):
         raise InputError(f"the name of a file cannot hold a null byte, as {str(path)!r} does; choose another file")
 
 
 def write_text(path: Path, content: str | bytes) -> None:
-    """Write a file; what was there before stays if writing fails.
-
-    Raises `InputError` if the file cannot be written.
-    """
+    """Write a file; what was there before stays if writing fails."""
     write_texts({path: content})
 
 
@@ -58,26 +51,33 @@ def write_texts(contents: Mapping[Path, str | bytes]) -> None:
     """
     staged: list[tuple[Path, Path, Path]] = []
     streams: list[tuple[Path, bytes]] = []
-    try:
+    with ExitStack() as left_over:
         for path, content in contents.items():
             require_name(path)
             whole = content.encode() if isinstance(content, str) else content
             with _refusing(path):
                 if str(path) in _OWN or (path.exists() and not path.is_file()):
                     streams.append((path, whole))
-                else:
-                    staged.append((path, *_staged(path, whole)))
-        while staged:
-            path, temporary, target = staged[0]
+                    continue
+                target = Path(os.path.realpath(path))
+                exists = _may_be_replaced(target)
+                # A fixed length: with the target's own name the longest names would become too long.
+                temporary = target.parent / f".stickslip-{secrets.token_hex(8)}"
+                with temporary.open("xb") as stream:
+                    left_over.callback(temporary.unlink, missing_ok=True)
+                    stream.write(whole)
+                    stream.flush()
+                    os.fsync(stream.fileno())
+                if exists:
+                    shutil.copymode(target, temporary)
+                staged.append((path, temporary, target))
+        for path, temporary, target in staged:
             with _refusing(path):
                 os.replace(temporary, target)
-            del staged[0]
-        for path, whole in streams:
-            with _refusing(path):
-                _write_into(path, whole)
-    finally:
-        for _, temporary, _ in staged:
-            temporary.unlink()
+        for path, whole in streams:  # a directory refuses by itself
+            own = _OWN.get(str(path))
+            with _refusing(path), open(path if own is None else os.dup(own), "wb") as stream:
+                stream.write(whole)
 
 
 @contextmanager
@@ -91,37 +91,15 @@ def _refusing(path: Path) -> Iterator[None]:
         raise InputError(f"cannot write {str(path)!r}: {reason}; choose another file") from None
 
 
-def _write_into(path: Path, content: bytes) -> None:
-    """Write to a stream, a device or a pipe, which cannot be replaced; a directory refuses by itself."""
-    own = _OWN.get(str(path))
-    with open(path if own is None else os.dup(own), "wb") as stream:
-        stream.write(content)
-
-
-def _staged(path: Path, content: bytes) -> tuple[Path, Path]:
-    """Write beside a file what shall replace it, and return both; links are followed."""
-    target = Path(os.path.realpath(path))
+def _may_be_replaced(target: Path) -> bool:
+    """Return whether a file is there; refuse one that may not be written, though it could be replaced."""
     try:
         target.stat()
-        exists = True
     except FileNotFoundError:
-        exists = False
-    if exists and not os.access(target, os.W_OK):
-        # Replacing needs no permission on the file itself; a file that may not be written stays all the same.
+        return False
+    if not os.access(target, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-    # A fixed length: with the target's own name the longest names would become too long.
-    temporary = target.parent / f".stickslip-{secrets.token_hex(8)}"
-    try:
-        with temporary.open("xb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        if exists:
-            shutil.copymode(target, temporary)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
-    return temporary, target
+    return True
 
 
 def texts(array: "ObjectArray") -> "NDArray[np.str_]":
@@ -143,13 +121,9 @@ def write_csv(path: Path, columns: "Mapping[str, ArrayLike]") -> None:
 
 
 def write_npz(path: Path, arrays: "Mapping[str, ArrayLike]") -> None:
-    """Write arrays as ``numpy.savez_compressed`` does, but without the time of writing, as `write_text` does."""
+    """Write arrays as ``numpy.savez_compressed`` does, which notes no time, as `write_text` does."""
     import numpy as np
 
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as whole:
-        for name, array in arrays.items():
-            part = io.BytesIO()
-            np.lib.format.write_array(part, np.asarray(array, order="C"), allow_pickle=False)
-            whole.writestr(zipfile.ZipInfo(f"{name}.npy"), part.getvalue(), zipfile.ZIP_DEFLATED)
+    buffer, named = io.BytesIO(), dict[str, Any](arrays)
+    np.savez_compressed(buffer, **named)
     write_text(path, buffer.getvalue())

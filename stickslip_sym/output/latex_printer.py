@@ -19,7 +19,7 @@ from sympy.printing.latex import LatexPrinter
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import CONSTANTS, Constant, Function, row
-from stickslip_sym.output.notation import latex_name, look, told_apart
+from stickslip_sym.output.notation import distinct_notation, latex_name, look
 from stickslip_sym.output.text_printer import Readable, decimal, factors, is_decimal, spellings
 
 __all__ = ["latex"]
@@ -334,4 +334,4 @@ def latex(expr: Expr, names: Mapping[str, str] | None = None, *, inline: bool = 
     """
     dummies = spellings(expr, names or ())
     written = [dummies.get(symbol, symbol.name) for symbol in expr.atoms(sp.Symbol)]
-    return str(_Latex(told_apart(written, names or {}), dummies, slashes=inline).doprint(expr))
+    return str(_Latex(distinct_notation(written, names or {}), dummies, slashes=inline).doprint(expr))

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import suggestion
 
-__all__ = ["check_known", "latex_name", "look", "notation_of", "told_apart"]
+__all__ = ["check_known", "distinct_notation", "latex_name", "look", "notation_of"]
 
 _GREEK = frozenset(
     {
@@ -76,7 +76,7 @@ def notation_of(names: Iterable[str], given: Mapping[str, str] | None = None) ->
     return found
 
 
-def told_apart(names: Iterable[str], known: Mapping[str, str]) -> dict[str, str]:
+def distinct_notation(names: Iterable[str], known: Mapping[str, str]) -> dict[str, str]:
     """Return the LaTeX of each name: what is known, and for others what looks like none of the rest."""
     found = dict(known)
     for name in sorted(set(names) - set(known)):

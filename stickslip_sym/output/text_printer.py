@@ -28,10 +28,8 @@ class Readable:
 
     def _as_ordered_terms(self, expr: Expr, order: str | None = None) -> list[Expr]:
         terms: list[Expr] = super()._as_ordered_terms(expr, order=order)  # type: ignore[misc]  # a printer's
-        for position, term in enumerate(terms):
-            if not term.could_extract_minus_sign():
-                return [term, *terms[:position], *terms[position + 1 :]]
-        return terms
+        first = next((term for term in terms if not term.could_extract_minus_sign()), None)
+        return sorted(terms, key=lambda term: term is not first)
 
     def _print_Derivative(self, expr: Expr) -> str:
         return self._primed(expr) or str(super()._print_Derivative(expr))  # type: ignore[misc]  # a printer's
@@ -87,13 +85,8 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
 
 def is_decimal(number: Expr) -> bool:
     """Whether a rational was written as a decimal, as fitted numbers are: 0.0788816, but 7/20 and 5/128."""
-    if number.q < _SHORTEST_DECIMAL or number.q % 5:
-        return False
-    rest = number.q
-    for prime in (2, 5):
-        while rest % prime == 0:
-            rest //= prime
-    return bool(rest == 1 and len(decimal(number)) <= _LONGEST_DECIMAL)
+    is_one = number.q >= _SHORTEST_DECIMAL and number.q % 5 == 0 and 10**_LONGEST_DECIMAL % number.q == 0
+    return bool(is_one and len(decimal(number)) <= _LONGEST_DECIMAL)
 
 
 def decimal(number: Expr) -> str:

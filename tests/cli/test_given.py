@@ -8,7 +8,7 @@ import pytest
 from commands import read_json
 
 import stickslip_sym as ss
-from stickslip_sym.cli.words import in_options
+from stickslip_sym.cli.output import in_options
 
 POINTS = "v [m/s],mu\n0,0.5\n0.1,0.4\n0.3,0.3\n1.2,0.25\n"
 FORMULA = "a - b*v + d*v^2"
@@ -66,7 +66,7 @@ REFUSED = [
     ("derive exponential -p alpha=1 -p alpha=2", "alpha is given twice, as 1 and 2; give it once"),
     ("derive exponential --latex a --latex b", "--latex is given twice; give it once"),
     ("simulate linear -V 1 -V2", "-V is given twice; give it once"),
-    ("derive exponential -V 1e-400", "V is below what double precision can hold"),
+    ("derive exponential -V 1e-400", "V is too small; give a size from 1e-20 to 1e+20"),
     ("derive exponential -V 1e300", "V is too large; give a size from 1e-20 to 1e+20"),
     ("derive exponential -p alpha=fast", "alpha = 'fast' is not a number; write it like"),
     ("derive exponential -p alpha", "'alpha' is not NAME=VALUE; write for example"),
@@ -98,7 +98,7 @@ REFUSED = [
     ("damping a-b*v --unit b=furlong", "'furlong' is not a unit"),
     ("damping a-b*v --static 0.6+v", "the static coefficient is one number"),
     ("study linear --fit a.csv --from-csv a.csv", "the measurements are given twice, by --fit and by --from-csv"),
-    # what Python's users are told otherwise
+    # in other words for Python's users
     ("damping a-b*v", "the law has no value for a, b; give -p a=... -p b=..."),
     ("map a-b*v --x V=1:1:1 --y c=1:1:1", "give each by -p NAME=VALUE, or make one an axis"),
     ("derive a+b*v -p b=-1", "write the formula with -b, and give a positive value, if any sign is meant"),

@@ -46,21 +46,21 @@ def test_numbers_for_a_program(tmp_path, run):
     line = ["study", "linear", "-c", "1.2", "-p", "mu_s=0.50+/-0.02", "-o", "page.html", "--json"]
     code, out, err = run(*line)
     assert (code, err) == (0, "")
-    told = json.loads(out)
+    shown = json.loads(out)
     law = ss.laws.linear.typical(mu_s="0.50+/-0.02")
     found = ss.study(law, ss.Oscillator(m=1, k=100, c=1.2, V=0.5, N=9.81))
-    assert (told["command"], told["page"], told["study"]["verdict"]) == ("study", "page.html", found.verdict)
-    assert told["study"]["headline"] == found.headline
-    assert told["study"]["probability"] == found.probability
-    (cycle,) = told["study"]["regime"]["attractors"]
+    assert (shown["command"], shown["page"], shown["study"]["verdict"]) == ("study", "page.html", found.verdict)
+    assert shown["study"]["headline"] == found.headline
+    assert shown["study"]["probability"] == found.probability
+    (cycle,) = shown["study"]["regime"]["attractors"]
     assert cycle["stick_time"] == found.regime.stick_slip.stick_time
-    by_method = {one["method"]: one["threshold"]["value"] for one in told["study"]["answers"]}
+    by_method = {one["method"]: one["threshold"]["value"] for one in shown["study"]["answers"]}
     assert by_method == {one.method: one.threshold.value for one in found.answers}
-    margins = told["study"]["margins"]
+    margins = shown["study"]["margins"]
     assert margins["threshold"]["value"] == found.margins.threshold.value
     changes = {row["name"]: row["change"] for row in margins["rows"]}
     assert changes == {row.name: row.change if np.isfinite(row.change) else None for row in found.margins.rows}
-    assert told["study"]["forms"].keys() == found.forms.keys()
+    assert shown["study"]["forms"].keys() == found.forms.keys()
     assert (tmp_path / "page.html").exists()
 
 

@@ -196,7 +196,7 @@ def measured_line(seed, *, count=60, high=1.2, noise=0.004):
 
 def test_a_fit_brings_its_covariance_and_its_points(monkeypatch):
     fits = ss.fit(*measured_line(5), laws=["a - b*v + d*v^2"])
-    study = ss.study(fits, ss.Oscillator(m=1, k=100, c=1.2, V=0.5, N=9.81))
+    study = ss.study(fits, ss.Oscillator(m=1, k=100, c=1.2, V=0.5, N=9.81), time_limit=300)
     assert (study.fit, study.measured) == (fits.best, fits.measured)
     *pair, correlation = study.threshold.budget.correlated[0]
     i, j = (list(fits.best.values).index(name) for name in pair)
@@ -212,7 +212,7 @@ def test_the_choice_of_law_is_in_the_error_and_an_extrapolation_is_said_first(mo
     fits = ss.fit(*measured_line(5, count=20, high=0.9, noise=0.02), laws=laws)
     osc = ss.Oscillator(m=1, k=100, c=1.6, V=0.5, N=9.81)
     with pytest.warns(ss.InputWarning, match="extrapolated above 0.9 m/s"):
-        study = ss.study(fits, osc, errors={"c": "1.6(1)"})
+        study = ss.study(fits, osc, errors={"c": "1.6(1)"}, time_limit=300)
     assert len(study.by_law) > 1
     for row in study.by_law:
         bound = fits[row.law].law.bind(**fits[row.law].uncertain)

@@ -47,8 +47,8 @@ def test_a_ball_holds_every_value_on_its_argument(draws):
             place = mpmath.mpf(center) + mpmath.mpf(radius) * rng.uniform(-1, 1)
             truth = mpmath.mpmathify(sp.lambdify(x, expr, "mpmath")(place))
             for part, part_of_truth in ((value.real, truth.real), (value.imag, truth.imag)):
-                middle, room = number(part)
-                assert abs(middle - part_of_truth) <= room + mpmath.mpf("1e-28") * (1 + abs(truth)), expr
+                middle, radius_of_part = number(part)
+                assert abs(middle - part_of_truth) <= radius_of_part + mpmath.mpf("1e-28") * (1 + abs(truth)), expr
             looked += 1
     assert looked > draws / 2
 

@@ -54,14 +54,6 @@ def test_all_ways_to_a_user_s_criterion_agree(weight, law):
             assert way(V=V, N=2.0) == pytest.approx(expected, rel=1e-12)
 
 
-def test_the_example_that_came_back_wrong():
-    """The asymmetric weight, for which a formula was proved and then evaluated as if the weight were even."""
-    law = ss.laws.exponential.typical()
-    criterion = ss.criteria.Criterion("late", WEIGHTS["asymmetric"], "nobody")
-    assert ss.slope_average(law, criterion)(V=0.5, N=9.81) == pytest.approx(1.75828010647948, rel=1e-13)
-    assert ss.derive(law, criterion)(V=0.5, N=9.81) == pytest.approx(1.75828010647948, rel=1e-13)
-
-
 def test_random_weights_and_thin_layers():
     """Relative accuracy at low and high speeds: each weight vanishes at the ends in its own way."""
     rng = np.random.default_rng(3)

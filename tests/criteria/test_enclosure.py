@@ -98,16 +98,6 @@ def test_digits_are_those_that_both_ends_share():
         assert (radius * 10**enclosure.digits <= abs(middle)) or enclosure.digits == 0
 
 
-@pytest.mark.parametrize(
-    ("arguments", "complaint"),
-    [({"V": 0}, "V = 0 must be positive"), ({"N": -1}, "N = -1 must not be negative"),
-     ({"digits": 0}, "digits = 0"), ({"criterion": "harmonious"}, "did you mean 'harmonic'")],
-)  # fmt: skip
-def test_unusable_numbers_are_refused(arguments, complaint):
-    with pytest.raises(ss.InputError, match=complaint):
-        ss.enclose(ss.laws.exponential.typical(), **({"V": 1, "N": 1} | arguments))
-
-
 def test_a_coefficient_without_a_ball_at_rest_is_refused_at_once(monkeypatch):
     """Not after hundreds of thousands of values, five seconds of them."""
     taken = []

@@ -96,8 +96,9 @@ def test_refusals():
         "V = nan is not a finite": {"V": float("nan")},
         "digits = 0": {"digits": 0},
     }.items():
-        with pytest.raises(ss.InputError, match=message):
-            ss.quadrature.damping(**{"law": law.typical(), "V": 1, "N": 1} | arguments)
+        for value_of in (ss.quadrature.damping, ss.enclose):
+            with pytest.raises(ss.InputError, match=message):
+                value_of(**{"law": law.typical(), "V": 1, "N": 1} | arguments)
 
 
 def test_too_irregular_an_integrand_is_an_error(monkeypatch):

@@ -138,10 +138,11 @@ NEW = [
     ("a/(1 + (v/w)^4)", "least_squares"),
     ("a/sqrt(1 + (v/w)^2)", "harmonic"),
     ("a*(1 + (v/w)^8)^(-1/8)", "least_squares"),
+    ("Min(Max(a - b*v, 0), 1)", "least_squares"),
 ]
 
 
-@pytest.mark.parametrize(("text", "criterion"), some(NEW, 0, 1, 2, 3, 4, 5))
+@pytest.mark.parametrize(("text", "criterion"), some(NEW, 0, 1, 2, 3, 4, 5, 7))
 def test_a_form_of_each_kind_is_that_of_its_law(text, criterion):
     form = ss.derive(text, criterion, search=False)
     assert form.verdict.status is (ss.Status.CHECKED if "Piecewise" in text else ss.Status.PROVED)

@@ -7,15 +7,11 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from flint import arb, fmpq
 from forms import some
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline
-from stickslip_sym.core.balls import working_precision
-from stickslip_sym.criteria.enclosure import average_ball
 from stickslip_sym.formula.average import Average, average_of
-from stickslip_sym.formula.evaluation.values import Values, mean_power
 
 POINT = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
 
@@ -127,30 +123,7 @@ def test_a_divergent_integral_has_no_value(criterion, bound):
         form.evaluate(20, **given, n=bound + 0.25)
 
 
-def test_what_grows_too_fast_is_refused():
-    for text in ("b*log(1 + v_b/v)/v", "0.3/v", "mu_1*v^(-3/2)"):
-        with pytest.raises(ss.NoClosedForm, match=r"not integrable|not finite|no closed form"):
-            ss.derive(ss.FrictionLaw(text))
-
-
 # -- values and time ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("criterion", ["least_squares", "harmonic", "equilibrium"])
-def test_series_and_balls_of_an_average_agree(criterion):
-    """The closed form, the definition in balls, and the series at small V, each by itself."""
-    average = average_of(sp.exp(-ss.symbols.v) * ss.symbols.v, ss.criteria.find(criterion))
-    values = Values(average.profile, average.criterion, average.closed, {})
-    with working_precision(200, 40):
-        V = arb("0.125")
-        slopes = values.taylor(40)
-        series = -sum(
-            (c * mean_power(average.criterion, fmpq(k)) * V**k for k, c in enumerate(slopes)), start=arb(0)
-        )
-        closed, defined = values(V), average_ball(average.profile, {}, [], average.criterion, V)
-    assert abs(float(closed - defined)) < 1e-25 * abs(float(defined))
-    assert abs(float(series - defined)) < 1e-15
-    assert abs(float(closed) - float(defined) * (1 + 1e-9)) > 1e-12
 
 
 def test_what_failed_is_not_tried_again(monkeypatch, fresh_averages):

@@ -1,4 +1,4 @@
-"""Every long call ends: stiff scenes within a bound on the work, and all calls soon after their time limit."""
+"""Every long call ends: stiff motions within a bound on the work, and all calls soon after their time limit."""
 
 import re
 import time
@@ -38,15 +38,15 @@ def agree(found, motion):
 
 
 @sweep(("law", "osc"), STIFF, STIFF[0], STIFF[-2], STIFF[-1])
-def test_regimes_of_stiff_scenes_are_found_soon(law, osc):
+def test_regimes_of_stiff_operating_points_are_found_soon(law, osc):
     """By the time of the processor they took 12 to 175 s; the limit fails the test, and is not what ends them."""
     found = ss.regime(law, osc, time_limit=60)
     assert not found.undecided
     assert agree(found, ss.classify(law, osc))
 
 
-def seeded_scenes(seed, count):
-    """Yield laws of the catalogue in scenes over decades of every quantity."""
+def seeded_operating_points(seed, count):
+    """Yield laws of the catalogue at operating points over decades of every quantity."""
     rng = np.random.default_rng(seed)
     names = sorted(ss.laws.catalogue)
     for name in rng.choice(names, count):
@@ -57,7 +57,7 @@ def seeded_scenes(seed, count):
 
 @sweep("count", [2, 16], 2)
 def test_regimes_and_classification_agree_over_decades(count):
-    for law, osc in seeded_scenes(1, count):
+    for law, osc in seeded_operating_points(1, count):
         found = ss.regime(law, osc, time_limit=60)
         assert agree(found, ss.classify(law, osc, time_limit=60)), (law, osc, found)
 
@@ -117,7 +117,7 @@ def test_without_time_every_part_of_a_regime_is_named():
     assert "time limit" in str(found)
 
 
-def test_a_threshold_out_of_time_is_told_as_far_as_it_is_known():
+def test_a_threshold_out_of_time_is_given_as_far_as_it_is_known():
     """A clock that stands still until so many looks at it: where it stops does not depend on the machine."""
     law = ss.laws.exponential.typical()
     exact = ss.pure_slip_damping(law, **SCENE, method="simulation", rtol=1e-10).value
@@ -149,7 +149,7 @@ def test_what_a_limited_map_decides_is_right(seconds):
     assert np.isin(basins.motion, [Motion.STICK_SLIP, Motion.UNDECIDED]).all()
 
 
-def test_a_trade_heeds_its_time_limit():
+def test_a_trade_keeps_its_time_limit():
     with deadline.time_limit(0), pytest.raises(ss.OutOfTime):
         pure_slip_by_scan(ss.laws.exponential.typical(), paper_oscillator(0), Scan(np.arange(3.0)))
     with pytest.raises(ss.OutOfTime):

@@ -46,10 +46,34 @@ def test_names(name, latex):
         (-sp.Rational(5, 2), r"-\frac{5}{2}"),
         (sp.Integral(sp.sin(v), (v, 0, 2 * V)), r"\int_{0}^{2 V} \sin(v) \,\mathrm{d}v"),
         (sp.Eq(a, b, evaluate=False), "a = b"),
+        # each of these was once printed as something else
+        (sp.exp((V + a) / b), r"\exp\bigl[(V + a)/b\bigr]"),
+        (sp.erf((2 * V - a) / b), r"\operatorname{erf}\bigl[(2 V - a)/b\bigr]"),
+        (V ** ((a + 1) / b), r"V^{(1 + a)/b}"),
+        (2 * 3**V, r"2 \cdot 3^{V}"),
+        (sp.Mul(-1, a - b, evaluate=False), "-(a - b)"),
+        (sp.Catalan * sp.Symbol("G"), r"\operatorname{Catalan} G"),
+        (sp.exp(V) * sp.Symbol("e"), r"e \exp(V)"),
+        (sp.Symbol("a1") - sp.Symbol("a_1"), r"a_{1} - \mathit{a\_1}"),
+        (sp.Symbol("u") - 2 * sp.Dummy("u"), r"u - 2 \mathit{u\_}"),
+        (sp.Derivative(2 * a * V, V), r"\frac{\partial}{\partial V} (2 a V)"),
+        (2 * sp.Derivative(V, V), r"2 \cdot \frac{\mathrm{d}}{\mathrm{d} V} V"),
     ],
 )  # fmt: skip
 def test_conventions(expr, latex):
     assert printing.latex(expr) == latex
+
+
+@pytest.mark.parametrize(
+    ("expr", "text"),
+    [
+        (2 * sp.Derivative(V, V), "2*Derivative(V, V)"),
+        (sp.Symbol("u") - 2 * sp.Dummy("u"), "u - 2*u_"),
+        (sp.Symbol("E") * sp.E, "exp(1)*E"),
+    ],
+)
+def test_conventions_of_text(expr, text):
+    assert printing.text(expr) == text
 
 
 def test_notation_may_be_replaced():
@@ -69,9 +93,8 @@ def test_notation_may_be_replaced():
         ("", "1 to 60 characters"), ("v\n", "character"), ("v" * 61, "1 to 60"), ("v#1", "character '#'"),
         (r"\mu_s", "would both be printed"),
         *((read_otherwise, "not as one symbol") for read_otherwise in (
-            "2", "a+b", "N V", "AB", "-v", "v,w", r"\alpha\beta", r"v_{0} w", r"\hat{a} b", "v^{2}", "v^2",
-            r"\mathrm{a+b}", r"\delta v", "v_", "v_a_b", "v\\", r"a\mathrm b", r"v_\hat{b}", r"\write18{ls}",
-            r"\def\a{}", "{a+b}", "{}", r"\frac{a}{b}", "{2}", r"\mathrm{2}",
+            "2", "AB", "-v", r"\alpha\beta", "v^{2}", "v^2", r"\mathrm{a+b}", r"\delta v", "v_", "v_a_b", "v\\",
+            r"a\mathrm b", r"v_\hat{b}", r"\write18{ls}", r"\def\a{}", "{a+b}", "{}", r"\frac{a}{b}", "{2}",
         )),
     ],
 )  # fmt: skip
@@ -113,7 +136,7 @@ def test_unknown_symbols_are_suggested():
         form_of("exponential", "equilibrium").latex({"alpa": "x"})
 
 
-def test_names_that_look_alike_are_told_apart():
+def test_names_that_look_alike_are_printed_differently():
     assert notation_of(["a1", "a_1"]) == {"a1": "a_{1}", "a_1": r"\mathit{a\_1}"}
 
 

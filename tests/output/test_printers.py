@@ -127,36 +127,6 @@ def test_a_printer_that_drops_brackets_is_caught(module, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("expr", "latex"),
-    [
-        (sp.exp((V + a) / b), r"\exp\bigl[(V + a)/b\bigr]"),
-        (sp.log((2 * V + a) / b), r"\ln\bigl[(2 V + a)/b\bigr]"),
-        (sp.erf((2 * V - a) / b), r"\operatorname{erf}\bigl[(2 V - a)/b\bigr]"),
-        (V ** ((a + 1) / b), r"V^{(1 + a)/b}"),
-        (2 * 3**V, r"2 \cdot 3^{V}"),
-        (sp.Mul(-1, a - b, evaluate=False), "-(a - b)"),
-        (sp.Catalan * sp.Symbol("G"), r"\operatorname{Catalan} G"),
-        (sp.exp(V) * sp.Symbol("e"), r"e \exp(V)"),
-        (sp.Symbol("a1") - sp.Symbol("a_1"), r"a_{1} - \mathit{a\_1}"),
-        (sp.Symbol("u") - 2 * sp.Dummy("u"), r"u - 2 \mathit{u\_}"),
-        (sp.Derivative(2 * a * V, V), r"\frac{\partial}{\partial V} (2 a V)"),
-    ],
-)  # fmt: skip
-def test_what_was_printed_as_something_else(expr, latex):
-    assert printing.latex(expr) == latex
-
-
-def test_the_derivative_of_a_symbol_has_no_primes():
-    assert printing.text(2 * sp.Derivative(V, V)) == "2*Derivative(V, V)"
-    assert printing.latex(2 * sp.Derivative(V, V)) == r"2 \cdot \frac{\mathrm{d}}{\mathrm{d} V} V"
-
-
-def test_text_tells_symbols_apart():
-    assert printing.text(sp.Symbol("u") - 2 * sp.Dummy("u")) == "u - 2*u_"
-    assert printing.text(sp.Symbol("E") * sp.E) == "exp(1)*E"
-
-
-@pytest.mark.parametrize(
     ("latex", "value"),
     [
         (r"{}_{1}F_{0}(-a; ; b)", 4), (r"{}_{0}F_{0}(; ; 0)", 1), (r"{}_{0}F_{1}(; a; 0)", 1),

@@ -44,7 +44,7 @@ def stickslip(*arguments, cwd=None):
 def started(*arguments, cwd="."):
     """Start the command in a process, and a group, of its own; it is ended if it does not end by itself."""
 
-    def heed():  # an interrupt, also where the tests run in the background of a shell, which ignores it
+    def obey():  # an interrupt, also where the tests run in the background of a shell, which ignores it
         signal.signal(signal.SIGINT, signal.SIG_DFL)
 
     with subprocess.Popen(
@@ -54,7 +54,7 @@ def started(*arguments, cwd="."):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=None if WINDOWS else heed,
+        preexec_fn=None if WINDOWS else obey,
     ) as process:
         try:
             yield process

@@ -227,8 +227,8 @@ def mutated(claim):
 
 README = (Path(proved.__file__).parent / "README.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| ([A-Z]\d[^|]*) \|.*\| ([a-z, ]+) \|$", README, re.M)
-TOLD = {claim: kinds for claims, kinds in ROWS for claim in claims.split(", ")}
-"""The kinds of evidence that the table of claims tells, by claim."""
+KINDS = {claim: kinds for claims, kinds in ROWS for claim in claims.split(", ")}
+"""The kinds of evidence in the table of claims, by claim."""
 
 
 def by_collocation(scene, guess, error, rtol):
@@ -246,7 +246,7 @@ def test_a_mutation_changes_the_verdict(claim, monkeypatch):
         monkeypatch.setattr(check_figures, "enclosed_over_speeds", proved.enclosed_over_speeds.__wrapped__)
     finding = CHECKS[claim](PRINTED[claim])
     assert finding.outcome is CLAIMS[claim].outcome
-    assert finding.kinds == TOLD[claim]
+    assert finding.kinds == KINDS[claim]
     survivors = [
         f"{key}: {altered}"
         for key, altered in mutated(claim)

@@ -139,12 +139,12 @@ def check_json(content):
     assert {"python", "sympy", "numpy", "scipy", "mpmath", "matplotlib", "stickslip_sym"} <= set(
         content["versions"]
     )
-    for ways in content["methods"]["laws"].values():
-        error = {way["method"]: way["relative_error"] for way in ways}
+    for methods in content["methods"]["laws"].values():
+        error = {one["method"]: one["relative_error"] for one in methods}
         assert error["equilibrium"] > error["least_squares"] > error["harmonic"] > error["second_order"] > 0
-        assert all(way["seconds"] > 0 for way in ways)
-        assert {way["status"] for way in ways if way["method"] == "proof"} == {"PROVED"}
-        assert {way["status"] for way in ways if way["method"] != "proof"} == {"ESTIMATED"}
+        assert all(one["seconds"] > 0 for one in methods)
+        assert {one["status"] for one in methods if one["method"] == "proof"} == {"PROVED"}
+        assert {one["status"] for one in methods if one["method"] != "proof"} == {"ESTIMATED"}
 
 
 def check_terminal(printed):

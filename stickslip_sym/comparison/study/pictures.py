@@ -34,16 +34,10 @@ _AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "ha
 
 @dataclass(frozen=True)
 class Plane:
-    """Thresholds over belt speed, all else as at the operating point.
+    """Thresholds over belt speed V in m/s, all else as at the operating point, in kg/s.
 
-    Attributes
-    ----------
-    V : numpy.ndarray
-        Belt speeds in m/s.
-    averages : mapping of str to numpy.ndarray
-        The thresholds by averages of slopes, in kg/s.
-    exact, uncertainty : numpy.ndarray
-        The threshold, NaN where there is none, and its standard error, in kg/s.
+    `averages` by slopes, by name, and the `exact` ones with their standard error `uncertainty`; NaN where there is
+    none.
     """
 
     V: FloatArray

@@ -53,7 +53,7 @@ _SAMPLES = 200  # for the probability, where a threshold takes less than a milli
 _REACH = 3.0
 """Times a value, and its inverse: where margins are sought; no decision turns on those beyond."""
 _LEAST = 0.001
-"""A probability below it is not told from 0."""
+"""A probability below it is shown as no more than that."""
 _TEMPLATE = Path(__file__).with_name("study.html")
 _WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
 _LONGEST = 1500  # characters that are shown at all

@@ -1,4 +1,4 @@
-"""Formulas as functions that stay accurate at the extremes: branches, series, tables, exact values.
+"""Formulas as functions that stay accurate at the extremes: `making` fits branches to `values` in ball arithmetic.
 
-One more kind of branch is one class with the protocol `branches.Branch`.
+`branches` evaluates them, and `evaluator` adds up the terms of a law.
 """

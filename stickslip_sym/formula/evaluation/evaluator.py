@@ -30,13 +30,11 @@ _ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, 
 _WORTH_BRANCHES = 8  # values with the same shapes, from where their branches are made
 _LARGEST = 4000  # binary exponents beyond this are clipped: the value is 0 or infinite
 
-Power = tuple[FloatArray, float | FloatArray]
-"""An array, and the exponent that it is raised to."""
 Exact = Callable[[Mapping[Expr, Expr]], Any]
 """From the exact values of all arguments to the criterion, as a number."""
 
 
-def factors_of(expr: Expr) -> tuple[float, dict[Expr, float]]:
+def _factors(expr: Expr) -> tuple[float, dict[Expr, float]]:
     """Write a product as a number times powers of what is accurate in floats: arguments, and sums of them."""
     number: Expr = sp.Integer(1)
     powers: dict[Expr, float] = {}
@@ -49,78 +47,62 @@ def factors_of(expr: Expr) -> tuple[float, dict[Expr, float]]:
     return float(number), powers
 
 
-class _Base:
-    """A factor of a product as a function of all arguments: NaN where it cancels."""
+def _function_of_base(expr: Expr, arguments: Sequence[Expr]) -> Callable[[Sequence[Numbers]], Numbers]:
+    """Return a factor of a product as a function of all arguments: NaN where it cancels."""
+    if expr in arguments:
+        index = list(arguments).index(expr)
+        return lambda values: values[index]
+    terms = sp.Add.make_args(expr)
+    exact = all(term.is_Symbol or (-term).is_Symbol for term in terms) and len(terms) == 2
+    one_sign = all(term.is_positive for term in terms) or all(term.is_negative for term in terms)
+    size = sp.Integer(0) if exact or one_sign or len(terms) == 1 else sp.Add(*[abs(term) for term in terms])
+    function = alike(function_of(arguments, [expr, size], "numpy"), sp.Tuple(expr, size))
 
-    def __init__(self, expr: Expr, arguments: Sequence[Expr]) -> None:
-        self.index = list(arguments).index(expr) if expr in arguments else None
-        terms = sp.Add.make_args(expr)
-        exact = all(term.is_Symbol or (-term).is_Symbol for term in terms) and len(terms) == 2
-        one_sign = all(term.is_positive for term in terms) or all(term.is_negative for term in terms)
-        self._checked = not (exact or one_sign) and len(terms) > 1
-        if self.index is None:
-            size = sp.Add(*[abs(term) for term in terms]) if self._checked else sp.Integer(0)
-            self._function = alike(function_of(arguments, [expr, size], "numpy"), sp.Tuple(expr, size))
-
-    def __call__(self, values: Sequence[Numbers]) -> Numbers:
-        if self.index is not None:
-            return values[self.index]
-        value, size = self._function(*values)
-        if self._checked:
-            value = np.where(np.abs(value) * _CANCELLED >= size, value, np.nan)
+    def base(values: Sequence[Numbers]) -> Numbers:
+        value, spread = function(*values)
+        value = np.where(np.abs(value) * _CANCELLED >= spread, value, np.nan)
         return value if np.ndim(value) else float(value)
+
+    return base
 
 
 class TermFunction:
     """A term of a law under a criterion, as a function of V, N and the parameters.
 
-    Parameters
-    ----------
-    term : Term
-    criterion : Criterion
-    arguments : sequence of Symbol
-        V, N, then the parameters, in the order in which values come.
+    It is number N prod bases^amplitude F(V/size prod bases^ratio); the arguments are V, N, then the parameters, in
+    the order in which values come.
     """
 
     def __init__(self, term: Term, criterion: Criterion, arguments: Sequence[Expr]) -> None:
         self.term, self.average = term, average_of(term.profile, criterion)
-        self.number, amplitude = factors_of(term.amplitude / term.scale)
-        self.size, scale = factors_of(term.scale)
+        self.number, amplitude = _factors(term.amplitude / term.scale)
+        self.size, scale = _factors(term.scale)
         self.bases = list(dict.fromkeys([*amplitude, *scale]))
-        self._base_functions = [_Base(base, arguments) for base in self.bases]
         self.amplitude = [amplitude.get(base, 0.0) for base in self.bases]
         self.ratio = [-scale.get(base, 0.0) for base in self.bases]
+        self._base_functions = [_function_of_base(base, arguments) for base in self.bases]
         self._shapes = [function_of(arguments, meaning, "numpy") for meaning in term.shapes.values()]
         self._asked: dict[tuple[float, ...], int] = {}
         self._branches: dict[tuple[float, ...], tuple[Branches | None, float]] = {}
-
-    def branches(self, shapes: tuple[float, ...] = ()) -> Branches | None:
-        """Return the branches for values of the shapes; None if there are none."""
-        exact = tuple((symbol, sp.Rational(x)) for symbol, x in zip(self.average.shapes, shapes, strict=True))
-        return branches_of(self.average.profile, self.average.criterion, self.average.closed, exact)
-
-    def ask_for_branches(self, values: Sequence[float]) -> None:
-        """Have branches made for the shapes at some values of the arguments, however few values they are for."""
-        self._asked[self.shape_values(values)] = _WORTH_BRANCHES
 
     def shape_values(self, values: Sequence[float]) -> tuple[float, ...]:
         """Return the values of the shapes at some values of the arguments."""
         return tuple(float(shape(*values)) for shape in self._shapes)
 
-    def _require_conditions(self, shapes: Sequence[float]) -> None:
-        """Refuse values of the shapes for which the average does not exist.
+    def exact_shapes(self, shapes: Sequence[float]) -> dict[Expr, Expr]:
+        """Return the symbols of the shapes with values as rationals."""
+        return dict(zip(self.average.shapes, map(sp.Rational, shapes), strict=True))
 
-        Raises
-        ------
-        InputError
-        """
-        values = dict(zip(self.average.shapes, map(sp.Float, shapes), strict=True))
-        for condition in self.average.conditions:
-            if not condition.xreplace(values):
-                raise InputError(
-                    f"the {self.average.criterion.name} average of {self.term.expr} exists only for "
-                    f"{condition.xreplace(dict(self.term.shapes))}; at these values its integral diverges"
-                )
+    def branches(self, shapes: tuple[float, ...] = ()) -> Branches | None:
+        """Return the branches for values of the shapes; None if there are none."""
+        average = self.average
+        return branches_of(
+            average.profile, average.criterion, average.closed, tuple(self.exact_shapes(shapes).items())
+        )
+
+    def ask_for_branches(self, values: Sequence[float]) -> None:
+        """Have branches made for the shapes at some values of the arguments, however few values they are for."""
+        self._asked[self.shape_values(values)] = _WORTH_BRANCHES
 
     def require_reach(self, values: Sequence[float]) -> None:
         """Refuse a belt speed for which the law is needed beyond a pole, or the end of a logarithm or a root.
@@ -131,11 +113,10 @@ class TermFunction:
         """
         if self.average.criterion.weight is None:
             return
-        exact = dict(zip(self.average.shapes, map(sp.Rational, self.shape_values(values)), strict=True))
-        reach = reach_of(self.average.profile, exact)
-        ratios = [power_of(base(values), e) for base, e in zip(self._base_functions, self.ratio, strict=True) if e]
-        factor = math.prod([float(ratio) for ratio in ratios]) / self.size
-        if values[0] * factor >= reach / 2:
+        reach = reach_of(self.average.profile, self.exact_shapes(self.shape_values(values)))
+        bases = zip(self._base_functions, self.ratio, strict=True)
+        factor = math.prod([float(power_of(base(values), e)) for base, e in bases if e]) / self.size
+        if values[0] * factor >= reach / 2 and reach < math.inf:
             raise InputError(
                 f"V = {values[0]:g} m/s needs mu up to v = {2 * values[0]:g} m/s, but the term "
                 f"{self.term.expr} of the law ends at v = {reach / factor:g} m/s"
@@ -143,34 +124,29 @@ class TermFunction:
 
     def __call__(self, values: Sequence[Numbers]) -> Numbers:
         """Evaluate at floats, or at floats and flat arrays of one length; NaN where balls must be asked."""
-        if not self._shapes:
-            return self._with_shapes(values, ())
         shapes = [shape(*values) for shape in self._shapes]
         if all(np.ndim(shape) == 0 for shape in shapes):
             return self._with_shapes(values, tuple(float(shape) for shape in shapes))
         count = _count(values)
-        columns = np.stack([np.broadcast_to(shape, count) for shape in shapes])
-        kinds, which = np.unique(columns, axis=1, return_inverse=True)
+        kinds, which = np.unique([np.broadcast_to(shape, count) for shape in shapes], axis=1, return_inverse=True)
         result = np.full(count, np.nan)
-        for kind, shape_values in enumerate(kinds.T.tolist()):
+        for kind, kind_shapes in enumerate(kinds.T.tolist()):
             here = np.flatnonzero(which.ravel() == kind)
             some = [value if isinstance(value, float) else value[here] for value in values]
-            result[here] = self._with_shapes(some, tuple(shape_values))
+            result[here] = self._with_shapes(some, tuple(kind_shapes))
         return result
 
     def _with_shapes(self, values: Sequence[Numbers], shapes: tuple[float, ...]) -> Numbers:
         count = _count(values)
-        if shapes:
-            self._require_conditions(shapes)
-            self._asked[shapes] = asked = self._asked.get(shapes, 0) + max(count, 1)
-            if asked < _WORTH_BRANCHES:
-                return math.nan
         if shapes not in self._branches:
+            self._asked[shapes] = asked = self._asked.get(shapes, 0) + max(count, 1)
+            if shapes and asked < _WORTH_BRANCHES:
+                return math.nan
             self._branches[shapes] = self._with_largest(self.branches(shapes))
         branches, largest = self._branches[shapes]
         if branches is None:
             return math.nan
-        factors = [values[0], values[1], *(base(values) for base in self._base_functions)]
+        factors = [values[0], values[1], *[base(values) for base in self._base_functions]]
         unsafe = _outside(factors, largest)
         if unsafe is False:
             return self._plain(branches, *factors)
@@ -201,17 +177,16 @@ class TermFunction:
 
     def _apart(self, branches: Branches, speed: FloatArray, force: FloatArray, *bases: FloatArray) -> FloatArray:
         """Multiply with mantissas and exponents apart: nothing over- or underflows on the way."""
-        r = scaled_product(
-            1 / self.size, [(speed, 1.0), *zip(bases, self.ratio, strict=True)], np.ones(speed.size)
-        )
+        ratio = [(speed, 1.0), *zip(bases, self.ratio, strict=True)]
+        r = _scaled_product(np.full(speed.size, 1 / self.size), ratio)
         good = np.isfinite(r)
         values, powers = branches.apart(r[good])
-        factors: list[Power] = [(force[good], 1.0), (speed[good], powers)]
+        factors: list[tuple[FloatArray, float | FloatArray]] = [(force[good], 1.0), (speed[good], powers)]
         factors += [
             (base[good], a + powers * e) for base, a, e in zip(bases, self.amplitude, self.ratio, strict=True)
         ]
         result = np.full(speed.size, np.nan)
-        result[good] = scaled_product(self.number, factors, values * self.size**-powers)
+        result[good] = _scaled_product(self.number * (values * self.size**-powers), factors)
         return result
 
 
@@ -228,28 +203,27 @@ def _outside(values: Sequence[Numbers], largest: float) -> BoolArray | bool:
         if isinstance(value, float):
             result = result | (not smallest < abs(value) < largest)
         elif not (value.min() > smallest and value.max() < largest):  # as it nearly always is
-            size = np.abs(value)
-            outside = ~((size > smallest) & (size < largest))
+            outside = ~((np.abs(value) > smallest) & (np.abs(value) < largest))
             result = result | outside if outside.any() else result
     return result
 
 
-def scaled_product(number: float, factors: Sequence[Power], rest: FloatArray) -> FloatArray:
-    """Multiply a number, powers of arrays, and an array, with mantissas and exponents apart.
+def _scaled_product(start: FloatArray, factors: Sequence[tuple[FloatArray, float | FloatArray]]) -> FloatArray:
+    """Multiply an array and powers of arrays, with mantissas and exponents apart.
 
     An element is NaN where 0 is raised to a negative power.
     """
-    mantissa, binary = np.frexp(number * rest)
-    binary = binary.astype(np.float64)
+    mantissa, whole = np.frexp(start)
+    binary = whole.astype(np.float64)
     for value, exponent in factors:
         part, shift = np.frexp(value)
         with np.errstate(all="ignore"):
             power = np.sign(part) ** exponent * np.abs(part) ** exponent
-            zero = np.where(np.asarray(exponent) > 0, 0.0, np.where(np.asarray(exponent) < 0, np.nan, 1.0))
-            power = np.where(part == 0, zero, power)
-        whole = np.floor(shift * exponent)
-        mantissa, carry = np.frexp(mantissa * power * np.exp2(shift * exponent - whole))
-        binary = binary + whole + carry
+        at_zero = np.select([np.asarray(exponent) > 0, np.asarray(exponent) < 0], [0.0, np.nan], 1.0)
+        power = np.where(part == 0, at_zero, power)
+        floor = np.floor(shift * exponent)
+        mantissa, carry = np.frexp(mantissa * power * np.exp2(shift * exponent - floor))
+        binary = binary + floor + carry
     with np.errstate(over="ignore", under="ignore"):
         return np.asarray(np.ldexp(mantissa, np.clip(binary, -_LARGEST, _LARGEST).astype(np.int32)))
 
@@ -257,22 +231,14 @@ def scaled_product(number: float, factors: Sequence[Power], rest: FloatArray) ->
 class Evaluator:
     """A criterion of a law over floats and flat arrays.
 
-    Parameters
-    ----------
-    terms : sequence of Term
-    criterion : Criterion
-    arguments : sequence of Symbol
-        V, N and the parameters, in the order in which values come.
-    exact : callable
-        The last resort.
+    The arguments are V, N and the parameters, in the order in which values come; `exact` is the last resort.
     """
 
     def __init__(
         self, terms: Sequence[Term], criterion: Criterion, arguments: Sequence[Expr], exact: Exact
     ) -> None:
         self.arguments, self.criterion, self.exact = list(arguments), criterion, exact
-        functions = [TermFunction(term, criterion, arguments) for term in terms]
-        self.terms = [function for function in functions if function.term.profile.has(symbols.v)]
+        self.terms = [TermFunction(term, criterion, arguments) for term in terms if term.profile.has(symbols.v)]
         self._mean_slope: MeanSlope | None = None
 
     def __call__(self, values: Sequence[Numbers]) -> Numbers:
@@ -283,9 +249,8 @@ class Evaluator:
         InputError
             For a value beyond the range of float64, or a speed for which the law is needed where it ends.
         """
-        count = _count(values)
         with np.errstate(all="ignore"):
-            total = self._sum(values, count)
+            total = self._sum(values)
         if isinstance(total, float):
             return total + 0.0 if math.isfinite(total) else self._by_balls([float(value) for value in values])
         if not np.isfinite(total.sum()):  # one pass; what overflows there is looked at
@@ -294,22 +259,21 @@ class Evaluator:
         total += 0.0  # -0.0 becomes 0.0
         return total
 
-    def _sum(self, values: Sequence[Numbers], count: int) -> Numbers:
+    def _sum(self, values: Sequence[Numbers]) -> Numbers:
         """Add up the terms; NaN where they cancel, or one has no branches."""
-        parts = [self._part(term, values) for term in self.terms]
+        parts, count = [self._part(term, values) for term in self.terms], _count(values)
         if not count:
             floats = [float(part) for part in parts]
             total, sizes = sum(floats, 0.0), sum(map(abs, floats), 0.0)
             kept = len(parts) < 2 or sizes <= _CANCELLED * abs(total) or sizes <= self._unit(values)[0]
             return total if kept else math.nan
-        arrays = [np.asarray(part) for part in parts]
-        result: FloatArray = np.array(np.broadcast_to(arrays[0] if arrays else 0.0, count))
-        if len(arrays) < 2:
+        result = np.array(np.broadcast_to(parts[0] if parts else 0.0, count))
+        if len(parts) < 2:
             return result
         spread = np.abs(result)
-        for array in arrays[1:]:
-            result += array
-            spread += np.abs(array)
+        for part in parts[1:]:
+            result += part
+            spread += np.abs(part)
         here = np.flatnonzero(spread > _CANCELLED * np.abs(result))
         if here.size:
             some = [value if isinstance(value, float) else value[here] for value in values]
@@ -341,7 +305,7 @@ class Evaluator:
             for term in self.terms:
                 term.ask_for_branches(values)
             with np.errstate(all="ignore"):
-                value = float(self._sum(values, 0)) + 0.0
+                value = float(self._sum(values)) + 0.0
             if math.isnan(value):
                 raise
         if not math.isfinite(value):

@@ -44,6 +44,7 @@ _WRITTEN = 16  # of the same, by which what is written as code may differ from t
 _TERMS = 30  # of a series, at most
 
 _LOW, _HIGH = -30, 60  # binary exponents of r between which a profile is followed
+_WHERE = (2.0**_HIGH, 2.0 ** (5 * _HIGH))  # r at which the power of r is measured by which F goes
 _FAR = (0, 140, 400)  # binary orders beyond these, where a leading term is read off
 _LEADING = 4 * _EPSILON  # by which the leading term may differ from the value at the farthest of them
 _POWERS = [k / 2 for k in range(-12, 9)]  # that are tried for it, beside those of the profile
@@ -104,7 +105,8 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
             low = start or (end / 4 if end < math.inf else 1.0)
             r = math.sqrt(low * min(end, 4 * low))
             right = average_ball(profile, shapes, kinks_of(profile, shapes), criterion, arb(r))
-            value = float(branches(r))
+            with np.errstate(all="ignore"):
+                value = float(branches(r))
             if not right.is_finite() or math.isnan(value):
                 continue  # infinite at rest, or beyond the last speed: there is nothing to compare with
             size = max(mean_slope(np.array([r]), *values)[0], abs(float(right)))
@@ -126,7 +128,8 @@ class _Builder:
         self.closed = closed
         if self.local:
             self.closed = -slope_of(self.values.last_piece).subs(symbols.v, symbols.V).xreplace(point)
-        self.corners = [float(kink) / (1 if self.local else 2) for kink in self.values.kinks]
+        # Each r beyond which a kink counts, as a float, and what it is exactly: a root grows from there.
+        self.corners = {float(r): r for r in (kink / (1 if self.local else 2) for kink in self.values.kinks)}
         exponents = {node.exp.xreplace(point) for node in profile.atoms(sp.Pow) if node.base == symbols.v}
         fractional = [e for e in exponents if not e.is_Integer]
         # The e of v^e if v occurs, apart from whole powers, in that way only.
@@ -260,7 +263,8 @@ class _Builder:
 
     def _tail(self) -> tuple[float, Branch] | None:
         """Fit F for large r by a power of r times polynomials."""
-        power = self._power(2.0**_HIGH)
+        # Two powers that are close part from each other farther out.
+        power = next((p for r in _WHERE if (p := self._power(r)) is not None), None)
         if power is None:
             leading = self._leading(2.0**_HIGH, 1)
             return self._mixed_tail(leading[1].power) if leading and len(leading[1].parts) > 1 else None
@@ -274,7 +278,8 @@ class _Builder:
         exponents = {node.exp.xreplace(self.point) for node in self.profile.atoms(sp.Pow)}
         roots = {int(e.q) for e in exponents if e.is_Rational and 2 < e.q <= _LARGEST_ROOT}
         for root in (1, 2, *sorted(roots)):
-            for start in self._starts() if root == 1 else self._starts()[2::2]:
+            for near in self._starts() if root == 1 else self._starts()[2::2]:
+                start = near ** max(1.0, root / 2)
 
                 def scaled(z: arb, root: int = root) -> arb:
                     return self.values(z**-root) * z ** arb(root * power)
@@ -289,11 +294,11 @@ class _Builder:
         return None
 
     def _mixed_tail(self, power: float) -> tuple[float, Branch] | None:
-        """Fit r^-power F by two polynomials in 1/r, one of them times log(r), through values at nodes."""
+        """Fit r^-power F by two polynomials in 1/r or its root, one times log(r), through values at nodes."""
         counts = ((None, _PLAIN_TERMS), (sp.log(symbols.V), _OTHER_TERMS))
-        for start in self._starts()[:5]:
-            nodes = [(1 + t) / 2 for t in _chebyshev(_PLAIN_TERMS + _OTHER_TERMS).nodes]  # of z = start/r
-            speeds = [arb(start) / x for x in nodes]
+        nodes = [(1 + t) / 2 for t in _chebyshev(_PLAIN_TERMS + _OTHER_TERMS).nodes]  # of (start/r)^(1/root)
+        for root, start in [*((1, start) for start in self._starts()[:5]), *((2, r) for r in self._starts()[5:])]:
+            speeds = [arb(start) / x**root for x in nodes]
             rows = [
                 [factor * x**k for f, count in counts for factor in [arb(1) if f is None else r.log()]
                  for k in range(count)]
@@ -306,8 +311,11 @@ class _Builder:
                 continue
             branch = Sum(
                 power,
-                -1.0,
-                tuple((f, tuple(float(next(solution)) * start**k for k in range(count))) for f, count in counts),
+                -1.0 / root,
+                tuple(
+                    (f, tuple(float(next(solution)) * start ** (k / root) for k in range(count)))
+                    for f, count in counts
+                ),
             )
             octaves = np.concatenate([np.arange(0, 4, 1 / 3), np.arange(4, _HIGH - np.log2(start), 4)])
             if self._agreed(branch, start * 2.0**octaves, _BEYOND) == start:
@@ -326,7 +334,7 @@ class _Builder:
     def _powers(self) -> list[float]:
         if self.exponent is None:
             return _POWERS
-        return [*_POWERS, float(self.exponent) - 1, -float(self.exponent) - 1]
+        return [*_POWERS, *(sign * float(self.exponent) - n for sign in (1, -1) for n in (1, 2))]
 
     def _leading(self, place: float, side: int) -> tuple[float, Sum] | None:
         """Return a place, and the leading term beyond it, at smaller r or at larger ones."""
@@ -400,7 +408,7 @@ class _Builder:
         low, high = (left, right) if origin is None else (np.sqrt(left - origin), np.sqrt(right - origin))
         centre, half = (low + high) / 2, (high - low) / 2
         y = [arb(centre) + t * arb(half) for t in _chebyshev(_NODES).nodes]
-        values = [self.values(x if origin is None else arb(origin) + x * x) for x in y]
+        values = [self.values(x if origin is None else self.corners[origin] + x * x) for x in y]
         coefficients = _chebyshev(_NODES).coefficients(values)
         middle = (left + right) / 2
         size = max(self.values.mean_slope(np.array([left, middle, right])).min(), abs(float(coefficients[0])))

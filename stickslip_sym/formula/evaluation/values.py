@@ -187,7 +187,7 @@ class Values:
     def _parts(self) -> int:
         """Return into how many parts each panel is cut: the least with which twice as many agree, at all probes.
 
-        They agree beside <|g'|>, for F itself may vanish there.
+        They agree beside <|g'|> too, for F may vanish there.
         """
         probes = [arb(3).sqrt() * arb(2) ** k for k in _PROBES]
         if self.reach < np.inf:
@@ -202,8 +202,9 @@ class Values:
         return split
 
     def _agree(self, r: arb, split: int, finer: int) -> bool:
-        size = _AGREED * float(self.mean_slope(np.array([float(r)]))[0])
-        return bool(abs(self._averaged(r, split) - self._averaged(r, finer)) <= size)
+        rough, fine = self._averaged(r, split), self._averaged(r, finer)
+        size = max(abs(float(fine)), float(self.mean_slope(np.array([float(r)]))[0]))
+        return abs(float(fine - rough)) <= _AGREED * size
 
     def _averaged(self, r: arb, split: int) -> arb:
         total = arb(0)

@@ -56,12 +56,17 @@ def plain(expr: Expr) -> Expr:
     expr = expr.replace(
         sp.dirichlet_eta, lambda order: sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
     )
-    units = {node: unit for node in expr.atoms(sp.Min, sp.Max) if (unit := _in_units(node)) != node}
+    units: dict[Expr, Expr] = {}
+    for node in sorted(expr.atoms(sp.Min, sp.Max), key=sp.count_ops):  # what stands in another comes first
+        if (unit := _in_units(node.xreplace(units))) != node:
+            units[node] = unit
     return expr.xreplace(units) if units else expr
 
 
 def _in_units(node: Expr) -> Expr:
     """Bring a positive factor out of a Min or a Max: Min(2 V/w, p/w) is Min(2 V, p)/w."""
+    if not isinstance(node, sp.Min | sp.Max):
+        return node
     denominators = {sp.denom(argument) for argument in node.args if not argument.is_number}
     unit = sp.Mul(*denominators) if len(denominators) == 1 else sp.Integer(1)
     if unit == 1 or not unit.is_positive:

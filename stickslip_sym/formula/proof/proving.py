@@ -160,25 +160,22 @@ def _at_points(sides: Mapping[str, Expr], judge: Callable[..., str | bool]) -> t
     """
     holds, obstacles = 0, ""
     for point in _points(*sides.values()):
-        where = f"at {', '.join(_word(key, value) for key, value in point.items())}"
-        values = []
+        values: list[tuple[Mpf, Mpf]] = []
+        judged: str | bool = False
         for name, side in sides.items():
             try:
                 values.append(certain_value(side, point))
             except NotFinite as failure:
-                return (
-                    Verdict(Status.REFUTED, f"{name} is not finite, {failure}, {where}", point),
-                    holds,
-                    obstacles,
-                )
+                judged = f"{name} is not finite, {failure},"
+                break
             except NotConverged as failure:
                 obstacles += f"; {failure}"
-        if len(values) < len(sides):
-            continue
-        with mpmath.workdps(120):
-            judged = judge(*values)
+        if len(values) == len(sides):
+            with mpmath.workdps(2 * _QUADRATURE_DIGITS):
+                judged = judge(*values)
         if isinstance(judged, str):
-            return Verdict(Status.REFUTED, f"{judged} {where}", point), holds, obstacles
+            where = ", ".join(_word(key, value) for key, value in point.items())
+            return Verdict(Status.REFUTED, f"{judged} at {where}", point), holds, obstacles
         holds += judged
     return None, holds, obstacles
 

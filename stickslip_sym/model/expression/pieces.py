@@ -39,14 +39,18 @@ def kinked(expr: Expr) -> list[Expr]:
     return [node for node in sp.ordered(expr.atoms(sp.Piecewise)) if node.has(symbols.v)]
 
 
-def _ends(node: Expr) -> Cases:
-    """Return the branches of a Piecewise, and where each ends, from its conditions v < place."""
+def _end(holds: Expr) -> Expr | None:
+    """Return the place of a condition v < place; None where it is always true."""
     # SymPy may turn v < place round into place > v, and joins the conditions of pieces that became equal by Or.
     relations = (sp.StrictLessThan, sp.StrictGreaterThan)
-    return [
-        (branch, None if holds == sp.true else sp.Max(*(one.gts for one in holds.atoms(*relations))))
-        for branch, holds in node.args
-    ]
+    if isinstance(holds, relations):
+        return holds.gts
+    return None if holds == sp.true else sp.Max(*(relation.gts for relation in holds.atoms(*relations)))
+
+
+def _ends(node: Expr) -> Cases:
+    """Return the branches of a Piecewise, and where each ends."""
+    return [(branch, _end(holds)) for branch, holds in node.args]
 
 
 def _cases(expr: Expr) -> Cases:
@@ -140,6 +144,8 @@ def branch_from(expr: Expr, values: Mapping[Expr, Expr], start: Expr) -> Expr:
     `values` are those of the parameters, whose symbols stay. Conditions read v < place, so the piece that holds at
     the speed holds above.
     """
+    if not expr.has(sp.Piecewise):
+        return expr
     return _branch(expr, frozenset({**values, symbols.v: start}.items()))
 
 

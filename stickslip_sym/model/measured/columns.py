@@ -163,6 +163,11 @@ class Column:
         return read_unit(self.unit_text)
 
     @property
+    def turns(self) -> bool:
+        """Whether its unit is that of a rotational speed."""
+        return self.unit is not None and self.unit.kind == "rotation"
+
+    @property
     def possible(self) -> tuple[str, ...]:
         """What the column may hold, with its unit."""
         unit = self.unit
@@ -206,12 +211,10 @@ def choose_columns(
         if meanings:
             column = replace(header, meanings=meanings, position=i)
             _check(column, line, columns, radius)
-            size = Fraction(1) if column.unit is None else column.unit.size
-            turns = column.unit is not None and column.unit.kind == "rotation"
-            columns[column.possible[0]] = replace(column, size=size * (radius or 1) if turns else size)
+            size = column.unit.size if column.unit else Fraction(1)
+            columns[column.possible[0]] = replace(column, size=size * (radius or 1) if column.turns else size)
     _check_complete(columns, headers, line)
-    unit = columns["v"].unit
-    if radius is not None and (unit is None or unit.kind != "rotation"):
+    if radius is not None and not columns["v"].turns:
         words = f"radius = {float(radius):g} m is for a rotational speed; here v is a speed already"
         raise InputError(f"{line}: {words}")
     kept = ("v", "mu", "sigma_mu", "n") if "mu" in columns else ("v", "F_t", "F_n", "sigma_mu", "sigma_F_t", "n")
@@ -255,7 +258,7 @@ def _check(column: Column, line: str, columns: Mapping[str, Column], radius: Fra
         (not meanings, f"{shown} is no unit {example}; check both"),
         ("v" in meanings and unit is None and column.text.strip("\"' ") not in ("v", ""),  # V may be volts
          "a speed without a unit; write v [m/s], or v [mm/s], whichever it is"),
-        (unit is not None and unit.kind == "rotation" and radius is None,
+        (column.turns and radius is None,
          f"{column.unit_text} is a rotational speed; give the radius of the track in m, like radius=0.03"),
         (len(meanings) > 1, f"this may be {' or '.join(meanings)}; {choice}"),
         (other, f"{twice}; {choice}"),

@@ -185,30 +185,29 @@ def critical(
         return search.proved(within) if search.proof else search.found(within)
 
 
-def excess(
-    points: OperatingPoints, c: float, method: Method | None, rtol: float = _LOOSE, *, by_gap: bool = True
-) -> FloatArray:
+def excess(points: OperatingPoints, c: float, method: Method | None, rtol: float = _LOOSE) -> FloatArray:
     """Return for each operating point a number with the sign of threshold minus c; NaN where there is none.
 
     - `method`: an average, or one that does not converge, has a threshold of its own; the others have one.
-    - `by_gap`: the gap of that one, infinite where a half of its orbit does not come to w = 1, instead of it.
     """
-    if by_gap and (method is None or (method.criterion is None and method.converges)):
-        return np.array([_gap(points, row, c, rtol) for row in range(len(points))])
     deadline.check_time()
     if method is not None and method.criterion is not None:
         return points.N * slope_mean(points.law, method.criterion, points.V) - c
-    found, _ = ask(points, method, rtol)
-    value = np.where(np.isfinite(found.relative_error), found.value, np.nan)
-    for row, refusal in found.refusals.items():
-        if isinstance(refusal, NoThreshold):
-            value[row] = -1.0 - abs(c)  # below c, by an unknown amount
-    off: FloatArray = value - c
+    off = np.full(len(points), np.inf)
+    if method is None or method.converges:
+        off = np.array([_gap(points, row, c, rtol) for row in range(len(points))])
+    rows = np.flatnonzero(np.isinf(off))  # a half of the orbit does not come to w = 1, or is not found
+    if rows.size:
+        found, _ = ask(points.rows(rows), method, rtol)
+        off[rows] = np.where(np.isfinite(found.relative_error), found.value, np.nan) - c
+        for row, refusal in found.refusals.items():
+            if isinstance(refusal, NoThreshold):
+                off[rows[row]] = -1.0  # below c, by an unknown amount
     return off
 
 
 def _gap(points: OperatingPoints, row: int, c: float, rtol: float) -> float:
-    """Return the gap of the grazing orbit at a damping; NaN where it is not known."""
+    """Return the gap of the grazing orbit at a damping, infinite where it has none; NaN where it is not known."""
     deadline.check_time()
     try:
         system = Dimensionless.of(points.law, points.oscillator(row, c))
@@ -253,10 +252,10 @@ class _Search:
             return OperatingPoints.of(self.law, **self.quantities, **{self.of: x})
         return OperatingPoints.of(self.law.bind(**{self.of: x}), **self.quantities)
 
-    def excess(self, x: FloatArray, rtol: float = _LOOSE, *, by_gap: bool = True) -> FloatArray:
+    def excess(self, x: FloatArray, rtol: float = _LOOSE) -> FloatArray:
         """Return threshold minus c, or what has its sign, at values of what is sought; NaN where there is none."""
         points = [self.at(x)] if self.is_quantity else [self.at(float(one)) for one in x]
-        return np.concatenate([[], *(excess(some, self.c, self.method, rtol, by_gap=by_gap) for some in points)])
+        return np.concatenate([[], *(excess(some, self.c, self.method, rtol) for some in points)])
 
     def found(self, within: tuple[float, float] | None) -> tuple[Critical, ...]:
         """Return the critical values, ascending."""
@@ -333,7 +332,10 @@ class _Search:
                 x, off = np.append(x, edges), np.append(off, self.excess(edges))
                 order = np.argsort(np.abs(x))
                 x, off = x[order], off[order]
-            x, off = self._known(x, off)
+        known = ~np.isnan(off)
+        x, off = x[known], off[known]
+        if not x.size:
+            raise NotConverged(f"there is no threshold at any {self.of}; try another method")
         nodes = dict(zip(np.log(np.abs(x)).tolist(), off.tolist(), strict=True))
         places = list(nodes)
         for low, y, high in zip(places, places[1:], places[2:], strict=False):
@@ -346,20 +348,6 @@ class _Search:
         places = sorted(nodes)
         found = sign_changes(fine, places, [nodes[y] for y in places], _CLOSE)
         return [side * math.exp(y) for y in found]
-
-    def _known(self, x: FloatArray, off: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Drop values without excess, also where an infinite gap beside a change of sign is no threshold's."""
-        while True:
-            known = ~np.isnan(off)
-            x, off = x[known], off[known]
-            if not x.size:
-                raise NotConverged(f"there is no threshold at any {self.of}; try another method")
-            changes = np.flatnonzero(off[1:] * off[:-1] < 0)
-            ends = np.union1d(changes, changes + 1)
-            infinite = ends[np.isinf(off[ends])]
-            if not infinite.size:
-                return x, off
-            off[infinite] = self.excess(x[infinite], by_gap=False)
 
     def _edges(self, x: FloatArray, known: BoolArray) -> FloatArray:
         """Return the last values at which motions stay within the measured speeds."""

@@ -60,8 +60,8 @@ class Sampled:
     probability, standard_error : float
         The share of the decided samples, and its standard error.
     undecided : float
-        The share of samples whose threshold could not be told from their damping, or that are no operating point,
-        as where a parameter is negative that may not be.
+        The share of samples whose threshold is not known, or that are no operating point, as where a parameter is
+        negative that may not be.
     """
 
     probability: float
@@ -172,7 +172,7 @@ def margins(
     method, rtol
         As for `critical`.
     samples : int
-        Seeded samples for the probability; each takes a threshold. 0 for none.
+        Seeded samples for the probability; each takes less than a threshold. 0 for none.
     reach : float
         How far changes are looked for: from a value over it to the value times it, above 1. That of c needs no
         search, and is given wherever it lies.

@@ -35,9 +35,9 @@ _AMPLITUDES = sorted(
     | {1 - 10.0**-decade for decade in range(3, 7)}
 )  # graded towards the belt's speed, where laws are steep
 _RTOL = 1e-12  # tolerance of the steps
-_NEUTRAL = 3e-12  # gap below which an orbit is periodic as far as can be told
+_NEUTRAL = 3e-12  # gap below which an orbit is periodic within the errors of the steps
 _CLOSE = 1e-14  # tolerance of an amplitude over the belt's speed
-_STRONGEST = 1e-300  # contraction of a round, or of one backward, that can still be told from 0
+_STRONGEST = 1e-300  # contraction of a round, or of one backward, that is distinguished from 0
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray, IntArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion, harmonic, least_squares
-from stickslip_sym.criteria.gauss import weight_of
 from stickslip_sym.model.at_rest import reals
 from stickslip_sym.model.law import FrictionLaw
 
@@ -184,9 +183,9 @@ def _shares(criterion: Criterion) -> FloatArray:
         return weight * (2 / np.pi) * sine**2
     if criterion == least_squares:  # 1 - s^4 = (1 - s^2)(1 + s^2)
         return weight * 0.625 * sine**3 * (2 - sine**2)
-    m, p, q = sp.symbols("m p q", positive=True)
-    value = function_of([m, p, q], weight_of(criterion, m, p, q), "numpy")
-    shares: FloatArray = weight * value(sine**2, 2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2) * sine
+    p, q = sp.symbols("p q", positive=True)
+    value = function_of([p, q], criterion.from_ends(p, q), "numpy")
+    shares: FloatArray = weight * value(2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2) * sine
     return shares
 
 

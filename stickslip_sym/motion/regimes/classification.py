@@ -1,5 +1,7 @@
 """Which motion an initial condition leads to."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial

@@ -13,16 +13,13 @@ import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 
-__all__ = ["LAST", "NEAREST", "OrbitSigns", "orbit_signs"]
+__all__ = ["OrbitSigns", "orbit_signs"]
 
-NEAREST, LAST = 1e-3, 1 - 1e-6
-"""Amplitudes over the belt's speed, the least and the largest; a smaller cycle shows by the growth at rest."""
+_NEAREST, _LAST = 1e-3, 1 - 1e-6  # amplitudes over the belt's speed; a smaller cycle shows by the growth at rest
 _RANGES = 8  # of amplitude at first; graded towards the belt's speed, where laws are steep
 _SEARCHED = 2  # halvings of a range with a cycle in it, so that no pair of others hides there
 _MOST_HALVINGS = 8
-_BENT = (
-    2.0  # times its second difference, by which a value is far from a level; a parabola comes closer by an eighth
-)
+_BENT = 2.0  # times its second difference, by which a value is far from a level; a parabola comes no closer
 
 Value = Callable[[IntArray, FloatArray], FloatArray]
 """A function of amplitude for each row: of the numbers of rows and the amplitudes over V."""
@@ -32,15 +29,10 @@ Value = Callable[[IntArray, FloatArray], FloatArray]
 class OrbitSigns:
     """What slip orbits do at each level, arrays of shape (rows, levels).
 
-    Attributes
-    ----------
-    cycle, stable : numpy.ndarray of bool
-        Whether there is a limit cycle in pure slip up to the belt's speed, and a stable one.
-    grows : numpy.ndarray of bool
-        Whether the orbits next to the belt's speed grow.
-    open : list of (int, int, float, float)
-        Row and level, and two amplitudes between which it is not known whether the value touches the level: beside
-        a fold.
+    - `cycle`, `stable`: whether there is a limit cycle in pure slip up to the belt's speed, and a stable one.
+    - `grows`: whether the orbits next to the belt's speed grow.
+    - `open`: row and level, and two amplitudes between which it is not known whether the value touches the level:
+      beside a fold.
     """
 
     cycle: BoolArray
@@ -52,14 +44,9 @@ class OrbitSigns:
 def orbit_signs(value: Value, levels: FloatArray, grows_at_rest: BoolArray) -> OrbitSigns:
     """Return where a function of amplitude lies above levels and where below.
 
-    Parameters
-    ----------
-    value : callable
-        The needed damping, or the growth in a round, or any quantity that grows with either.
-    levels : numpy.ndarray, shape (rows, levels)
-        The dampings that there are, or the growth 0.
-    grows_at_rest : numpy.ndarray of bool, shape (rows, levels)
-        Whether the value lies above the level in the limit of small amplitudes.
+    - `value`: the needed damping, or the growth in a round, or any quantity that grows with either.
+    - `levels`: the dampings that there are, or the growth 0, shape (rows, levels).
+    - `grows_at_rest`: whether the value lies above the level in the limit of small amplitudes.
     """
     count = len(levels)
     places = np.arange(_RANGES + 1) / _RANGES
@@ -75,19 +62,18 @@ def orbit_signs(value: Value, levels: FloatArray, grows_at_rest: BoolArray) -> O
         values[:, :-1].ravel(), values[:, 1:].ravel(), bends.ravel(),
     ])  # fmt: skip
     row = np.repeat(np.arange(count), _RANGES)
-    halvings = 0
-    while True:
+    for halvings in range(_MOST_HALVINGS + 1):
         low, high, at_low, at_high, bend = ranges
         least, most = np.minimum(at_low, at_high)[:, None], np.maximum(at_low, at_high)[:, None]
         level, margin = levels[row], _BENT * bend[:, None]
         inside = (least <= level) & (level <= most)
         unsure = ~(inside | (level < least - margin) | (level > most + margin))
+        left = unsure.any(axis=1)
         if halvings >= _SEARCHED:
             np.logical_or.at(cycle, row, inside)
             np.logical_or.at(stable, row, inside & (at_low > at_high)[:, None])
-            left = unsure.any(axis=1)
         else:
-            left = (unsure | inside).any(axis=1)
+            left |= inside.any(axis=1)
         if halvings == _MOST_HALVINGS or not left.any():
             break
         row, (low, high, at_low, at_high, _) = row[left], ranges[:, left]
@@ -96,7 +82,6 @@ def orbit_signs(value: Value, levels: FloatArray, grows_at_rest: BoolArray) -> O
         bend = np.abs(at_low + at_high - 2 * at_middle)
         ranges = np.hstack([[low, middle, at_low, at_middle, bend], [middle, high, at_middle, at_high, bend]])
         row = np.tile(row, 2)
-        halvings += 1
     left_open = [
         (int(row[i]), int(j), float(_amplitude(low[i])), float(_amplitude(high[i])))
         for i, j in zip(*np.nonzero(unsure), strict=True)
@@ -105,4 +90,4 @@ def orbit_signs(value: Value, levels: FloatArray, grows_at_rest: BoolArray) -> O
 
 
 def _amplitude(place: FloatArray) -> FloatArray:
-    return np.asarray(NEAREST + (LAST - NEAREST) * (1 - np.cos(np.pi * place)) / 2)
+    return np.asarray(_NEAREST + (_LAST - _NEAREST) * (1 - np.cos(np.pi * place)) / 2)

@@ -4,7 +4,6 @@ It shares nothing with the package's own integrator but the law's mu(v), and is 
 """
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -78,16 +77,6 @@ def simulate_by_solve_ivp(
             samples = np.array([found.t, *found.y])
             if found.t_events[0].size:
                 samples[2, -1] = osc.V
-            stretches.append(Stretch(phase, samples, _curved(found.sol)))
+            stretches.append(Stretch(phase, samples, found.sol))
         t, x, v = stretches[-1].samples[:, -1].tolist()
     return Trajectory(osc, rtol, tuple(stretches), Outcome.FINISHED)
-
-
-def _curved(
-    solution: Callable[[FloatArray], FloatArray],
-) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
-    def course(times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        x, v = solution(times.ravel())
-        return x.reshape(times.shape), v.reshape(times.shape)
-
-    return course

@@ -171,23 +171,17 @@ def _one(
 
 
 def _course(
-    system: Dimensionless,
-    osc: Oscillator,
-    x_P: float,
-    rtol: float,
-    slip: Slip,
-    begin: float,
-    side: int,
+    system: Dimensionless, osc: Oscillator, x_P: float, rtol: float, slip: Slip, begin: float, side: int,
     t: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Return x and v at times within a slip that began at tau = begin."""
-    tau = np.clip(np.ravel(t) * osc.omega - begin, 0.0, slip.tau)
+) -> FloatArray:  # fmt: skip
+    """Return the rows x and v at times within a slip that began at tau = begin."""
+    tau = np.clip(t * osc.omega - begin, 0.0, slip.tau)
     if slip.steps:
         which = np.searchsorted([step.tau for step in slip.steps[1:]], tau, side="right")
         q, w = system.states(slip.steps, which, tau, side, rtol)
     else:
         q, w = np.full(tau.shape, slip.q), np.full(tau.shape, slip.w)
-    return (x_P + osc.length * q).reshape(np.shape(t)), (osc.V * (1 - side * w)).reshape(np.shape(t))
+    return np.array([x_P + osc.length * q, osc.V * (1 - side * w)])
 
 
 def _at_rest(system: Dimensionless, osc: Oscillator, x_P: float, w: float, x: float) -> float:

@@ -86,12 +86,12 @@ class Stretch:
     """One phase of a motion.
 
     - `samples`: rows of t in s, x in m and v in m/s, at the integrator's steps.
-    - `curve`: x and v as functions of time; without it x is a straight line, as in stick and at rest.
+    - `curve`: the rows x and v at a row of times; without it x is a straight line, as in stick and at rest.
     """
 
     phase: Phase
     samples: FloatArray
-    curve: Callable[[FloatArray], tuple[FloatArray, FloatArray]] | None = None
+    curve: Callable[[FloatArray], FloatArray] | None = None
 
     @property
     def start(self) -> float:
@@ -106,9 +106,11 @@ class Stretch:
     def course(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return x and v at times within."""
         if self.curve is not None:
-            return self.curve(t)
-        times, x, v = self.samples
-        return np.interp(t, times, x), np.interp(t, times, v)
+            x, v = self.curve(np.ravel(t))
+            return x.reshape(np.shape(t)), v.reshape(np.shape(t))
+        times, *state = self.samples
+        x, v = (np.interp(t, times, row) for row in state)
+        return x, v
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -313,7 +315,7 @@ class Trajectory:
         files.write_csv(Path(path), numbers | {"phase": phases})
 
     def plot(self, path: str | Path | None = None, *, since: float | None = None) -> "Figure":
-        """Draw the time history and the phase plane, stick and slip told apart.
+        """Draw the time history and the phase plane, with stick and slip in different styles.
 
         Parameters
         ----------
@@ -328,17 +330,23 @@ class Trajectory:
         figure = Figure(figsize=(8.4, 4.2), layout="constrained")
         panels = figure.subplot_mosaic("xp;vp", width_ratios=(3, 2))
         panels["x"].sharex(panels["v"])
+        begin = float(self.t[0]) if since is None else since
         for phase, style in _STYLES.items():
-            t, x, v = self._drawn(phase, self.t[0] if since is None else since)
-            if t.size:
+            parts = list[FloatArray]()
+            for stretch in self.stretches:
+                if stretch.phase is phase and stretch.end > begin:
+                    t = drawing.dense(np.unique(np.maximum(stretch.samples[0], begin)))
+                    parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]  # a gap between two
+            if parts:
+                t, x, v = np.concatenate(parts, axis=1)
                 panels["x"].plot(t, x, **style)
                 panels["v"].plot(t, v, **style)
                 panels["p"].plot(x, v, label=phase.value, **style)
-        panels["x"].set(ylabel="displacement $x$ (m)")
+        place, speed = "displacement $x$ (m)", "velocity $\\dot x$ (m/s)"
+        for name, labels in {"x": ("", place), "v": ("time $t$ (s)", speed), "p": (place, speed)}.items():
+            panels[name].set(xlabel=labels[0], ylabel=labels[1])
         panels["x"].tick_params(labelbottom=False)
-        panels["v"].set(xlabel="time $t$ (s)", ylabel="velocity $\\dot x$ (m/s)")
         panels["p"].locator_params(axis="x", nbins=5)
-        panels["p"].set(xlabel="displacement $x$ (m)", ylabel="velocity $\\dot x$ (m/s)")
         for panel in panels.values():
             panel.grid(alpha=0.25)
         figure.align_ylabels([panels["x"], panels["v"]])
@@ -347,22 +355,13 @@ class Trajectory:
             drawing.save(figure, Path(path))
         return figure
 
-    def _drawn(self, phase: Phase, since: float) -> FloatArray:
-        """Return t, x and v of all stretches of a phase that end after a time, with NaN between two of them."""
-        parts = [np.empty((3, 0))]
-        for stretch in self.stretches:
-            if stretch.phase is phase and stretch.end > since:
-                t = drawing.dense(np.unique(np.maximum(stretch.samples[0], since)))
-                parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]
-        return np.concatenate(parts, axis=1)
-
 
 _STYLES: dict[Phase, dict[str, Any]] = {
     Phase.STICK: {"color": "black", "linewidth": 2.6},
     Phase.SLIP_BACK: {"color": "tab:blue", "linewidth": 1.1},
     Phase.SLIP_FORWARD: {"color": "tab:orange", "linewidth": 1.4, "linestyle": (0, (3, 1))},
 }
-"""In grey they are told apart by weight and by dashes."""
+"""In grey they differ by weight and by dashes."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -50,16 +50,10 @@ _GUESS = 1e-9  # tolerance of the simulation that says where a proof has to look
 class Computed:
     """What a method says of operating points.
 
-    Attributes
-    ----------
-    value : numpy.ndarray, shape (n,)
-        Thresholds in kg/s; NaN where there is none.
-    relative_error : numpy.ndarray, shape (n,)
-        As far as the method knows it by itself; infinite where it does not.
-    refusals : mapping of int to StickSlipError
-        Why there is no value, or one of a larger error than was asked for, by row.
-    theorems : tuple of Theorem
-        What was proved of each point, if anything was.
+    - `value`: thresholds in kg/s, shape (n,); NaN where there is none.
+    - `relative_error`: as far as the method knows it by itself, shape (n,); infinite where it does not.
+    - `refusals`: why there is no value, or one of a larger error than was asked for, by row.
+    - `theorems`: what was proved of each point, if anything was.
     """
 
     value: FloatArray
@@ -74,7 +68,7 @@ Changes = Callable[[OperatingPoints, FloatArray], Mapping[str, FloatArray]]
 
 @dataclass(frozen=True)
 class Method:
-    """One way to a threshold.
+    """How a threshold is computed, and what that needs and costs.
 
     Attributes
     ----------

@@ -28,17 +28,10 @@ Quantity: TypeAlias = ArrayLike | UFloat | Sequence[UFloat]
 class OperatingPoints:
     """Operating points of one law: flat arrays of one length.
 
-    Attributes
-    ----------
-    law : FrictionLaw
-    columns : mapping of str to numpy.ndarray, shape (n,)
-        V and N in m/s and N; m and k in kg and N/m where they were given.
-    shape : tuple of int
-        That the broadcast arguments had.
-    exact : mapping of str to Fraction
-        What was given as text, exactly.
-    uncertain : mapping of str
-        What carries a standard error, with it: one number for all points, or an array with one for each.
+    - `columns`: V and N in m/s and N; m and k in kg and N/m where they were given.
+    - `shape`: that the broadcast arguments had.
+    - `exact`: what was given as text, exactly.
+    - `uncertain`: what carries a standard error, with it: a number for all points, or an array with one for each.
     """
 
     law: FrictionLaw
@@ -53,11 +46,8 @@ class OperatingPoints:
     ) -> "OperatingPoints":
         """Broadcast V, N, m and k, or take those of an oscillator.
 
-        Raises
-        ------
-        InputError
-            For numbers that are missing, not finite or of the wrong sign, shapes that do not broadcast, only one
-            of m and k, or an oscillator together with numbers.
+        Raises `InputError` for numbers that are missing, not finite or of the wrong sign, shapes that do not
+        broadcast, only one of m and k, or an oscillator together with numbers.
         """
         numbers: dict[str, Any] = {name: value for name, value in values.items() if value is not None}
         if osc is not None:
@@ -143,13 +133,7 @@ class OperatingPoints:
         return Oscillator(c=c, **{name: column[row] for name, column in self.columns.items()})
 
     def shifted(self, by: Mapping[str, float]) -> "OperatingPoints":
-        """Return the points with some quantities and parameters of the law shifted.
-
-        Raises
-        ------
-        InputError
-            If one leaves where it may be.
-        """
+        """Return the points with some quantities and parameters shifted; refuse what leaves where it may be."""
         law = self.law
         parameters = {name: float(law.values[name]) + by[name] for name in law.parameters if name in by}
         moved = {name: column + by.get(name, 0.0) for name, column in self.columns.items()}

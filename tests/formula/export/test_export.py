@@ -162,70 +162,62 @@ def test_zeros():
 # -- code --------------------------------------------------------------------------------------------
 
 
-def in_python(text, names, rows, folder):
-    exec(compile(text, "text", "exec"), module := {})
-    return [[module[name](*row) for row in part] for name, part in zip(names, rows, strict=True)]
-
-
-def in_c(text, names, rows, folder):
-    compiled(text + "\ndouble damping(void) { return 0.0; }\n", folder, 0)
-    library = ctypes.CDLL(str(folder / "damping.so"))
-    values = []
-    for name, part in zip(names, rows, strict=True):
-        function = getattr(library, name)
-        function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * len(part[0])
-        values.append([function(*row) for row in part])
-    return values
-
-
-def in_octave(text, names, rows, folder):
-    (folder / "damping_criteria.m").write_text(text)
-    calls = "criteria = damping_criteria();\n"
-    for name, part in zip(names, rows, strict=True):
-        arrays = ", ".join(str([float(x) for x in column]) for column in zip(*part, strict=True))
-        calls += f'printf("%.17g ", criteria.{name}({arrays})); printf("\\n");\n'
-    (folder / "calls.m").write_text(calls)
-    done = subprocess.run([*OCTAVE, "calls.m"], cwd=folder, capture_output=True, text=True, timeout=60, check=True)
-    return [list(map(float, line.split())) for line in done.stdout.splitlines()]
-
-
+IN_EACH_LANGUAGE = pytest.mark.parametrize(
+    ("language", "program"), [("python", sys.executable), ("c", "gcc"), ("octave", "octave-cli")]
+)
 OCTAVE = ["octave-cli", "--norc", "--quiet"]
-RUN = {"python": (in_python, sys.executable), "c": (in_c, "gcc"), "octave": (in_octave, "octave-cli")}
 
 
-def test_several_criteria_in_one_file(tmp_path):
+def run(language, text, calls, folder):
+    """The values of calls, each a name and numbers, of the functions in a text."""
+    if language == "python":
+        exec(compile(text, "text", "exec"), module := {})
+        return [module[name](*numbers) for name, numbers in calls]
+    if language == "c":
+        compiled(text + "\ndouble damping(void) { return 0.0; }\n", folder, 0)
+        functions = [getattr(ctypes.CDLL(str(folder / "damping.so")), name) for name, _ in calls]
+        for function, (_, numbers) in zip(functions, calls, strict=True):
+            function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * len(numbers)
+        return [function(*numbers) for function, (_, numbers) in zip(functions, calls, strict=True)]
+    (folder / "damping_criteria.m").write_text(text)
+    written = [f"criteria.{name}({', '.join(map(repr, numbers))})" for name, numbers in calls]
+    lines = [f'printf("%.17g\\n", {call});\n' for call in written]
+    (folder / "calls.m").write_text("criteria = damping_criteria();\n" + "".join(lines))
+    done = subprocess.run([*OCTAVE, "calls.m"], cwd=folder, capture_output=True, text=True, timeout=60, check=True)
+    return [float(line) for line in done.stdout.splitlines()]
+
+
+@pytest.mark.parametrize(
+    ("language", "program"), [("python", sys.executable), ("c", "gcc"), ("octave", "octave-cli")]
+)
+def test_several_criteria_in_one_file(language, program, tmp_path):
+    if not shutil.which(program):
+        pytest.skip(f"there is no {program}")
     forms = [form_of(*one) for one in FEW]
-    scenes = [accuracy.samples(form.law, "middle", 3, seed=6) for form in forms]
-    exact = [accuracy.reference(form, columns) for form, columns in zip(forms, scenes, strict=True)]
+    scenes = [accuracy.samples(form.law, "middle", 1, seed=6) for form in forms]
     names = [f"damping_{form.law.name}_{form.criterion.name}" for form in forms]
-    rows = [list(zip(*(columns[key] for key in form.arguments), strict=True))
-            for form, columns in zip(forms, scenes, strict=True)]  # fmt: skip
-    for language, (run, program) in RUN.items():
-        if shutil.which(program):
-            values = run(ss.export_code(forms, language), names, rows, tmp_path)
-            for form, columns, right, got in zip(forms, scenes, exact, values, strict=True):
-                assert accuracy.units(form, columns, np.array(got), right).max() <= MOST_UNITS, (language, form)
+    calls = [(name, [float(scene[key][0]) for key in form.arguments])
+             for name, form, scene in zip(names, forms, scenes, strict=True)]  # fmt: skip
+    values = run(language, ss.export_code(forms, language), calls, tmp_path)
+    for form, scene, value in zip(forms, scenes, values, strict=True):
+        assert accuracy.units(form, scene, np.array([value])).max() <= MOST_UNITS, form
 
 
 ODD = {"np": 0.5, "float": 0.3, "zip": 2.0, "M_PI": 0.2, "NAN": 0.1, "typeof": 0.4, "sum": 0.6, "sum_": 0.7}
 
 
-def test_parameters_may_have_names_that_a_language_keeps(tmp_path):
-    law = ss.FrictionLaw(
-        "np*Abs(v - float) + zip*exp(-v/M_PI) + NAN*v^2 + typeof*v*sum/sum_", parameters=[ss.Parameter("NAN")]
-    )
-    form, scene = ss.derive(law), {"V": 0.5, "N": 2.0} | ODD
-    module = {}
-    exec(form.code("python"), module)
-    assert module["damping"](**scene) == pytest.approx(form(**scene), rel=1e-12)
-    if shutil.which("gcc"):
-        compiled(form.code("c"), tmp_path, 0)
-    if shutil.which("octave-cli"):
-        numbers = ", ".join(str(scene[name]) for name in form.arguments)
-        (tmp_path / "damping.m").write_text(form.code("octave"))
-        command = [*OCTAVE, "--eval", f"printf('%.17g', damping({numbers}))"]
-        said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=True).stdout
-        assert float(said) == pytest.approx(form(**scene), rel=1e-12)
+@pytest.mark.parametrize(
+    ("language", "program"), [("python", sys.executable), ("c", "gcc"), ("octave", "octave-cli")]
+)
+def test_parameters_may_have_names_that_a_language_keeps(language, program, tmp_path):
+    if not shutil.which(program):
+        pytest.skip(f"there is no {program}")
+    formula = "np*Abs(v - float) + zip*exp(-v/M_PI) + NAN*v^2 + typeof*v*sum/sum_"
+    form = ss.derive(ss.FrictionLaw(formula, parameters=[ss.Parameter("NAN")]))
+    forms, scene = [form, form_of("linear", "least_squares")], {"V": 0.5, "N": 2.0} | ODD
+    calls = [("damping_law_1_least_squares", [scene[name] for name in form.arguments])]
+    (value,) = run(language, ss.export_code(forms, language), calls, tmp_path)
+    assert value == pytest.approx(form(**scene), rel=1e-12)
 
 
 def test_code_of_one_form_is_its_own():

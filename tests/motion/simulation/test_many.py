@@ -72,19 +72,3 @@ def test_limits_end_motions_as_they_are(law):
     assert set(bound.outcome) == {ss.Outcome.STEP_LIMIT}
     late = ss.simulate(law, osc, x0=[0.0, 0.2], v0=0.0, t_end=50.0, time_limit=0)
     assert set(late.outcome) == {ss.Outcome.TIME_LIMIT}
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"x0": [0.0, 1.0], "v0": [1.0, 2.0, 3.0]}, "do not go together"),
-        ({"x0": []}, "no initial conditions"),
-        ({"x0": [0.0, np.nan]}, "x0"),
-        ({"x0": [0.0, 1.0], "method": "solve_ivp"}, "one initial condition"),
-        ({"method": "euler"}, "no method 'euler'"),
-        ({"x0": [0.0, 1.0], "workers": 0}, "workers = 0 must be a number of threads"),
-    ],
-)
-def test_what_is_not_taken(law, arguments, message):
-    with pytest.raises(ss.InputError, match=message):
-        ss.simulate(law, paper_oscillator(1.0), t_end=1.0, **arguments)

@@ -38,7 +38,7 @@ def test_the_change_in_a_round_is_that_of_a_linear_oscillator():
 
 
 def test_no_word_says_other_than_classify():
-    """Seeded scenes of every kind, from starts on either side of the belt's speed."""
+    """Seeded operating points of every kind, from initial conditions on either side of the belt's speed."""
     rng, decided = np.random.default_rng(5), []
     for name in ["exponential", "polynomial", "hyperbolic", "coulomb_viscous", "linear"] * 2:
         law = ss.laws.catalogue[name].typical()
@@ -54,7 +54,7 @@ def test_no_word_says_other_than_classify():
 
 
 @pytest.mark.parametrize(
-    ("scene", "start", "expected", "end"),
+    ("point", "initial", "expected", "end"),
     [
         ({"c": 1.0}, {"t_end": 0.05}, Motion.STICK, "stick-slip"),
         ({"c": 1.0}, {"t_end": 0.5}, Motion.UNDECIDED, "stick-slip"),
@@ -66,12 +66,12 @@ def test_no_word_says_other_than_classify():
         ({"c": -50.0}, {"t_end": 100.0}, Motion.UNBOUNDED, None),
     ],
 )
-def test_the_command_says_what_it_is_and_where_it_leads(scene, start, expected, end, run):
-    motion = ss.simulate(ss.laws.exponential.typical(), paper_oscillator(**scene), **start)
+def test_the_command_says_what_it_is_and_where_it_leads(point, initial, expected, end, run):
+    motion = ss.simulate(ss.laws.exponential.typical(), paper_oscillator(**point), **initial)
     assert motion.motion is expected
     assert repr(motion).startswith(f"Trajectory: {expected.value}")
-    options = [word for name, value in scene.items() for word in (f"-{name}", str(value))]
-    options += [f"--{name.replace('_', '-')}={value}" for name, value in start.items()]
+    options = [word for name, value in point.items() for word in (f"-{name}", str(value))]
+    options += [f"--{name.replace('_', '-')}={value}" for name, value in initial.items()]
     code, out, err = run("simulate", "exponential", *options)
     assert (code, err) == (0, "")
     (line,) = re.findall(r"^motion: (.*)$", out, re.M)

@@ -1,0 +1,249 @@
+"""Criteria as text for others: LaTeX documents with limits and verdicts, and code.
+
+Every formula of a document is printed from the expression that is evaluated, and stands once more as exact text in
+a comment.
+"""
+
+import itertools
+import re
+from collections.abc import Iterator, Mapping, Sequence
+
+from stickslip_sym.core import symbols as quantities
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import FUNCTIONS
+from stickslip_sym.formula.closed_form import ClosedForm
+from stickslip_sym.formula.code import writer
+from stickslip_sym.formula.slope_average import SlopeAverage
+from stickslip_sym.formula.zeros import zeros
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.output import printing
+from stickslip_sym.output.abbreviation import equation
+from stickslip_sym.output.layout import LINE, displayed, key, prose, width
+from stickslip_sym.output.notation import check_known, notation_of
+
+__all__ = ["export_code", "export_latex"]
+
+_PREAMBLE = r"""\documentclass[10pt]{article}
+\usepackage[T1]{fontenc}
+\usepackage{lmodern}
+\usepackage{amsmath}
+\usepackage[a4paper,textwidth=120mm,textheight=225mm]{geometry}
+\allowdisplaybreaks
+\begin{document}
+"""
+_FRAGMENT = r"% A fragment for \input; it needs \usepackage{amsmath}." + "\n"
+_TABLE = r"""\begin{center}
+\begin{tabular}{@{}lp{66mm}ll@{}}
+  \hline
+  symbol & meaning & unit & typical value \\
+  \hline
+%s
+  \hline
+\end{tabular}
+\end{center}"""
+_NOTHING = "there is nothing to export; give at least one closed form"
+
+Written = ClosedForm | SlopeAverage
+"""What can be written as code: a closed form, or the fast function of a criterion that has none."""
+
+
+def export_code(forms: Written | Sequence[Written], language: str) -> str:
+    """Return text of a language: one form as ``damping``, several as ``damping_<law>_<criterion>``.
+
+    The text holds the branches of a call and needs nothing of this package. It gives NaN where a call refuses.
+
+    Parameters
+    ----------
+    forms : ClosedForm, SlopeAverage, or a sequence of them
+    language : str
+        "python", "c" (C99 with libm) or "octave" (MATLAB reads it too).
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError
+        If there is no such language, nothing to write, two functions would have one name, or a profile has a shape
+        without a value: bind it first.
+
+    Examples
+    --------
+    >>> from stickslip_sym import derive
+    >>> export_code(derive("0.4 - 0.1*v"), "c").splitlines()[-2]
+    '    return checked(damping_term_0(a), a, "11", HUGE_VAL);'
+    """
+    listed = [forms] if isinstance(forms, Written) else list(forms)
+    if not listed:
+        raise InputError(_NOTHING)
+    if len(listed) == 1:
+        return listed[0].code(language)
+    laws = list(dict.fromkeys(form.law for form in listed))
+    named: dict[str, tuple[SlopeAverage, str]] = {}
+    for form in sorted(listed, key=lambda form: laws.index(form.law)):
+        label = re.sub(r"\W+", "_", form.law.name or "", flags=re.ASCII).strip("_")
+        name = f"damping_{label or f'law_{laws.index(form.law) + 1}'}_{form.criterion.label}"
+        if name in named:
+            raise InputError(f"two of the forms would both be called {name}; give the laws different names")
+        named[name] = form.average if isinstance(form, ClosedForm) else form, repr(form)
+    return writer.code(named, language)
+
+
+def export_latex(
+    forms: ClosedForm | Sequence[ClosedForm],
+    *,
+    symbols: Mapping[str, str] | None = None,
+    fragment: bool = False,
+    steps: bool = False,
+    missing: Sequence[tuple[FrictionLaw, str, str]] = (),
+) -> str:
+    r"""Return a LaTeX document about closed forms, or a fragment for ``\input``.
+
+    For each law: its formula, a table of symbols with units, and for each criterion the formula, numbered and
+    labelled ``eq:<law>-<criterion>``, its limits for low and high belt speeds, where it vanishes, and how it was
+    verified. Formulas are broken to fit a text of 120 mm; each stands as exact text in a comment beside it.
+
+    Parameters
+    ----------
+    forms : ClosedForm or sequence of ClosedForm
+    symbols : mapping of str to str, optional
+        Names and the LaTeX that they shall be printed as, e.g. ``{"V": "v_b", "alpha": r"\beta"}``.
+    fragment : bool
+        Leave out the preamble and the headings.
+    steps : bool
+        Print every step of the derivations.
+    missing : sequence of (FrictionLaw, str, str)
+        Laws, criteria that have no closed form for them, and why; the document says so.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError
+        For symbols that cannot be used, or a law of measured points, which has no formula to print.
+    """
+    listed = [forms] if isinstance(forms, ClosedForm) else list(forms)
+    if not listed:
+        raise InputError(_NOTHING)
+    laws, given = dict.fromkeys(form.law for form in listed), symbols or {}
+    every = ["mu", *quantities.QUANTITIES]
+    check_known(given, [*every, *(name for law in laws for name in law.parameters)])
+    if any(law.curve is not None for law in laws):
+        raise InputError(
+            "a law of measured points has no formula to print; export it as --json, --python, --c or --octave"
+        )
+    parts, marks = [_FRAGMENT if fragment else _PREAMBLE + _introduction(notation_of(every, given))], set[str]()
+    for law in laws:
+        plain = key(law.name)
+        numbered = (plain if n == 1 else f"{plain}-{n}" for n in itertools.count(1))
+        mark = next(label for label in numbered if label not in marks)
+        marks.add(mark)
+        names = notation_of([*every, *law.parameters], given)
+        heading = f"The law \\texttt{{{prose(law.name)}}}" if law.name else "The law"
+        chapter = [] if fragment else [f"\\section{{{heading}}}"]
+        chapter += _about(law, mark, names)
+        for form in listed:
+            if form.law == law:
+                chapter += _criterion(form, mark, names, steps)
+        chapter += [
+            f"For the {prose(criterion.replace('_', '-'))} criterion no closed form was found; its value by "
+            f"quadrature serves.\n% {' '.join(reason.split())}"
+            for other, criterion, reason in missing
+            if other == law
+        ]
+        parts.append("\n\n".join(chapter) + "\n")
+    return "\n".join(parts) + ("" if fragment else "\n\\end{document}\n")
+
+
+def _introduction(n: Mapping[str, str]) -> str:
+    return (
+        f"\\noindent A mass ${n['m']}$ on a spring ${n['k']}$ and a damper ${n['c']}$ is pressed "
+        f"by the force ${n['N']}$ on a belt of speed ${n['V']}$:\n\\begin{{equation*}}\n"
+        f"  {n['m']} \\ddot{{{n['x']}}} + {n['c']} \\dot{{{n['x']}}} + {n['k']} {n['x']} = "
+        f"{n['N']} {n['mu']}({n['V']} - \\dot{{{n['x']}}})\n\\end{{equation*}}\n"
+        f"Each criterion says how large ${n['c']}$ must be so that the mass does not stick and slip.\n"
+    )
+
+
+def _about(law: FrictionLaw, mark: str, names: Mapping[str, str]) -> Iterator[str]:
+    """Give the formula of a law, its source and validity, and a table of its symbols."""
+    yield (
+        f"The coefficient of friction at the slip speed ${names['v']}$ is\n% exact: mu(v) = {law.text}\n"
+        + displayed(f"{names['mu']}({names['v']})", printing.latex(law.expr, names), label=f"eq:{mark}-law")
+    )
+    texts = {"Source": law.source, "Validity": law.validity}
+    if any(texts.values()):
+        yield "\n".join(f"{word}: {prose(text, names)}." for word, text in texts.items() if text)
+    known = {name: quantities.QUANTITIES[name] for name in "cNVv"}
+    rows = [(name, quantity.meaning, quantity.unit, "") for name, quantity in known.items()]
+    rows += [(p.name, p.meaning, p.unit or "", p.typical or "") for p in law.parameters.values()]
+    cells = [(f"${names[name]}$", _meaning(meaning, names), _unit(unit), typical and f"${typical}$")
+             for name, meaning, unit, typical in rows]  # fmt: skip
+    lines = [f"  {' & '.join(row)} \\\\" for row in cells]
+    yield _TABLE % "\n".join(lines)
+
+
+def _meaning(text: str, names: Mapping[str, str]) -> str:
+    before, found, after = text.replace("|x' - V|", "|V - x'|").partition("|V - x'|")
+    speed = f"$|{names['V']} - \\dot{{{names['x']}}}|$" if found else ""
+    return f"\\raggedright {prose(before, names)}{speed}{prose(after, names)}"
+
+
+def _unit(text: str) -> str:
+    """Return a unit upright, its powers raised."""
+    raised = re.sub(r"\^(.)", r"^{\1}", text).replace("*", r"\,")
+    return f"$\\mathrm{{{raised}}}$" if text else ""
+
+
+def _criterion(form: ClosedForm, mark: str, names: dict[str, str], steps: bool) -> Iterator[str]:
+    criterion = form.criterion
+    source = f" ({prose(criterion.source, {'V': names['V']})})" if criterion.source else ""
+    label = f"eq:{mark}-{criterion.label}"
+    lines = [
+        f"The {prose(criterion.name.replace('_', '-'))} criterion{source} is",
+        f"% exact: c = {printing.text(form.expr)}",
+        equation(names["c"], form.expr, names, label=label),
+    ]
+    lines += [f"Here {row.meaning}." for row in FUNCTIONS.values() if row.meaning and form.expr.has(row.kind)]
+    lines += [*_ends(form, names), _zeros(form, names)]
+    lines.append(f"Verification: {form.verdict.status.value}; {prose(form.verdict.evidence)}.")
+    yield "\n".join(lines)
+    if steps:
+        yield form.derivation.latex(names, heading=f"Derivation of (\\ref{{{label}}})")
+
+
+def _ends(form: ClosedForm, names: Mapping[str, str]) -> Iterator[str]:
+    for where, value in (("0", form.limits.at_rest), ("\\infty", form.limits.far)):
+        place = f"${names['V']} \\to {where}$"
+        if value is None:
+            yield f"Its limit for {place} was not found."
+        else:
+            grows = value.has(quantities.V)
+            said = _stated(names["c"], value, names, r"\sim" if grows else r"\to")
+            yield f"For {place} it {'grows as' if grows else 'tends to'} {said}"
+
+
+def _stated(left: str, value: Expr, names: Mapping[str, str], relation: str) -> str:
+    """Return the end of a sentence: a relation in the line, or displayed where it is long."""
+    text = printing.latex(value, names, inline=True)
+    if width(text) < LINE / 3:
+        return f"${text}$." if relation == r"\to" else f"${left} {relation} {text}$."
+    return "\n" + displayed(left, printing.latex(value, names), relation=relation)
+
+
+def _zeros(form: ClosedForm, names: Mapping[str, str]) -> str:
+    found, V = zeros(form), names["V"]
+    if found.everywhere:
+        return "It is $0$ at all belt speeds."
+    if found.formula is not None:
+        return f"It vanishes at the transition speed {_stated(V, found.formula, names, '=')}"
+    if found.values is None:
+        return "No formula was found for its zeros, the transition speeds of the undamped oscillator."
+    if not found.values:
+        return "For the typical values no zero of it, that is, no transition speed without damping, was found."
+    values = " and ".join(f"${V} = {value:.6g}$\\,m/s" for value in found.values)
+    return f"For the typical values it vanishes at {values}; no formula for this is known here."

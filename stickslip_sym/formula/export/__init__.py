@@ -1,1 +1,0 @@
-"""Criteria as documents: LaTeX with limits and verdicts, and files of code."""
