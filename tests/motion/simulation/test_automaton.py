@@ -13,7 +13,6 @@ from scenes import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Outcome, Phase
-from stickslip_sym.motion.simulation.trajectory import EventKind
 
 SAMPLE = list(motions.scenes(8, seed=6))
 IMPLICIT = 1e-7  # of w between the steps of the implicit method, whose interpolant is of order 3
@@ -155,14 +154,6 @@ def test_a_motion_that_comes_to_where_mu_has_no_value_is_kept():
     assert "beyond a slip speed of 2 V" in motion.note
     assert motion.v[-1] == pytest.approx(-0.5, abs=1e-9)
     assert motion.at(motion.t[-1] / 2).v < 0.5
-
-
-def test_a_start_beyond_the_static_limit_slips_at_once():
-    law = ss.laws.exponential.typical()
-    osc = paper_oscillator(1.0)
-    for x0, begins in ((0.2, Phase.SLIP_BACK), (-0.2, Phase.SLIP_FORWARD), (0.01, Phase.STICK)):
-        first = ss.simulate(law, osc, t_end=0.1, x0=x0).events[0]
-        assert (first.begins, first.kind) == (begins, EventKind.START)
 
 
 def test_numbers_may_be_written_as_text():

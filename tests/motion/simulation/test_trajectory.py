@@ -9,7 +9,7 @@ import pytest
 from scenes import paper_oscillator
 
 import stickslip_sym as ss
-from stickslip_sym import Outcome, Phase
+from stickslip_sym import Phase
 from stickslip_sym.motion.simulation.trajectory import EventKind, State
 
 
@@ -129,12 +129,3 @@ def test_pictures_that_cannot_be(motion, tmp_path, monkeypatch):
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(ss.InputError, match=r"pip install 'stickslip_sym\[plot\]'"):
         motion.plot()
-
-
-def test_a_motion_cut_short_can_be_used(tmp_path):
-    motion = ss.simulate(ss.FrictionLaw("0.3"), paper_oscillator(0.0), t_end=9.0, x0=0.2, v0=0.0, max_steps=1)
-    assert motion.outcome is Outcome.STEP_LIMIT
-    assert 0 < motion.t[-1] < 1
-    motion.to_csv(tmp_path / "short.csv")
-    with pytest.raises(ss.InputError, match=r"computed from 0 s to .* \(step limit\)"):
-        motion.at(5.0)
