@@ -19,7 +19,7 @@ from stickslip_sym.motion.maps.cells import Reason
 
 LAW = ss.laws.exponential.typical()
 PLANE = {"x": ("V", np.linspace(0.2, 0.8, 7)), "y": ("c", np.linspace(0.5, 6, 12)), "N": 9.81, "m": 1, "k": 100}
-STARTS = {"x0": np.linspace(-0.3, 0.3, 5), "v0": np.linspace(-0.4, 0.8, 4)}
+BOX = {"x0": np.linspace(-0.3, 0.3, 5), "v0": np.linspace(-0.4, 0.8, 4)}
 
 
 class AnyWire(Executor):
@@ -98,7 +98,7 @@ def test_processes_that_die_are_an_error():
 
 @pytest.mark.parametrize("draw", [
     lambda **options: ss.motion_map(LAW, **PLANE, **options),
-    lambda **options: ss.basin_map(LAW, ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81), **STARTS, **options),
+    lambda **options: ss.basin_map(LAW, ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81), **BOX, **options),
 ])  # fmt: skip
 def test_time_and_interruption_leave_cells_undecided(draw, monkeypatch):
     monkeypatch.setattr("stickslip_sym.motion.maps.basins._TOGETHER", 7)

@@ -225,7 +225,7 @@ def test_positive_damping_bounds_every_motion():
     assert ss.classify(law, osc, x0=0.3, v0=1.5) is Motion.UNDECIDED
 
 
-def test_rest_is_a_start_too(law):
+def test_rest_is_an_initial_condition_too(law):
     for c, expected in ((5.0, Motion.REST), (1.0, Motion.UNDECIDED)):
         osc = paper_oscillator(c)
         assert ss.classify(law, osc, x0=ss.regime(law, osc).rest.x, v0=0.0) is expected
