@@ -81,6 +81,7 @@ _SMALL = 0.01  # states below count as that large in an error: less than order 1
 _ROWS = 8  # of the extrapolation
 _AMPLIFIED = 4e3  # their rounding errors by it, the sum of its weights
 _ULP = 2.0**-52
+_GUESSES = 20  # steps of Newton's method, after which a bracket is halved
 _OFF = 1e-9  # of tau, over which a straight line is off by less than rounding
 
 _A: tuple[tuple[float, ...], ...] = tuple(map(tuple, DOP853.A.tolist()))
@@ -309,8 +310,10 @@ def _located(
         length += (end - begin) * part * (1.0 - part) * ((1.0 - part) / by - part / by_end)
     low, high = 0.0, h
     q_now, w_now, r_now, D_now, error = q, w, r, 0.0, 0.0
+    guesses = 0
     while True:
-        if not low < length < high:
+        guesses += 1
+        if guesses > _GUESSES or not low < length < high:  # where mu is steep Newton's method may creep
             length = 0.5 * (low + high)
         q_now, w_now, r_now, D_now, error = stepped(kind, law, system, q, w, r, length, rtol, wedge)
         value, bend = r_now if turns else w_now - level, _bend(law, system, w_now, r_now)

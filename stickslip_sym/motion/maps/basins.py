@@ -174,6 +174,14 @@ def basin_map(
         For an unusable value, law or `workers`.
     NotConverged
         If the attractors are not found, or every initial condition fails.
+
+    Examples
+    --------
+    >>> from stickslip_sym import Motion, Oscillator, basin_map, laws
+    >>> law, osc = laws.exponential.typical(), Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)
+    >>> found = basin_map(law, osc, x0=[-0.1, 0.0, 0.1], v0=[-0.5, 0.0, 0.5])
+    >>> f"{found.share[Motion.REST].value:.6f} of the box come to rest"
+    '0.223441 of the box come to rest'
     """
     law = as_law(law)
     rtol = read_rtol(rtol)

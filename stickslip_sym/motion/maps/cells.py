@@ -13,7 +13,7 @@ belt each round, since damping and friction bring those far out back in.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from functools import cache
 from typing import Any, NamedTuple
@@ -77,45 +77,33 @@ class Line(NamedTuple):
     c: FloatArray
 
 
-@dataclass
-class Cells:
+class Cells(NamedTuple):
     """What is known of the cells of a line; arrays are of the shape of its dampings.
 
-    Attributes
-    ----------
-    motion, reason : numpy.ndarray of Motion, and of Reason
-    attractors : dict of numpy.ndarray of bool
-        By the names in `ATTRACTORS`.
-    thresholds : dict of numpy.ndarray
-        In kg/s, by the names in `CURVES`, a row for each oscillator; NaN where one was not found.
-    notes : dict of (int, int) to str
-        Why a cell failed or stayed undecided.
+    - `motion`, `reason`: arrays of `Motion` and of `Reason`.
+    - `attractors`: whether there are those of each kind, by the names in `ATTRACTORS`.
+    - `thresholds`: in kg/s, by the names in `CURVES`, a row for each oscillator; NaN where one was not found.
+    - `notes`: why a cell failed or stayed undecided.
     """
 
     motion: ObjectArray
     reason: ObjectArray
     attractors: dict[str, BoolArray]
     thresholds: dict[str, FloatArray]
-    notes: dict[tuple[int, int], str]
+    notes: dict[tuple[int, ...], str]
 
     @classmethod
     def failed(cls, shape: tuple[int, ...], error: StickSlipError) -> "Cells":
         """Return cells of which no more is known than why."""
-        cells = cls(
-            np.empty(shape, dtype=object), np.empty(shape, dtype=object),
+        return cls(
+            np.full(shape, Motion.UNDECIDED), np.full(shape, _reason(error)),
             {kind.name: np.zeros(shape, dtype=bool) for kind in ATTRACTORS},
-            dict.fromkeys(CURVES, np.full((shape[0], 1), math.nan)), {},
+            dict.fromkeys(CURVES, np.full((shape[0], 1), math.nan)), dict.fromkeys(np.ndindex(shape), str(error)),
         )  # fmt: skip
-        for place in np.ndindex(shape):
-            cells.set_undecided(place, Reason.TIME if isinstance(error, OutOfTime) else Reason.FAILED, str(error))
-        return cells
 
-    def set_undecided(self, place: tuple[int, ...], reason: Reason, why: str) -> None:
-        """Leave a cell undecided."""
-        i, j = place
-        self.motion[i, j], self.reason[i, j], self.notes[i, j] = Motion.UNDECIDED, reason, why
-        for exists in self.attractors.values():
-            exists[i, j] = False
+
+def _reason(error: StickSlipError) -> Reason:
+    return Reason.TIME if isinstance(error, OutOfTime) else Reason.FAILED
 
 
 def decide(law: FrictionLaw, rtol: float, lines: Sequence[Line]) -> list[Cells]:
@@ -194,10 +182,10 @@ class _Decider:
         cycle, stable = self._slip_cycles(near, known, margin)
         signs = Signs(rest=rest, falls=stable, returns=returns, held=held)
         motion, reason = np.full(zeta.shape, Motion.REST), np.full(zeta.shape, Reason.BETWEEN)
-        for some, what in ((returns | cycle, Motion.PURE_SLIP), (returns & held, Motion.STICK_SLIP)):
-            motion[some] = what
-        for some, why in ((~returns & rest & ~cycle, Reason.ABOVE), (returns & ~rest & ~cycle, Reason.BELOW)):
-            reason[some] = why
+        motion[returns | cycle] = Motion.PURE_SLIP
+        motion[returns & held] = Motion.STICK_SLIP
+        reason[~returns & rest & ~cycle] = Reason.ABOVE
+        reason[returns & ~rest & ~cycle] = Reason.BELOW
         motion[near], reason[near] = Motion.UNDECIDED, Reason.TOLERANCE
         curves = equilibrium * self.ratio, self._least_squares(), exact * self.ratio
         cells = Cells(
@@ -302,24 +290,20 @@ class _Decider:
 
     def _follow(self, cells: Cells, i: int, j: int) -> None:
         """Decide one cell by following motions."""
-        osc, rtol = (
-            replace(self.line.oscillators[i], c=float(self.line.c[i, j])),
-            max(self.rtol * _FINER, _TIGHTEST),
-        )
-        cells.reason[i, j] = Reason.SIMULATED
+        osc = replace(self.line.oscillators[i], c=float(self.line.c[i, j]))
+        rtol = max(self.rtol * _FINER, _TIGHTEST)
+        reason, motion, found, why = Reason.SIMULATED, Motion.UNDECIDED, None, ""
         try:
             check_time()
             found = regime(self.law, osc, rtol=rtol)
             check_time()  # what is named undecided for want of time is no boundary
-            motion = classify(self.law, osc, rtol=rtol)
-        except OutOfTime as error:
-            cells.set_undecided((i, j), Reason.TIME, str(error))
+            motion, why = classify(self.law, osc, rtol=rtol), "; ".join(found.undecided)
+            if motion is Motion.UNDECIDED and not why:
+                why = "the initial condition is within tolerance of a separatrix"
         except StickSlipError as error:
-            cells.set_undecided((i, j), Reason.FAILED, str(error))
-        else:
-            cells.motion[i, j] = motion
-            for kind in ATTRACTORS:
-                cells.attractors[kind.name][i, j] = bool(kind.of(found))
-            if found.undecided or motion is Motion.UNDECIDED:
-                why = found.undecided or ["the initial condition is within tolerance of a separatrix"]
-                cells.set_undecided((i, j), Reason.SIMULATED, "; ".join(why))
+            reason, why = _reason(error), str(error)
+        cells.motion[i, j], cells.reason[i, j] = Motion.UNDECIDED if why else motion, reason
+        for kind in ATTRACTORS:
+            cells.attractors[kind.name][i, j] = not why and bool(kind.of(found))
+        if why:
+            cells.notes[i, j] = why

@@ -57,8 +57,7 @@ class MotionMap(Table):
         How each cell was decided.
     thresholds : dict of numpy.ndarray
         "equilibrium", "least_squares" and "exact", in kg/s. They broadcast with the cells: where c is an axis,
-        each is a curve. Negative where a smooth law's motions need energy fed in; NaN where a threshold was not
-        found, and, for a law that is not smooth, where no c >= 0 is the exact one.
+        each is a curve. Negative where motions need energy fed in; NaN where a threshold was not found.
     notes : dict of (int, int) to str
         By row and column, why a cell failed or was not decided.
     interrupted : bool

@@ -153,6 +153,14 @@ def basin_sweep(
         When the bound on the work is reached.
     OutOfTime
         When the time limit is reached.
+
+    Examples
+    --------
+    >>> from stickslip_sym import Oscillator, basin_sweep, laws
+    >>> law, osc = laws.exponential.typical(), Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)
+    >>> found = basin_sweep(law, osc, ("c", [1.5, 2.3, 3.0]), x0=(-0.1, 0.1), v0=(-0.5, 0.5))
+    >>> [f"{change.kind} {change.value:.6f}" for change in found.changes]
+    ['Hopf 1.970016', 'graze 2.573079']
     """
     law = as_law(law)
     axis = read_axis(law, "over", over)

@@ -23,7 +23,7 @@ from stickslip_sym.motion.regimes.regime import by_side, regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions
 from stickslip_sym.motion.slip import End, Slip
 
-__all__ = ["classify", "classify_all", "followed"]
+__all__ = ["classify", "followed"]
 
 _MANY = (
     1000  # initial conditions, from which on finding the separatrices takes less time than following all of them
@@ -98,33 +98,20 @@ def classify(
     >>> [motion.name for motion in ss.classify(ss.laws.exponential.typical(), osc, x0=[-0.1, 0.0], v0=0.0)]
     ['STICK_SLIP', 'REST']
     """
-    law = as_law(law)
+    law, rtol = as_law(law), read_rtol(rtol)
+    x, v = read_initial_conditions(x0, osc.V if v0 is None else v0)
+    found = np.full(x.shape, None, dtype=object)
     with deadline.time_limit(time_limit):
         deadline.check_time()  # what is kept from earlier calls may need no look at the time
-        found = classify_all(law, osc, x0, osc.V if v0 is None else v0, rtol=read_rtol(rtol), workers=workers)
+        if x.size >= _MANY:
+            with suppress(StickSlipError):  # where the phase plane is not known, some motions may be decided yet
+                found = by_side(regime(law, osc, rtol=rtol), x, v)
+        left = ~found.astype(bool)
+        found[left] = followed(law, osc, x[left], v[left], rtol=rtol, workers=workers)
     for one in found.flat:
         if isinstance(one, StickSlipError):
             raise one
     return found if found.ndim else found.item()
-
-
-def classify_all(
-    law: FrictionLaw, osc: Oscillator, x0: ArrayLike, v0: ArrayLike, *, rtol: float, workers: int = 1
-) -> ObjectArray:
-    """Return what each initial condition leads to, or in its place the error that kept it from being known.
-
-    Of many, those are followed that geometry does not settle.
-
-    Raises `InputError` for an unbound law, or initial conditions that do not broadcast.
-    """
-    x, v = read_initial_conditions(x0, v0)
-    found = np.full(x.shape, None, dtype=object)
-    if x.size >= _MANY:
-        with suppress(StickSlipError):  # where the phase plane is not known, some motions may be decided yet
-            found = by_side(regime(law, osc, rtol=rtol), x, v)
-    left = ~found.astype(bool)
-    found[left] = followed(law, osc, x[left], v[left], rtol=rtol, workers=workers)
-    return found
 
 
 def followed(

@@ -47,14 +47,12 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "belt speed": {"color": "black", "linewidth": 0.8, "linestyle": ":", "zorder": 0},
 }
 _PARTS = {
-    "height": "whether the slip from P returns, and stick-slip",
-    "stick_slip": "whether the slip from P returns, and stick-slip",
-    "slip_cycles": "the limit cycles in pure slip",
-    "growth": "the limit cycles in pure slip",
-    "overtaking": "limit cycles that overtake the belt",
-    "separatrices": "separatrices",
+    "whether the slip from P returns, and stick-slip": ("height", "stick_slip"),
+    "the limit cycles in pure slip": ("slip_cycles", "growth"),
+    "limit cycles that overtake the belt": ("overtaking",),
+    "separatrices": ("separatrices",),
 }
-"""What a regime needs of the phase plane, in the order in which it is looked for, and its name in words."""
+"""What a regime needs of the phase plane, in the order in which it is looked for, in words and by name."""
 
 
 @dataclass(frozen=True)
@@ -204,6 +202,13 @@ def regime(
         For an unbound law or an unusable tolerance.
     NotConverged
         When the bound on the work is reached.
+
+    Examples
+    --------
+    >>> from stickslip_sym import Oscillator, laws, regime
+    >>> print(regime(laws.exponential.typical(), Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)))
+    rest at x = 0.0261867 m
+    stick-slip of period 0.631968 s, of which stick 0.0453196 s
     """
     law = as_law(law)
     rtol = read_rtol(rtol)
@@ -235,13 +240,12 @@ def by_side(found: Regime, x0: FloatArray, v0: FloatArray) -> ObjectArray:
 def _found(plane: PhasePlane) -> Regime:
     """Return what is found until the time is up: then every later part is left out, and named."""
     law, osc, system = plane.law, plane.oscillator, plane.system
-    parts, late = dict[str, Any](), list[str]()
-    for name, words in _PARTS.items():
+    parts, undecided = dict[str, Any](), list[str]()
+    for words, names in _PARTS.items():
         try:
-            parts[name] = getattr(plane, name)
+            parts |= {name: getattr(plane, name) for name in names}
         except OutOfTime:
-            late.append(f"{words}: not found within the time limit")
-    undecided = list(dict.fromkeys(late))
+            undecided.append(f"{words}: not found within the time limit")
     rest, height, growth = _rest(plane), parts.get("height", 1.0), parts.get("growth", ())
     cycles, separatrices = parts.get("slip_cycles", ()), parts.get("separatrices", ())
     cycle, overtaking = parts.get("stick_slip"), parts.get("overtaking")
@@ -264,17 +268,9 @@ def _found(plane: PhasePlane) -> Regime:
         if len(separatrices) < len(basins) - 1 or (grazes and not separatrices[-1].ends_on_belt):
             basins = None
     return Regime(
-        rest=rest,
-        stick_slip=cycle,
-        cycles=(*cycles, *([overtaking] if overtaking else [])),
-        separatrices=separatrices,
-        basins=basins,
-        unbounded=plane.unbounded,
-        undecided=tuple(undecided),
-        law=law,
-        oscillator=osc,
-        rtol=plane.rtol,
-    )
+        rest, cycle, (*cycles, *([overtaking] if overtaking else [])), separatrices, basins, plane.unbounded,
+        tuple(undecided), law, osc, plane.rtol,
+    )  # fmt: skip
 
 
 def _rest(plane: PhasePlane) -> Rest:

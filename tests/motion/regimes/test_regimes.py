@@ -45,17 +45,12 @@ def test_the_attractors_of_the_papers_laws(name, c, expected, separatrices):
     assert str(found).count("\n") == len(expected) - 1
 
 
-@pytest.mark.parametrize("side", [-1, 1])
-@pytest.mark.parametrize("step", [1e-3, 1e-9])
-def test_both_sides_of_the_threshold(law, step, side):
+def test_both_sides_of_the_threshold_and_the_threshold_itself(law):
     threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-13).value
-    found = ss.classify(law, paper_oscillator(threshold * (1 + side * step)), rtol=1e-12)
     above = Motion.PURE_SLIP if law.name == "polynomial" else Motion.REST
-    assert found is (Motion.STICK_SLIP if side < 0 else above)
-
-
-def test_on_the_threshold_it_says_so(law):
-    threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-13).value
+    for step in (1e-3, 1e-9):
+        found = [ss.classify(law, paper_oscillator(threshold * (1 + off)), rtol=1e-12) for off in (-step, step)]
+        assert found == [Motion.STICK_SLIP, above]
     assert ss.classify(law, paper_oscillator(threshold)) is Motion.UNDECIDED
     assert "grazes" in ss.regime(law, paper_oscillator(threshold)).undecided[0]
 
@@ -77,25 +72,25 @@ def by_simulation(law, osc, x0, v0, periods=150):
     return Motion.REST if np.max(np.abs(motion.v[late])) < 0.02 * osc.V else Motion.PURE_SLIP
 
 
-def starts_and_scenes():
-    """Seeded, with dampings away from the boundaries, so that 150 periods settle the motion."""
-    rng = np.random.default_rng(6)
-    exponential, polynomial = (ss.laws.catalogue[name].typical() for name in ("exponential", "polynomial"))
-    dampings = [
-        (exponential, (1.0, 2.2, 3.0)), (polynomial, (2.0, 3.15, 4.0)), (KINKED, (2.0, 3.0, 4.5)),
-        (STATIC, (1.5, 2.7, 4.0)), (SMOOTHED, (1.0, 3.0)),
-    ]  # fmt: skip
-    for law, values in dampings:
-        for c in values:
-            start = rng.uniform(-0.1, 0.15), rng.uniform(-0.6, 1.0)
-            marks = () if c == values[1] else pytest.mark.thorough
-            yield pytest.param(law, c, *start, id=f"{law.text[:12]}, {c}", marks=marks)
+SETTLED = [
+    (ss.laws.exponential.typical(), (1.0, 2.2, 3.0)), (ss.laws.polynomial.typical(), (2.0, 3.15, 4.0)),
+    (KINKED, (2.0, 3.0, 4.5)), (STATIC, (1.5, 2.7, 4.0)), (SMOOTHED, (1.0, 3.0)),
+]  # fmt: skip
+"""Dampings away from the boundaries, so that 150 periods settle the motion."""
 
 
-@pytest.mark.parametrize(("law", "c", "x0", "v0"), list(starts_and_scenes()))
-def test_classification_is_what_a_simulation_comes_to(law, c, x0, v0):
+@pytest.mark.parametrize(
+    ("law", "c"),
+    [
+        pytest.param(law, c, marks=[pytest.mark.thorough] * (place != 1), id=f"{law.text[:12]}, {c}")
+        for law, values in SETTLED
+        for place, c in enumerate(values)
+    ],
+)
+def test_classification_is_what_a_simulation_comes_to(law, c):
     osc = paper_oscillator(c)
-    assert ss.classify(law, osc, x0=x0, v0=v0) is by_simulation(law, osc, x0, v0)
+    for x0, v0 in np.random.default_rng(6).uniform((-0.1, -0.6), (0.15, 1.0), (2, 2)):
+        assert ss.classify(law, osc, x0=x0, v0=v0) is by_simulation(law, osc, x0, v0)
 
 
 @pytest.mark.parametrize(
@@ -263,3 +258,34 @@ def test_orbits_that_neither_grow_nor_shrink_are_separated_by_nothing():
     assert found.stick_slip is not None
     assert "slip orbits neither grow nor shrink" in found.undecided
     assert found.separatrices == ()
+
+
+# -- slow belts: every law is a straight line there, whatever digits mu(0+) and mu(V) have in common --------------
+
+SLOPED = [name for name, law in ss.laws.catalogue.items() if law.typical().slope(0.0) < 0]
+SLOW = (1e-8, 1e-12)  # m/s
+CASES = [pytest.param(name, marks=() if name == "exponential" else pytest.mark.thorough) for name in SLOPED]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_slow_belt_sees_the_slope_at_rest(name):
+    """What a cycle differs from that of the straight line falls with V, as the curvature of mu does."""
+    law = ss.laws.catalogue[name].typical()
+    slope = law.slope(0.0)
+    line = ss.FrictionLaw("mu_0 - a*v").bind(mu_0=law.mu(0.0), a=-slope)
+    least = -9.81 * slope
+
+    def deviation(V):
+        cycle, expected = (ss.stick_slip_cycle(one, paper_oscillator(0.95 * least, V=V)) for one in (law, line))
+        return abs(cycle.slip_time / expected.slip_time - 1)
+
+    curved = deviation(SLOW[0]) / SLOW[0]
+    assert curved * SLOW[0] < 0.01
+    for V in SLOW:
+        assert deviation(V) <= 1.5 * curved * V + 1e-11
+        assert ss.pure_slip_damping(law, V=V, m=1.0, k=100.0, N=9.81).value == pytest.approx(least, rel=1e4 * V)
+        for c, motion in ((0.95 * least, ss.Motion.STICK_SLIP), (1.05 * least, ss.Motion.REST)):
+            assert ss.classify(law, paper_oscillator(c, V=V)) is motion
+            regime = ss.regime(law, paper_oscillator(c, V=V), time_limit=20)
+            assert not regime.undecided
+            assert (regime.stick_slip is not None) == (motion is ss.Motion.STICK_SLIP)
