@@ -71,22 +71,6 @@ def check_slope_average():
         assert sp.integrate(criterion.weight, (s, -1, 1)) == 1
 
 
-def check_gauss_substitution():
-    s, phi = symbols.s, sp.Symbol("phi")
-    for criterion in (ss.criteria.least_squares, ss.criteria.harmonic):
-        weight, slope = (
-            sp.lambdify(symbols.s, part, "mpmath") for part in (criterion.weight, sp.exp(-3 * (1 + s)))
-        )
-
-        def angle(p, weight=weight, slope=slope):
-            place = -mpmath.cos(2 * p)
-            return weight(place) * slope(place) * 4 * mpmath.sin(p) * mpmath.cos(p)
-
-        plain = mpmath.quad(lambda x, w=weight, g=slope: w(x) * g(x), [-1, 0, 1])
-        assert mpmath.almosteq(mpmath.quad(angle, [0, mpmath.pi / 2]), plain, 1e-10)
-    assert sp.diff(-sp.cos(2 * phi), phi).equals(4 * sp.sin(phi) * sp.cos(phi))
-
-
 def check_lienard():
     """Differentiate the equation of motion once; time in 1/omega, z = x'/V."""
     m, k, c, N, V, tau = sp.symbols("m k c N V tau", positive=True)
@@ -168,8 +152,6 @@ CHECKS = {
     "dr/dp = dw'/dp - D/r,    dgap/dp = (dr_f/dp)/r_f - (dr_b/dp)/r_b.": check_gap,
     "c = N <-mu'(V(1 + s))>_w = -N * integral_{-1}^{1} w(s) mu'(V(1 + s)) ds,    integral of w = 1.":
         check_slope_average,
-    "c = -N * integral_0^(pi/2) w(s) mu'(v) 4 sin(phi) cos(phi) dphi,    s = -cos(2 phi),":
-        check_gauss_substitution,
     "z'' + (d - g(z)) z' + z = 0,    g(z) = -N mu'(V(1 - z))/sqrt(k m),    d = c/sqrt(k m).": check_lienard,
     "z'' + (d - g(z)) z' + z = 0,    d = c/sqrt(k m).": check_lienard,
     "q' = 1 - side w,    w' = eta (side mu_static - mu(V w)) + side q - 2 zeta w.": check_rates,
