@@ -75,9 +75,16 @@ class Criterion:
         return sp.Integer(0) if k % 2 else sp.catalan(k // 2) / sp.Integer(4) ** (k // 2)
 
     @lru_cache(maxsize=256)  # noqa: B019  # criteria are few, and kept
-    def mean_power(self, k: int) -> Expr:
-        """Return the mean of (1 + s)^k, exact."""
-        return sp.Add(*[sp.binomial(k, j) * self.moment(j) for j in range(k + 1)])
+    def mean_power(self, k: int | Expr) -> Expr:
+        """Return the mean of (1 + s)^k, exact, where it is finite."""
+        if self.weight is None:
+            return sp.S.One
+        if self.is_polynomial:
+            return sp.Add(*[c * 2 ** (j + k + 1) / (j + k + 1) for (j,), c in self.from_rest.terms()])
+        # 4/pi B(3/2, 3/2) = 1/2 at k = 0
+        return (
+            2 ** (k + 3) / sp.pi * sp.gamma(k + sp.Rational(3, 2)) * sp.gamma(sp.Rational(3, 2)) / sp.gamma(k + 3)
+        )
 
     @property
     def label(self) -> str:

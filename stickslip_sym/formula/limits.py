@@ -33,7 +33,7 @@ class Limits:
     Attributes
     ----------
     at_rest : sympy.Expr or None
-        Its limit as V falls to 0; None where it was not found.
+        Its limit as V falls to 0, or its leading term there if that has V in it; None where it was not found.
     far : sympy.Expr or None
         Its limit as V grows, or its leading term there if that has V in it; None where it was not found.
     """
@@ -45,35 +45,60 @@ class Limits:
 def limits_of(averages: Iterable[tuple[Term, Average]], mu: Expr) -> Limits:
     """Return the limits of a criterion of mu(v) for low and for high belt speeds, each a sum over the terms."""
     V = symbols.V
-    sums: list[Expr | None] = [sp.S.Zero, sp.S.Zero]
+    ends: tuple[list[Expr | None], list[Expr | None]] = ([], [])
     for term, average in averages:
         share = -symbols.N * term.amplitude / term.scale
         # With V for v, which is positive where the slip speed may be 0: only then SymPy knows that exp(-v) falls.
         slope = average.slope.xreplace({symbols.v: V})
-        for i, limit in enumerate((_slope_at_rest(slope), _slope_far(slope, average.criterion))):
-            total = sums[i]
-            sums[i] = None if limit is None or total is None else total + share * term.in_parameters(limit)
-    low, high = sums
-    if high is not None and high.has(V):  # the part that grows most
-        powers = sp.Poly(sp.expand(high), V)
-        high = sp.factor(powers.LC()) * V ** powers.degree()
+        for found, end in ((_at_rest, ends[0]), (_far, ends[1])):
+            limit = found(slope, average.criterion)
+            end.append(None if limit is None else share * term.in_parameters(limit))
+    low, high = (_leading(end, sign) for end, sign in zip(ends, (-1, 1), strict=True))
     return Limits(*(None if total is None else tidy(total, mu, V) for total in (low, high)))
 
 
+def _leading(limits: list[Expr | None], sign: int) -> Expr | None:
+    """Return the sum of those limits of terms that grow most, as V grows or, with -1, falls; None if it is 0."""
+    if None in limits:
+        return None
+    parts = [part for limit in limits for part in sp.Add.make_args(sp.expand(limit))]
+    powers = {part: part.as_coeff_exponent(symbols.V)[1] for part in parts}
+    tops = [p for p in set(powers.values()) if all((sign * (p - q)).is_nonnegative for q in powers.values())]
+    if len(tops) != 1:
+        return sp.S.Zero if not parts else None
+    total = sp.Add(*[part for part in parts if powers[part] == tops[0]])
+    if tops[0] == 0:
+        return total if total in (sp.oo, -sp.oo) or not total.has(sp.oo, sp.nan) else None
+    strength = sp.factor(total / symbols.V ** tops[0])
+    return None if strength == 0 else strength * symbols.V ** tops[0]  # what is less grows then, and is not known
+
+
 @lru_cache(maxsize=256)
-def _slope_at_rest(slope: Expr) -> Expr | None:
-    """Return the limit of a slope g'(V) as V falls to 0."""
+def _at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
+    """Return the limit of the average of a slope g'(V), or its leading term, as V falls to 0."""
+    V = symbols.V
     if slope.has(sp.Piecewise):
         return None  # its first piece may end at 0
-    roots = [power for power in slope.atoms(sp.Pow) if power.base.subs(symbols.V, 0) == 0]
-    value = slope.subs(symbols.V, 0)  # what is finite there is continuous
-    if all(power.exp.is_nonnegative for power in roots) and not value.has(sp.zoo, sp.nan, sp.oo):
+    monomials = [term.as_coeff_exponent(V) for term in sp.Add.make_args(sp.expand(slope))]
+    poles = [(c, p) for c, p in monomials if not c.has(V) and p.is_negative]
+    rest = sp.expand(slope) - sp.Add(*[c * V**p for c, p in poles]) if poles else slope
+    value = rest.subs(V, 0)  # what is finite there is continuous
+    roots = [power for power in rest.atoms(sp.Pow) if power.base.subs(V, 0) == 0]
+    finite = all(power.exp.is_nonnegative for power in roots) and not value.has(sp.zoo, sp.nan, sp.oo)
+    if not poles and not finite:
+        limit = search.limit(slope, V, sp.S.Zero, _SECONDS)
+        # The average is infinite too where no part of the weight is negative.
+        changes = criterion.is_polynomial and any(0 < p < 2 for p in criterion.from_rest.real_roots())
+        return None if changes and limit in (sp.oo, -sp.oo) else limit
+    if not poles:
         return value
-    return search.limit(slope, symbols.V, sp.S.Zero, _SECONDS)
+    (c, p), *others = poles
+    integrable = (p + criterion.order_at_rest + 1).is_positive is not False or criterion.weight is None
+    return c * criterion.mean_power(p) * V**p if finite and integrable and not others else None
 
 
 @lru_cache(maxsize=256)
-def _slope_far(slope: Expr, criterion: Criterion) -> Expr | None:
+def _far(slope: Expr, criterion: Criterion) -> Expr | None:
     """Return the limit of the average of a slope, or its leading term, as V grows."""
     V = symbols.V
     terms = sp.Add.make_args(sp.expand(slope))

@@ -64,6 +64,7 @@ def test_a_call_without_time_is_given_up(name):
 
 
 def test_nothing_is_claimed_without_time():
+    LAW = ss.laws.exponential.typical(alpha=3.125)  # of which nothing is kept from other tests
     study = CALLS["study"](LAW, OSC, 0)
     assert study.headline.startswith("Whether there is stick-slip")
     assert study.verdict.startswith("The motions were not found") or "Undecided" in study.verdict

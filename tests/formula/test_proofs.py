@@ -210,6 +210,25 @@ def test_a_limit_by_rules_is_right_or_not_given(text):
             assert abs(got - sp.N(expected, 30)) <= sp.Rational(1, 10**10) * (abs(sp.N(expected, 30)) + 1)
 
 
+@pytest.mark.parametrize("criterion", ["equilibrium", "least_squares", "harmonic"])
+@pytest.mark.parametrize(
+    "text",
+    ["0.5 - a*sqrt(v)", "0.4 + b*log(v)", "a*v^2 + b*sqrt(v) - d*v", "a*v^(-1/4)", "0.5 - a*sqrt(v) - b*v^0.25",
+     "0.5 - a*v^0.7*exp(-v/b)", "a*sqrt(v) - a*sqrt(v)*exp(-v)", "a*v^3 - b*v^2"],
+)  # fmt: skip
+def test_what_grows_at_rest_has_a_leading_term_there(text, criterion):
+    """As the form itself at a belt speed near 0; a limit that is not given is not wrong."""
+    form = ss.derive(ss.FrictionLaw(text), criterion)
+    if (limit := form.limits.at_rest) is None:
+        assert text.count("sqrt") == 2 or "exp" in text
+        return
+    values = dict.fromkeys(form.law.parameters, "0.7")
+    point = {form.arguments[name]: sp.Rational(value) for name, value in values.items()} | {symbols.N: 2}
+    near = form.evaluate(20, V="1e-60", N=2, **values)
+    stated = sp.N(limit.subs(point).subs(symbols.V, sp.Rational(1, 10**60)), 20)
+    assert abs(near - mpmath.mpf(str(stated))) <= mpmath.mpf("1e-8") * abs(near) + mpmath.mpf("1e-50")
+
+
 @pytest.mark.parametrize("name", ["exponential", "polynomial"])
 def test_a_document_says_which_limit_is_which(name):
     """The sentences are read back, and their values compared with the criterion far out to that side."""

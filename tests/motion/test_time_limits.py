@@ -91,10 +91,10 @@ def test_every_call_ends_soon_after_its_time_limit(call, seconds):
         if call != "simulation"
         else ss.laws.catalogue["arcsinh"].typical()
     )
-    for _ in range(2):  # what is compiled once for an installation counts in no limit
+    for c in (1.0, 1.01):  # what is compiled once for an installation counts in no limit
         begin = time.process_time()
         try:
-            found = CALLS[call](law, paper_oscillator(1.0), time_limit=seconds)
+            found = CALLS[call](law, paper_oscillator(c), time_limit=seconds)
         except (ss.OutOfTime, ss.NotConverged) as error:
             found = str(error)
     assert time.process_time() - begin < 5 * (1 + seconds)  # one where nothing else runs; far less than all of it

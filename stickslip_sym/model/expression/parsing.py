@@ -294,7 +294,7 @@ class _Parser:
     def nested(self, token: _Token, read: Callable[[], Expr]) -> Expr:
         self.depth += 1
         if self.depth > _MAX_DEPTH:
-            self.fail(token, f"more than {_MAX_DEPTH} parentheses and powers in each other")
+            self.fail(token, f"more than {_MAX_DEPTH} nested parentheses and powers")
         result = read()
         self.depth -= 1
         return result
