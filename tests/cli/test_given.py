@@ -133,7 +133,8 @@ REFUSED = [
 @pytest.mark.parametrize(("line", "message"), REFUSED, ids=[line for line, _ in REFUSED])
 def test_bad_input_is_a_line_on_stderr(line, message, run, tmp_path):
     files = {
-        "disc.csv": POINTS, "bad.toml": "speed = 1\n", "broken.toml": "V: 1\n", "number.toml": "law = 3\n", "ok.toml": 'law = "linear"\n',
+        "disc.csv": POINTS, "bad.toml": "speed = 1\n", "broken.toml": "V: 1\n", "number.toml": "law = 3\n",
+        "ok.toml": 'law = "linear"\n',
     }  # fmt: skip
     for name, text in files.items():
         (tmp_path / name).write_text(text)
