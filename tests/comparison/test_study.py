@@ -255,6 +255,7 @@ def test_the_headline_is_a_decision(c, words):
     study = ss.study(ss.laws.linear.typical(), ss.Oscillator(m=1, k=100, c=c, V=0.5, N=9.81), defaults=["m"])
     assert study.headline.startswith(words)
     assert "m = 1 kg (default)" in str(study)
+    assert ", N = 9.81 N, m = 1 kg (default), k = 100 N/m. Motions come to " in repr(study)
 
 
 @pytest.mark.parametrize(
@@ -281,6 +282,14 @@ def test_parts_that_take_too_long_are_named(monkeypatch):
     text = "".join(check_well_formed(page).itertext())
     assert "The margins could not be computed: the time limit was reached" in text
     assert "There is no threshold here" in text
+
+
+def test_motions_beyond_the_measured_speeds_are_refused_once(tmp_path):
+    (tmp_path / "disc.csv").write_text("v,mu\n0,0.5\n0.3,0.4\n0.6,0.32\n1.02,0.3\n")
+    law = ss.FrictionLaw.from_csv(tmp_path / "disc.csv")
+    study = ss.study(law, ss.Oscillator(m=1, k=100, c=0.1, V=0.5, N=9.81))
+    assert study.regime is None
+    assert str(study).count("the law is measured up to") == 1
 
 
 def test_without_friction_no_change_reaches_the_threshold(monkeypatch):

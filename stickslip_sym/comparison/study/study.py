@@ -210,7 +210,8 @@ class Study:
         if self.nearest is not None:
             change = f"{100 * self.nearest.change:+.3g} % in {self.nearest.name}"
             found.append(f"The smallest change of one quantity that reaches the threshold is {change}.")
-        return found + [f"The {part} could not be computed: {why}." for part, why in self.refused.items()]
+        others = {part: why for part, why in self.refused.items() if part != "motions"}  # those the verdict has
+        return found + [f"The {part} could not be computed: {why}." for part, why in others.items()]
 
     def value(self, name: str) -> float:
         """Return the value of a quantity or a parameter in SI units."""
@@ -283,7 +284,8 @@ class Study:
         return "\n".join([*(f"warning: {text}" for text in self.warnings), headline, point, *others])
 
     def __repr__(self) -> str:
-        return f"Study: {' '.join(str(self).splitlines())}"
+        sentences = (f"{line.removesuffix('.')}." for line in str(self).splitlines())
+        return f"Study: {' '.join(sentences)}"
 
 
 def _rounded(value: float, error: float | None) -> str:
