@@ -119,6 +119,8 @@ def _toml(file: Path) -> dict[str, Any]:
         raise InputError(
             f"{file}: there is no {min(unknown)}; a point has law, {', '.join(known)} and [parameters]"
         )
+    if not isinstance(law := content.get("law", ""), str):
+        raise InputError(f'{file}: law = {law} is no text; write law = "NAME", or a formula in v')
     if not isinstance(content.get("parameters", {}), dict):
         raise InputError(
             f"{file}: parameters are a table: write [parameters] and lines such as alpha = 3 below it"

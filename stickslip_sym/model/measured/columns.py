@@ -249,13 +249,14 @@ def _check(column: Column, line: str, columns: Mapping[str, Column], radius: Fra
     """Refuse a column that is understood for its unit, for two meanings, or as another one holds the same."""
     unit, meanings, shown = column.unit, column.possible, _quoted(column.unit_text)
     example = _EXAMPLES[KINDS[column.meanings[0]][0]]
-    choice = _choice((meanings or column.meanings)[0], column.text)
+    fitting = [name for name, kinds in KINDS.items() if unit is not None and unit.kind in kinds]
+    choice = _choice((meanings or fitting or column.meanings)[0], column.text)
     other = columns.get(meanings[0]) if meanings else None
     twice = f"column {other.position + 1}, {_quoted(other.text)}, is {meanings[0]} too" if other else ""
     _refuse(
         f"{line}, column {column.position + 1}, {_quoted(column.text)}",
         (column.unit_text and unit is None, f"the unit {shown} is not known here; write one {example}"),
-        (not meanings, f"{shown} is no unit {example}; check both"),
+        (not meanings, f"{shown} is no unit {example}; check both, or {choice}"),
         ("v" in meanings and unit is None and column.text.strip("\"' ") not in ("v", ""),  # V may be volts
          "a speed without a unit; write v [m/s], or v [mm/s], whichever it is"),
         (column.turns and radius is None,

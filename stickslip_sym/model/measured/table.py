@@ -157,7 +157,8 @@ def _text(path: Path) -> str:
     for encoding in encodings:
         with suppress(UnicodeDecodeError):
             return content.decode(encoding, "replace" if encoding == "cp1252" else "strict")
-    raise InputError(f"{str(path)!r} is not a text file of columns")
+    reason = ": it holds null bytes" if b"\0" in content else ""
+    raise InputError(f"{str(path)!r} is not a text file of columns{reason}")
 
 
 def _cells(line: str, separator: str) -> list[str]:

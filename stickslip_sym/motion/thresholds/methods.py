@@ -6,7 +6,7 @@ Every criterion is a method: an average of the falling slope. A further method i
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import FloatArray, ObjectArray
+from stickslip_sym.core.aliases import FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
@@ -39,10 +39,7 @@ _REFERENCE = 1e-8  # relative error of the threshold from which the error of an 
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
-_FEW, _BENT = (
-    64,
-    0.3,
-)  # of an expansion, and its distortion, up to which collocation is faster than steps
+_FEW, _BENT = 64, 0.3  # phases of an expansion, and its distortion, up to which collocation is faster than steps
 _GUESS = 1e-9  # tolerance of the simulation that says where a proof has to look
 
 
@@ -185,7 +182,9 @@ def good_enough(points: OperatingPoints, method: Method | None, rtol: float) -> 
     if method is not None:
         method.check(points.law, points.V, points.has_oscillator)
     found, names = ask(points, method, rtol)
-    far = np.flatnonzero(~(found.relative_error <= rtol))
+    far: IntArray = np.flatnonzero(~(found.relative_error <= rtol))
+    if method is None and np.isfinite(found.relative_error[far]).any():
+        found, far = _proved(points, found, names, far, rtol)
     if not far.size:
         return found, names
     lacking = far[~np.isfinite(found.value[far])]
@@ -237,6 +236,27 @@ def ask(points: OperatingPoints, method: Method | None, rtol: float) -> tuple[Co
             name[rows[closer]] = one.name
             refusals |= {int(rows[row]): refusal for row, refusal in found.refusals.items()}
     return Computed(value, error, refusals), name
+
+
+def _proved(
+    points: OperatingPoints, found: Computed, names: ObjectArray, far: IntArray, rtol: float
+) -> tuple[Computed, IntArray]:
+    """Return the thresholds with proofs of those whose errors are finite and too large, and the rows still far.
+
+    Time stepping in double precision has an end; a proof takes a hundred times as long, and has any digits.
+    """
+    proof, theorems = methods()["proof"], found.theorems
+    for row in far[np.isfinite(found.relative_error[far])].tolist():
+        try:
+            one = proof.compute(points.rows(np.array([row])), rtol)
+        except OutOfTime as stop:
+            best = _so_far(found.value[row], found.relative_error[row], points.label(row))
+            raise OutOfTime(f"{stop}{best}") from None
+        except NO_RESULT:
+            continue
+        found.value[row], found.relative_error[row], names[row] = one.value[0], one.relative_error[0], "proof"
+        theorems = one.theorems if len(points) == 1 else ()  # of an array, only where every value has one
+    return replace(found, theorems=theorems), far[~(found.relative_error[far] <= rtol)]
 
 
 def accuracy(error: float | None) -> str:

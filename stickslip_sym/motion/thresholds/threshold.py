@@ -244,10 +244,10 @@ def pure_slip_damping(
         mu is a straight line, which all methods treat exactly.
     method : str, Criterion or Method
         "auto" asks one method after another, the cheapest there first, and gives the first value that knows its
-        own error to be at most `rtol`: "second_order", "simulation" or "orbit". Without m and k it gives
-        "harmonic", the limit of weak friction. Otherwise one method: "equilibrium", "least_squares", "harmonic",
-        "second_order", "orbit", "simulation", the average by a criterion of one's own, or "proof", which encloses
-        the threshold, with every error bounded.
+        own error to be at most `rtol`: "second_order", "simulation" or "orbit", and "proof" for what these have no
+        digits for. Without m and k it gives "harmonic", the limit of weak friction. Otherwise one method:
+        "equilibrium", "least_squares", "harmonic", "second_order", "orbit", "simulation", the average by a
+        criterion of one's own, or "proof", which encloses the threshold, with every error bounded.
     rtol : float, optional
         Relative error that is good enough, 1e-13 to 1; for "simulation" at most 1e-3; for "proof" 1e-40 to 1e-3.
         If not given 1e-3, or with "auto" a tenth of the relative standard error that the parameters give c, if

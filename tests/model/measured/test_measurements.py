@@ -307,6 +307,8 @@ REFUSED = {
     "v,mu\n": "has no points below line 1",
     "v [furlong/s],mu\n1,2\n": r"line 1, column 1, 'v \[furlong/s\]': the unit 'furlong/s' is not known",
     "v [N],mu\n1,2\n": "column 1.*'N' is no unit of a speed",
+    "n (rpm),mu\n1,2\n": r"'rpm' is no unit of a pure number, like 1 or -; .*columns={'v': 'n \(rpm\)'}",
+    "v,mu\n1,2\0\n": "is not a text file of columns: it holds null bytes",
     "v,mu [%]\n1,2\n": "column 2.*the unit '%' is not known here; write one of a pure number",
     "V,mu\n1,2\n": r"column 1, 'V': a speed without a unit; write v \[m/s\]",
     "v,mu,COF\n1,2,3\n": "line 1, column 3, 'COF': column 2, 'mu', is mu too",

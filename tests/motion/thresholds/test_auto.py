@@ -76,6 +76,21 @@ def test_the_error_of_the_last_secant_is_stated():
         assert abs(found.value / exact - 1) <= found.relative_error <= rtol
 
 
+def test_what_has_no_digits_left_is_proved():
+    """Weak friction, of which time stepping has too few digits: nothing is refused that a proof answers."""
+    law, rng, proved = ss.laws.brown_mcphee.typical(), np.random.default_rng(3), 0
+    for _ in range(4):
+        V, eta = rng.uniform(0.6, 1.0), 10 ** rng.uniform(-3.5, -2.5)
+        point = {"V": V, "N": 10 * eta * V, "m": 1.0, "k": 100.0}
+        found = ss.pure_slip_damping(law, **point, rtol=2e-11)
+        sure = ss.pure_slip_damping(law, **point, method="proof", rtol=1e-13)
+        assert found.relative_error <= 2e-11
+        assert abs(found.value / sure.value - 1) <= found.relative_error + 1e-13
+        proved += found.method == "proof"
+        assert (found.method == "proof") == (found.status is ss.Status.PROVED) == (found.enclosure is not None)
+    assert proved
+
+
 def test_auto_gives_the_first_value_that_is_good_enough():
     """Asked one by one in the order of their costs, no method before it knows its error to be within rtol."""
     last = Counter()
