@@ -248,7 +248,7 @@ def certain_value(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[Mpf, Mpf]:
     known = {symbol: from_mpmath(*_integral(node.subs(values))) for node, symbol in outer.items()}
     expr = expr.xreplace(outer).xreplace(values)
     if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
-        raise NotFinite(f"it is {expr}")
+        raise NotFinite("a function has no value there" if expr is sp.nan else f"it is {expr}")
     for bits in _PRECISIONS:
         with working_precision(bits):
             try:
