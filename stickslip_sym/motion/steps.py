@@ -363,7 +363,7 @@ def follow(
     system = (eta, push, side, damping)
     steps = [(0.0, 0.0, 0.0, 0.0, 0.0, 0, 0)]
     steps.pop()
-    tau, count, held, kind, h = 0.0, 0, 0, EXPLICIT, 0.0
+    tau, count, held, kind, h, again = 0.0, 0, 0, EXPLICIT, 0.0, False
     q_least, q_most, w_least, w_most = q, q, w, w
     segments = len(firsts) - 1
     farthest = levels[segments]
@@ -415,8 +415,9 @@ def follow(
             end = _HORIZON if tau >= horizon else _STEPS
             break
 
-        # The kind of the step: implicit where stability holds explicit ones short.
-        if abs(eta) * steepest + abs(damping) > _STIFF:
+        # The kind of the step: implicit where stability holds explicit ones short. A step that is taken again is
+        # held short by accuracy, as where mu is singular.
+        if not again and abs(eta) * steepest + abs(damping) > _STIFF:
             decay = eta * slope_at(law, w) + damping
             if kind == IMPLICIT and decay <= _STIFF / 3.0:  # less, so that the method does not change to and fro
                 kind, held, length = EXPLICIT, 0, rtol**0.125 / max(1.0, abs(r))
@@ -430,7 +431,8 @@ def follow(
         wedge = (wanted, D, source)
         q_now, w_now, r_now, D_now, error = stepped(kind, law, system, q, w, r, h, rtol, wedge)
         shortest = _SHORTEST * max(tau, 1.0)
-        if not error < 1.0:
+        again = not error < 1.0
+        if again:
             if h <= shortest:
                 end = _FAILED
             length = h * max(0.2, 0.9 * error**-0.125 if error < math.inf else 0.0)
@@ -457,6 +459,7 @@ def follow(
             event, w_now = _LEVEL, target
         if event != _OPEN and not error < 1.0 and taken > shortest:
             length = 0.5 * taken  # as where mu is singular at the level: its step is taken in shorter ones
+            again = True
             continue
 
         if recorded:

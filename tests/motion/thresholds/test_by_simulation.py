@@ -20,6 +20,8 @@ STEEP = {
     "layer": (ss.FrictionLaw("0.2+0.1*exp(-v/0.01)", static="0.4"), {"V": 0.1}, 3.692056429),
     "polynomial": (POLYNOMIAL, {"N": 1e4}, 3374.977777),
     "root": (ROOT, {}, 0.832662017),
+    "root, loaded": (ROOT, {"N": 500.0}, 38.8216104753),
+    "root, heavily loaded": (ROOT, {"N": 1e3}, 72.8108848633),
 }
 
 
