@@ -57,6 +57,11 @@ def run(given: Given) -> None:
         at = points(given, c="0", law=laws[0])
         fits = fitted(given["fit"], laws, given)
         at = [replace(one, law=fits.best.law) for one in at]
+    stems = [one.file.stem for one in at if one.file is not None]
+    if twice := sorted({stem for stem in stems if stems.count(stem) > 1}):
+        raise InputError(
+            f"several files of values are called {twice[0]!r}, and so would be their pages; rename one"
+        )
     contents = []
     for one in at:
         suffix = f"-{one.file.stem}" if len(at) > 1 and one.file is not None else ""

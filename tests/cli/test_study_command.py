@@ -102,3 +102,14 @@ def test_without_a_browser_nothing_is_computed(tmp_path, run, monkeypatch):
     assert (code, out) == (2, "")
     assert "a PDF needs chromium or chrome" in err
     assert not list(tmp_path.iterdir())
+
+
+def test_pages_of_files_of_one_name_are_refused(tmp_path, run):
+    """One would be written over the other."""
+    (tmp_path / "q").mkdir()
+    for place in ("one.toml", "q/one.toml"):
+        (tmp_path / place).write_text("V = 0.5\n")
+    code, out, err = run("study", "exponential", "-c", "1", "--point", "one.toml", "--point", "q/one.toml")
+    assert (code, out) == (2, "")
+    assert "several files of values are called 'one'" in err
+    assert not list(tmp_path.glob("*.html"))
