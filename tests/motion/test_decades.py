@@ -51,8 +51,8 @@ def test_a_cycle_too_small_to_be_found_is_named():
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a signal cannot be sent to one process there")
 def test_control_c_ends_a_long_map_at_once():
-    ss.motion_map(ss.laws.tanh.typical(), x=("V", [0.3]), y=("c", [1.0]), N=9.81, m=1, k=100)  # is compiled then
-    with started("map", "tanh", "--x", "V=0.1:1:300", "--y", "c=1:50:3300", "--workers", "2") as process:
+    ss.motion_map(ss.laws.tanh.typical(), x=("V", [0.3]), y=("N", [9.81]), c=1, m=1, k=100)  # is compiled then
+    with started("map", "tanh", "--x", "V=0.1:1:300", "--y", "N=1:50:999", "-c", "1", "--workers", "2") as process:
         time.sleep(4)
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=20)
