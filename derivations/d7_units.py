@@ -21,7 +21,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     """Prove the unit of (16), for any law, and of the closed forms (17), (18) and of the equilibrium."""
     printed = paper.equations(replaced)
     damping = parse_unit(QUANTITIES["c"].unit)
-    scene = {QUANTITIES[name].symbol: QUANTITIES[name].unit for name in ("V", "N")}
+    point = {QUANTITIES[name].symbol: QUANTITIES[name].unit for name in ("V", "N")}
     d = Derivation("units", "Every criterion is a damping coefficient, in kg/s")
 
     # A law for a speed in m/s is a function of the pure number v/v_0, whatever the speed v_0 is.
@@ -30,7 +30,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     d.equal(
         "(16) for any law",
         "mu is a function of v/v_0; the variable of integration is a speed too",
-        with_units(any_law, scene | {v_0: "m/s"}),
+        with_units(any_law, point | {v_0: "m/s"}),
         any_law * damping,
         by=ChangeOfVariable(u, s, s * parse_unit("m/s")),
     )
@@ -46,6 +46,6 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     }
     for name, (expr, law) in formulas.items():
         parameters = {p.symbol: p.unit for p in law.parameters.values() if p.unit}
-        listed = ", ".join(f"{symbol} in {unit}" for symbol, unit in (scene | parameters).items() if unit != "1")
-        d.equal(name, listed, with_units(expr, scene | parameters), expr * damping, label=name, shown=c)
+        listed = ", ".join(f"{symbol} in {unit}" for symbol, unit in (point | parameters).items() if unit != "1")
+        d.equal(name, listed, with_units(expr, point | parameters), expr * damping, label=name, shown=c)
     return d

@@ -17,7 +17,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 from many_digits import exact_return
-from scenes import paper_oscillator
+from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 

@@ -2,7 +2,7 @@
 
 Run ``python tests/benchmarks/measure_accuracy.py [COUNT] [LAW ...]``.
 
-In units of epsilon N <|mu'|>, at seeded scenes whose criterion is computed with at least 70 digits. COUNT scenes
+In units of epsilon N <|mu'|>, at seeded points whose criterion is computed with at least 70 digits. COUNT points
 in each regime, 10000 if not given; laws whose special functions take milliseconds a value get fewer, as printed.
 """
 
@@ -39,7 +39,7 @@ def main(count, names):
 
 
 def measured(form, regime, count):
-    """Return the largest error and the number of scenes."""
+    """Return the largest error and the number of operating points."""
     start = time.perf_counter()
     accuracy.reference(form, accuracy.samples(form.law, regime, 10, seed=0))
     each = (time.perf_counter() - start) / 10

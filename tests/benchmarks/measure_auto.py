@@ -2,7 +2,7 @@
 
 Run ``python tests/benchmarks/measure_auto.py [COUNT] [SEED]``; COUNT is 500 if not given.
 
-In each scene, of a law of the catalogue with random parameters and with V, N, m, k and rtol over decades, every
+In each point, of a law of the catalogue with random parameters and with V, N, m, k and rtol over decades, every
 method is asked by name for a threshold good to rtol, its error included, and so is "auto". The time is that of the
 processor, the least of several; the error is the true one, against the grazing orbit to 1e-12, else a proof.
 
@@ -35,15 +35,15 @@ RANGES = {"V": (-2, 0.5), "N": (-1, 2), "m": (-2, 2), "k": (0, 5)}
 TOLERANCES = (-10, -0.5)
 
 
-def scenes(count, seed):
-    """Yield laws, scenes and tolerances; what friction does to the orbit runs over many decades."""
+def points(count, seed):
+    """Yield laws, operating points and tolerances; what friction does to the orbit runs over many decades."""
     rng = np.random.default_rng(seed)
     names = sorted(ss.laws.catalogue)
     for number in range(count):
         law = ss.laws.catalogue[names[number % len(names)]].typical()
         values = {name: float(value) * 10 ** rng.uniform(-0.1, 0.1) for name, value in law.values.items()}
-        scene = {name: 10 ** rng.uniform(*ends) for name, ends in RANGES.items()}
-        yield law.bind(**values), scene, 10 ** rng.uniform(*TOLERANCES)
+        point = {name: 10 ** rng.uniform(*ends) for name, ends in RANGES.items()}
+        yield law.bind(**values), point, 10 ** rng.uniform(*TOLERANCES)
 
 
 def timed(compute):
@@ -73,26 +73,26 @@ def at_most(seconds):
         signal.setitimer(signal.ITIMER_REAL, 0)
 
 
-def truth(law, scene):
+def truth(law, point):
     """Return the threshold; None where there is none, or it is not known well enough."""
     for method, rtol in (("orbit", EXACT), ("proof", 1e-11)):
         try:
             with at_most(LONGEST):
-                found = ss.pure_slip_damping(law, **scene, method=method, rtol=rtol)
+                found = ss.pure_slip_damping(law, **point, method=method, rtol=rtol)
         except (ss.StickSlipError, TimeoutError):
             continue
         return found.value if found.value > 0 else None
     return None
 
 
-def measured(law, scene, rtol):
+def measured(law, point, rtol):
     """Return what "auto" picks, its time and true error, and those of each method good to rtol."""
-    exact = truth(law, scene)
+    exact = truth(law, point)
     if exact is None:
         return None
 
     def ask(method, tolerance):
-        found, seconds = timed(partial(ss.pure_slip_damping, law, **scene, method=method, rtol=tolerance))
+        found, seconds = timed(partial(ss.pure_slip_damping, law, **point, method=method, rtol=tolerance))
         return found, seconds, max(abs(found.value / exact - 1), EXACT)
 
     try:
@@ -130,8 +130,8 @@ def dominating(picked, of_auto, ways):
 
 def main(count, seed):
     cases, picks, none, dominated, spent = Counter(), Counter(), 0, 0, 0.0
-    for law, scene, rtol in scenes(count, seed):
-        found = measured(law, scene, rtol)
+    for law, point, rtol in points(count, seed):
+        found = measured(law, point, rtol)
         if found is None:
             none += 1
             continue
@@ -143,9 +143,9 @@ def main(count, seed):
         for name in better:
             cases[picked, name] += 1
             times = f"{of_auto[0]:.2e} s, {of_auto[1]:.1e} by {ways[name][0]:.2e} s, {ways[name][1]:.1e}"
-            place = ", ".join(f"{key} = {value:.3g}" for key, value in scene.items())
+            place = ", ".join(f"{key} = {value:.3g}" for key, value in point.items())
             print(f"{law.name}, {place}, rtol = {rtol:.1e}: {picked} {times} of {name}", flush=True)
-    print(f"\n{sum(picks.values())} scenes with a threshold, {none} without; auto took {spent:.3g} s in all")
+    print(f"\n{sum(picks.values())} points with a threshold, {none} without; auto took {spent:.3g} s in all")
     print("picked: " + ", ".join(f"{name} {number}" for name, number in picks.most_common()))
     print(f"dominated: {dominated}")
     for (picked, name), number in cases.most_common():

@@ -1,8 +1,8 @@
-"""Events of seeded random scenes and starts: missed, spurious, and how accurate their times are.
+"""Events of seeded random operating points and starts: missed, spurious, and how accurate their times are.
 
 Run ``python tests/benchmarks/measure_events.py [COUNT] [SEED]``.
 
-COUNT scenes, 5000 if not given. Each motion is looked at between its steps, a hundred times a step; every
+COUNT points, 5000 if not given. Each motion is looked at between its steps, a hundred times a step; every
 twentieth is compared with a reference by DOP853 at 1e-13.
 """
 
@@ -16,12 +16,12 @@ import motions
 
 import stickslip_sym as ss
 
-COMPARED = 20  # one scene of so many
+COMPARED = 20  # one point of so many
 
 
 def main(count, seed):
     table = defaultdict(lambda: defaultdict(list))
-    for number, (kind, law, osc, x0, v0) in enumerate(motions.scenes(count, seed)):
+    for number, (kind, law, osc, x0, v0) in enumerate(motions.points(count, seed)):
         row = table[kind]
         try:
             motion, seconds = motions.simulated(law, osc, x0, v0)
@@ -36,7 +36,7 @@ def main(count, seed):
             row["error"].append(error := motions.disagreement(motion.events, expected))
             if error == float("inf"):
                 row["wrong"].append(f"{osc}, x0={x0}, v0={v0}: not the events of the reference")
-    print(f"{'law':12} scenes  events  wrong  compared  largest error  median ms  largest ms")
+    print(f"{'law':12} points  events  wrong  compared  largest error  median ms  largest ms")
     for kind, row in table.items():
         times = sorted(1e3 * seconds for seconds in row["seconds"])
         print(

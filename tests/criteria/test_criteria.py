@@ -41,7 +41,7 @@ def test_all_ways_to_a_user_s_criterion_agree(weight, law):
     ways = [ss.slope_average(law, criterion)]
     if law.parameters:
         form = ss.derive(law, criterion)
-        ways += [form, lambda **scene: float(form.evaluate(20, **scene))]
+        ways += [form, lambda **point: float(form.evaluate(20, **point))]
     if law.parameters:  # what has no rule has no branches to be written
         namespace = {}
         exec(ways[0].code("python"), namespace)

@@ -1,4 +1,4 @@
-"""Enclosures of criteria hold what quadrature finds, for laws and scenes of all sizes."""
+"""Enclosures of criteria hold what quadrature finds, for laws and operating points of all sizes."""
 
 import random
 from fractions import Fraction
@@ -47,7 +47,7 @@ def test_quadrature_lies_in_the_enclosure(seed):
     try:
         enclosure = quadrature_lies_inside(law.bind(**values), rng.choice(CRITERIA), V, N)
     except (ss.NotConverged, ss.InputError):
-        return  # said, and by either: quadrature has its limits, and mu may not be real in the scene
+        return  # said, and by either: quadrature has its limits, and mu may not be real at the operating point
     assert enclosure.radius == 0 or enclosure.digits >= 20 or 0 in enclosure
 
 

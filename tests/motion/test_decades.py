@@ -7,19 +7,19 @@ import time
 import numpy as np
 import pytest
 from commands import started
-from scenes import paper_oscillator
+from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 
-SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 
 
 @pytest.mark.parametrize("m", [1e-12, 1e-8, 1e-4])
 def test_the_simulated_threshold_of_a_light_mass_is_within_its_error(m):
     """As m tends to 0 the threshold tends to a limit; the phase is stiff, with rates up to 2e6 a unit of time."""
     law = ss.laws.exponential.typical()
-    rough = ss.pure_slip_damping(law, **SCENE | {"m": m}, method="simulation", time_limit=60)
-    fine = ss.pure_slip_damping(law, **SCENE | {"m": m}, method="simulation", rtol=1e-7, time_limit=60)
+    rough = ss.pure_slip_damping(law, **POINT | {"m": m}, method="simulation", time_limit=60)
+    fine = ss.pure_slip_damping(law, **POINT | {"m": m}, method="simulation", rtol=1e-7, time_limit=60)
     assert fine.relative_error < 1e-7
     assert abs(rough.value / fine.value - 1) <= rough.relative_error + fine.relative_error
     if m <= 1e-8:
@@ -33,7 +33,7 @@ def test_thresholds_of_slow_belts_tend_to_the_slope_at_rest(name):
     for V in np.logspace(-12, -7, 3):
         slope = -9.81 * law.slope(V)
         for method in ("equilibrium", "second_order", "orbit", "simulation"):
-            found = ss.pure_slip_damping(law, **SCENE | {"V": V}, method=method)
+            found = ss.pure_slip_damping(law, **POINT | {"V": V}, method=method)
             assert abs(found.value - slope) <= found.relative_error * abs(slope) + 1e-5 * abs(slope), (V, method)
 
 

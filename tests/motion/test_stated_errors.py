@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import paper_oscillator
+from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
@@ -15,7 +15,7 @@ from stickslip_sym.motion.regimes.phase_plane import PhasePlane
 from stickslip_sym.motion.thresholds.methods import methods, second_order
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
-SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 
 
 # -- hypotheses ------------------------------------------------------------------------------------
@@ -29,7 +29,7 @@ def test_a_static_coefficient_below_that_of_slip_is_refused_however_little(part)
         for use in (
             lambda law=law: ss.simulate(law, paper_oscillator(1.0), t_end=1.0),
             lambda law=law: ss.classify(law, paper_oscillator(1.0)),
-            lambda law=law: ss.pure_slip_damping(law, **SCENE, method="simulation"),
+            lambda law=law: ss.pure_slip_damping(law, **POINT, method="simulation"),
         ):
             with pytest.raises(ss.InputError, match=r"is below mu\(0\+\)"):
                 use()
@@ -172,10 +172,10 @@ def slopes_that_cancel(rng):
 def test_what_the_next_order_may_add_bounds_what_the_second_order_is_off():
     total = 0
     for law in slopes_that_cancel(np.random.default_rng(5)):
-        scenes = OperatingPoints.of(law, V=1.0, N=np.geomspace(0.01, 1, 5), m=1.0, k=1.0)
-        value, resolution, next_order = second_order(scenes)
+        points = OperatingPoints.of(law, V=1.0, N=np.geomspace(0.01, 1, 5), m=1.0, k=1.0)
+        value, resolution, next_order = second_order(points)
         rows = np.flatnonzero(next_order + resolution < 0.5)
-        exact = methods()["orbit"].compute(scenes.rows(rows), 1e-12)
+        exact = methods()["orbit"].compute(points.rows(rows), 1e-12)
         off = np.abs(value[rows] / exact.value - 1)
         assert (off <= next_order[rows] + resolution[rows] + exact.relative_error + 1e-14).all()
         # And is no empty phrase: the order is right, so it falls with it.
@@ -191,16 +191,16 @@ LAYERS = [(1e-9, 1e-7), (1e-9, 1e-5), (1e-7, 1e-7), (1e-7, 1e-3), (1e-5, 1e-3)]
 def test_stated_errors_count_a_layer_that_the_grid_does_not_see(width, part):
     """A thin layer a exp(-v/w) adds N a sqrt(2 w/pi) V^(-3/2) where it does not bend the orbit."""
     alone = "0.2 + 0.3*exp(-3*v)"
-    scene = SCENE | {"k": 1e8}  # of weak friction, so that the layer is all there is to tell
-    exact = ss.pure_slip_damping(ss.FrictionLaw(alone), **scene, method="orbit", rtol=1e-11).value
+    point = POINT | {"k": 1e8}  # of weak friction, so that the layer is all there is to tell
+    exact = ss.pure_slip_damping(ss.FrictionLaw(alone), **point, method="orbit", rtol=1e-11).value
     height = part * exact / (9.81 * math.sqrt(2 * width / math.pi) * 0.5**-1.5)
     law = ss.FrictionLaw(f"{alone} + a*exp(-v/w)").bind(a=height, w=width)
     exact *= 1 + part
-    value, resolution, next_order = second_order(OperatingPoints.of(law, **scene))
+    value, resolution, next_order = second_order(OperatingPoints.of(law, **point))
     assert abs(value[0] / exact - 1) <= resolution[0] + next_order[0] + 0.1 * part
     for rtol in (0.3, 1e-2, 3e-4):
         try:
-            found = ss.pure_slip_damping(law, **scene, rtol=rtol)
+            found = ss.pure_slip_damping(law, **point, rtol=rtol)
         except ss.NotConverged:
             continue
         assert abs(found.value / exact - 1) <= found.relative_error + 0.1 * part
@@ -210,12 +210,12 @@ def test_a_layer_that_bends_the_orbit_is_a_static_coefficient():
     """Crossed at once, 1e-9 m/s wide; its average is a thousandth of the threshold, and it adds a thirtieth."""
     law = ss.FrictionLaw("0.2 + 0.3*exp(-3*v) + a*exp(-v/w)").bind(a=3.68314, w=1e-9)
     held = ss.FrictionLaw("0.2 + 0.3*exp(-3*v)", static=repr(0.5 + 3.68314))
-    scene = SCENE | {"k": 1e8}
-    exact = ss.pure_slip_damping(held, **scene, method="simulation", rtol=1e-7).value
-    alone = ss.pure_slip_damping(held.with_static(None), **scene, method="orbit").value
+    point = POINT | {"k": 1e8}
+    exact = ss.pure_slip_damping(held, **point, method="simulation", rtol=1e-7).value
+    alone = ss.pure_slip_damping(held.with_static(None), **point, method="orbit").value
     assert exact == pytest.approx(1.032 * alone, rel=1e-3)
     for options in ({"method": "simulation"}, *({"rtol": rtol} for rtol in (0.3, 1e-2, 3e-4))):
-        found = ss.pure_slip_damping(law, **scene, **options)
+        found = ss.pure_slip_damping(law, **point, **options)
         assert abs(found.value / exact - 1) <= found.relative_error + 2e-4
 
 
@@ -224,17 +224,17 @@ def test_an_orbit_is_as_good_as_asked_or_refused():
     law, outcomes = ss.laws.polynomial.bind(mu_s=0.5, mu_m=0.2, v_m=1.0), set()
     for rtol in (1e-12, 1e-6):
         for below in np.geomspace(1e-10, 1e-1, 10):
-            scene = {"V": math.sqrt(0.8 * (1 - below)), "N": 1.0, "m": 1.0, "k": 1e8}
+            point = {"V": math.sqrt(0.8 * (1 - below)), "N": 1.0, "m": 1.0, "k": 1e8}
             try:
-                found = ss.pure_slip_damping(law, **scene, method="orbit", rtol=rtol)
+                found = ss.pure_slip_damping(law, **point, method="orbit", rtol=rtol)
             except ss.NotConverged:
                 outcomes.add("refused")
                 continue
             assert found.relative_error <= rtol
             outcomes.add("as asked")
             # (18) for the harmonic weight, and the next order from derivations/d8.
-            weak = 9.0 / 8 * 0.3 * (4 / 3 - 5 / 3 * scene["V"] ** 2)
-            second = 31149 / 81920 * 0.3**3 * scene["V"] ** 6 / 1e8
+            weak = 9.0 / 8 * 0.3 * (4 / 3 - 5 / 3 * point["V"] ** 2)
+            second = 31149 / 81920 * 0.3**3 * point["V"] ** 6 / 1e8
             assert found.value == pytest.approx(weak + second, rel=found.relative_error, abs=3e-16)
     assert outcomes == {"as asked", "refused"}
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import paper_oscillator
+from operating_points import paper_oscillator
 from sweeps import sweep
 
 import stickslip_sym as ss
@@ -15,7 +15,7 @@ from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
 from stickslip_sym.core import deadline
 from stickslip_sym.motion.maps.cells import Reason
 
-SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 STRONG = ss.Oscillator(m=1, k=1, V=0.5, N=50, c=1.5)
 RATE_AND_STATE = ss.FrictionLaw("0.6 - 0.01*log(1 + v/1e-6)")
 STIFF = [
@@ -74,9 +74,9 @@ CALLS = {
     "motion_map": lambda law, osc, **limit: ss.motion_map(
         law, x=("V", np.linspace(0.1, 1, 30)), y=("c", np.linspace(0, 5, 30)), N=osc.N, m=osc.m, k=osc.k, **limit
     ),
-    "orbit": lambda law, osc, **limit: ss.pure_slip_damping(law, **SCENE, method="orbit", rtol=1e-12, **limit),
+    "orbit": lambda law, osc, **limit: ss.pure_slip_damping(law, **POINT, method="orbit", rtol=1e-12, **limit),
     "simulation": lambda law, osc, **limit: ss.pure_slip_damping(
-        law, **SCENE | {"N": 300}, method="simulation", rtol=1e-12, **limit
+        law, **POINT | {"N": 300}, method="simulation", rtol=1e-12, **limit
     ),
     "critical": lambda law, osc, **limit: ss.critical(law, "V", c=1, N=9.81, m=1, k=100, **limit),
 }  # fmt: skip
@@ -120,7 +120,7 @@ def test_without_time_every_part_of_a_regime_is_named():
 def test_a_threshold_out_of_time_is_given_as_far_as_it_is_known():
     """A clock that stands still until so many looks at it: where it stops does not depend on the machine."""
     law = ss.laws.exponential.typical()
-    exact = ss.pure_slip_damping(law, **SCENE, method="simulation", rtol=1e-10).value
+    exact = ss.pure_slip_damping(law, **POINT, method="simulation", rtol=1e-10).value
     for looks, off in ((2, 0.1), (3, 1e-4)):  # the harmonic balance, and a Newton step
         with pytest.MonkeyPatch.context() as patch:
             count = iter(range(looks))
@@ -128,7 +128,7 @@ def test_a_threshold_out_of_time_is_given_as_far_as_it_is_known():
                 deadline.time, "monotonic", lambda count=count: 0.0 if next(count, None) is not None else 1e9
             )
             with pytest.raises(ss.OutOfTime, match="the best value so far is") as caught:
-                ss.pure_slip_damping(law, **SCENE, method="simulation", rtol=1e-10, time_limit=100)
+                ss.pure_slip_damping(law, **POINT, method="simulation", rtol=1e-10, time_limit=100)
         said = re.search(r"c = (\S+) sqrt.* between (\S+) and (\S+)", str(caught.value))
         best, low, high = (10 * float(number) for number in said.groups())
         assert best == pytest.approx(exact, rel=off)
@@ -153,4 +153,4 @@ def test_a_trade_keeps_its_time_limit():
     with deadline.time_limit(0), pytest.raises(ss.OutOfTime):
         pure_slip_by_scan(ss.laws.exponential.typical(), paper_oscillator(0), Scan(np.arange(3.0)))
     with pytest.raises(ss.OutOfTime):
-        ss.tradeoff(ss.laws.exponential.typical(), of="threshold", **SCENE, time_limit=0)
+        ss.tradeoff(ss.laws.exponential.typical(), of="threshold", **POINT, time_limit=0)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import paper_oscillator
+from operating_points import paper_oscillator
 from systems import needs_links, needs_long_names, needs_modes
 
 import stickslip_sym as ss

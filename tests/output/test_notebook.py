@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from scenes import paper_oscillator
+from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.formula.proof.proving import prove_equal

@@ -26,7 +26,7 @@ REGIMES = {"middle": (-4, 4), "small": (-40, -4), "large": (4, 100)}
 
 
 def samples(law, regime, count, seed):
-    """Draw scenes: parameters a decade to either side of typical, belt speeds log-uniform over the regime."""
+    """Draw operating points: parameters within a decade of typical, belt speeds log-uniform over the regime."""
     rng = random.Random(f"{law.name} {regime} {seed}")
     scales = [
         scale for scale in speed_scales(law.slope_expr, symbols.v) if scale.is_positive or not scale.is_number

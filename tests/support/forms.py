@@ -39,7 +39,7 @@ def some(cases, *kept):
 
 
 def point_of(form, number):
-    """A scene near the typical one, and the same by the LaTeX of its symbols."""
+    """An operating point near the typical one, and the same by the LaTeX of its symbols."""
     values = {"V": "0.31", "N": "2.5"} | {p.name: p.typical for p in form.law.parameters.values()}
     exact = {name: sp.Rational(value) * sp.Rational(37 + number, 36) for name, value in values.items()}
     return exact, {latex_name(name): mpmath.mpf(int(x.p)) / int(x.q) for name, x in exact.items()}

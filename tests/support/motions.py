@@ -1,4 +1,4 @@
-"""Seeded scenes, and a reference for their motions that shares nothing with `slip` but the values of mu."""
+"""Seeded operating points, and a reference for motions that shares nothing with `slip` but the values of mu."""
 
 import math
 import time
@@ -31,7 +31,7 @@ LONGEST = 0.3  # step of the reference, over the natural period's radian
 LEFT = 1e-10  # relative velocity over V above which the mass has left the belt's speed, in the reference
 
 
-def scenes(count, seed):
+def points(count, seed):
     """Yield laws, oscillators and starts: groups and starts of all sizes, in odd units."""
     rng = np.random.default_rng(seed)
     for number in range(count):
@@ -39,7 +39,7 @@ def scenes(count, seed):
         yield kind, *_drawn(rng, kind)
 
 
-def one_scene(seed):
+def one_point(seed):
     """Return a law of any kind, an oscillator and a start."""
     rng = np.random.default_rng(seed)
     return _drawn(rng, KINDS[seed % len(KINDS)])

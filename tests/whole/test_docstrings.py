@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from scenes import paper_oscillator
+from operating_points import paper_oscillator
 from sympy.parsing.sympy_parser import implicit_multiplication, parse_expr, standard_transformations
 
 import stickslip_sym as ss

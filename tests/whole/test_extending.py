@@ -16,7 +16,7 @@ import stickslip_sym as ss
 from stickslip_sym.formula.code.languages import LANGUAGES
 from stickslip_sym.motion.thresholds import methods
 
-SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 s = ss.symbols.s
 WEIGHTS = {
     "late slip": sp.Rational(3, 4) * (1 - s**2) * (1 + s),
@@ -66,7 +66,7 @@ def test_a_criterion_by_every_route(name, forms, tmp_path):
         module["damping"](0.5, 9.81, **values),
         ss.slope_average(law, form.criterion)(V=0.5, N=9.81),
         ss.pure_slip_damping(law, V=0.5, N=9.81, method=form.criterion).value,
-        ss.pure_slip_damping(law, **SCENE, method=form.criterion).value,
+        ss.pure_slip_damping(law, **POINT, method=form.criterion).value,
     ]
     assert found == pytest.approx([right] * len(found), rel=1e-13)
     (speed, *_) = ss.critical(law, "V", c=1.0, N=9.81, method=form.criterion)
@@ -102,7 +102,7 @@ def test_a_criterion_of_the_catalogue(monkeypatch):
     law = ss.laws.exponential.typical()
     right = 9.81 * float(law.mu(0.0) - law.mu(1.0))  # N (mu(0) - mu(2V))/(2V)
     assert ss.derive(law, "uniform")(V=0.5, N=9.81) == pytest.approx(right, rel=1e-13)
-    assert ss.pure_slip_damping(law, **SCENE, method="uniform").value == pytest.approx(right, rel=1e-13)
+    assert ss.pure_slip_damping(law, **POINT, method="uniform").value == pytest.approx(right, rel=1e-13)
     said = command("damping", "exponential", "-m1", "-k100", "--all", "--json")
     found = {one["method"]: one["threshold"] for one in json.loads(said)["answers"]}
     assert list(found)[3] == "uniform"
@@ -112,7 +112,7 @@ def test_a_criterion_of_the_catalogue(monkeypatch):
 
 def test_a_name_of_no_criterion_is_refused():
     for call in (ss.pure_slip_damping, lambda law, **rest: ss.critical(law, "V", **rest)):
-        given = SCENE if call is ss.pure_slip_damping else {"c": 1.0, "N": 9.81}
+        given = POINT if call is ss.pure_slip_damping else {"c": 1.0, "N": 9.81}
         with pytest.raises(ss.InputError, match=r"there is no method 'harmonics' .did you mean 'harmonic'"):
             call(ss.laws.exponential.typical(), **given, method="harmonics")
     with pytest.raises(ss.InputError, match="is of degree 1000"):
@@ -133,7 +133,7 @@ def test_a_method(monkeypatch):
     method = methods.Method("bracket", compute, sensitivity=orbit.sensitivity, smooth=True)
     methods.add_method(method)
     law = ss.laws.exponential.typical()
-    found = ss.pure_slip_damping(law, **SCENE, method="bracket")
+    found = ss.pure_slip_damping(law, **POINT, method="bracket")
     assert (found.method, found.relative_error) == ("bracket", 1e-11)
     assert found.value == pytest.approx(2.57307887897936159, rel=1e-11)
     (speed,) = ss.critical(law, "V", c=found.value, N=9.81, m=1, k=100, method="bracket")
@@ -146,7 +146,7 @@ def test_a_method(monkeypatch):
     # Where no other method that comes as close is left, "auto" ends on it.
     for name in ("orbit", "simulation"):
         del methods._table[name]
-    assert ss.pure_slip_damping(law, **SCENE, rtol=1e-9).method == "bracket"
+    assert ss.pure_slip_damping(law, **POINT, rtol=1e-9).method == "bracket"
 
 
 def test_a_language(monkeypatch, tmp_path):

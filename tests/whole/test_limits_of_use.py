@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from mpmath import mp
-from scenes import paper_oscillator
+from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import symbols

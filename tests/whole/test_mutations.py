@@ -231,9 +231,9 @@ KINDS = {claim: kinds for claims, kinds in ROWS for claim in claims.split(", ")}
 """The kinds of evidence in the table of claims, by claim."""
 
 
-def by_collocation(scene, guess, error, rtol):
+def by_collocation(point, guess, error, rtol):
     """Return what stands for a theorem: the paper's data are altered here, and not how thresholds are found."""
-    del scene, error
+    del point, error
     return SimpleNamespace(enclosure=Enclosure.of(guess * (1 - rtol / 2), guess * (1 + rtol / 2)))
 
 

@@ -194,13 +194,13 @@ def test_several_criteria_in_one_file(language, program, tmp_path):
     if not shutil.which(program):
         pytest.skip(f"there is no {program}")
     forms = [form_of(*one) for one in FEW]
-    scenes = [accuracy.samples(form.law, "middle", 1, seed=6) for form in forms]
+    points = [accuracy.samples(form.law, "middle", 1, seed=6) for form in forms]
     names = [f"damping_{form.law.name}_{form.criterion.name}" for form in forms]
-    calls = [(name, [float(scene[key][0]) for key in form.arguments])
-             for name, form, scene in zip(names, forms, scenes, strict=True)]  # fmt: skip
+    calls = [(name, [float(point[key][0]) for key in form.arguments])
+             for name, form, point in zip(names, forms, points, strict=True)]  # fmt: skip
     values = run(language, ss.export_code(forms, language), calls, tmp_path)
-    for form, scene, value in zip(forms, scenes, values, strict=True):
-        assert accuracy.units(form, scene, np.array([value])).max() <= MOST_UNITS, form
+    for form, point, value in zip(forms, points, values, strict=True):
+        assert accuracy.units(form, point, np.array([value])).max() <= MOST_UNITS, form
 
 
 ODD = {"np": 0.5, "float": 0.3, "zip": 2.0, "M_PI": 0.2, "NAN": 0.1, "typeof": 0.4, "sum": 0.6, "sum_": 0.7}
@@ -214,10 +214,10 @@ def test_parameters_may_have_names_that_a_language_keeps(language, program, tmp_
         pytest.skip(f"there is no {program}")
     formula = "np*Abs(v - float) + zip*exp(-v/M_PI) + NAN*v^2 + typeof*v*sum/sum_"
     form = ss.derive(ss.FrictionLaw(formula, parameters=[ss.Parameter("NAN")]))
-    forms, scene = [form, form_of("linear", "least_squares")], {"V": 0.5, "N": 2.0} | ODD
-    calls = [("damping_law_1_least_squares", [scene[name] for name in form.arguments])]
+    forms, point = [form, form_of("linear", "least_squares")], {"V": 0.5, "N": 2.0} | ODD
+    calls = [("damping_law_1_least_squares", [point[name] for name in form.arguments])]
     (value,) = run(language, ss.export_code(forms, language), calls, tmp_path)
-    assert value == pytest.approx(form(**scene), rel=1e-12)
+    assert value == pytest.approx(form(**point), rel=1e-12)
 
 
 def test_code_of_one_form_is_its_own():

@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 import pytest
-from scenes import TWO, laws_in_pieces
+from operating_points import TWO, laws_in_pieces
 
 import stickslip_sym as ss
 from stickslip_sym import Motion

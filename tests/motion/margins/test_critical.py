@@ -7,53 +7,53 @@ import pytest
 
 import stickslip_sym as ss
 
-SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 LAWS = ["exponential", "polynomial", "hyperbolic", "gaussian", "lorentzian"]
 
 
-def put_back(law, scene, of, x):
-    """Return a law and a scene with a value in its place."""
-    return (law, scene | {of: x}) if of in scene else (law.bind(**{of: x}), scene)
+def put_back(law, point, of, x):
+    """Return a law and an operating point with a value in its place."""
+    return (law, point | {of: x}) if of in point else (law.bind(**{of: x}), point)
 
 
-def value_of(law, scene, of):
-    return scene[of] if of in scene else float(law.values[of])
+def value_of(law, point, of):
+    return point[of] if of in point else float(law.values[of])
 
 
-def without(scene, of):
-    return {name: value for name, value in scene.items() if name != of}
+def without(point, of):
+    return {name: value for name, value in point.items() if name != of}
 
 
-def random_scenes(count, seed):
+def random_points(count, seed):
     rng = np.random.default_rng(seed)
     for number in range(count):
         law = ss.laws.catalogue[LAWS[number % len(LAWS)]].typical()
         law = law.bind(mu_s=rng.uniform(0.4, 0.8), mu_m=rng.uniform(0.1, 0.3))
         of = rng.choice(["N", "k", "m", *law.parameters])
-        yield law, SCENE | {"V": 10 ** rng.uniform(-1, -0.3)}, str(of), rng.uniform(0.8, 1.2)
+        yield law, POINT | {"V": 10 ** rng.uniform(-1, -0.3)}, str(of), rng.uniform(0.8, 1.2)
 
 
 @pytest.mark.parametrize("method", ["equilibrium", "harmonic", "auto"])
 def test_put_back_they_give_the_damping(method):
     """And the sensitivities are those of the threshold there, turned round."""
     tried = 0
-    for law, scene, of, factor in random_scenes(6, 3):
-        x0 = value_of(law, scene, of)
+    for law, point, of, factor in random_points(6, 3):
+        x0 = value_of(law, point, of)
         if of in ("m", "k") and method != "auto":
             continue
         if method != "auto":
-            scene = {"V": scene["V"], "N": scene["N"]}
-        c = ss.pure_slip_damping(law, **scene, method="orbit" if method == "auto" else method).value * factor
+            point = {"V": point["V"], "N": point["N"]}
+        c = ss.pure_slip_damping(law, **point, method="orbit" if method == "auto" else method).value * factor
         given = {"within": (x0 / 3, 3 * x0)}
-        for one in ss.critical(law, of, c=c, **without(scene, of), method=method, rtol=1e-6, **given):
-            there, scene_there = put_back(law, scene, of, one.value)
+        for one in ss.critical(law, of, c=c, **without(point, of), method=method, rtol=1e-6, **given):
+            there, point_there = put_back(law, point, of, one.value)
             by = "simulation" if one.method == "orbit" else one.method
-            back = ss.pure_slip_damping(there, **scene_there, method=by, rtol=1e-10)
+            back = ss.pure_slip_damping(there, **point_there, method=by, rtol=1e-10)
             assert back.value == pytest.approx(c, rel=1e-9)
             if one.method == "orbit":
-                again = ss.pure_slip_damping(there, **scene_there, method="orbit", rtol=1e-12)
+                again = ss.pure_slip_damping(there, **point_there, method="orbit", rtol=1e-12)
                 assert again.value == pytest.approx(c, rel=1e-12)
-            same = ss.pure_slip_damping(there, **scene_there, method=one.method, rtol=1e-10).sensitivity
+            same = ss.pure_slip_damping(there, **point_there, method=one.method, rtol=1e-10).sensitivity
             assert one.sensitivity["c"] == pytest.approx(1 / same[of], rel=1e-6)
             assert one.sensitivity["V"] == pytest.approx(-same["V"] / same[of], rel=1e-6)
             tried += 1
@@ -74,7 +74,7 @@ PIECES = {
 @pytest.mark.parametrize("name", PIECES)
 def test_laws_that_are_not_smooth_by_simulation(name):
     law, of, c, changes, within = PIECES[name]
-    point = SCENE | changes
+    point = POINT | changes
     (one,) = ss.critical(law, of, c=c, **without(point, of), within=within, rtol=1e-6)
     assert one.method == "simulation"
     there, point = put_back(law, point, of, one.value)
@@ -88,7 +88,7 @@ def test_laws_that_are_not_smooth_by_simulation(name):
 def test_a_value_of_the_other_sign_is_found_on_its_side():
     law = ss.FrictionLaw("mu_s + b*v + a*v^3", parameters=[ss.Parameter("b", positive=False)])
     law = law.bind(mu_s=0.5, b=-0.2, a=0.1)
-    (by_orbit,) = ss.critical(law, "b", c=1.0, **SCENE, method="orbit")
+    (by_orbit,) = ss.critical(law, "b", c=1.0, **POINT, method="orbit")
     (average,) = ss.critical(law, "b", c=1.0, V=0.5, N=9.81, method="harmonic")
     assert by_orbit.value == pytest.approx(average.value, rel=1e-3)
     assert average.value == pytest.approx(-1.0 / 9.81 - 3 * 0.1 * 0.5**2 * 1.25, rel=1e-12)
@@ -154,27 +154,27 @@ def test_the_asymptotes_as_the_damping_vanishes():
 @pytest.mark.parametrize(("name", "count"), [("exponential", 1), ("gaussian", 2)])
 def test_a_critical_speed_put_back_gives_the_damping(name, count, method):
     law = ss.laws.catalogue[name].typical()
-    speeds = ss.critical(law, "V", c=2.0, **without(SCENE, "V"), method=method, rtol=1e-2)
+    speeds = ss.critical(law, "V", c=2.0, **without(POINT, "V"), method=method, rtol=1e-2)
     assert len(speeds) == count
     for speed in speeds:
-        back = ss.pure_slip_damping(law, **SCENE | {"V": speed.value}, method=speed.method, rtol=1e-3).value
+        back = ss.pure_slip_damping(law, **POINT | {"V": speed.value}, method=speed.method, rtol=1e-3).value
         assert back == pytest.approx(2.0, rel=1e-6)
         assert speed.relative_error is None or speed.relative_error <= 1e-2
-    assert ss.critical(law, "V", c=2.0, **without(SCENE, "V"), method=method, within=(10.0, 20.0)) == ()
+    assert ss.critical(law, "V", c=2.0, **without(POINT, "V"), method=method, within=(10.0, 20.0)) == ()
 
 
 def test_the_error_of_a_speed_is_known_where_no_damping_is_needed():
     """The relative error of the threshold is nothing there."""
-    (speed,) = ss.critical(ss.laws.polynomial.typical(), "V", c=0.0, **without(SCENE, "V"), method="orbit")
+    (speed,) = ss.critical(ss.laws.polynomial.typical(), "V", c=0.0, **without(POINT, "V"), method="orbit")
     assert 0 < speed.relative_error < 1e-9
 
 
 def test_the_damping_is_critical_as_a_threshold_is():
     law = ss.laws.exponential.typical()
-    (damping,) = ss.critical(law, "c", **SCENE, method="orbit")
-    assert damping.value == ss.pure_slip_damping(law, **SCENE, method="orbit").value
-    osc = ss.Oscillator(c=2.0, **SCENE)
-    assert ss.critical(law, "N", osc)[0].value == ss.critical(law, "N", c=2.0, **without(SCENE, "N"))[0].value
+    (damping,) = ss.critical(law, "c", **POINT, method="orbit")
+    assert damping.value == ss.pure_slip_damping(law, **POINT, method="orbit").value
+    osc = ss.Oscillator(c=2.0, **POINT)
+    assert ss.critical(law, "N", osc)[0].value == ss.critical(law, "N", c=2.0, **without(POINT, "N"))[0].value
     with pytest.raises(ss.InputError, match="N was given beside an Oscillator"):
         ss.critical(law, "V", osc, N=1.0)
 
@@ -194,7 +194,7 @@ def test_crossings_are_changes_of_sign_and_dips():
 def test_proved_values_enclose_what_the_orbit_finds():
     law = ss.laws.exponential.typical()
     for of in ("V", "mu_s"):
-        given = {"within": (0.3, 0.9), "c": 2.0, **without(SCENE, of)}
+        given = {"within": (0.3, 0.9), "c": 2.0, **without(POINT, of)}
         (orbit,) = ss.critical(law, of, **given, method="orbit", rtol=1e-9)
         (proof,) = ss.critical(law, of, **given, method="proof", rtol=1e-8)
         assert float(proof.enclosure.low) < orbit.value < float(proof.enclosure.high)
@@ -221,7 +221,7 @@ def test_what_cannot_be_found_is_refused(of, given, message):
 @pytest.fixture(scope="module")
 def found():
     law = ss.laws.exponential.typical(mu_s="0.50(3)")
-    return ss.margins(law, ss.Oscillator(c=2.8, **SCENE), errors={"N": "9.81(20)"}, samples=80)
+    return ss.margins(law, ss.Oscillator(c=2.8, **POINT), errors={"N": "9.81(20)"}, samples=80)
 
 
 def test_margins_are_the_nearest_critical_values(found):
@@ -238,7 +238,7 @@ def test_margins_are_the_nearest_critical_values(found):
 
 def test_margins_look_no_further_and_no_longer_than_they_are_told(found):
     """Within a factor of 1.06 only what is nearer than 6 %; no quantity gets more time than each has."""
-    law, osc = ss.laws.exponential.typical(), ss.Oscillator(c=2.8, **SCENE)
+    law, osc = ss.laws.exponential.typical(), ss.Oscillator(c=2.8, **POINT)
     near = ss.margins(law, osc, reach=1.06, samples=0)
     whole = {row.name: row.change for row in found.rows}
     for row in near.rows:
@@ -260,7 +260,7 @@ def test_margins_look_no_further_and_no_longer_than_they_are_told(found):
 )
 def test_errors_are_those_of_the_oscillator(errors, message):
     with pytest.raises(ss.InputError, match=message):
-        ss.margins(ss.laws.exponential.typical(), ss.Oscillator(c=2.8, **SCENE), errors=errors)
+        ss.margins(ss.laws.exponential.typical(), ss.Oscillator(c=2.8, **POINT), errors=errors)
 
 
 def test_the_probability_of_stick_slip(found):
@@ -279,14 +279,14 @@ def test_the_probability_of_stick_slip(found):
 def test_samples_without_a_threshold_are_no_stick_slip():
     """Of a kinked law: a slope that is positive as a whole needs no damping, and c > 0 suffices."""
     law = ss.FrictionLaw("0.5 - a*Min(v, 0.5) + b*Max(v - 0.5, 0)").bind(a="0.30(5)", b=0.28)
-    found = ss.margins(law, ss.Oscillator(c=0.01, **SCENE), samples=60, reach=1.05)
+    found = ss.margins(law, ss.Oscillator(c=0.01, **POINT), samples=60, reach=1.05)
     assert abs(found.sampled.probability - found.probability) < 4 * found.sampled.standard_error
     assert found.sampled.undecided < 0.1
 
 
 def test_samples_that_are_no_operating_point_are_undecided():
     found = ss.margins(
-        ss.laws.exponential.typical(alpha="3.0(20)"), ss.Oscillator(c=2.0, **SCENE), samples=60, reach=1.05
+        ss.laws.exponential.typical(alpha="3.0(20)"), ss.Oscillator(c=2.0, **POINT), samples=60, reach=1.05
     )
     assert 0.02 < found.sampled.undecided < 0.2
     assert "% undecided" in str(found)

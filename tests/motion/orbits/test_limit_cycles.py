@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import TWO, paper_oscillator
+from operating_points import TWO, paper_oscillator
 from sweeps import sweep
 
 import stickslip_sym as ss
@@ -99,10 +99,10 @@ def test_cycles_live_between_the_hopf_point_and_the_threshold(name):
 
 
 def test_the_amplitude_of_the_polynomial_law_is_the_closed_one_where_friction_is_weak():
-    law, scene = ss.laws.polynomial.typical(), {"N": 0.01, "k": 100.0, "V": 0.5}
+    law, point = ss.laws.polynomial.typical(), {"N": 0.01, "k": 100.0, "V": 0.5}
     for part in (0.92, 0.96, 0.99):
         c = part * 0.01 * 0.45 * (1 - 0.25)
-        (cycle,) = ss.limit_cycles(law, paper_oscillator(c, **scene))
+        (cycle,) = ss.limit_cycles(law, paper_oscillator(c, **point))
         square = 4 * (1 - 0.25) - 8 * c / (3 * 0.01 * 0.3)
         assert cycle.amplitude == pytest.approx(math.sqrt(square), rel=1e-5)
 

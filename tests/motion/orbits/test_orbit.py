@@ -8,7 +8,7 @@ import stickslip_sym as ss
 
 DIGITS = 45
 EXACT = 1e-12
-SCENES = [
+POINTS = [
     ("exponential", 0.5, 100.0), ("exponential", 0.05, 1.0), ("exponential", 1.2, 1e6),
     ("polynomial", 0.5, 100.0), ("polynomial", 0.3, 10.0), ("polynomial", 1.2, 1e6),
     ("hyperbolic", 0.5, 100.0), ("gaussian", 0.4, 30.0), ("lorentzian", 0.5, 100.0), ("arctangent", 0.5, 100.0),
@@ -149,7 +149,7 @@ def collocated(law, V, k, points, N=9.81):
         return x[-1] * impedance
 
 
-@sweep(("name", "V", "k"), SCENES, SCENES[0], SCENES[4], SCENES[7])
+@sweep(("name", "V", "k"), POINTS, POINTS[0], POINTS[4], POINTS[7])
 def test_the_orbit_is_that_of_collocation_at_45_digits(name, V, k):
     law = ss.laws.catalogue[name].typical()
     with mpmath.workdps(DIGITS):

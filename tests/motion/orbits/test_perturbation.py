@@ -17,8 +17,8 @@ ORDER = 0.1  # of a slope fitted over four octaves of eta, where the next order 
 
 
 def threshold(law, method, **changes):
-    scene = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0, "method": method, "rtol": 1e-11}
-    return ss.pure_slip_damping(law, **(scene | changes)).value
+    point = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0, "method": method, "rtol": 1e-11}
+    return ss.pure_slip_damping(law, **(point | changes)).value
 
 
 @pytest.mark.parametrize("name", FOUR)
@@ -36,9 +36,9 @@ def test_the_error_falls_with_its_order_in_eta(name):
 def test_the_closed_form_of_polynomial_laws_is_the_sum(name):
     law = ss.laws.catalogue[name].typical()
     form = d8_second_order.threshold(law.expr).xreplace(law.point)
-    for scene in ({V: 0.5, N: 9.81, m: 1, k: 100}, {V: 1.1, N: 3.0, m: 0.2, k: 7}):
-        values = {str(symbol): value for symbol, value in scene.items()}
-        assert threshold(law, "second_order", **values) == pytest.approx(float(form.subs(scene)), rel=AGREES)
+    for point in ({V: 0.5, N: 9.81, m: 1, k: 100}, {V: 1.1, N: 3.0, m: 0.2, k: 7}):
+        values = {str(symbol): value for symbol, value in point.items()}
+        assert threshold(law, "second_order", **values) == pytest.approx(float(form.subs(point)), rel=AGREES)
 
 
 def test_the_closed_form_of_the_law_4_in_plain_numbers():
@@ -70,9 +70,9 @@ def test_an_expansion_says_where_the_law_is_not_resolved():
     assert not expand(ss.laws.stribeck.typical(), [0.5]).resolved
     law = ss.FrictionLaw("0.5 - 0.1*sqrt(v)")
     assert not expand(law, [0.5]).resolved
-    scene = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
-    stated = ss.pure_slip_damping(law, **scene, method="second_order")
-    exact = ss.pure_slip_damping(law, **scene, method="simulation", rtol=1e-11)
+    point = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+    stated = ss.pure_slip_damping(law, **point, method="second_order")
+    exact = ss.pure_slip_damping(law, **point, method="simulation", rtol=1e-11)
     off = abs(stated.value / exact.value - 1)
     assert 1e-8 < off <= stated.relative_error + exact.relative_error
 

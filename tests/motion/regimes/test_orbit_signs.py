@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from numpy.polynomial import Chebyshev
-from scenes import TWO, paper_oscillator
+from operating_points import TWO, paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.motion.regimes.orbit_signs import orbit_signs

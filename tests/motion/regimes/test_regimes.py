@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import TWO, paper_oscillator
+from operating_points import TWO, paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.polynomial.legendre import leggauss
-from scenes import paper_oscillator
+from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Outcome, Phase
 
-SAMPLE = list(motions.scenes(8, seed=6))
+SAMPLE = list(motions.points(8, seed=6))
 IMPLICIT = 1e-7  # of w between the steps of the implicit method, whose interpolant is of order 3
 EVENT_TIMES = 1e-11  # relative, at rtol = 1e-12
 
@@ -22,7 +22,7 @@ EVENT_TIMES = 1e-11  # relative, at rtol = 1e-12
 @given(seed=st.integers(0, 10**6))
 def test_no_event_is_missed_and_none_is_spurious(seed):
     """5000 motions of the kind are measured by tests/benchmarks/measure_events.py."""
-    law, osc, x0, v0 = motions.one_scene(seed)
+    law, osc, x0, v0 = motions.one_point(seed)
     motion, _ = motions.simulated(law, osc, x0, v0)
     assert motions.violations(law, osc, motion) == []
 

@@ -4,8 +4,8 @@ import csv
 
 import numpy as np
 import pytest
-from motions import scenes
-from scenes import paper_oscillator
+from motions import points
+from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 
@@ -19,7 +19,7 @@ def initial_conditions(osc, count, seed):
 
 def test_each_motion_is_that_of_simulate():
     stuck = 0
-    for number, (kind, law, osc, _, _) in enumerate(scenes(8, seed=31)):
+    for number, (kind, law, osc, _, _) in enumerate(points(8, seed=31)):
         x0, v0 = initial_conditions(osc, 12, number)  # as many as are compiled
         t_end = 25 / osc.omega
         many = ss.simulate(law, osc, x0=x0, v0=v0, t_end=t_end)

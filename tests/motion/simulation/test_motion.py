@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import paper_oscillator
+from operating_points import paper_oscillator
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 

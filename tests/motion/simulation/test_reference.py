@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from motions import one_scene
+from motions import one_point
 
 import stickslip_sym as ss
 
@@ -15,7 +15,7 @@ AGREES = 1e-6  # of the size of a motion; the reference has a tolerance of 1e-10
 
 @given(seed=st.integers(0, 10**6))
 def test_motions_are_those_of_solve_ivp(seed):
-    law, osc, x0, v0 = one_scene(seed)
+    law, osc, x0, v0 = one_point(seed)
     t_end = 8 / osc.omega
     ours = ss.simulate(law, osc, x0=x0, v0=v0, t_end=t_end, rtol=1e-10)
     other = ss.simulate(law, osc, x0=x0, v0=v0, t_end=t_end, rtol=1e-10, method="solve_ivp")

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from motions import scenes
-from scenes import paper_oscillator
+from motions import points
+from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Outcome
@@ -29,7 +29,7 @@ def slips(monkeypatch):
 
 def test_a_motion_goes_on_from_any_point_as_it_did():
     sticking, cut = 0, 0.43
-    for kind, law, osc, x0, v0 in scenes(18, seed=11):
+    for kind, law, osc, x0, v0 in points(18, seed=11):
         t_end = 40 / osc.omega
         whole = ss.simulate(law, osc, t_end=t_end, x0=x0, v0=v0, rtol=1e-12)
         if whole.outcome is not Outcome.FINISHED:

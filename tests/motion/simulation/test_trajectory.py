@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import paper_oscillator
+from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Phase

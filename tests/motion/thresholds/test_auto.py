@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import laws_in_pieces
+from operating_points import laws_in_pieces
 from sweeps import sweep
 
 import stickslip_sym as ss

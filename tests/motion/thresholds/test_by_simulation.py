@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import laws_in_pieces, paper_oscillator
+from operating_points import laws_in_pieces, paper_oscillator
 from sweeps import sweep
 
 import stickslip_sym as ss

@@ -37,7 +37,7 @@ LAWS = {
 }
 
 
-def scene(law, V="1/2", N="981/100", m="1", k="100"):
+def point(law, V="1/2", N="981/100", m="1", k="100"):
     return ExactPoint(law, R(V), R(N), R(m), R(k))
 
 
@@ -49,7 +49,7 @@ def simulated(law, rtol=1e-8, **values):
 @sweep("name", list(LAWS), "exponential", "static", "kink")
 def test_decisions_agree_with_simulation(name):
     c = R(float(simulated(LAWS[name]).value))
-    below, above = (transit(scene(LAWS[name]), c * (1 + side * R(1, 10**7)), 90) for side in (-1, 1))
+    below, above = (transit(point(LAWS[name]), c * (1 + side * R(1, 10**7)), 90) for side in (-1, 1))
     assert (below.returns, above.returns) == (True, False)
     assert above.lowest > 0
 
@@ -59,9 +59,9 @@ def test_decisions_agree_with_simulation(name):
     [("exponential", "2.5730788789793615906"), ("polynomial", "3.0364772435578037767")],
     ("exponential", "2.5730788789793615906"),
 )
-def test_the_paper_s_scene_to_forty_digits(name, digits):
+def test_the_paper_s_point_to_forty_digits(name, digits):
     found = simulated(LAWS[name])
-    theorem = prove_threshold(scene(LAWS[name]), float(found.value), float(found.relative_error), 1e-40)
+    theorem = prove_threshold(point(LAWS[name]), float(found.value), float(found.relative_error), 1e-40)
     assert str(theorem.enclosure).startswith(digits)
     assert theorem.enclosure.digits >= 40
     assert theorem.undamped.returns
@@ -96,7 +96,7 @@ def by_mpmath(friction, c, digits):
 
 @sweep(("name", "c", "digits", "friction"), BY_MPMATH, BY_MPMATH[1])
 def test_the_lowest_slip_speed_is_that_of_mpmath_s_solver(name, c, digits, friction):
-    lowest = transit(scene(LAWS[name]), R(c), 4 * digits + 20).lowest
+    lowest = transit(point(LAWS[name]), R(c), 4 * digits + 20).lowest
     truth = by_mpmath(friction, c, digits)
     with mpmath.workdps(digits + 10):
         middle = MP(lowest.mid().str(digits + 8, radius=False))
@@ -106,7 +106,7 @@ def test_the_lowest_slip_speed_is_that_of_mpmath_s_solver(name, c, digits, frict
 
 def random_box(rng, law):
     with working_precision(200):
-        (segment, *_) = scene(law).segments(R(rng.randint(1, 400), 100))
+        (segment, *_) = point(law).segments(R(rng.randint(1, 400), 100))
         return segment, arb(rng.uniform(-1, 2)), arb(rng.uniform(0.05, 2.5))
 
 
@@ -127,7 +127,7 @@ def test_the_remainder_bound_is_no_larger_than_it_must_be():
     rng = random.Random(5)
     for _ in range(20):
         with working_precision(160):
-            (segment, *_) = scene(LAWS["exponential"]).segments(R(rng.randint(1, 400), 100))
+            (segment, *_) = point(LAWS["exponential"]).segments(R(rng.randint(1, 400), 100))
             q, w = arb(rng.uniform(1e3, 1e5)), arb(rng.uniform(0.05, 2.5))
             none, one, fine = (flow(segment, q, w, terms) for terms in (1, 2, 60))
             way = abs(fine.at(none.time)[1] - w)
@@ -151,7 +151,7 @@ def test_without_the_remainder_bound_mpmath_tells(monkeypatch):
     for part in (0, 1):
         monkeypatch.setattr(boxes, "flow", with_part(part))
         with working_precision(160):
-            found[part] = transit(scene(LAWS[name]), R(c), 120).lowest.overlaps(arb(truth))
+            found[part] = transit(point(LAWS[name]), R(c), 120).lowest.overlaps(arb(truth))
     assert found == {0: False, 1: True}
 
 
@@ -169,10 +169,10 @@ def test_a_step_without_its_remainder_bound_is_noticed():
 
 
 @sweep(("V", "k"), [("100", "100"), ("0.001", "100"), ("0.5", "1")], ("100", "100"))
-def test_far_from_the_paper_s_scene(V, k):
+def test_far_from_the_paper_s_point(V, k):
     """A field that no double holds around P, one that friction hardly bends, and boxes that need more bits."""
     guess = simulated(LAWS["exponential"], V=float(V), k=float(k))
-    theorem = prove_threshold(scene(LAWS["exponential"], V=V, k=k), guess.value, guess.relative_error, 1e-4)
+    theorem = prove_threshold(point(LAWS["exponential"], V=V, k=k), guess.value, guess.relative_error, 1e-4)
     assert guess.value in theorem.enclosure
     assert theorem.enclosure.digits >= 4
 
@@ -187,7 +187,7 @@ def test_a_guess_that_is_off_costs_some_decisions_more(factor, monkeypatch):
 
     monkeypatch.setattr(proof, "transit", counted)
     good = ss.pure_slip_damping(LAWS["polynomial"], V=0.5, N=9.81, m=1, k=100, method="orbit").value
-    theorem = prove_threshold(scene(LAWS["polynomial"]), factor * good, 1e-10, 1e-6)
+    theorem = prove_threshold(point(LAWS["polynomial"]), factor * good, 1e-10, 1e-6)
     assert good in theorem.enclosure
     assert len(decided) < 30
 
@@ -202,7 +202,7 @@ def test_how_far_a_slip_goes_lies_between_its_bounds(name):
 
     motion = solve_ivp(rates, (0, 6), (0.0, 0.0), rtol=1e-10, atol=1e-12, dense_output=True)
     seen = motion.sol(np.linspace(0, 6, 4001))[1].max()
-    highest = transit(scene(law), R(c), 64).highest
+    highest = transit(point(law), R(c), 64).highest
     assert highest.lower() - 1e-6 < seen < highest.upper() + 1e-6
     assert highest.rad() < 1e-3
 
@@ -210,7 +210,7 @@ def test_how_far_a_slip_goes_lies_between_its_bounds(name):
 def test_without_enough_bits_nothing_is_claimed():
     c = R(float(simulated(LAWS["polynomial"]).value))
     with pytest.raises(Undecided, match=r"wide|certain|bits"):
-        transit(scene(LAWS["polynomial"]), c * (1 + R(1, 10**30)), 40)
+        transit(point(LAWS["polynomial"]), c * (1 + R(1, 10**30)), 40)
 
 
 @pytest.mark.parametrize(
@@ -223,16 +223,16 @@ def test_without_enough_bits_nothing_is_claimed():
 )
 def test_a_hypothesis_that_fails_is_named(law, complaint):
     with pytest.raises(ss.InputError, match=complaint):
-        checked_hypotheses(scene(law))
+        checked_hypotheses(point(law))
 
 
 @pytest.mark.parametrize("name", ss.laws.catalogue)
 def test_every_law_of_the_catalogue_meets_the_hypotheses(name):
-    assert checked_hypotheses(scene(ss.laws.catalogue[name].typical()))[0][1].startswith("mu is analytic")
+    assert checked_hypotheses(point(ss.laws.catalogue[name].typical()))[0][1].startswith("mu is analytic")
 
 
 def test_the_theorem_says_what_was_shown():
-    theorem = prove_threshold(scene(LAWS["kink"]), float(simulated(LAWS["kink"]).value), 1e-9, 1e-6)
+    theorem = prove_threshold(point(LAWS["kink"]), float(simulated(LAWS["kink"]).value), 1e-9, 1e-6)
     text = str(theorem)
     assert "for every c from 0 to 3.08014" in text
     assert "2 segments" in text
@@ -243,20 +243,20 @@ def test_the_theorem_says_what_was_shown():
 
 def test_a_proof_by_name():
     law = LAWS["exponential"]
-    scene_of = {"V": "0.5", "N": "9.81", "m": 1, "k": 100}
-    found = ss.pure_slip_damping(law, **scene_of, method="proof", rtol=1e-25)
+    point_of = {"V": "0.5", "N": "9.81", "m": 1, "k": 100}
+    found = ss.pure_slip_damping(law, **point_of, method="proof", rtol=1e-25)
     assert (found.status, found.method) == (ss.Status.PROVED, "proof")
     assert found.relative_error <= 1e-25
     assert found.enclosure.digits >= 25
     assert float(found.enclosure) == found.value
     assert str(found).startswith("2.573078878979361590655649[...] kg/s (proof")
-    binary = ss.pure_slip_damping(law, **scene_of | {"N": 9.81}, method="proof", rtol=1e-18)
+    binary = ss.pure_slip_damping(law, **point_of | {"N": 9.81}, method="proof", rtol=1e-18)
     assert not binary.enclosure.overlaps(found.enclosure)  # 9.81 is not the binary number nearest to it
-    several = ss.pure_slip_damping(law, **scene_of | {"V": [0.4, 0.5]}, method="proof", rtol=1e-6)
+    several = ss.pure_slip_damping(law, **point_of | {"V": [0.4, 0.5]}, method="proof", rtol=1e-6)
     assert several.value.shape == (2,)
     assert len(several.theorems) == 2
     assert several.theorem is None
-    estimated = ss.pure_slip_damping(law, **scene_of, method="orbit")
+    estimated = ss.pure_slip_damping(law, **point_of, method="orbit")
     assert (estimated.status, estimated.enclosure) == (ss.Status.ESTIMATED, None)
     assert abs(estimated.value - found.value) <= estimated.relative_error * found.value + 1e-15
 

@@ -14,7 +14,7 @@ FRICTION = {
     "exponential": independent.Exponential(fmpq(3, 10), fmpq(3, 2)),
     "polynomial": independent.Cubic(fmpq(9, 40), fmpq(3, 160)),
 }
-SCENE = {"V": "0.5", "N": "9.81", "m": 1, "k": 100}
+POINT = {"V": "0.5", "N": "9.81", "m": 1, "k": 100}
 
 
 def enclosed(proof):
@@ -30,7 +30,7 @@ def test_the_paper_s_orbit_is_the_only_one_and_has_the_proved_threshold(name):
     orbit = enclosed(proof)
     assert orbit.high - orbit.low < Fraction(1, 10**11)
     law = ss.laws.catalogue[name].typical()
-    proved = ss.pure_slip_damping(law, **SCENE, method="proof", rtol=1e-15).enclosure
+    proved = ss.pure_slip_damping(law, **POINT, method="proof", rtol=1e-15).enclosure
     assert proved.overlaps(orbit)
     for shift in (-1, 1):  # a threshold that is off by 1e-12 is told from it
         factor = 1 + Fraction(shift, 10**12)

@@ -11,7 +11,7 @@ from sweeps import sweep
 import stickslip_sym as ss
 from stickslip_sym.motion.thresholds.methods import Computed, Method
 
-SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 SMOOTH = [
     "exponential",
     "polynomial",
@@ -30,8 +30,8 @@ JUMPS = {
 POINTS = [0, 0.05, 0.1, 0.21, 0.43, 1.03, 2.0], [0.50, 0.44, 0.40, 0.34, 0.29, 0.27, 0.26]
 
 
-def random_scenes(count, seed):
-    """Yield seeded laws and scenes, some with weak friction and some with strong."""
+def random_points(count, seed):
+    """Yield seeded laws and operating points, some with weak friction and some with strong."""
     rng = np.random.default_rng(seed)
     for number in range(count):
         law = ss.laws.catalogue[SMOOTH[number % len(SMOOTH)]].typical()
@@ -42,30 +42,30 @@ def random_scenes(count, seed):
 RANGES = {"V": (-1.3, 0), "N": (-1, 1.3), "m": (-1, 1), "k": (1.5, 4)}
 
 
-def value_of(law, scene, name):
-    return scene[name] if name in scene else float(law.values[name])
+def value_of(law, point, name):
+    return point[name] if name in point else float(law.values[name])
 
 
-def moved(law, scene, along):
-    """Return a law and a scene with quantities and parameters multiplied by the exponentials of numbers."""
-    new = {name: value_of(law, scene, name) * np.exp(by) for name, by in along.items()}
-    return law.bind(**{name: new[name] for name in law.parameters}), {name: new[name] for name in scene}
+def moved(law, point, along):
+    """Return a law and a point, quantities and parameters multiplied by the exponentials of numbers."""
+    new = {name: value_of(law, point, name) * np.exp(by) for name, by in along.items()}
+    return law.bind(**{name: new[name] for name in law.parameters}), {name: new[name] for name in point}
 
 
-def error_along(law, scene, method, seed, step, rtol=1e-12):
+def error_along(law, point, method, seed, step, rtol=1e-12):
     """Return the error of the derivative along a seeded direction, relative to the largest part of it.
 
     The direction changes all quantities and parameters by their logarithms; the difference is of the eighth order.
     """
-    found = ss.pure_slip_damping(law, **scene, method=method, rtol=rtol)
+    found = ss.pure_slip_damping(law, **point, method=method, rtol=rtol)
     names = sorted(found.sensitivity)
     rng = np.random.default_rng(seed)
     along = dict(zip(names, rng.choice([-1, 1], len(names)) * rng.uniform(0.5, 1, len(names)), strict=True))
-    parts = [found.sensitivity[name] * value_of(law, scene, name) * by for name, by in along.items()]
+    parts = [found.sensitivity[name] * value_of(law, point, name) * by for name, by in along.items()]
     total = 0.0
     for k, weight in {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}.items():
         for sign in (1, -1):
-            law_there, there = moved(law, scene, {name: sign * k * step * by for name, by in along.items()})
+            law_there, there = moved(law, point, {name: sign * k * step * by for name, by in along.items()})
             total += sign * weight * ss.pure_slip_damping(law_there, **there, method=method, rtol=rtol).value
     return abs(sum(parts) - total / step) / max(abs(found.value), *map(abs, parts))
 
@@ -73,9 +73,9 @@ def error_along(law, scene, method, seed, step, rtol=1e-12):
 @sweep("count", [6, 100], 6)
 def test_orbit_against_differences(count):
     """Of 100 the worst was off by 3e-13."""
-    for law, scene in random_scenes(count, 3):
+    for law, point in random_points(count, 3):
         try:
-            assert error_along(law, scene, "orbit", 6, 4e-3) < 1e-8, (law, scene)
+            assert error_along(law, point, "orbit", 6, 4e-3) < 1e-8, (law, point)
         except ss.NotConverged:  # too strong a friction for the orbit
             continue
 
@@ -90,7 +90,7 @@ def test_simulation_against_differences(name):
         law = ss.FrictionLaw(formulas[name], static="mu_st" if name == "static" else None)
         given = {"mu_s": 0.5, "a": 0.4, "b": 0.1, "v_1": 0.3, "d": 0.05, "mu_st": 0.57}
         law = law.bind(**{key: given[key] for key in law.parameters})
-    assert error_along(law, SCENE | {"V": 0.45}, "simulation", 7, 5e-3, 1e-11) < 1e-8
+    assert error_along(law, POINT | {"V": 0.45}, "simulation", 7, 5e-3, 1e-11) < 1e-8
 
 
 AVERAGED = [
@@ -113,12 +113,12 @@ def test_averages_against_differences_of_quadratures(text, criterion):
             continue
         ends = []
         for sign in (1, -1):
-            scene = {"V": sp.Rational(1, 2), "N": sp.Rational("9.81")}
-            at = scene[name] if name in scene else law.values[name]
-            if name in scene:
-                scene[name] = at + sign * step
-            other = law if name in scene else law.bind(**{name: at + sign * step})
-            ends.append(ss.quadrature.damping(other, criterion, **scene, digits=24))
+            point = {"V": sp.Rational(1, 2), "N": sp.Rational("9.81")}
+            at = point[name] if name in point else law.values[name]
+            if name in point:
+                point[name] = at + sign * step
+            other = law if name in point else law.bind(**{name: at + sign * step})
+            ends.append(ss.quadrature.damping(other, criterion, **point, digits=24))
         with mpmath.workdps(24):
             difference = float((ends[0] - ends[1]) / 2 * 10**7)
         assert value == pytest.approx(difference, rel=1e-10, abs=1e-11), name
@@ -130,12 +130,12 @@ def test_eulers_identities(method):
     count = (
         3 if method in ("least_squares", "harmonic") else len(SMOOTH)
     )  # the first call of a law makes its function
-    for law, scene in random_scenes(count, 5):
+    for law, point in random_points(count, 5):
         try:
-            found = ss.pure_slip_damping(law, **scene, method=method, rtol=1e-10 if method != "orbit" else 1e-12)
+            found = ss.pure_slip_damping(law, **point, method=method, rtol=1e-10 if method != "orbit" else 1e-12)
         except ss.NotConverged:
             continue
-        size = {name: value * value_of(law, scene, name) for name, value in found.sensitivity.items()}
+        size = {name: value * value_of(law, point, name) for name, value in found.sensitivity.items()}
         scale = max(map(abs, size.values()))
         assert size["N"] + size["m"] + size["k"] == pytest.approx(found.value, abs=1e-9 * scale)
         assert size["m"] == pytest.approx(size["k"], abs=1e-12 * scale)
@@ -148,13 +148,13 @@ def speed_power(unit):
     return {"1": 0, "s/m": -1, "m/s": 1, "s^2/m^2": -2, "s^3/m^3": -3}[unit]
 
 
-def test_arrays_each_scene_by_its_own_method():
+def test_arrays_each_point_by_its_own_method():
     law = ss.laws.exponential.typical()
     V = np.array([[0.2, 0.5], [1.0, 4.0]])
-    found = ss.pure_slip_damping(law, **SCENE | {"V": V}, rtol=1e-3)
+    found = ss.pure_slip_damping(law, **POINT | {"V": V}, rtol=1e-3)
     assert len(set(found.method.ravel())) > 1
     for place in np.ndindex(V.shape):
-        one = ss.pure_slip_damping(law, **SCENE | {"V": V[place]}, method=str(found.method[place]), rtol=1e-3)
+        one = ss.pure_slip_damping(law, **POINT | {"V": V[place]}, method=str(found.method[place]), rtol=1e-3)
         for name, column in found.sensitivity.items():
             assert column.shape == V.shape
             assert column[place] == pytest.approx(one.sensitivity[name], rel=1e-12)
@@ -162,7 +162,7 @@ def test_arrays_each_scene_by_its_own_method():
 
 def test_without_friction_and_without_an_oscillator():
     law = ss.laws.exponential.typical()
-    still = ss.pure_slip_damping(law, **SCENE | {"N": 0.0}, method="orbit")
+    still = ss.pure_slip_damping(law, **POINT | {"N": 0.0}, method="orbit")
     harmonic = ss.pure_slip_damping(law, V=0.5, N=1.0, method="harmonic")
     assert still.sensitivity["N"] == pytest.approx(harmonic.value, rel=1e-12)
     assert set(harmonic.sensitivity) == {"V", "N", "mu_s", "mu_m", "alpha"}
@@ -175,14 +175,14 @@ def test_averages_do_not_see_a_static_coefficient_whatever_its_parameters():
         values = [ss.pure_slip_damping(one, V=0.5, N=9.81, method="harmonic") for one in (first, second)]
         assert values[0].value == values[1].value
     assert ss.pure_slip_damping(law, V=0.5, N=9.81, method="harmonic").sensitivity["jump"] == 0
-    assert ss.pure_slip_damping(law, **SCENE, method="simulation").sensitivity["jump"] > 0.1
+    assert ss.pure_slip_damping(law, **POINT, method="simulation").sensitivity["jump"] > 0.1
 
 
 def test_a_method_of_ones_own():
     """It is printed where a parameter carries an error; without derivatives what it depends on is not known."""
     own = Method("own", lambda points, rtol: Computed(2 * points.N, 0 * points.N))
     law = ss.laws.exponential.typical(mu_s="0.50(2)")
-    found = ss.pure_slip_damping(law, **SCENE, method=own)
+    found = ss.pure_slip_damping(law, **POINT, method=own)
     assert repr(found).startswith("Threshold: 19.62 kg/s (own")
     assert (found.budget, found.uncertainty) == (None, None)
     with pytest.raises(ss.InputError, match=r"'own'.* is not known; try another method"):
@@ -193,4 +193,4 @@ def test_a_method_of_ones_own():
         return nothing | {"N": 2 + 0 * value}
 
     known = replace(own, sensitivity=derivatives)
-    assert ss.pure_slip_damping(law, **SCENE | {"N": "9.8(1)"}, method=known).uncertainty == pytest.approx(0.2)
+    assert ss.pure_slip_damping(law, **POINT | {"N": "9.8(1)"}, method=known).uncertainty == pytest.approx(0.2)

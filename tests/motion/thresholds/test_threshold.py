@@ -8,7 +8,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 
-SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 
 
 @pytest.fixture(scope="module")
@@ -41,9 +41,9 @@ def test_arrays_broadcast(exponential):
 @pytest.mark.parametrize("name", ["m", "k", "N", "V"])
 def test_twelve_decades_of_each_quantity(exponential, name, size):
     """An answer within the tolerance, or an outcome that says why not."""
-    scene = SCENE | {name: size}
+    point = POINT | {name: size}
     # m and k matter by their product only, and N and k m by the ratio of their squares.
-    both = scene | {"m": scene["m"] * np.array([1, 64]), "k": scene["k"] / np.array([1, 64])}
+    both = point | {"m": point["m"] * np.array([1, 64]), "k": point["k"] / np.array([1, 64])}
     found = ss.pure_slip_damping(exponential, **both, rtol=1e-3)
     assert np.isfinite(found.value).all()
     assert (found.relative_error <= 1e-3).all()
@@ -60,22 +60,22 @@ JUMP = ss.FrictionLaw("0.4 - 0.1*v", static="0.45")
 @pytest.mark.parametrize("method", ["second_order", "orbit"])
 def test_laws_that_are_not_smooth_belong_to_simulation(law, why, method):
     with pytest.raises(ss.InputError, match=f'{why}.*method="simulation"'):
-        ss.pure_slip_damping(law, **SCENE, method=method)
-    found = ss.pure_slip_damping(law, **SCENE, rtol=1e-6)
+        ss.pure_slip_damping(law, **POINT, method=method)
+    found = ss.pure_slip_damping(law, **POINT, rtol=1e-6)
     assert found.method == "simulation"
 
 
 def test_a_kink_beyond_reach_does_no_harm():
     far = ss.FrictionLaw("Piecewise((0.5 - 0.2*v + 0.05*v^2, v < 5), 0.36)")
     smooth = ss.FrictionLaw("0.5 - 0.2*v + 0.05*v^2")
-    values = [ss.pure_slip_damping(law, **SCENE, method="orbit", rtol=1e-12).value for law in (far, smooth)]
+    values = [ss.pure_slip_damping(law, **POINT, method="orbit", rtol=1e-12).value for law in (far, smooth)]
     assert values[0] == pytest.approx(values[1], rel=1e-14)
 
 
 @pytest.mark.parametrize("method", ["orbit", "simulation", "auto"])
 def test_an_infinite_slope_at_rest_is_no_obstacle(method):
     law = ss.FrictionLaw("0.5 - 0.1*sqrt(v)")
-    assert ss.pure_slip_damping(law, **SCENE, method=method, rtol=1e-9).value == pytest.approx(0.832662017)
+    assert ss.pure_slip_damping(law, **POINT, method=method, rtol=1e-9).value == pytest.approx(0.832662017)
 
 
 def test_a_small_static_excess_follows_the_weak_friction_law():
@@ -83,7 +83,7 @@ def test_a_small_static_excess_follows_the_weak_friction_law():
     jump, off = 0.02 / 2.0 ** np.arange(4), []
     for excess in jump:
         law = ss.FrictionLaw("0.3", static=repr(0.3 + float(excess)))
-        zeta = ss.pure_slip_damping(law, **SCENE, method="simulation", rtol=1e-7).value / (2 * 10.0)
+        zeta = ss.pure_slip_damping(law, **POINT, method="simulation", rtol=1e-7).value / (2 * 10.0)
         off.append(abs(zeta / ((excess * 9.81 / (0.5 * 10.0)) ** 2 / (4 * math.pi)) - 1))
     order, _ = np.polyfit(np.log(jump), np.log(off), 1)
     assert order == pytest.approx(2, abs=0.1)
@@ -105,7 +105,7 @@ def test_a_small_static_excess_follows_the_weak_friction_law():
 )
 def test_wrong_input(exponential, changes, message):
     with pytest.raises(ss.InputError, match=message):
-        ss.pure_slip_damping(exponential, **(SCENE | changes))
+        ss.pure_slip_damping(exponential, **(POINT | changes))
 
 
 def test_a_slope_that_is_exactly_zero_needs_no_damping():
@@ -113,7 +113,7 @@ def test_a_slope_that_is_exactly_zero_needs_no_damping():
     assert ss.pure_slip_damping(law, V=1.0, N=9.81, method="equilibrium").value == 0
 
 
-def test_masked_scenes_are_refused():
+def test_masked_points_are_refused():
     with pytest.raises(ss.InputError, match="V has masked entries"):
         ss.pure_slip_damping(ss.laws.exponential.typical(), V=np.ma.array([0.5, 0.6], mask=[0, 1]), N=9.81)
 
@@ -128,9 +128,9 @@ def test_no_threshold_is_minus_zero(formula):
     rng = np.random.default_rng(5)
     law = ss.FrictionLaw(formula)
     law = law.bind(**{name: {"a": 0.0, "mu_k": rng.uniform(0.1, 1)}[name] for name in law.parameters})
-    scene = {"V": rng.uniform(0.1, 1, 3), "N": rng.uniform(1, 10)}
+    point = {"V": rng.uniform(0.1, 1, 3), "N": rng.uniform(1, 10)}
     for method in ("auto", "equilibrium", "least_squares", "harmonic", "second_order", "orbit"):
         oscillator = {"m": 1.0, "k": rng.uniform(50, 200)} if method in ("second_order", "orbit") else {}
-        assert not np.signbit(ss.pure_slip_damping(law, **scene, **oscillator, method=method).value).any()
-        found = ss.pure_slip_damping(law, **scene | {"V": 0.5}, **oscillator, method=method)
+        assert not np.signbit(ss.pure_slip_damping(law, **point, **oscillator, method=method).value).any()
+        found = ss.pure_slip_damping(law, **point | {"V": 0.5}, **oscillator, method=method)
         assert str(found).startswith("0 kg/s")

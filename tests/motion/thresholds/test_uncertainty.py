@@ -10,7 +10,7 @@ from uncertainties import correlated_values, ufloat
 import stickslip_sym as ss
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
-SCENE = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 COVARIANCE = [[4e-4, -1.5e-4, 0], [-1.5e-4, 1e-4, 1e-3], [0, 1e-3, 0.04]]
 NAMES = ("mu_s", "mu_m", "alpha")
 
@@ -22,12 +22,12 @@ def correlated():
 
 
 def test_the_first_order_is_that_of_the_sensitivities_and_the_covariance():
-    found = ss.pure_slip_damping(correlated(), **SCENE, method="orbit")
+    found = ss.pure_slip_damping(correlated(), **POINT, method="orbit")
     s = np.array([found.sensitivity[name] for name in NAMES])
     assert found.uncertainty == pytest.approx(np.sqrt(s @ np.array(COVARIANCE) @ s), rel=1e-9)
     independent = correlated().bind(mu_s="0.50(2)", mu_m="0.20(1)", alpha="3.0(2)")
-    assert found.uncertainty > 1.1 * ss.pure_slip_damping(independent, **SCENE, method="orbit").uncertainty
-    plain = ss.pure_slip_damping(ss.laws.exponential.typical(), **SCENE)
+    assert found.uncertainty > 1.1 * ss.pure_slip_damping(independent, **POINT, method="orbit").uncertainty
+    plain = ss.pure_slip_damping(ss.laws.exponential.typical(), **POINT)
     assert (plain.uncertainty, plain.budget, plain.nonlinearity) == (None, None, 1.0)
 
 
@@ -45,14 +45,14 @@ def test_the_library_propagates_the_same():
 
 
 def test_shares_add_up_and_say_what_is_correlated():
-    budget = ss.pure_slip_damping(correlated(), **SCENE | {"N": "9.8(3)"}, method="orbit").budget
+    budget = ss.pure_slip_damping(correlated(), **POINT | {"N": "9.8(3)"}, method="orbit").budget
     assert sum(budget.shares.values()) == pytest.approx(1, rel=1e-12)
     assert list(budget.shares.values()) == sorted(budget.shares.values(), reverse=True)
     pairs = {frozenset(pair): r for *pair, r in budget.correlated}
     assert pairs == {frozenset(NAMES[:2]): pytest.approx(-0.75), frozenset(NAMES[1:]): pytest.approx(0.5)}
     assert "mu_s and mu_m (-0.75)" in str(budget)
     assert budget._repr_html_().count("<tr>") == 5
-    alone = ss.pure_slip_damping(ss.laws.exponential.typical(mu_s="0.50(2)"), **SCENE, method="orbit").budget
+    alone = ss.pure_slip_damping(ss.laws.exponential.typical(mu_s="0.50(2)"), **POINT, method="orbit").budget
     assert alone.shares == {"mu_s": 1.0}
     assert "correlated" not in str(alone)
 
@@ -86,25 +86,25 @@ def test_products_and_squares_are_exact_to_second_order():
 
 def test_where_the_first_order_does_not_serve_it_is_said():
     law = ss.laws.gaussian.typical(v_s="0.50(10)")  # c has nearly a maximum there
-    found = ss.pure_slip_damping(law, **SCENE | {"V": 0.6}, method="harmonic")
+    found = ss.pure_slip_damping(law, **POINT | {"V": 0.6}, method="harmonic")
     with pytest.warns(ss.InputWarning, match=r"times as large to second order"):
         assert found.uncertainty > 0
     assert found.nonlinearity > 2
-    wide = ss.pure_slip_damping(ss.laws.exponential.typical(alpha="3.0(20)"), **SCENE, method="orbit")
+    wide = ss.pure_slip_damping(ss.laws.exponential.typical(alpha="3.0(20)"), **POINT, method="orbit")
     with pytest.warns(ss.InputWarning, match=r"could not be checked .*alpha = -0\.46"):
         assert wide.uncertainty > 0
     assert np.isnan(wide.nonlinearity)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert ss.pure_slip_damping(correlated(), **SCENE, method="harmonic").uncertainty > 0
+        assert ss.pure_slip_damping(correlated(), **POINT, method="harmonic").uncertainty > 0
 
 
 @pytest.mark.parametrize("method", ["harmonic", "second_order", "orbit", "simulation"])
 def test_an_error_that_does_not_show_needs_no_second_order(method):
     """That of mu_s, on which the threshold of a falling line does not depend, and one of nine digits less."""
-    line = ss.pure_slip_damping(ss.laws.linear.typical(mu_s="0.50(2)"), **SCENE, method=method)
+    line = ss.pure_slip_damping(ss.laws.linear.typical(mu_s="0.50(2)"), **POINT, method=method)
     law = ss.laws.exponential.typical(mu_s=ufloat(0.5, 5e-10))
-    small = ss.pure_slip_damping(law, **SCENE, method=method)
+    small = ss.pure_slip_damping(law, **POINT, method=method)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert line.uncertainty == pytest.approx(0, abs=1e-12)
@@ -115,17 +115,17 @@ def test_an_error_that_does_not_show_needs_no_second_order(method):
 def test_a_small_error_at_an_extremum_shows_to_second_order_alone():
     """The threshold of the gaussian law has its maximum over v_s there: its first order is a millionth."""
     law = ss.laws.gaussian.typical(v_s="0.500(2)")
-    found = ss.pure_slip_damping(law, **SCENE | {"V": 0.569}, method="harmonic")
+    found = ss.pure_slip_damping(law, **POINT | {"V": 0.569}, method="harmonic")
     assert found.budget.uncertainty < 1e-5
     assert found.nonlinearity == pytest.approx(13.03, rel=1e-3)
 
 
 def test_arrays_each_with_its_own_error():
     V = np.array([ufloat(0.3, 0.01), 0.5, ufloat(0.7, 0.03)])
-    found = ss.pure_slip_damping(correlated(), **SCENE | {"V": V}, method="orbit")
+    found = ss.pure_slip_damping(correlated(), **POINT | {"V": V}, method="orbit")
     assert found.uncertainty.shape == found.nonlinearity.shape == (3,)
     for place, one in enumerate(V):
-        single = ss.pure_slip_damping(correlated(), **SCENE | {"V": one}, method="orbit")
+        single = ss.pure_slip_damping(correlated(), **POINT | {"V": one}, method="orbit")
         assert found.uncertainty[place] == pytest.approx(single.uncertainty, rel=1e-12)
         assert found.nonlinearity[place] == pytest.approx(single.nonlinearity, rel=1e-7)
     assert found.budget.shares["V"][1] == 0
@@ -134,27 +134,27 @@ def test_arrays_each_with_its_own_error():
 
 def test_auto_goes_no_further_than_the_parameters_deserve():
     certain, uncertain = ss.laws.exponential.typical(), ss.laws.exponential.typical(mu_s="0.50(2)")
-    exact = ss.pure_slip_damping(certain, **SCENE, method="orbit").value
+    exact = ss.pure_slip_damping(certain, **POINT, method="orbit").value
     for text, method in (("0.5(3)", "second_order"), ("0.50(2)", "second_order"), ("0.5000(1)", "orbit")):
-        found = ss.pure_slip_damping(certain.bind(mu_s=text), **SCENE)
+        found = ss.pure_slip_damping(certain.bind(mu_s=text), **POINT)
         assert found.method == method
         assert abs(found.value - exact) < max(0.11 * found.budget.uncertainty, 1e-3 * exact)
         assert (found.deserved is None) == (method == "orbit")
-    asked = ss.pure_slip_damping(uncertain, **SCENE, rtol=1e-9)
+    asked = ss.pure_slip_damping(uncertain, **POINT, rtol=1e-9)
     assert (asked.method, asked.deserved) == ("orbit", None)
-    assert ss.pure_slip_damping(certain, **SCENE).deserved is None
+    assert ss.pure_slip_damping(certain, **POINT).deserved is None
 
 
 def test_printed_with_both_errors_apart():
     law = ss.laws.exponential.typical(mu_s="0.50+/-0.02")
-    text = str(ss.pure_slip_damping(law, **SCENE, method="orbit", rtol=1e-12))
+    text = str(ss.pure_slip_damping(law, **POINT, method="orbit", rtol=1e-12))
     assert text.startswith("2.57 +/- 0.17 kg/s (parameters) +/- ")
     assert text.endswith("e-14 (method: orbit)")
-    assert "parameters" not in str(ss.pure_slip_damping(ss.laws.exponential.typical(), **SCENE))
+    assert "parameters" not in str(ss.pure_slip_damping(ss.laws.exponential.typical(), **POINT))
 
 
 def test_what_is_shifted_is_what_was_asked():
-    points = OperatingPoints.of(ss.laws.exponential.typical(), **SCENE).shifted({"mu_s": 0.1, "V": 0.2, "k": -1.0})
+    points = OperatingPoints.of(ss.laws.exponential.typical(), **POINT).shifted({"mu_s": 0.1, "V": 0.2, "k": -1.0})
     assert float(points.law.values["mu_s"]) == pytest.approx(0.6)
     assert [column[0] for column in points.columns.values()] == pytest.approx([0.7, 9.81, 1.0, 99.0])
 

@@ -1,4 +1,4 @@
-"""Scenes that several test files use."""
+"""Laws and operating points that several test files use."""
 
 import numpy as np
 
