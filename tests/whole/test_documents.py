@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from commands import inside
+from sweeps import sweep
 
 import stickslip_sym as ss
 from paper_checks.claims import CLAIMS
@@ -37,9 +38,9 @@ BY_DEFAULT = ("README.md", "CONTRIBUTING.md")
 """The others are run with ``pytest --thorough``, and where the documentation is built."""
 
 
-def thorough_but_for_the_first(cases):
-    """Mark what is no part of the documents that are read first."""
-    return [pytest.param(*case, marks=() if case[0] in BY_DEFAULT else pytest.mark.thorough) for case in cases]
+def sweep_documents(names, cases):
+    """Leave all but the documents that are read first to ``--thorough``."""
+    return sweep(names, cases, *(case for case in cases if case[0] in BY_DEFAULT))
 
 
 def blocks(language, names=DOCUMENTS):
@@ -69,10 +70,7 @@ def stated(code):
     return re.findall(r"^# (.*)$", code, re.M)
 
 
-@pytest.mark.parametrize(
-    ("name", "code"),
-    thorough_but_for_the_first(blocks("python", [name for name in DOCUMENTS if name != DERIVATION])),
-)
+@sweep_documents(("name", "code"), blocks("python", [name for name in DOCUMENTS if name != DERIVATION]))
 def test_python_blocks_print_what_they_say(name, code):
     assert printed(code, {}) == stated(code)
 
@@ -94,7 +92,7 @@ SESSIONS = [
 ]
 
 
-@pytest.mark.parametrize(("name", "command", "output"), thorough_but_for_the_first(SESSIONS))
+@sweep_documents(("name", "command", "output"), SESSIONS)
 def test_console_blocks_print_what_they_say(name, command, output, tmp_path):
     """Away from the repository, for a command may write files."""
     program, *arguments = shlex.split(command)
