@@ -147,12 +147,12 @@ def test_gallery_draws_its_pictures(tmp_path):
 
 def test_the_claim_table_says_what_is_on_record():
     rows = re.findall(r"^\| ([A-Z]\d[^|]*) \| ([^|]*) \|", DOCUMENTS["paper_checks/README.md"], re.M)
-    told = {claim: verdict for ids, verdict in rows for claim in ids.split(", ")}
+    stated = {claim: verdict for ids, verdict in rows for claim in ids.split(", ")}
     on_record = {claim.id: claim.outcome.value.split(" with a ")[-1] for claim in CLAIMS.values()}
-    assert told == {claim: verdict.replace("qualification", "qualified") for claim, verdict in on_record.items()}
-    counts = Counter(told.values())
+    assert stated == {claim: verdict.replace("qualification", "qualified") for claim, verdict in on_record.items()}
+    counts = Counter(stated.values())
     for name in ("README.md", "paper_checks/README.md"):
-        assert f"{len(told)} of them, of which {counts['reproduced']} are reproduced" in DOCUMENTS[name]
+        assert f"{len(stated)} of them, of which {counts['reproduced']} are reproduced" in DOCUMENTS[name]
 
 
 def test_the_citation_has_what_the_format_requires():
@@ -160,11 +160,11 @@ def test_the_citation_has_what_the_format_requires():
     lines = (ROOT / "CITATION.cff").read_text(encoding="utf-8").splitlines()
     shape = re.compile(r"(?:  )*(?:- )?(?:[a-z-]+:(?: [^\s:#&*!|>'\"%@`{}\[\]][^:#]*)?|[\w -]+)")
     assert [line for line in lines if not shape.fullmatch(line)] == []
-    told = dict(re.findall(r"^([a-z-]+):(?: (.+))?$", "\n".join(lines), re.M))
+    stated = dict(re.findall(r"^([a-z-]+):(?: (.+))?$", "\n".join(lines), re.M))
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    assert {"cff-version", "message", "title", "authors", "references"} <= set(told)
-    assert (told["cff-version"], told["type"]) == ("1.2.0", "software")
-    assert (told["title"], told["license"]) == (project["name"], project["license"])
-    assert (told["version"], told["abstract"]) == (ss.__version__, project["description"])
+    assert {"cff-version", "message", "title", "authors", "references"} <= set(stated)
+    assert (stated["cff-version"], stated["type"]) == ("1.2.0", "software")
+    assert (stated["title"], stated["license"]) == (project["name"], project["license"])
+    assert (stated["version"], stated["abstract"]) == (ss.__version__, project["description"])
     assert [f"  - name: {author['name']}" in lines for author in project["authors"]] == [True]
     assert [f"  - {keyword}" in lines for keyword in project["keywords"]] == [True] * len(project["keywords"])
