@@ -89,7 +89,7 @@ def export_code(forms: Written | Sequence[Written], language: str) -> str:
     """
     listed = _listed(forms, Written, "closed forms or slope averages: derive(law), slope_average(law)")
     if len(listed) == 1:
-        return listed[0].code(language)
+        return str(listed[0].code(language))
     laws = list(dict.fromkeys(form.law for form in listed))
     named: dict[str, tuple[SlopeAverage, str]] = {}
     for form in sorted(listed, key=lambda form: laws.index(form.law)):
