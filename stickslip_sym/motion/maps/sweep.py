@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-__all__ = ["BasinSweep", "Change", "basin_sweep"]
-
 _LINES = {"Hopf": ":", "graze": "-", "fold": "--"}
 Kind = Literal["Hopf", "graze", "fold"]
 _ROOT = float(4 * np.finfo(np.float64).eps)  # relative tolerance of a root

@@ -37,8 +37,6 @@ from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output import markup
 
-__all__ = ["Critical", "critical", "excess"]
-
 _PER_DECADE = 8  # values sampled
 _WHOLE = (1e-12, 1e12)  # of a quantity in SI units, that is sampled
 _WEAKEST, _STRONGEST = 1e-3, 1e2  # N/(V sqrt(k m)) between which V, N, m and k are sought

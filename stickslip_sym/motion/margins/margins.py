@@ -21,8 +21,6 @@ from stickslip_sym.motion.thresholds.uncertainty import standard_errors
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import table
 
-__all__ = ["Margin", "Margins", "Sampled", "carried_by", "margins"]
-
 _SEED = 20160428  # of the samples
 
 

@@ -383,7 +383,7 @@ def _each(points: OperatingPoints, compute: Callable[[int], tuple[float, float]]
             found[:, row] = compute(row)
         except NO_RESULT as refusal:
             refusals[row] = refusal
-    return Computed(*found, refusals)
+    return Computed(found[0], found[1], refusals)
 
 
 def _slip_changes(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
