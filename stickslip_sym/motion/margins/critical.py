@@ -6,7 +6,7 @@ the gap between both halves of the grazing orbit at c (`needed`): it takes one g
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -47,7 +47,7 @@ _LOOSE = 1e-6  # relative error of the gap, or threshold, on the grid
 _STEPPED = 1e-12, 1e-6  # tolerances of the steps of a gap
 _STRONG, _STIFF = 30.0, 1e-9  # eta from which a gap is stiff, and the tolerance there
 _FINER, _TIGHTEST = 1e-3, 1e-12  # of rtol, the relative error of a threshold at a root; and the smallest
-_CLOSE = 1e-9  # tolerance of the logarithm of a root, which a Newton step with the exact slope then refines
+_CLOSE = 1e-9  # tolerance of a root, relative, which a Newton step with the exact slope then refines
 _BESIDE = 1e-4  # relative distance at which an absolute error is taken where the threshold is 0
 _NEWTON = 1e-6  # relative size of that step, up to which it is the last
 _NEWTON_STEPS = 4
@@ -110,7 +110,7 @@ def critical(
     k: float | None = None,
     method: str | Criterion | Method = "auto",
     rtol: float = 1e-3,
-    within: tuple[float, float] | None = None,
+    within: Sequence[float] | None = None,
     time_limit: float | None = None,
 ) -> tuple[Critical, ...]:
     """Return every value of one quantity or parameter at which the pure-slip damping is c, ascending.
@@ -131,11 +131,11 @@ def critical(
         that stick-slip is there at one and not at the other; that there are no more such values it does not prove.
     rtol : float
         Relative error that is good enough, 1e-12 to 1; the width of a proved enclosure.
-    within : (float, float), optional
-        Two values of one sign between which to look. If not given, a parameter is sought from 1/100 of its value
-        to 100 times it, and V, N, m and k where N/(V sqrt(k m)) is 1e-3 to 100, or the harmonic average comes
-        close to c. There are 8 points a decade: two values closer together are found if the grid shows the
-        extremum between them, and may otherwise be missed.
+    within : sequence of float, optional
+        Two values of one sign between which to look at 8 points a decade, or more, ascending: all the points.
+        If not given, a parameter is sought from 1/100 of its value to 100 times it, and V, N, m and k where
+        N/(V sqrt(k m)) is 1e-3 to 100, or the harmonic average comes close to c. Two values closer together than
+        points are found if these show the extremum between them, and may otherwise be missed.
         An average that is linear or a polynomial needs no range: all values are found, by their polynomial.
     time_limit : float, optional
         Seconds of computation after which it is given up.
@@ -256,11 +256,11 @@ class _Search:
         points = [self.at(x)] if self.is_quantity else map(self.at, x.tolist())
         return np.concatenate([[], *(excess(some, self.c, self.method, rtol) for some in points)])
 
-    def found(self, within: tuple[float, float] | None) -> tuple[Critical, ...]:
+    def found(self, within: Sequence[float] | None) -> tuple[Critical, ...]:
         """Return the critical values, ascending."""
         roots = None if self.criterion is None else self._polynomial_roots(self.criterion)
         if roots is not None:
-            low, high = within or (-math.inf, math.inf)
+            low, high = (-math.inf, math.inf) if within is None else (within[0], within[-1])
             roots = [x for x in roots if low <= x <= high]
         elif self.criterion is not None and self.of in ("m", "k"):
             raise InputError(f'an average of slopes does not depend on {self.of}; try method="orbit"')
@@ -271,10 +271,12 @@ class _Search:
 
     # -- where to look -----------------------------------------------------------------------------
 
-    def _grid(self, within: tuple[float, float] | None) -> FloatArray:
-        """Return the values at which the excess is sampled, ascending in size, of one sign."""
+    def _grid(self, within: Sequence[float] | None) -> FloatArray:
+        """Return the values at which the excess is sampled, ascending."""
         if within is None and self.is_quantity:
             return self._where_friction_matters()
+        if within is not None and len(within) > 2:
+            return np.array(within)
         if within is not None:
             low, high = (real("within", end) for end in within)
             if not (low * high > 0 and low < high):
@@ -284,7 +286,7 @@ class _Search:
             if value is None or float(value) == 0:
                 raise InputError(f"where to look for {self.of} is not known; give within=(low, high)")
             low, high = sorted(float(value) * factor for factor in (1 / _AROUND, _AROUND))
-        return math.copysign(1.0, low) * _spaced(*sorted((abs(low), abs(high))))
+        return _spaced(low, high)
 
     def _where_friction_matters(self) -> FloatArray:
         """Return all values for an average, else where friction is neither weak nor very strong.
@@ -314,41 +316,36 @@ class _Search:
 
     def _roots(self, x: FloatArray) -> list[float]:
         """Return where the excess changes its sign, up to where motions leave the measured speeds."""
-        if not x.size:
-            return []
-        side = math.copysign(1.0, x[0])
 
-        def value(y: float, rtol: float = _LOOSE) -> float:
-            return float(self.excess(np.array([side * math.exp(y)]), rtol)[0])
+        def value(x: float, rtol: float = _LOOSE) -> float:
+            return float(self.excess(np.array([x]), rtol)[0])
 
-        def fine(y: float) -> float:
-            found = value(y, self.tight)
-            return found if not math.isnan(found) else self._no_threshold(side * math.exp(y))
+        def fine(x: float) -> float:
+            found = value(x, self.tight)
+            return found if not math.isnan(found) else self._no_threshold(x)
 
         with np.errstate(all="ignore"):
-            nodes = dict(zip(np.log(np.abs(x)).tolist(), self.excess(x).tolist(), strict=True))
-            for ends in pairwise(list(nodes)):
-                inside, outside = sorted(ends, key=lambda y: math.isnan(nodes[y]))
+            nodes = dict(zip(x.tolist(), self.excess(x).tolist(), strict=True))
+            for ends in pairwise(x.tolist()):
+                inside, outside = sorted(ends, key=lambda x: math.isnan(nodes[x]))
                 if math.isnan(nodes[inside]) == math.isnan(nodes[outside]):
                     continue
                 for _ in range(_HALVINGS):
                     middle = (inside + outside) / 2
                     nodes[middle] = value(middle)
                     inside, outside = (inside, middle) if math.isnan(nodes[middle]) else (middle, outside)
-        nodes = {y: nodes[y] for y in sorted(nodes) if not math.isnan(nodes[y])}
-        if not nodes:
+        nodes = {x: nodes[x] for x in sorted(nodes) if not math.isnan(nodes[x])}
+        if x.size and not nodes:
             raise NotConverged(f"there is no threshold at any {self.of}; try another method")
-        places = list(nodes)
-        for low, y, high in zip(places, places[1:], places[2:], strict=False):
-            before, here, after = nodes[low], nodes[y], nodes[high]
+        for low, middle, high in list(zip(nodes, [*nodes][1:], [*nodes][2:], strict=False)):
+            before, here, after = nodes[low], nodes[middle], nodes[high]
             if before * here > 0 < here * after and abs(here) < min(abs(before), abs(after)):
                 sign = math.copysign(1.0, here)
-                dip = minimize_scalar(lambda y, sign=sign: sign * value(y), bounds=(low, high), method="bounded")
+                dip = minimize_scalar(lambda x, sign=sign: sign * value(x), bounds=(low, high), method="bounded")
                 if dip.fun < 0:
                     nodes[float(dip.x)] = sign * float(dip.fun)
         places = sorted(nodes)
-        found = sign_changes(fine, places, [nodes[y] for y in places], _CLOSE)
-        return [side * math.exp(y) for y in found]
+        return list(sign_changes(fine, places, [nodes[x] for x in places], _CLOSE))
 
     def _no_threshold(self, x: float) -> NoReturn:
         raise NotConverged(f"there is no threshold at {self.of} = {x:.6g}; try another method")
@@ -435,4 +432,4 @@ class _Search:
 
 
 def _spaced(low: float, high: float) -> FloatArray:
-    return np.geomspace(low, high, max(3, math.ceil(math.log10(high / low) * _PER_DECADE) + 1))
+    return np.geomspace(low, high, max(3, math.ceil(abs(math.log10(high / low)) * _PER_DECADE) + 1))
