@@ -251,7 +251,8 @@ def _integrand(form: ClosedForm, V: float, N: float) -> Callable[[FloatArray], F
     def integrand(angle: FloatArray) -> FloatArray:
         sine, cosine = np.sin(angle), np.cos(angle)
         share: FloatArray = 4 * sine * cosine * weight(2 * sine * sine, 2 * cosine * cosine)
-        return -N * share * slope(2 * V * sine * sine)
+        rise: FloatArray = slope(2 * V * sine * sine)
+        return -N * share * rise
 
     return integrand
 
