@@ -103,9 +103,9 @@ def _lines(form: ClosedForm) -> list[str]:
 
 
 def _latex(form: ClosedForm, steps: bool) -> str:
-    from stickslip_sym.output import printing
-    from stickslip_sym.output.layout import displayed, key
+    from stickslip_sym.formula.export import criterion_latex
+    from stickslip_sym.output.layout import key
 
     label = f"eq:{key(form.law.name)}-{form.criterion.name}"
-    content = f"% {' '.join(repr(form).split())}\n{displayed('c', printing.latex(form.expr), label=label)}\n"
+    content = f"% {' '.join(repr(form).split())}\n{criterion_latex(form, label)}\n"
     return content + ("\n" + str(form.derivation.latex()) if steps else "")

@@ -53,9 +53,10 @@ def run(given: Given) -> None:
     """
     x, y = read_axis("--x", given["x"]), read_axis("--y", given["y"])
     names = x[0], y[0]
-    for name in assignments(given["parameter"]):
-        if name in names:
-            raise InputError(f"{name} is an axis, and given by -p too; leave one of the two out")
+    for name in names:
+        option = "-p" if name in assignments(given["parameter"]) else f"-{name}" if given[name] is not None else ""
+        if option:
+            raise InputError(f"{name} is an axis, and given by {option} too; leave one of the two out")
     at = point(given, without=names).exact("map")
     limit, workers = given["time_limit"], given["workers"]
     csv, npz, plot = given["csv"], given["npz"], given["plot"]

@@ -131,6 +131,8 @@ def _read_file(text: str, option: click.Parameter, *, endings: Sequence[str]) ->
     from stickslip_sym.output import drawing, files
 
     path, name = Path(text), max(option.opts, key=len)
+    if text.startswith("-"):
+        raise InputError(f"{name} {text}: an option is no name of a file; write {name} FILE, or ./{text}")
     if not path.parent.is_dir():
         raise InputError(f"cannot write {text!r}: there is no folder {str(path.parent)!r}; make it first")
     if endings and path.suffix.lower() not in endings:
