@@ -82,8 +82,19 @@ CALLS = {
 }  # fmt: skip
 
 
+@pytest.fixture(scope="module")
+def compiled():
+    """What machine code the calls use is made, which counts in no limit."""
+    law, many = ss.laws.exponential.typical(), np.linspace(0, 1, 20)
+    ss.classify(law, paper_oscillator(1.0), x0=many)
+    ss.motion_map(law, x=("V", many[1:4]), y=("N", many[1:4]), c=1, m=1, k=100)
+    motion = ss.simulate(law, paper_oscillator(1.0), t_end=1.0)
+    motion.at(np.linspace(0, 1, 3000))
+
+
 @pytest.mark.parametrize("seconds", [0.2])
 @pytest.mark.parametrize("call", CALLS)
+@pytest.mark.usefixtures("compiled")
 def test_every_call_ends_soon_after_its_time_limit(call, seconds):
     """With a result, which says what it lacks, or with an error that says that it was the time."""
     law = (
@@ -91,12 +102,11 @@ def test_every_call_ends_soon_after_its_time_limit(call, seconds):
         if call != "simulation"
         else ss.laws.catalogue["arcsinh"].typical()
     )
-    for c in (1.0, 1.01):  # what is compiled once for an installation counts in no limit
-        begin = time.process_time()
-        try:
-            found = CALLS[call](law, paper_oscillator(c), time_limit=seconds)
-        except (ss.OutOfTime, ss.NotConverged) as error:
-            found = str(error)
+    begin = time.process_time()
+    try:
+        found = CALLS[call](law, paper_oscillator(1.01), time_limit=seconds)
+    except (ss.OutOfTime, ss.NotConverged) as error:
+        found = str(error)
     assert time.process_time() - begin < 5 * (1 + seconds)  # one where nothing else runs; far less than all of it
     if call == "motion_map":
         assert (found.reason == Reason.TIME).any()
@@ -119,9 +129,9 @@ def test_without_time_every_part_of_a_regime_is_named():
 
 def test_a_late_threshold_is_given_as_known():
     """A clock that stands still until so many looks at it: where it stops does not depend on the machine."""
-    law, best = ss.laws.exponential.typical(), []
+    law = ss.laws.exponential.typical()
     exact = ss.pure_slip_damping(law, **POINT, method="simulation", rtol=1e-10).value
-    for looks in range(4, 24):
+    for looks, off in ((3, 0.1), (7, 1e-4), (15, 1e-5)):  # the harmonic balance, and Newton steps
         with pytest.MonkeyPatch.context() as patch:
             clock = iter([0.0] * looks)
             patch.setattr(deadline.time, "monotonic", lambda clock=clock: next(clock, 1e9))
@@ -129,11 +139,8 @@ def test_a_late_threshold_is_given_as_known():
                 ss.pure_slip_damping(law, **POINT, method="simulation", rtol=1e-10, time_limit=100)
         said = re.search(r"c = (\S+) sqrt.* between (\S+) and (\S+)", str(caught.value))
         value, low, high = (10 * float(number) for number in said.groups())
+        assert value == pytest.approx(exact, rel=off)
         assert low <= exact <= high
-        best.append(abs(value / exact - 1))
-    assert best == sorted(best, reverse=True)
-    assert best[0] < 0.1
-    assert best[-1] < 1e-4
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.02])

@@ -258,13 +258,13 @@ def needed_ratio(
         source = (*source[:3], rise.pieces, np.zeros(len(rise.jumps)))
     run = compiled(needed) if fast else needed
     how, zeta, error, low, high, slope = run(rise, eta, push, A, tight, source)
-    if how == FOUND:
-        return zeta, error, slope
-    if how == LATE:
+    if how == LATE or is_late():  # then the last gap may be wrong
         raise OutOfTime(
             f"the time limit was reached; the best value so far is c = {2 * zeta:.6g} sqrt(k m), and c lies "
             f"between {2 * low:.6g} and {2 * high:.6g} times sqrt(k m)"
         )
+    if how == FOUND:
+        return zeta, error, slope
     if how == BEYOND:
         raise system.unmeasured(system.w_max)
     if how == NONE:
