@@ -259,7 +259,5 @@ def average_ball(
 
 def _pieces(mu: Expr, point: Mapping[Expr, Expr | acb], kinks: Sequence[Expr], count: int) -> list[Expr]:
     """Return the first pieces of mu between its kinks, each chosen half-way: a kink itself may be rounded."""
-    if not kinks:
-        return [mu]
-    ends = [sp.Integer(0), *kinks, 2 * kinks[-1]]
+    ends = [sp.Integer(0), *kinks, 2 * kinks[-1] if kinks else sp.Integer(1)]
     return [branch_from(mu, point, (left + right) / 2) for left, right in pairwise(ends[: count + 1])]
