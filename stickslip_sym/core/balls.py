@@ -145,7 +145,7 @@ class _Balls:
         elif function is not None and function.ball is not None:
             value = function.ball(*balls)
         elif self.otherwise is None or not isinstance(node, sp.Function):
-            raise _not_enclosed(node)
+            raise _not_enclosed(node.func)
         return value if self.otherwise is None or value.is_finite() else self.otherwise(node, balls)
 
     def _applied(self, node: Expr, parts: Iterable[Callable[..., Any]]) -> Callable[..., Any]:
@@ -162,7 +162,7 @@ class _Balls:
             return lambda z, analytic: self.power(first(z, analytic), exponent(z, analytic), analytic)
         function = row(node)
         if function is None or function.ball is None:
-            raise _not_enclosed(node)
+            raise _not_enclosed(node.func)
         arguments = [first, *others]
         return lambda z, analytic: self.apply(function, [part(z, analytic) for part in arguments], analytic)
 
@@ -183,6 +183,8 @@ class _Balls:
 
     def apply(self, function: Function, arguments: list[Any], analytic: bool) -> Any:
         """Return the value of a function of the table."""
+        if function.ball is None:
+            raise _not_enclosed(function.kind)
         return _NOWHERE if analytic and function.cut(*arguments) else function.ball(*arguments)
 
 
@@ -195,7 +197,7 @@ class _Series(_Balls):
 
     def power(self, base: Any, exponent: Any, analytic: bool) -> arb_series:
         """Return a power by the logarithm."""
-        return (base.log() * exponent).exp()
+        return cast(arb_series, (base.log() * exponent).exp())
 
     def apply(self, function: Function, arguments: list[arb_series], analytic: bool) -> arb_series:
         """Return the function of a series, by the integral of its derivative where the table has no rule."""
@@ -204,14 +206,15 @@ class _Series(_Balls):
             return function.series(inner)
         x = sp.Dummy()
         slope = series_function(function.kind(x).diff(x), x, {})(inner) * inner.derivative()
-        return slope.integral() + function.ball(acb(inner[0])).real
+        onset: acb = super().apply(function, [acb(inner[0])], False)
+        return slope.integral() + onset.real
 
 
 _BALLS = _Balls({})
 
 
-def _not_enclosed(node: Expr) -> InputError:
-    return InputError(f"{type(node).__name__} is not among the functions that are enclosed")
+def _not_enclosed(kind: type[Expr]) -> InputError:
+    return InputError(f"{kind.__name__} is not among the functions that are enclosed")
 
 
 def _whole_power(z: Z, exponent: int) -> Z:

@@ -216,7 +216,8 @@ class Algebra:
         def slope(k: int) -> Element:
             if k + 1 < order:
                 return rate * functions[k + 1]
-            return -rate * reduce(add, map(mul, equation, functions)) / equation[-1]
+            lower: Element = reduce(add, map(mul, equation, functions))
+            return -rate * lower / equation[-1]
 
         functions = [self._generator(expr, partial(slope, k)) for k in range(order)]
         return functions[0]
