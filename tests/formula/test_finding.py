@@ -170,6 +170,14 @@ def test_a_form_of_each_kind_is_that_of_its_law(text, criterion):
         assert form(**floats) == pytest.approx(expected, rel=1e-12)
 
 
+def test_a_value_of_a_free_exponent_is_no_exact_power():
+    """SymPy would factor integers without end, deaf to time limits."""
+    form = ss.derive("v^p*exp(-v)", "harmonic")
+    assert form.verdict.status is ss.Status.CHECKED
+    exact = ss.quadrature.damping(form.law.bind(p="1.3"), "harmonic", V="0.7", N=2, digits=15)
+    assert form(V=0.7, N=2, p=1.3) == pytest.approx(float(exact), rel=1e-12)
+
+
 # -- proofs of averages ------------------------------------------------------------------------------
 
 EARLY = ss.Criterion("early", sp.Rational(3, 4) * (1 - s**2) * (1 - s))
