@@ -10,7 +10,7 @@ no signature.
 import hashlib
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -61,7 +61,7 @@ def save(items: Item | Sequence[Item], path: str | Path) -> None:
 def text_of(items: Item | Sequence[Item]) -> str:
     """Return the text of the file that `save` writes."""
     single = isinstance(items, Item)
-    listed = [items] if isinstance(items, Item) else list(items)
+    listed = list(items) if isinstance(items, Iterable) and not single else [items]
     content: dict[str, object] = {
         "format": _FORMAT, "version": _VERSION, "single": single, "items": [_item_out(item) for item in listed]
     }  # fmt: skip

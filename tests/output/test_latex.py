@@ -44,6 +44,8 @@ def test_names(name, latex):
         (N * (a - b) * (1 + V + V**2) / V, r"\frac{N (a - b)}{V} (V^{2} + V + 1)"),
         (sp.tanh(V) ** 2, r"\tanh^{2}(V)"),
         (-sp.Rational(5, 2), r"-\frac{5}{2}"),
+        (v / sp.Rational("0.0788") - sp.Rational("0.01230"), r"\frac{v}{0.0788} - 0.0123"),
+        (sp.Rational(0.1234) * v, "0.1234 v"),
         (sp.Integral(sp.sin(v), (v, 0, 2 * V)), r"\int_{0}^{2 V} \sin(v) \,\mathrm{d}v"),
         (sp.Eq(a, b, evaluate=False), "a = b"),
         # each of these was once printed as something else
@@ -111,6 +113,38 @@ def test_notation_that_prints_no_symbol_is_refused(latex, complaint):
 )  # fmt: skip
 def test_notation_that_prints_one_symbol_is_taken(latex):
     assert notation_of(["alpha", "V"], {"alpha": latex})["alpha"] == latex
+
+
+@pytest.mark.parametrize(
+    ("formula", "letters"),
+    [
+        ("mu_0 - 0.0185*v + 0.3*exp(-3.712345*v) + 0.1*v^3/5.1^3", ["1326.51", "0.0185", "3.712345"]),
+        ("0.31234 + 0.123/(1 + v/0.0777)", ["0.123", "0.0777"]),
+        ("0.4 - 0.1234*v", []),
+    ],
+)
+def test_long_numbers_of_a_document_get_letters(formula, letters):
+    form = ss.derive(formula)
+    tex = ss.export_latex(form)
+    _, shown, _ = re.split(r"\\label\{eq:law-least_squares\}|Verification:", tex)
+    given = re.findall(r"\$(a_\{\d\}) = ([^$]+)\$", shown)
+    assert [value for _, value in given] == letters
+    assert max(map(int, re.findall(r"\d+", re.sub(r"\d+\.\d+|%.*", "", shown)))) < 10**5
+    right = latex_reader.sides(re.split(r"\\end\{equation\}", shown)[0] + r"\end{equation}")[1]
+    point = {"V": mpmath.mpf("0.3"), "N": mpmath.mpf(2), r"\mu_{0}": mpmath.mpf("0.7")}
+    point |= {name: mpmath.mpf(value) for name, value in given}
+    names = dict.fromkeys(form.law.parameters, "0.7")
+    assert mpmath.almosteq(latex_reader.read(right, point), form.evaluate(V="0.3", N=2, **names), rel_eps=1e-12)
+
+
+@pytest.mark.parametrize("item", [ss.laws.linear, "linear", ss.criteria.harmonic])
+def test_what_is_no_form_is_refused(item, tmp_path):
+    for export in (ss.export_latex, lambda item: ss.export_code(item, "c")):
+        with pytest.raises(ss.InputError, match="cannot be exported; give closed forms"):
+            export(item)
+    if item is ss.criteria.harmonic:
+        with pytest.raises(ss.InputError, match="closed forms, laws and fits are saved, got Criterion"):
+            ss.save(item, tmp_path / "a.json")
 
 
 def test_two_symbols_are_never_one():
