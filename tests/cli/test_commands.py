@@ -56,7 +56,7 @@ def test_every_command_has_json_and_help_of_its_options(name):
     options = [one for one in command.params if isinstance(one, click.Option)]
     assert "--json" in {text for one in options for text in one.opts}
     assert all(one.help for one in options)
-    files = [one for one in options if type(one.type).__name__ == "_Written"]
+    files = [one for one in options if one.metavar == "FILE" and one.callback]
     assert bool(files) == ("overwrite" in {one.name for one in options})
 
 

@@ -30,7 +30,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.needed import MOST_GAPS, begun, gap, needed
+from stickslip_sym.motion.orbits.needed import FOUND, gap, needed
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.orbit_signs import orbit_signs
@@ -124,9 +124,8 @@ def _needed_all(rise: Any, eta: Any, push: Any, A: Any, rtol: float, wedge: Any,
     source = wedge[2]
     by_zeta = (0.0, -2.0, 0.0, source[3], source[4])
     for i in range(len(A)):
-        state = begun(rise, eta[i], push[i], A[i])
-        end, zeta, error = needed(rise, eta[i], push[i], A[i], rtol, by_zeta, state, MOST_GAPS)[:3]
-        found[i, 0], found[i, 1] = (zeta, error) if end == 0 else (math.nan, math.nan)
+        end, zeta, error, _, _, _ = needed(rise, eta[i], push[i], A[i], rtol, by_zeta)
+        found[i, 0], found[i, 1] = (zeta, error) if end == FOUND else (math.nan, math.nan)
 
 
 @compilable
@@ -157,10 +156,10 @@ class _Decider:
         self, loop: Callable[..., None], row: IntArray, A: FloatArray, *columns: FloatArray, rtol: float
     ) -> FloatArray:
         """Return what a loop finds of orbits, by oscillators' numbers and amplitudes over V."""
-        check_time()
         found, eta = np.full((row.size, 2), math.nan), self.eta[row]
         push = eta * (self.table.static - self.table.onset)
         self.system.spread(loop, (eta, push, A, *columns), (rtol,), (found,), few=0)
+        check_time()
         return found
 
     def cells(self) -> Cells:

@@ -207,7 +207,6 @@ def excess(points: OperatingPoints, c: float, method: Method | None, rtol: float
 
 def _gap(points: OperatingPoints, row: int, c: float, rtol: float) -> float:
     """Return the gap of the grazing orbit at a damping, infinite where it has none; NaN where it is not known."""
-    deadline.check_time()
     try:
         system = Dimensionless.of(points.law, points.oscillator(row, c))
     except NO_RESULT:
@@ -217,6 +216,7 @@ def _gap(points: OperatingPoints, row: int, c: float, rtol: float) -> float:
     value, _, outside, _ = gap(
         system.rise, system.eta, system.zeta, system.push(1), 1.0, steps, False, 0.0, by_zeta(system)
     )
+    deadline.check_time()
     return math.nan if outside and math.isfinite(system.w_max) else float(value)
 
 

@@ -9,6 +9,7 @@ import math
 
 import sympy as sp
 
+from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.law import FrictionLaw
@@ -46,7 +47,9 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
 
     def derivative(source: Wedge) -> float:
-        return float(gap(rise, eta, zeta, push, 1.0, _TIGHT, True, 0.0, tuple(source))[1])
+        _, slope, _, _ = gap(rise, eta, zeta, push, 1.0, _TIGHT, True, 0.0, tuple(source))
+        check_time()
+        return float(slope)
 
     unit, slope = 2 * osc.impedance, derivative(by_zeta(system))
     if not slope < 0.0:  # no number, or 0 where a half creeps to rest
