@@ -104,6 +104,7 @@ REFUSED = [
     ("damping --point none.toml", "cannot read 'none.toml'"),
     ("damping --point bad.toml", "there is no speed; a point has law, V, N, m, k, c and [parameters]"),
     ("damping --point broken.toml", "write lines such as V = 0.5"),
+    ("damping --point latin.toml", "latin.toml is no text in UTF-8; save it as UTF-8"),
     ("damping --point number.toml", "law = 3 is no text; write law = \"NAME\", or a formula in v"),
     ("simulate --point ok.toml --point ok.toml", "simulate takes one --point; damping and study take several"),
 ]  # fmt: skip
@@ -113,10 +114,10 @@ REFUSED = [
 def test_bad_input_is_a_line_on_stderr(line, message, run, tmp_path):
     files = {
         "disc.csv": POINTS, "bad.toml": "speed = 1\n", "broken.toml": "V: 1\n", "number.toml": "law = 3\n",
-        "ok.toml": 'law = "linear"\n',
+        "ok.toml": 'law = "linear"\n', "latin.toml": 'law = "µ"\n',
     }  # fmt: skip
     for name, text in files.items():
-        (tmp_path / name).write_text(text)
+        (tmp_path / name).write_text(text, encoding="latin-1")
     code, out, err = run(*line.split())
     assert (code, out) == (2, "")
     assert re.search("^error: ", err, re.M)
