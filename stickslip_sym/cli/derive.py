@@ -16,8 +16,6 @@ from stickslip_sym.core.errors import InputError, NoClosedForm
 if TYPE_CHECKING:
     from stickslip_sym.formula.closed_form import ClosedForm
 
-__all__ = ["SECONDS", "derived"]
-
 SECONDS = 120.0  # of the search for one closed form
 _LONGEST = 4000  # characters of a formula on the screen
 

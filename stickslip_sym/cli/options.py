@@ -17,11 +17,6 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import fraction
 from stickslip_sym.model.operating_point import PAPER
 
-__all__ = [
-    "AT", "DAMPING", "DESCRIPTION", "FILE_OF_MEASUREMENTS", "LAW_NAMES", "METHOD", "Given", "command",
-    "criterion", "file_option", "number", "option", "plot_option", "read_number", "read_range", "time_limit",
-]  # fmt: skip
-
 _PICTURES = (".svg", ".png", ".pdf")
 _LARGEST = 10**20
 """Of a number in SI units, and its inverse the smallest: beyond, no table could be computed in doubles."""
