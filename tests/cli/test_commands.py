@@ -56,7 +56,7 @@ def test_every_command_has_json_and_described_options(name):
     options = {one.name: one for one in command.params if isinstance(one, click.Option)}
     assert "json" in options
     assert all(one.help for one in options.values())
-    writes = any(one.metavar == "FILE" and one.callback for one in options.values())
+    writes = any(one.metavar == "FILE" and one.type is click.STRING for one in options.values())
     assert writes == ("overwrite" in options)
 
 
