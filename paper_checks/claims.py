@@ -8,8 +8,6 @@ from enum import Enum
 
 from paper_checks.printed import PRINTED
 
-__all__ = ["CLAIMS", "Claim", "Outcome"]
-
 
 class Outcome(Enum):
     """How far a claim holds."""

@@ -13,8 +13,6 @@ from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.output.drawing import BLUE, ORANGE, finish, new_figure, panel_letters
 
-__all__ = ["PAPER", "histories", "phase_plots"]
-
 PAPER = {"color": "black", "linewidth": 1.1}
 """How a line looks that the paper shows; what it leaves out is coloured, and thicker or dash-dotted."""
 _LEFT_OUT: dict[str, Any] = {"color": BLUE, "linewidth": 1.3, "linestyle": (0, (6, 1.5, 1, 1.5))}

@@ -13,8 +13,6 @@ from stickslip_sym import slope_average, symbols
 from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, panel_letters
 
-__all__ = ["friction_laws", "plane", "several_minima"]
-
 _HIGHEST = 6.0  # kg/s, the paper's axis
 _SCANNED = (0.2, 0.4, 0.6, 0.8)  # m/s, on both sides of the speed at which the paper prints the number
 _AROUND = 0.05  # kg/s about the exact threshold, scanned

@@ -10,8 +10,6 @@ from paper_checks.figure_thresholds import friction_laws, plane, several_minima
 from paper_checks.printed import PRINTED
 from stickslip_sym.output.drawing import styled
 
-__all__ = ["FIGURES", "PaperFigure"]
-
 
 @dataclass(frozen=True)
 class PaperFigure:

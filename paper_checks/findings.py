@@ -8,8 +8,6 @@ from typing import Any
 
 from paper_checks.claims import CLAIMS, Claim, Outcome
 
-__all__ = ["CHECKS", "FINDING", "KINDS", "SHORT", "Find", "Finding", "Printed", "check", "collect", "summary"]
-
 FINDING = "finding"
 """Name of the property of a test under which its finding travels to the process that collects them."""
 

@@ -12,8 +12,6 @@ from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, t, u
 from stickslip_sym.output.markup import Markup
 from stickslip_sym.output.page.render import formula
 
-__all__ = ["EQUATIONS", "PrintedEquation"]
-
 _VELOCITY, _ACCELERATION = sp.symbols("xdot xddot", real=True)
 _X_P, _X_Q, _V_P, _V_Q, _F, _X, _S = sp.symbols("x_P x_Q V_P V_Q f x S", real=True)
 _MU_S, _V_R, _CYCLE, _TO = sp.symbols("mu_s v_r T P→Q", real=True)

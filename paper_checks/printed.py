@@ -11,8 +11,6 @@ import sympy as sp
 from derivations import paper
 from stickslip_sym.core.symbols import N, V, c, k, m
 
-__all__ = ["PRINTED", "acceleration", "displacement", "kinetic", "relative"]
-
 displacement, acceleration, relative = sp.symbols("x xddot v_r", real=True)
 kinetic = sp.Symbol("mu", positive=True)
 """The coefficient mu(v_r) of (2); the velocity is `paper.velocity`."""

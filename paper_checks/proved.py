@@ -14,11 +14,6 @@ from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, transit
 from stickslip_sym.motion.thresholds.theorem import Theorem, checked_hypotheses, prove_threshold
 
-__all__ = [
-    "SPEED_TEXTS", "agrees", "apart", "enclosed", "enclosed_over_speeds", "formula_over_speeds",
-    "lowest_velocity", "nearer", "returns_undamped", "sizes", "theorem",
-]  # fmt: skip
-
 SPEED_TEXTS = [f"{speed:g}" for speed in SPEEDS]
 """The belt speeds of Figs. 6, 7 and 10 as decimals, which a proof takes exactly."""
 

@@ -19,8 +19,6 @@ from stickslip_sym.output.drawing import svg_uri
 from stickslip_sym.output.page.render import now, render, versions
 from stickslip_sym.output.tables import duration
 
-__all__ = ["Report", "as_json", "page", "write"]
-
 _POINT = {name: getattr(oscillator(), name) for name in "VNmk"}
 _FORMAT = 3
 _TITLE = "Stick–slip vibration of an oscillator with damping, checked by machine"

@@ -11,8 +11,6 @@ from rich.text import Text
 from paper_checks.claims import Outcome
 from paper_checks.findings import SHORT, Finding, summary
 
-__all__ = ["print_verdicts", "verdicts"]
-
 _COLOURS = {Outcome.REPRODUCED: "green", Outcome.QUALIFIED: "yellow", Outcome.NOT_REPRODUCED: "bold red"}
 
 

@@ -7,8 +7,6 @@ from sympy.printing.str import StrPrinter
 
 from paper_checks.computed import LAWS
 
-__all__ = ["by_law", "formula", "listed", "percent"]
-
 
 def listed(numbers: Iterable[float], digits: int = 4) -> str:
     """Write numbers to a number of decimals, with commas."""

@@ -16,7 +16,23 @@ from stickslip_sym.core.numbers import real
 __all__ = ["LONGEST", "check_time", "time_left", "time_limit"]
 
 LONGEST = 86_400.0  # seconds, a day
-_end: ContextVar[float] = ContextVar("end of the time limit, of time.monotonic", default=math.inf)
+_end: ContextVar[float] = ContextVar("end of the time limit, of _now", default=math.inf)
+_uncounted = 0.0  # seconds that count in no limit
+
+
+def _now() -> float:
+    return time.monotonic() - _uncounted
+
+
+@contextmanager
+def uncounted() -> Iterator[None]:
+    """Let the time of a block count in no limit, as where something is compiled once for an installation."""
+    global _uncounted
+    begin = time.monotonic()
+    try:
+        yield
+    finally:
+        _uncounted += time.monotonic() - begin
 
 
 @contextmanager
@@ -26,7 +42,7 @@ def time_limit(seconds: float | str | None) -> Iterator[None]:
         seconds = real("time_limit", seconds)
     if seconds is not None and not 0 <= seconds <= LONGEST:
         raise InputError(f"time_limit = {seconds} is not a number of seconds from 0 to {LONGEST:.0f}")
-    end = math.inf if seconds is None else time.monotonic() + seconds
+    end = math.inf if seconds is None else _now() + seconds
     token = _end.set(min(end, _end.get()))
     try:
         yield
@@ -36,10 +52,15 @@ def time_limit(seconds: float | str | None) -> Iterator[None]:
 
 def time_left() -> float:
     """Return how many seconds are left, infinite without a limit, negative after it."""
-    return _end.get() - time.monotonic()
+    return _end.get() - _now()
+
+
+def is_late() -> bool:
+    """Whether the time of the innermost or any outer limit is up."""
+    return time_left() < 0
 
 
 def check_time() -> None:
     """Raise `OutOfTime` if the time of the innermost or any outer limit is up."""
-    if time_left() < 0:
+    if is_late():
         raise OutOfTime("the time limit was reached")

@@ -6,7 +6,8 @@ a comment.
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 from stickslip_sym.core import symbols as quantities
 from stickslip_sym.core.aliases import Expr
@@ -14,6 +15,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.code import writer
+from stickslip_sym.formula.lettered import lettered
 from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.formula.zeros import zeros
 from stickslip_sym.model.law import FrictionLaw
@@ -22,7 +24,7 @@ from stickslip_sym.output.abbreviation import equation
 from stickslip_sym.output.layout import LINE, displayed, key, prose, width
 from stickslip_sym.output.notation import check_known, notation_of
 
-__all__ = ["export_code", "export_latex"]
+__all__ = ["criterion_latex", "export_code", "export_latex"]
 
 _PREAMBLE = r"""\documentclass[10pt]{article}
 \usepackage[T1]{fontenc}
@@ -42,10 +44,20 @@ _TABLE = r"""\begin{center}
   \hline
 \end{tabular}
 \end{center}"""
-_NOTHING = "there is nothing to export; give at least one closed form"
 
 Written = ClosedForm | SlopeAverage
 """What can be written as code: a closed form, or the fast function of a criterion that has none."""
+
+
+def _listed(items: Any, kind: Any, expected: str) -> list[Any]:
+    """Return one item, or several, as a list; refuse none, and any of another kind."""
+    listed = list(items) if isinstance(items, Iterable) and not isinstance(items, str) else [items]
+    for item in listed:
+        if not isinstance(item, kind):
+            raise InputError(f"{type(item).__name__} cannot be exported; give {expected}")
+    if not listed:
+        raise InputError("there is nothing to export; give at least one closed form")
+    return listed
 
 
 def export_code(forms: Written | Sequence[Written], language: str) -> str:
@@ -75,11 +87,9 @@ def export_code(forms: Written | Sequence[Written], language: str) -> str:
     >>> export_code(derive("0.4 - 0.1*v"), "c").splitlines()[-2]
     '    return checked(damping_term_0(a), a, "11", HUGE_VAL);'
     """
-    listed = [forms] if isinstance(forms, Written) else list(forms)
-    if not listed:
-        raise InputError(_NOTHING)
+    listed = _listed(forms, Written, "closed forms or slope averages: derive(law), slope_average(law)")
     if len(listed) == 1:
-        return listed[0].code(language)
+        return str(listed[0].code(language))
     laws = list(dict.fromkeys(form.law for form in listed))
     named: dict[str, tuple[SlopeAverage, str]] = {}
     for form in sorted(listed, key=lambda form: laws.index(form.law)):
@@ -126,9 +136,7 @@ def export_latex(
     InputError
         For symbols that cannot be used, or a law of measured points, which has no formula to print.
     """
-    listed = [forms] if isinstance(forms, ClosedForm) else list(forms)
-    if not listed:
-        raise InputError(_NOTHING)
+    listed = _listed(forms, ClosedForm, "closed forms: derive(law)")
     laws, given = dict.fromkeys(form.law for form in listed), symbols or {}
     every = ["mu", *quantities.QUANTITIES]
     check_known(given, [*every, *(name for law in laws for name in law.parameters)])
@@ -148,7 +156,7 @@ def export_latex(
         chapter += _about(law, mark, names)
         for form in listed:
             if form.law == law:
-                chapter += _criterion(form, mark, names, steps)
+                chapter += _criterion(form, mark, given, steps)
         chapter += [
             f"For the {prose(criterion.replace('_', '-'))} criterion no closed form was found; its value by "
             f"quadrature serves.\n% {' '.join(reason.split())}"
@@ -199,17 +207,25 @@ def _unit(text: str) -> str:
     return f"$\\mathrm{{{raised}}}$" if text else ""
 
 
-def _criterion(form: ClosedForm, mark: str, names: dict[str, str], steps: bool) -> Iterator[str]:
-    criterion = form.criterion
+def criterion_latex(form: ClosedForm, label: str) -> str:
+    """Return a closed form as one displayed equation, its long numbers as letters with their values below it."""
+    shown, letters = lettered(form)
+    names = notation_of(["c", *shown.arguments])
+    return equation(names["c"], shown.expr, names, label=label, letters=letters)
+
+
+def _criterion(form: ClosedForm, mark: str, given: Mapping[str, str], steps: bool) -> Iterator[str]:
+    criterion, (shown, letters) = form.criterion, lettered(form)
+    names = notation_of(["mu", *quantities.QUANTITIES, *shown.law.parameters], given)
     source = f" ({prose(criterion.source, {'V': names['V']})})" if criterion.source else ""
     label = f"eq:{mark}-{criterion.label}"
     lines = [
         f"The {prose(criterion.name.replace('_', '-'))} criterion{source} is",
         f"% exact: c = {printing.text(form.expr)}",
-        equation(names["c"], form.expr, names, label=label),
+        equation(names["c"], shown.expr, names, label=label, letters=letters),
     ]
     lines += [f"Here {row.meaning}." for row in FUNCTIONS.values() if row.meaning and form.expr.has(row.kind)]
-    lines += [*_ends(form, names), _zeros(form, names)]
+    lines += [*_ends(shown, names), _zeros(form, names)]
     lines.append(f"Verification: {form.verdict.status.value}; {prose(form.verdict.evidence)}.")
     yield "\n".join(lines)
     if steps:

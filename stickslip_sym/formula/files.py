@@ -10,7 +10,7 @@ no signature.
 import hashlib
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -61,7 +61,7 @@ def save(items: Item | Sequence[Item], path: str | Path) -> None:
 def text_of(items: Item | Sequence[Item]) -> str:
     """Return the text of the file that `save` writes."""
     single = isinstance(items, Item)
-    listed = [items] if isinstance(items, Item) else list(items)
+    listed = list(items) if isinstance(items, Iterable) and not single else [items]
     content: dict[str, object] = {
         "format": _FORMAT, "version": _VERSION, "single": single, "items": [_item_out(item) for item in listed]
     }  # fmt: skip
@@ -113,7 +113,6 @@ def load(path: str | Path) -> Item | tuple[Item, ...]:
 
 
 def _read(path: Path, name: str) -> object:
-    files.require_name(path)
     try:
         if path.stat().st_size > _LARGEST:
             raise InputError(f"{name} has over {_LARGEST} bytes; nothing that is saved here is as long")

@@ -1,9 +1,8 @@
 """Functions that run as plain Python, or compiled by numba where many runs are asked for.
 
 A function marked `compilable` is written in the subset of Python that numba compiles: floats, tuples and lists, no
-objects. A single run calls it as it is; for many, `compiled` returns it as machine code. Each is compiled once and
-kept on disk, so what several call costs no more than what one does. Without numba, the extra `fast`, `compiled`
-returns the function itself.
+objects. A single run calls it as it is; for many, `compiled` returns it as machine code, which is kept on disk;
+making it counts in no time limit. Without numba, the extra `fast`, `compiled` returns the function itself.
 """
 
 import inspect
@@ -11,13 +10,14 @@ import logging
 import os
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
 
-__all__ = ["compilable", "compiled", "is_compiling"]
+from stickslip_sym.core.deadline import is_late, uncounted
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _PATIENCE = 1.0  # seconds, after which a compilation is announced
@@ -45,14 +45,15 @@ def is_compiling() -> bool:
 def compiled(function: _Function) -> _Function:
     """Return a compilable function as machine code that runs without holding the interpreter.
 
-    Compilation takes some seconds once; what was compiled is kept on disk. Where it takes more than a second, a
-    line on stderr says so.
+    Where compilation takes more than a second, a line on the log or on stderr says so.
     """
     if not is_compiling():
         return function
     import numba
-    from numba.extending import register_jitable
+    from numba.extending import overload, register_jitable
 
+    if not any(_marked.values()):
+        overload(is_late)(lambda: lambda: False)  # whoever runs machine code looks at the time between two batches
     for part in [part for part, is_known in _marked.items() if not is_known]:
         register_jitable(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)(part)
         _marked[part] = True
@@ -60,17 +61,24 @@ def compiled(function: _Function) -> _Function:
     _forget_what_is_older()
 
     def call(*arguments: Any) -> Any:
-        if machine_code.overloads:
-            return machine_code(*arguments)
-        notice = threading.Timer(_PATIENCE, _say, ["compiling the integrator, once for this installation ..."])
-        notice.daemon = True
-        notice.start()
-        try:
-            return machine_code(*arguments)
-        finally:
-            notice.cancel()
+        if not machine_code.overloads:
+            with uncounted(), _announced("compiling the integrator, once for this installation ..."):
+                machine_code.compile(tuple(map(numba.typeof, arguments)))
+        return machine_code(*arguments)
 
     return call  # type: ignore[return-value]
+
+
+@contextmanager
+def _announced(line: str) -> Iterator[None]:
+    """Say a line once a block takes more than a second."""
+    notice = threading.Timer(_PATIENCE, _say, [line])
+    notice.daemon = True
+    notice.start()
+    try:
+        yield
+    finally:
+        notice.cancel()
 
 
 def _forget_what_is_older() -> None:

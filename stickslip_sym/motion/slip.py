@@ -2,24 +2,22 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple, overload
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
-from stickslip_sym.core.deadline import check_time, time_left
-from stickslip_sym.core.errors import InputError, NotConverged, StickSlipError
+from stickslip_sym.core.aliases import FloatArray, IntArray
+from stickslip_sym.core.deadline import check_time, is_late
+from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.steps import SLIDING, End, entered, follow, rate_at, stepped
 from stickslip_sym.motion.table import FARTHEST, FrictionTable, Pieces, Rise
 from stickslip_sym.motion.workers import in_batches
-
-__all__ = ["Dimensionless", "End", "Slip", "Slips", "Step", "Wedge"]
 
 
 class Step(NamedTuple):
@@ -75,15 +73,21 @@ class Slip(NamedTuple):
 
 
 class Slips(NamedTuple):
-    """The ends of many slips, an array of each field of a `Slip` but its wedge and steps."""
+    """The ends of many slips: an array of each field of a `Slip` but its steps."""
 
-    end: IntArray
+    end: FloatArray
     tau: FloatArray
     q: FloatArray
     w: FloatArray
     rate: FloatArray
-    taken: IntArray
+    wedge: FloatArray
+    taken: FloatArray
     extremes: FloatArray
+
+    def one(self, number: int) -> Slip:
+        """Return one of them."""
+        end, tau, q, w, rate, wedge, taken, extremes = (column[number].tolist() for column in self)
+        return Slip(End(end), tau, q, w, rate, wedge, taken, tuple(extremes), [])
 
 
 @compilable
@@ -91,27 +95,16 @@ def _follow_all(
     rise: Any, eta: Any, zeta: Any, push: Any, side: Any, q: Any, w: Any, horizon: Any, most: Any, rtol: float,
     until: int, level: float, wedge: Any, found: Any,
 ) -> None:  # fmt: skip
-    """Follow many slips, an entry of each array for each, into columns end, tau, q, w, w', steps and extremes."""
+    """Follow many slips, an entry of each array for each, into rows of `found`."""
     for i in range(len(q)):
-        end, tau, q_end, w_end, rate, _, taken, extremes, _ = follow(
-            rise,
-            eta[i],
-            zeta[i],
-            push[i],
-            side[i],
-            q[i],
-            w[i],
-            horizon[i],
-            rtol,
-            until,
-            level,
-            most[i],
-            wedge,
+        end, tau, q_end, w_end, rate, D, taken, extremes, _ = follow(
+            rise, eta[i], zeta[i], push[i], side[i], q[i], w[i], horizon[i], rtol, until, level, most[i], wedge,
             False,
-        )
-        found[i, 0], found[i, 1], found[i, 2], found[i, 3], found[i, 4] = end, tau, q_end, w_end, rate
-        found[i, 5], found[i, 6], found[i, 7] = taken, extremes[0], extremes[1]
-        found[i, 8], found[i, 9] = extremes[2], extremes[3]
+        )  # fmt: skip
+        found[i, 0], found[i, 1], found[i, 2], found[i, 3] = end, tau, q_end, w_end
+        found[i, 4], found[i, 5], found[i, 6] = rate, D, taken
+        for j in range(4):
+            found[i, 7 + j] = extremes[j]
 
 
 @compilable
@@ -131,7 +124,6 @@ def _states(
 
 
 _PATIENT = 1e4  # decay times, after which a motion without a turn creeps to rest
-_CHUNK = 1000  # steps, after which a slip looks at the time limit
 _MOST_STEPS = 10_000  # of a slip without a given horizon; the longest that end take some hundred
 _MORE_STEPS = 20  # for every unit of tau and segment of the law, on the way to a given horizon
 _FEW, _FEW_STATES = 8, 1000  # slips, and states, up to which plain Python is as fast as loading compiled code
@@ -183,6 +175,11 @@ class Dimensionless:
         """The slip speed up to which the law is measured; infinite for a formula."""
         return self.table.reach / self.V
 
+    @property
+    def backward(self) -> "Dimensionless":
+        """The same backward in time, with q negated."""
+        return replace(self, eta=-self.eta, zeta=-self.zeta)
+
     def push(self, side: float) -> float:
         """Return eta (side mu_static - mu(0+))."""
         return self.eta * (side * self.table.static - self.table.onset)
@@ -206,14 +203,8 @@ class Dimensionless:
         """The equilibrium (q, w): the mass stands still, and the belt slips under it."""
         return self.turn(1.0), 1.0
 
-    @overload
-    def sticks(self, q: float) -> bool: ...
-
-    @overload
-    def sticks(self, q: FloatArray) -> BoolArray: ...
-
-    def sticks(self, q: float | FloatArray) -> bool | BoolArray:
-        """Whether static friction holds the mass at displacements q: |c V + k x| <= mu_static N."""
+    def sticks(self, q: Any) -> Any:
+        """Whether static friction holds the mass at a displacement, or at many: |c V + k x| <= mu_static N."""
         return (q <= 0) & (q >= -2 * self.eta * self.table.static)
 
     @property
@@ -228,8 +219,8 @@ class Dimensionless:
 
     def slip(
         self, q: float, w: float, side: int = 1, *, until: End = End.RETURN, level: float = math.inf,
-        horizon: float | None = None, rtol: float = 1e-12, backward: bool = False, wedge: Wedge | None = None,
-        D: float = 0.0, most: int | None = None, recorded: bool = False,
+        horizon: float | None = None, rtol: float = 1e-12, wedge: Wedge | None = None, D: float = 0.0,
+        most: int | None = None, recorded: bool = False,
     ) -> Slip:  # fmt: skip
         """Follow one slip from (q, w), in plain Python.
 
@@ -238,45 +229,26 @@ class Dimensionless:
         - `level`: of w, at which a step ends in any case.
         - `horizon`: tau at which to stop; if not given, when nothing but a creep to rest can be left.
         - `rtol`: relative tolerance of a step.
-        - `backward`: in time; tau counts up all the same.
         - `wedge`, `D`: the quantity of a wedge, and its value at the begin.
-        - `most`: how many steps it may take; then, or when the time of a `time_limit` is up, it ends with `STEPS`.
+        - `most`: how many steps it may take; then, or when the time of a `time_limit` is up, it ends as it is.
           Without it that is an error, as is all that is no answer.
         - `recorded`: keep the steps.
 
         At w = 0 the slip is leaving, whatever rounding says of w'.
 
-        Raises `InputError` if the motion comes beyond what was measured of the law.
-        Raises `NotConverged` without `most`, where steps are too many, none is short enough, or mu has no value.
-        Raises `OutOfTime` when the time of a `time_limit` is up.
+        Raises, without `most`, what `refusal` returns.
         """
-        sign = -1.0 if backward else 1.0
         end_tau = self.horizon if horizon is None else horizon
         more = 0.0 if horizon is None else _MORE_STEPS * len(self.rise.jumps) * end_tau
-        bound = math.ceil(_MOST_STEPS + more) if most is None else most
-        constant, linear, factor, pieces, shifts = self.no_wedge if wedge is None else wedge
-        source = sign * constant, sign * linear, sign * factor, pieces, shifts
-        found = Slip(End.STEPS, 0.0, float(q), float(w), 0.0, D, 0, (q, q, w, w), [])
-        while found.end is End.STEPS and found.taken < bound and (most is None or time_left() >= 0):
-            if most is None:
-                check_time()
-            end, tau, q, w, rate, D, taken, extremes, steps = follow(
-                self.rise, sign * self.eta, sign * self.zeta, sign * self.push(side), float(side), sign * found.q,
-                found.w, end_tau - found.tau, rtol, int(until), level, min(_CHUNK, bound - found.taken),
-                (wedge is not None, found.wedge, source), recorded,
-            )  # fmt: skip
-            found.steps.extend(
-                Step(found.tau + since, sign * q, w, sign * rate, *others) for since, q, w, rate, *others in steps
-            )
-            ends = [sign * extremes[0], sign * extremes[1], *found.extremes[:2]]
-            w_least, w_most = min(extremes[2], found.extremes[2]), max(extremes[3], found.extremes[3])
-            found = Slip(
-                End(end), found.tau + tau, sign * q, w, sign * rate, D, found.taken + taken,
-                (min(ends), max(ends), w_least, w_most), found.steps,
-            )  # fmt: skip
-        if most is None and (refusal := self.refusal(found, rtol)) is not None:
+        end, *numbers, steps = follow(
+            self.rise, self.eta, self.zeta, self.push(side), float(side), float(q), float(w), end_tau, rtol,
+            int(until), level, math.ceil(_MOST_STEPS + more) if most is None else most,
+            (wedge is not None, D, tuple(wedge or self.no_wedge)), recorded,
+        )  # fmt: skip
+        slip = Slip._make((End(end), *numbers, [Step(*step) for step in steps]))
+        if most is None and (refusal := self.refusal(slip, rtol)) is not None:
             raise refusal
-        return found
+        return slip
 
     def slips(
         self, q: FloatArray, w: FloatArray, side: ArrayLike = 1.0, *, eta: ArrayLike | None = None,
@@ -296,12 +268,11 @@ class Dimensionless:
         push = np.multiply(etas, np.multiply(side, self.table.static) - self.table.onset)
         end_tau = self.horizon if horizon is None else horizon
         columns = np.broadcast_arrays(etas, zetas, push, side, q, w, end_tau, most)
-        found = np.full((q.size, 10), np.nan)
+        found = np.full((q.size, 11), float(End.LATE))
         self.spread(_follow_all, columns, (rtol, int(until), level), (found,), few=few, workers=workers)
-        if np.isnan(found[:, 0]).any():
+        if (found[:, 0] == End.LATE).any():
             check_time()
-        end, tau, q_end, w_end, rate, taken = found[:, :6].T
-        return Slips(end.astype(np.intp), tau, q_end, w_end, rate, taken.astype(np.intp), found[:, 6:])
+        return Slips._make((*found[:, :7].T, found[:, 7:]))
 
     def states(
         self, steps: Sequence[Step], which: IntArray, tau: FloatArray, side: int, rtol: float
@@ -333,17 +304,12 @@ class Dimensionless:
         run = compiled(loop) if fast else loop
 
         def carry_out(some: slice) -> None:
-            if time_left() >= 0:
+            if not is_late():
                 parts = [np.array(column[some], dtype=np.float64) for column in columns]
                 given = parts if fast else [part.tolist() for part in parts]
                 run(rise, *given, *arguments, wedge, *(part[some] for part in found))
 
         in_batches(carry_out, len(columns[0]), batch, workers)
-
-    def slip_of(self, slips: Slips, number: int) -> Slip:
-        """Return one of many slips."""
-        end, tau, q, w, rate, taken, extremes = (column[number].tolist() for column in slips)
-        return Slip(End(end), tau, q, w, rate, 0.0, taken, tuple(extremes), [])
 
     def unmeasured(self, w: float) -> InputError:
         """Return the refusal of a slip speed beyond the last measured one."""
@@ -352,25 +318,26 @@ class Dimensionless:
             "measure further, or hold the last coefficient: extrapolate=True"
         )
 
-    def refusal(self, found: Slip, rtol: float) -> StickSlipError | None:
+    def refusal(self, slip: Slip, rtol: float) -> StickSlipError | None:
         """Return why a slip has no answer; None where it has one, or grows without bound."""
-        outside = found.end is End.OUTSIDE and not self.unbounded(found)
-        if found.end is End.OUTSIDE and found.w >= self.w_max:
-            return self.unmeasured(found.w)
-        if found.end is End.STEPS:
+        if slip.end is End.LATE:
+            return OutOfTime("the time limit was reached")
+        if slip.end is End.STEPS:
             return NotConverged(
-                f"one slip phase took over {found.taken} steps up to {found.tau:.3g}/omega: mu may be too rough; "
-                "try a larger rtol"
+                f"one slip phase took over {slip.taken:.0f} steps up to {slip.tau:.3g}/omega: mu may be too "
+                "rough; try a larger rtol"
             )
-        if outside and not found.taken:
-            return InputError(f"mu cannot be computed at a slip speed of {found.w:g} V, where the motion begins")
-        if outside or found.end is End.FAILED:
-            return NotConverged(
-                f"the slip phase cannot be integrated at rtol = {rtol:g} beyond a slip speed of {found.w:.6g} V: "
-                "mu may have no finite value there; try a larger rtol or another law"
-            )
-        return None
+        if slip.end not in (End.OUTSIDE, End.FAILED) or self.unbounded(slip):
+            return None
+        if slip.end is End.OUTSIDE and slip.w >= self.w_max:
+            return self.unmeasured(slip.w)
+        if slip.end is End.OUTSIDE and not slip.taken:
+            return InputError(f"mu cannot be computed at a slip speed of {slip.w:g} V, where the motion begins")
+        return NotConverged(
+            f"the slip phase cannot be integrated at rtol = {rtol:g} beyond a slip speed of {slip.w:.6g} V: "
+            "mu may have no finite value there; try a larger rtol or another law"
+        )
 
-    def unbounded(self, found: Slip) -> bool:
-        """Whether a slip that came out of the table grew beyond all bounds."""
-        return found.end is End.OUTSIDE and found.w * self.V >= FARTHEST * (1 - 1e-13)
+    def unbounded(self, slip: Slip) -> bool:
+        """Whether a slip grew beyond all bounds, and so out of the table."""
+        return slip.end is End.OUTSIDE and slip.w * self.V >= FARTHEST * (1 - 1e-13)

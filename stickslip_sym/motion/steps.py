@@ -44,9 +44,8 @@ from typing import Any
 
 from scipy.integrate import DOP853
 
+from stickslip_sym.core.deadline import is_late
 from stickslip_sym.motion.compiled import compilable
-
-__all__ = ["SLIDING", "End", "entered", "follow", "rate_at", "rise_at", "slope_at", "stepped"]
 
 
 class End(IntEnum):
@@ -61,15 +60,17 @@ class End(IntEnum):
     STEPS = 6  # the bound on the steps was reached
     OUTSIDE = 7  # w came to where the table of the law ends
     FAILED = 8  # no step is short enough for the tolerance
+    LATE = 9  # the time of a `time_limit` was up
 
 
 EXPLICIT, IMPLICIT, SLIDING = 0, 1, 2
 _OPEN = -1
-_RETURN, _MINIMUM, _MAXIMUM, _LEVEL, _REST, _HORIZON, _STEPS, _OUTSIDE, _FAILED = (int(end) for end in End)
+_RETURN, _MINIMUM, _MAXIMUM, _LEVEL, _REST, _HORIZON, _STEPS, _OUTSIDE, _FAILED, _LATE = (int(end) for end in End)
 
 _LONGEST_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
+_LOOK = 100  # steps between two looks at the time limit
 _PATIENCE = 15  # steps held short by stability before the method changes
 _NOISE = 1e-13  # of the terms of w', below which it may be nothing but rounding
 _SHORTEST = 1e-14  # length of a step, over max(tau, 1), that is not made shorter
@@ -411,8 +412,13 @@ def follow(
                     break
             law = entered(rise, segment, rising, w)
             r = rate_at(law, system, q, w)
-        if tau >= horizon or count >= most:
-            end = _HORIZON if tau >= horizon else _STEPS
+        if tau >= horizon:
+            end = _HORIZON
+        elif count >= most:
+            end = _STEPS
+        elif count % _LOOK == 0 and is_late():
+            end = _LATE
+        if end != _OPEN:
             break
 
         # The kind of the step: implicit where stability holds explicit ones short. A step that is taken again is

@@ -20,9 +20,7 @@ from sympy.printing.latex import LatexPrinter
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import CONSTANTS, Constant, Function, row
 from stickslip_sym.output.notation import distinct_notation, latex_name, look
-from stickslip_sym.output.text_printer import Readable, decimal, factors, is_decimal, spellings
-
-__all__ = ["latex"]
+from stickslip_sym.output.text_printer import Readable, decimal, factors, is_over_decimal, spellings
 
 _SHORT_SUM = 30  # characters of LaTeX without braces and styles, of a sum that may stand on a fraction
 _SHORT = 48  # of one that may stand there alone, and that one pair of brackets holds in a line
@@ -178,8 +176,8 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         return f"-{held(product, Binding.OPEN)}" if number < 0 else product
 
     def _print_Rational(self, expr: Expr) -> str:
-        if expr.q == 1 or is_decimal(expr):
-            return decimal(expr)
+        if text := decimal(expr, shortest=True):
+            return text
         fraction = f"{abs(expr.p)}/{expr.q}" if self._slashes else f"\\frac{{{abs(expr.p)}}}{{{expr.q}}}"
         return f"-{fraction}" if expr < 0 else fraction
 
@@ -190,7 +188,11 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             for factor in parts
             if _is_below(factor)
         ]
-        above, under = (number, sp.S.One) if is_decimal(number) else (sp.Integer(number.p), sp.Integer(number.q))
+        above, under = sp.Integer(number.p), sp.Integer(number.q)
+        if decimal(number, shortest=True):
+            above, under = number, sp.S.One
+        elif is_over_decimal(number):
+            above, under = sp.S.One, 1 / number
         if not below and under == 1:
             return self._row(above, top)
         with self._flat():

@@ -6,6 +6,7 @@ given place, where SymPy prints ``Subs(Derivative(x(t), t), t, t_P)``.
 
 from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal, localcontext
+from fractions import Fraction
 
 import sympy as sp
 from sympy.printing.precedence import PRECEDENCE
@@ -13,9 +14,8 @@ from sympy.printing.str import StrPrinter
 
 from stickslip_sym.core.aliases import Expr
 
-__all__ = ["Readable", "decimal", "factors", "is_decimal", "spellings", "terms", "text"]
-
-_SHORTEST_DECIMAL = 100  # least denominator of a decimal; a smaller one is read at a glance
+_LEAST_DENOMINATOR = 100  # least denominator of a decimal; a smaller one is read at a glance
+_COMPUTED = 2**20  # least denominator of a binary number that was computed, not written
 _LONGEST_DECIMAL = 24  # characters
 _MOST_DIGITS = 400
 
@@ -64,7 +64,7 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Mul(self, expr: Expr) -> str:
         number, rest = expr.as_coeff_Mul()
-        if number.is_Rational and is_decimal(number):
+        if is_decimal(number):
             shown = self.parenthesize(rest, PRECEDENCE["Mul"])
             return decimal(number) + (shown.removeprefix("1") if shown.startswith("1/") else f"*{shown}")
         if not any(_is_number(factor) or factor.is_Mul for factor in expr.args[1:]):
@@ -83,18 +83,31 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
         return "exp(1)"  # E may be a parameter
 
 
-def is_decimal(number: Expr) -> bool:
-    """Whether a rational was written as a decimal, as fitted numbers are: 0.0788816, but 7/20 and 5/128."""
-    is_one = number.q >= _SHORTEST_DECIMAL and number.q % 5 == 0 and 10**_LONGEST_DECIMAL % number.q == 0
-    return bool(is_one and len(decimal(number)) <= _LONGEST_DECIMAL)
+def decimal(number: Expr, *, shortest: bool = False) -> str:
+    """Return an integer, or a rational that was written as a decimal (0.0788816, but 7/20 and 5/128), as text.
 
-
-def decimal(number: Expr) -> str:
-    """Return an integer, or a rational that is a decimal, as one, all digits of it."""
+    Other numbers give none. With `shortest` a binary number of double precision is its shortest decimal.
+    """
     if number.q == 1:
         return str(number.p)
-    with localcontext(prec=_MOST_DIGITS):
-        return f"{Decimal(int(number.p)) / Decimal(int(number.q)):f}"
+    if number.q >= _LEAST_DENOMINATOR and number.q % 5 == 0 and 10**_LONGEST_DECIMAL % number.q == 0:
+        with localcontext(prec=_MOST_DIGITS):
+            text = f"{Decimal(int(number.p)) / Decimal(int(number.q)):f}"
+        return text if len(text) <= _LONGEST_DECIMAL else ""
+    is_double = shortest and number.q >= _COMPUTED and number.q & (number.q - 1) == 0
+    if is_double and Fraction(float(number)) == Fraction(int(number.p), int(number.q)):
+        return f"{Decimal(repr(float(number))):f}"
+    return ""
+
+
+def is_decimal(number: Expr) -> bool:
+    """Whether a rational that is no integer has a decimal, as fitted numbers have."""
+    return bool(number.is_Rational and number.q != 1 and decimal(number))
+
+
+def is_over_decimal(number: Expr) -> bool:
+    """Whether a rational is shorter as one over a decimal, as that of v/0.0788."""
+    return not decimal(number) and is_decimal(1 / number) and len(decimal(1 / number)) < len(str(number))
 
 
 def _is_number(factor: Expr) -> bool:

@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from forms import some
+from sweeps import sweep
 
 import stickslip_sym as ss
 from derivations import paper
@@ -79,7 +79,7 @@ RANDOM = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("text", some(RANDOM, 0, 1, 6, 7, 10, 13, 15, 16))
+@sweep("text", RANDOM, 0, 1, 6, 7, 10, 13, 15, 16)
 def test_a_call_keeps_its_promise_for_random_parameters(text):
     form = ss.derive(ss.FrictionLaw(text))
     assert form.verdict.status is ss.Status.PROVED
@@ -128,9 +128,7 @@ def test_powers_of_a_sum_have_closed_forms_and_all_digits(text, status):
 ENDING = ["mu_s + d*log(1 - v/v_c)", "mu_s + d*v*log(1 - v/v_c)", "mu_s + d*sqrt(1 - v/v_c)"]
 
 
-@pytest.mark.parametrize(
-    ("text", "criterion"), some([(text, way) for text in ENDING for way in ("least_squares", "harmonic")], 0, 5)
-)
+@sweep(("text", "criterion"), [(text, way) for text in ENDING for way in ("least_squares", "harmonic")], 0, 5)
 def test_a_law_that_ends_at_a_speed(text, criterion):
     rng = np.random.default_rng(6)
     form = ss.derive(ss.FrictionLaw(text), criterion)

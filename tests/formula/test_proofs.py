@@ -6,8 +6,9 @@ import re
 import mpmath
 import pytest
 import sympy as sp
-from forms import form_of, some
+from forms import form_of
 from latex_reader import read
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Status, symbols
@@ -193,7 +194,7 @@ FAR = [
 """Laws with a base that vanishes as v grows, and laws with one that does not."""
 
 
-@pytest.mark.parametrize("text", some(FAR, 0, 3, 6, 7, 8))
+@sweep("text", FAR, 0, 3, 6, 7, 8)
 def test_a_limit_by_rules_is_right_or_not_given(text):
     law = ss.FrictionLaw(text)
     found = ss.derive(law, "equilibrium", search=False).limits

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
-from forms import some
+from sweeps import sweep
 from uncertainties import correlated_values
 
 import stickslip_sym as ss
@@ -33,7 +33,7 @@ def saved(law, criterion, tmp_path):
     return form, path
 
 
-@pytest.mark.parametrize("name", some(LAWS, 0, 2))
+@sweep("name", LAWS, 0, 2)
 def test_a_form_comes_back_as_it_was(name, tmp_path):
     form, path = saved(ss.laws.catalogue[name].typical(), "least_squares", tmp_path)
     again = ss.load(path)

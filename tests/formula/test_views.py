@@ -7,7 +7,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from forms import some
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline
@@ -76,7 +76,7 @@ SENSITIVE = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "criterion", "parameter"), some(SENSITIVE, 0, 1, 2, 6))
+@sweep(("name", "criterion", "parameter"), SENSITIVE, 0, 1, 2, 6)
 def test_a_sensitivity_is_the_quotient_of_differences(name, criterion, parameter):
     law = ss.laws.catalogue[name].typical()
     form = ss.derive(law, criterion)
@@ -112,7 +112,7 @@ def test_a_refused_sensitivity_says_that_a_function_has_no_value():
 # -- conditions --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("criterion", "bound"), some([("harmonic", 0.5), ("least_squares", 1.0)], 0))
+@sweep(("criterion", "bound"), [("harmonic", 0.5), ("least_squares", 1.0)], 0)
 def test_a_divergent_integral_has_no_value(criterion, bound):
     """The average of v^-n exists for n below the order at which the weight vanishes at rest."""
     form = ss.derive(ss.FrictionLaw("mu_0 + mu_1*(v/v_1)^(-n)"), criterion)

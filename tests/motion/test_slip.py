@@ -8,7 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stickslip_sym as ss
-from stickslip_sym.motion.slip import Dimensionless, End, Wedge
+from stickslip_sym.motion.slip import Dimensionless, Wedge
+from stickslip_sym.motion.steps import End
 from stickslip_sym.motion.table import FrictionTable
 
 RTOL = 1e-11
@@ -70,28 +71,20 @@ def test_tolerance_is_met():
             )
 
 
-def test_plain_and_compiled_give_the_same_digits():
-    pytest.importorskip("numba")
+@pytest.mark.parametrize("compiling", [True, False])
+def test_one_slip_and_many_give_the_same_digits(compiling, monkeypatch):
+    if compiling:
+        pytest.importorskip("numba")
+    else:
+        monkeypatch.setattr("stickslip_sym.motion.slip.is_compiling", lambda: False)
     for until in (End.RETURN, End.MINIMUM, End.LEVEL):
-        for _, system, q, w, side in systems(24, seed=3):
-            single = system.slip(q, w, side, until=until, level=1.0, horizon=20.0, rtol=RTOL, most=2000)
-            many = system.slips(
-                np.full(20, q), np.full(20, w), side,  # fewer are plain
-                until=until, level=1.0, horizon=20.0, rtol=RTOL, most=2000,
-            )  # fmt: skip
-            assert many.end[0] == single.end
-            found = many.tau[0], many.q[0], many.w[0], many.rate[0]
-            assert found == pytest.approx((single.tau, single.q, single.w, single.rate), rel=1e-13, abs=1e-13)
-
-
-def test_without_numba_many_slips_are_plain(monkeypatch):
-    system = Dimensionless(2.0, 0.1, FrictionTable.of(ss.laws.exponential.typical()), 0.5)
-    q, w, side = np.linspace(-1, 1, 20), np.zeros(20), np.sign(np.linspace(-0.3, 1, 20))
-    compiled = system.slips(q, w, side, horizon=10.0)
-    monkeypatch.setattr("stickslip_sym.motion.slip.is_compiling", lambda: False)
-    plain = system.slips(q, w, side, horizon=10.0)
-    for found, expected in zip(plain, compiled, strict=True):
-        assert found == pytest.approx(expected, rel=1e-13)
+        for _, system, q, w, side in systems(24 if compiling else 8, seed=3):
+            options = {"until": until, "level": 1.0, "horizon": 20.0, "rtol": RTOL, "most": 2000}
+            single = system.slip(q, w, side, **options)
+            many = system.slips(np.full(20, q), np.full(20, w), side, **options).one(7)  # fewer are plain
+            assert many.end is single.end
+            assert many[1:7] == pytest.approx(single[1:7], rel=1e-13, abs=1e-13)
+            assert many.extremes == pytest.approx(single.extremes, rel=1e-13, abs=1e-13)
 
 
 def test_workers_give_the_same():
@@ -119,8 +112,8 @@ def test_backward_returns_to_the_begin():
         there = system.slip(q, w, side, horizon=1.0, rtol=1e-13)
         if there.end is not End.HORIZON or max(system.eta, abs(system.zeta)) > 3:
             continue
-        back = system.slip(there.q, there.w, side, horizon=1.0, rtol=1e-13, backward=True)
-        assert (back.q, back.w) == pytest.approx((q, w), abs=1e-8)
+        back = system.backward.slip(-there.q, there.w, side, horizon=1.0, rtol=1e-13)
+        assert (-back.q, back.w) == pytest.approx((q, w), abs=1e-8)
 
 
 def test_levels_and_extrema_are_ends():
@@ -131,8 +124,8 @@ def test_levels_and_extrema_are_ends():
     assert system.acceleration(peak.q, peak.w, 1) == pytest.approx(0.0, abs=1e-12)
     half = system.slip(0.0, 0.0, until=End.LEVEL, level=1.0)
     assert (half.end, half.w) == (End.LEVEL, 1.0)
-    back = system.slip(peak.q, peak.w, until=End.LEVEL, level=1.0, backward=True)
-    assert (back.tau + half.tau, back.q) == pytest.approx((peak.tau, half.q), rel=1e-10)
+    back = system.backward.slip(-peak.q, peak.w, until=End.LEVEL, level=1.0)
+    assert (back.tau + half.tau, -back.q) == pytest.approx((peak.tau, half.q), rel=1e-10)
 
 
 def test_steps_record_the_slip():

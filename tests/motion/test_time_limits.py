@@ -82,8 +82,19 @@ CALLS = {
 }  # fmt: skip
 
 
+@pytest.fixture(scope="module")
+def compiled():
+    """What machine code the calls use is made, which counts in no limit."""
+    law, many = ss.laws.exponential.typical(), np.linspace(0, 1, 20)
+    ss.classify(law, paper_oscillator(1.0), x0=many)
+    ss.motion_map(law, x=("V", many[1:4]), y=("N", many[1:4]), c=1, m=1, k=100)
+    motion = ss.simulate(law, paper_oscillator(1.0), t_end=1.0)
+    motion.at(np.linspace(0, 1, 3000))
+
+
 @pytest.mark.parametrize("seconds", [0.2])
 @pytest.mark.parametrize("call", CALLS)
+@pytest.mark.usefixtures("compiled")
 def test_every_call_ends_soon_after_its_time_limit(call, seconds):
     """With a result, which says what it lacks, or with an error that says that it was the time."""
     law = (
@@ -91,12 +102,11 @@ def test_every_call_ends_soon_after_its_time_limit(call, seconds):
         if call != "simulation"
         else ss.laws.catalogue["arcsinh"].typical()
     )
-    for c in (1.0, 1.01):  # what is compiled once for an installation counts in no limit
-        begin = time.process_time()
-        try:
-            found = CALLS[call](law, paper_oscillator(c), time_limit=seconds)
-        except (ss.OutOfTime, ss.NotConverged) as error:
-            found = str(error)
+    begin = time.process_time()
+    try:
+        found = CALLS[call](law, paper_oscillator(1.01), time_limit=seconds)
+    except (ss.OutOfTime, ss.NotConverged) as error:
+        found = str(error)
     assert time.process_time() - begin < 5 * (1 + seconds)  # one where nothing else runs; far less than all of it
     if call == "motion_map":
         assert (found.reason == Reason.TIME).any()
@@ -117,21 +127,19 @@ def test_without_time_every_part_of_a_regime_is_named():
     assert "time limit" in str(found)
 
 
-def test_a_threshold_out_of_time_is_given_as_far_as_it_is_known():
+def test_a_late_threshold_is_given_as_known():
     """A clock that stands still until so many looks at it: where it stops does not depend on the machine."""
     law = ss.laws.exponential.typical()
     exact = ss.pure_slip_damping(law, **POINT, method="simulation", rtol=1e-10).value
-    for looks, off in ((2, 0.1), (3, 1e-4)):  # the harmonic balance, and a Newton step
+    for looks, off in ((3, 0.1), (7, 1e-4), (15, 1e-5)):  # the harmonic balance, and Newton steps
         with pytest.MonkeyPatch.context() as patch:
-            count = iter(range(looks))
-            patch.setattr(
-                deadline.time, "monotonic", lambda count=count: 0.0 if next(count, None) is not None else 1e9
-            )
+            clock = iter([0.0] * looks)
+            patch.setattr(deadline.time, "monotonic", lambda clock=clock: next(clock, 1e9))
             with pytest.raises(ss.OutOfTime, match="the best value so far is") as caught:
                 ss.pure_slip_damping(law, **POINT, method="simulation", rtol=1e-10, time_limit=100)
         said = re.search(r"c = (\S+) sqrt.* between (\S+) and (\S+)", str(caught.value))
-        best, low, high = (10 * float(number) for number in said.groups())
-        assert best == pytest.approx(exact, rel=off)
+        value, low, high = (10 * float(number) for number in said.groups())
+        assert value == pytest.approx(exact, rel=off)
         assert low <= exact <= high
 
 

@@ -44,6 +44,8 @@ def test_names(name, latex):
         (N * (a - b) * (1 + V + V**2) / V, r"\frac{N (a - b)}{V} (V^{2} + V + 1)"),
         (sp.tanh(V) ** 2, r"\tanh^{2}(V)"),
         (-sp.Rational(5, 2), r"-\frac{5}{2}"),
+        (v / sp.Rational("0.0788") - sp.Rational("0.01230"), r"\frac{v}{0.0788} - 0.0123"),
+        (sp.Rational(0.1234) * v, "0.1234 v"),
         (sp.Integral(sp.sin(v), (v, 0, 2 * V)), r"\int_{0}^{2 V} \sin(v) \,\mathrm{d}v"),
         (sp.Eq(a, b, evaluate=False), "a = b"),
         # each of these was once printed as something else
@@ -87,20 +89,19 @@ def test_notation_may_be_replaced():
 
 
 @pytest.mark.parametrize(
-    ("latex", "complaint"),
-    [
-        ("{v", "do not match"), ("}v{", "do not match"), ("$v$", r"character '\$'"), ("v%", "character '%'"),
-        ("", "1 to 60 characters"), ("v\n", "character"), ("v" * 61, "1 to 60"), ("v#1", "character '#'"),
-        (r"\mu_s", "would both be printed"),
-        *((read_otherwise, "not as one symbol") for read_otherwise in (
-            "2", "AB", "-v", r"\alpha\beta", "v^{2}", "v^2", r"\mathrm{a+b}", r"\delta v", "v_", "v_a_b", "v\\",
-            r"a\mathrm b", r"v_\hat{b}", r"\write18{ls}", r"\def\a{}", "{a+b}", "{}", r"\frac{a}{b}", "{2}",
-        )),
-    ],
+    "latex",
+    ["{v", "}v{", "$v$", "v%", "", "v\n", "v" * 61, "v#1", "2", "AB", "-v", r"\alpha\beta", "v^{2}", "v^2",
+     r"\mathrm{a+b}", r"\delta v", "v_", "v_a_b", "v\\", r"a\mathrm b", r"v_\hat{b}", r"\write18{ls}",
+     r"\def\a{}", "{a+b}", "{}", r"\frac{a}{b}", "{2}", 3],
 )  # fmt: skip
-def test_notation_that_prints_no_symbol_is_refused(latex, complaint):
-    with pytest.raises(ss.InputError, match=complaint):
+def test_notation_that_prints_no_symbol_is_refused(latex):
+    with pytest.raises(ss.InputError, match="is not one symbol"):
         form_of("exponential", "equilibrium").latex({"alpha": latex})
+
+
+def test_symbols_that_would_look_alike_are_refused():
+    with pytest.raises(ss.InputError, match="would both be printed"):
+        form_of("exponential", "equilibrium").latex({"alpha": r"\mu_s"})
 
 
 @pytest.mark.parametrize(
@@ -111,6 +112,38 @@ def test_notation_that_prints_no_symbol_is_refused(latex, complaint):
 )  # fmt: skip
 def test_notation_that_prints_one_symbol_is_taken(latex):
     assert notation_of(["alpha", "V"], {"alpha": latex})["alpha"] == latex
+
+
+@pytest.mark.parametrize(
+    ("formula", "letters"),
+    [
+        ("mu_0 - 0.0185*v + 0.3*exp(-3.712345*v) + 0.1*v^3/5.1^3", ["1326.51", "0.0185", "3.712345"]),
+        ("0.31234 + 0.123/(1 + v/0.0777)", ["0.123", "0.0777"]),
+        ("0.4 - 0.1234*v", []),
+    ],
+)
+def test_long_numbers_of_a_document_get_letters(formula, letters):
+    form = ss.derive(formula)
+    tex = ss.export_latex(form)
+    _, shown, _ = re.split(r"\\label\{eq:law-least_squares\}|Verification:", tex)
+    given = re.findall(r"\$(a_\{\d\}) = ([^$]+)\$", shown)
+    assert [value for _, value in given] == letters
+    assert max(map(int, re.findall(r"\d+", re.sub(r"\d+\.\d+|%.*", "", shown)))) < 10**5
+    right = latex_reader.sides(re.split(r"\\end\{equation\}", shown)[0] + r"\end{equation}")[1]
+    point = {"V": mpmath.mpf("0.3"), "N": mpmath.mpf(2), r"\mu_{0}": mpmath.mpf("0.7")}
+    point |= {name: mpmath.mpf(value) for name, value in given}
+    names = dict.fromkeys(form.law.parameters, "0.7")
+    assert mpmath.almosteq(latex_reader.read(right, point), form.evaluate(V="0.3", N=2, **names), rel_eps=1e-12)
+
+
+@pytest.mark.parametrize("item", [ss.laws.linear, "linear", ss.criteria.harmonic])
+def test_what_is_no_form_is_refused(item, tmp_path):
+    for export in (ss.export_latex, lambda item: ss.export_code(item, "c")):
+        with pytest.raises(ss.InputError, match="cannot be exported; give closed forms"):
+            export(item)
+    if item is ss.criteria.harmonic:
+        with pytest.raises(ss.InputError, match="closed forms, laws and fits are saved, got Criterion"):
+            ss.save(item, tmp_path / "a.json")
 
 
 def test_two_symbols_are_never_one():
@@ -127,7 +160,7 @@ def test_two_symbols_are_never_one():
         one, other = symbol(), symbol()
         assert notation_of(["x"], {"x": one})["x"] == one
         for sign in ("", " ", "+", "-", ","):
-            with pytest.raises(ss.InputError, match="not as one symbol"):
+            with pytest.raises(ss.InputError, match="is not one symbol"):
                 notation_of(["x"], {"x": f"{one}{sign}{other}"})
 
 

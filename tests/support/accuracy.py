@@ -95,14 +95,6 @@ def units(form, columns, values, exact=None):
     return np.array(errors)
 
 
-def form_of(name, criterion):
-    """Derive a closed form by rules alone; None where there is none."""
-    try:
-        return ss.derive(ss.laws.catalogue[name], criterion, search=False)
-    except ss.NoClosedForm:
-        return None
-
-
 def by_definition(average, columns, digits=20):
     """Evaluate a slope average by an enclosure of its definition."""
     exact = []

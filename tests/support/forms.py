@@ -4,7 +4,6 @@ from functools import cache
 
 import latex_reader
 import mpmath
-import pytest
 import sympy as sp
 
 import stickslip_sym as ss
@@ -29,13 +28,6 @@ def with_forms(criterion):
 
 FORMS = [(name, criterion) for criterion in WITHOUT for name in with_forms(criterion)]
 """Each law and criterion with a closed form."""
-
-
-def some(cases, *kept):
-    """Return parameters of a test: those of the cases at the kept places run by default, the others thoroughly."""
-    cases = [case if isinstance(case, tuple) else (case,) for case in cases]
-    chosen = {cases[place] if isinstance(place, int) else place for place in kept}
-    return [pytest.param(*case, marks=[] if case in chosen else pytest.mark.thorough) for case in cases]
 
 
 def point_of(form, number):

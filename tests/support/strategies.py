@@ -7,8 +7,6 @@ from hypothesis import strategies as st
 
 import stickslip_sym as ss
 
-__all__ = ["formulas", "laws", "operating_points"]
-
 _SMOOTH = ("exp(-{0})", "1/(1 + {0})", "log(1 + {0})", "tanh({0})", "atan({0})", "asinh({0})", "sech({0})",
            "exp(-({0})^2)", "sqrt(1 + {0})", "1/(1 + ({0})^2)")  # fmt: skip
 _KINKED = ("Abs({0} - 1)", "Min({0}, 1)", "Max({0} - 0.5, 0)", "Piecewise((0, v < {1}), {0} - v/{1})")

@@ -1,18 +1,15 @@
-"""Sweeps over a whole catalogue: a few cases always, the others with ``pytest --thorough``."""
+"""Sweeps over many cases: a few always, the others with ``pytest --thorough``."""
 
 import pytest
 
-__all__ = ["sweep"]
 
-
-def sweep(names, cases, *always):
-    """Parametrize a test over cases, of which all but those named last are `thorough`."""
-    missing = [case for case in always if case not in cases]
-    assert not missing, f"{missing} are none of the cases"
+def sweep(names, cases, *always, **options):
+    """Parametrize a test over cases, of which all but those named last, or at those places, are `thorough`."""
+    cases = list(cases)
+    kept = [case if case in cases else cases[case] for case in always]
+    thorough = pytest.mark.thorough
+    rows = [case if isinstance(case, tuple) else (case,) for case in cases]
     marked = [
-        pytest.param(
-            *case if isinstance(case, tuple) else (case,), marks=() if case in always else pytest.mark.thorough
-        )
-        for case in cases
+        pytest.param(*row, marks=[thorough] * (case not in kept)) for row, case in zip(rows, cases, strict=True)
     ]
-    return pytest.mark.parametrize(names, marked)
+    return pytest.mark.parametrize(names, marked, **options)

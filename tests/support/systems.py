@@ -2,7 +2,6 @@
 
 import errno
 import os
-from importlib.util import find_spec
 
 import pytest
 
@@ -13,7 +12,6 @@ needs_links = pytest.mark.skipif(WINDOWS, reason="Windows lets administrators on
 needs_modes = pytest.mark.skipif(WINDOWS, reason="Windows has no permissions for the owner and the group")
 needs_long_names = pytest.mark.skipif(WINDOWS, reason="Windows bounds the whole path, not a name in it")
 needs_groups = pytest.mark.skipif(WINDOWS, reason="Windows has no SIGINT for a group of processes")
-needs_heyoka = pytest.mark.skipif(find_spec("heyoka") is None, reason="heyoka, the extra `fast`, is not installed")
 
 FOLDER_OPENED = os.strerror(errno.EACCES if WINDOWS else errno.EISDIR)
 """What the system says to a folder that is opened as a file."""

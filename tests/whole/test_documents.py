@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from commands import inside
+from sweeps import sweep
 
 import stickslip_sym as ss
 from paper_checks.claims import CLAIMS
@@ -37,9 +38,9 @@ BY_DEFAULT = ("README.md", "CONTRIBUTING.md")
 """The others are run with ``pytest --thorough``, and where the documentation is built."""
 
 
-def thorough_but_for_the_first(cases):
-    """Mark what is no part of the documents that are read first."""
-    return [pytest.param(*case, marks=() if case[0] in BY_DEFAULT else pytest.mark.thorough) for case in cases]
+def sweep_documents(names, cases):
+    """Leave all but the documents that are read first to ``--thorough``."""
+    return sweep(names, cases, *(case for case in cases if case[0] in BY_DEFAULT))
 
 
 def blocks(language, names=DOCUMENTS):
@@ -69,10 +70,7 @@ def stated(code):
     return re.findall(r"^# (.*)$", code, re.M)
 
 
-@pytest.mark.parametrize(
-    ("name", "code"),
-    thorough_but_for_the_first(blocks("python", [name for name in DOCUMENTS if name != DERIVATION])),
-)
+@sweep_documents(("name", "code"), blocks("python", [name for name in DOCUMENTS if name != DERIVATION]))
 def test_python_blocks_print_what_they_say(name, code):
     assert printed(code, {}) == stated(code)
 
@@ -94,7 +92,7 @@ SESSIONS = [
 ]
 
 
-@pytest.mark.parametrize(("name", "command", "output"), thorough_but_for_the_first(SESSIONS))
+@sweep_documents(("name", "command", "output"), SESSIONS)
 def test_console_blocks_print_what_they_say(name, command, output, tmp_path):
     """Away from the repository, for a command may write files."""
     program, *arguments = shlex.split(command)
@@ -149,12 +147,12 @@ def test_gallery_draws_its_pictures(tmp_path):
 
 def test_the_claim_table_says_what_is_on_record():
     rows = re.findall(r"^\| ([A-Z]\d[^|]*) \| ([^|]*) \|", DOCUMENTS["paper_checks/README.md"], re.M)
-    told = {claim: verdict for ids, verdict in rows for claim in ids.split(", ")}
+    stated = {claim: verdict for ids, verdict in rows for claim in ids.split(", ")}
     on_record = {claim.id: claim.outcome.value.split(" with a ")[-1] for claim in CLAIMS.values()}
-    assert told == {claim: verdict.replace("qualification", "qualified") for claim, verdict in on_record.items()}
-    counts = Counter(told.values())
+    assert stated == {claim: verdict.replace("qualification", "qualified") for claim, verdict in on_record.items()}
+    counts = Counter(stated.values())
     for name in ("README.md", "paper_checks/README.md"):
-        assert f"{len(told)} of them, of which {counts['reproduced']} are reproduced" in DOCUMENTS[name]
+        assert f"{len(stated)} of them, of which {counts['reproduced']} are reproduced" in DOCUMENTS[name]
 
 
 def test_the_citation_has_what_the_format_requires():
@@ -162,11 +160,11 @@ def test_the_citation_has_what_the_format_requires():
     lines = (ROOT / "CITATION.cff").read_text(encoding="utf-8").splitlines()
     shape = re.compile(r"(?:  )*(?:- )?(?:[a-z-]+:(?: [^\s:#&*!|>'\"%@`{}\[\]][^:#]*)?|[\w -]+)")
     assert [line for line in lines if not shape.fullmatch(line)] == []
-    told = dict(re.findall(r"^([a-z-]+):(?: (.+))?$", "\n".join(lines), re.M))
+    stated = dict(re.findall(r"^([a-z-]+):(?: (.+))?$", "\n".join(lines), re.M))
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    assert {"cff-version", "message", "title", "authors", "references"} <= set(told)
-    assert (told["cff-version"], told["type"]) == ("1.2.0", "software")
-    assert (told["title"], told["license"]) == (project["name"], project["license"])
-    assert (told["version"], told["abstract"]) == (ss.__version__, project["description"])
+    assert {"cff-version", "message", "title", "authors", "references"} <= set(stated)
+    assert (stated["cff-version"], stated["type"]) == ("1.2.0", "software")
+    assert (stated["title"], stated["license"]) == (project["name"], project["license"])
+    assert (stated["version"], stated["abstract"]) == (ss.__version__, project["description"])
     assert [f"  - name: {author['name']}" in lines for author in project["authors"]] == [True]
     assert [f"  - {keyword}" in lines for keyword in project["keywords"]] == [True] * len(project["keywords"])

@@ -1,4 +1,4 @@
-"""One law, criterion, rung and language more, each added from outside and used by the public interface."""
+"""One law, criterion, method and language more, each added from outside and used by the public interface."""
 
 import ctypes
 import json

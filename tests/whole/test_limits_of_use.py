@@ -19,11 +19,6 @@ AVERAGES = [ss.criteria.least_squares, ss.criteria.harmonic]
 MEASURED = [0, 1, 2, 3], [0.5, 0.4, 0.35, 0.33]
 
 
-@pytest.fixture
-def rng():
-    return np.random.default_rng(5)
-
-
 @pytest.mark.parametrize(("criterion", "reach"), [("equilibrium", 3.0), ("least_squares", 1.5), ("harmonic", 1.5)])
 def test_measured_law_is_averaged_to_its_last_speed(criterion, reach):
     average = ss.slope_average(ss.FrictionLaw.from_samples(*MEASURED), criterion)
@@ -52,12 +47,6 @@ def test_brackets_are_read_to_sixty_levels():
         ss.FrictionLaw(nested(61))
 
 
-@pytest.mark.parametrize("strength", ["0.3", "3", "-0.3"])
-def test_divergent_average_is_refused_however_weak(strength):
-    with pytest.raises(ss.NoClosedForm, match="not integrable"):
-        ss.derive(ss.FrictionLaw(f"0.4 + {strength}/v"), "least_squares")
-
-
 def test_integrable_pole_has_an_average():
     assert ss.derive(ss.FrictionLaw("0.4 - 0.3/sqrt(v)"), "least_squares").derivation.status is ss.Status.PROVED
 
@@ -72,29 +61,14 @@ def test_quadrature_splits_at_kinks(criterion):
     assert float(abs(value / exact - 1)) < 1e-18
 
 
-def test_rest_decays_at_the_eigenvalues(rng):
-    for slope in rng.uniform(-3, 3, 10).tolist():
-        osc = paper_oscillator(c=float(rng.uniform(0, 60)))
-        law = ss.FrictionLaw(f"2 + {slope!r}*v" if slope > 0 else f"2 - {-slope!r}*v")
-        matrix = np.array([[0, 1], [-osc.k / osc.m, -(osc.c + osc.N * slope) / osc.m]])
-        rate = ss.regime(law, osc).rest.rate
-        assert rate == pytest.approx(max(np.linalg.eigvals(matrix).real), rel=1e-9)
-
-
-def test_static_coefficient_is_in_the_way_of_orbits(rng):
-    for share in (*rng.uniform(1.001, 2, 3), 1.0):
+def test_static_coefficient_is_in_the_way_of_orbits():
+    for share in (1.001, 1.7, 1.0):
         law = ss.FrictionLaw("0.2 + 0.3*exp(-v)", static=0.5 * share)
         if share == 1:
             assert ss.pure_slip_damping(law, **POINT, method="orbit").value > 0
         else:
             with pytest.raises(ss.InputError, match="static"):
                 ss.pure_slip_damping(law, **POINT, method="orbit")
-
-
-def test_unbounded_motion_says_so():
-    osc = paper_oscillator(N=40.0)
-    motion = ss.simulate(ss.FrictionLaw("0.5 - 0.8*v"), osc, x0=0.0, v0=-0.5, t_end=200.0)
-    assert motion.outcome is ss.Outcome.UNBOUNDED
 
 
 @pytest.mark.parametrize(("name", "zero"), [("V", False), ("N", True), ("m", False), ("k", False)])

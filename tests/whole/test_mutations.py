@@ -8,8 +8,8 @@ import re
 from pathlib import Path
 from types import SimpleNamespace
 
-import pytest
 import sympy as sp
+from sweeps import sweep
 
 from derivations import paper
 from paper_checks import check_figures, proved
@@ -237,9 +237,7 @@ def by_collocation(point, guess, error, rtol):
     return SimpleNamespace(enclosure=Enclosure.of(guess * (1 - rtol / 2), guess * (1 + rtol / 2)))
 
 
-@pytest.mark.parametrize(
-    "claim", [pytest.param(id, marks=() if id in BY_DEFAULT else pytest.mark.thorough) for id in CLAIMS]
-)
+@sweep("claim", CLAIMS, *BY_DEFAULT)
 def test_a_mutation_changes_the_verdict(claim, monkeypatch):
     if claim in OVER_SPEEDS:
         monkeypatch.setattr(proved, "prove_threshold", by_collocation)

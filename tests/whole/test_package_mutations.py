@@ -6,6 +6,7 @@ from fractions import Fraction
 from functools import cache
 
 import pytest
+from sweeps import sweep
 
 from paper_checks import check_numbers, computed, proved
 from paper_checks.claims import CLAIMS
@@ -95,10 +96,7 @@ def test_the_stand_in_for_the_scan_changes_no_verdict(monkeypatch):
 
 
 @pytest.mark.usefixtures("_fresh")
-@pytest.mark.parametrize(
-    ("name", "wrap", "claims"),
-    [pytest.param(*one, marks=() if one[0] in BY_DEFAULT else pytest.mark.thorough) for one in MUTANTS],
-)
+@sweep(("name", "wrap", "claims"), MUTANTS, *(one for one in MUTANTS if one[0] in BY_DEFAULT))
 def test_a_wrong_package_changes_verdicts(monkeypatch, name, wrap, claims):
     monkeypatch.setattr(check_numbers, "pure_slip_by_scan", lambda *_: SCANNED)
     for module in MODULES:

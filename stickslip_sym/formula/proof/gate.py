@@ -61,7 +61,8 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
         point = {}
         for symbol in (symbols.V, *shapes_of(profile)):
             decades = _EXPONENT_DECADES if symbol in exponents else _DECADES
-            point[symbol] = exact(f"{10 ** rng.uniform(*decades):.6g}", symbol.name)
+            sign = 1 if symbol.is_nonnegative else rng.choice((-1, 1))
+            point[symbol] = sign * exact(f"{10 ** rng.uniform(*decades):.6g}", symbol.name)
         if not all(condition.subs(point) for condition in conditions) or not _is_real(profile, criterion, point):
             continue
         try:

@@ -39,13 +39,16 @@ def kinked(expr: Expr) -> list[Expr]:
     return [node for node in sp.ordered(expr.atoms(sp.Piecewise)) if node.has(symbols.v)]
 
 
+def _place(relation: Expr) -> Expr:
+    """Return the place of v < place, which SymPy may turn round into place > v or -place < -v."""
+    return relation.gts if relation.lts == symbols.v else -relation.lts
+
+
 def _end(holds: Expr) -> Expr | None:
     """Return the place of a condition v < place; None where it is always true."""
-    # SymPy may turn v < place round into place > v, and joins the conditions of pieces that became equal by Or.
-    relations = (sp.StrictLessThan, sp.StrictGreaterThan)
-    if isinstance(holds, relations):
-        return holds.gts
-    return None if holds == sp.true else sp.Max(*(relation.gts for relation in holds.atoms(*relations)))
+    # SymPy joins the conditions of pieces that became equal by Or.
+    relations = holds.atoms(sp.StrictLessThan, sp.StrictGreaterThan)
+    return None if holds == sp.true else sp.Max(*map(_place, relations))
 
 
 def _ends(node: Expr) -> Cases:

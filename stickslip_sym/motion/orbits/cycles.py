@@ -99,11 +99,11 @@ class NeededDamping:
 
     def gap(self, A: float, damping: float) -> tuple[float, float]:
         """Return the gap of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping, and d gap/dA."""
-        deadline.check_time()
         system = self.system
         value, slope, *_ = gap(
             system.rise, system.eta, damping / 2, 0.0, A, _RTOL, True, -A, tuple(system.no_wedge)
         )
+        deadline.check_time()
         if math.isnan(value):
             raise NotConverged(
                 f"the slip orbit of amplitude {A * system.V:g} m/s takes too many steps: friction is too strong; "
@@ -182,6 +182,7 @@ def limit_cycles(
 def _cycle(system: Dimensionless, osc: Oscillator, A: float) -> LimitCycle:
     """Return the cycle of an amplitude: two motions side by side part or close up by the ratio of their wedges."""
     ahead, back, _ = halves(system.rise, system.eta, osc.zeta, 0.0, A, _RTOL, True, 1.0, tuple(system.no_wedge))
+    deadline.check_time()
     period = ahead[3] + back[3]
     # A wedge is 0 where its half slides along a jump of mu. Forward, the motions beside it come to lie on it;
     # backward, it is one from which those beside it part at once.

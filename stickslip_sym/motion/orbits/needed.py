@@ -23,19 +23,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.slip import Dimensionless, End, Wedge
-from stickslip_sym.motion.steps import follow, rise_at, slope_at
-
-__all__ = [
-    "BEYOND", "FOUND", "LOST", "MOST_GAPS", "NONE", "SOUGHT", "begun", "by_zeta", "gap", "halves", "needed",
-    "needed_ratio",
-]  # fmt: skip
+from stickslip_sym.motion.slip import Dimensionless, Wedge
+from stickslip_sym.motion.steps import End, follow, rise_at, slope_at
 
 _MAXIMUM, _LEVEL, _OUTSIDE = int(End.MAXIMUM), int(End.LEVEL), int(End.OUTSIDE)
-_NO_MORE, _FAILED = int(End.STEPS), int(End.FAILED)
+_STOPPED = (int(End.STEPS), int(End.FAILED), int(End.LATE))
 
 # Tolerances of the steps: first, last, and where digits are wanted.
 _COARSE, _TIGHT, _TIGHTEST = 1e-5, 1e-12, 1e-13
@@ -46,7 +41,7 @@ _NEAR = 1e-2  # gap at which the tight tolerance is taken
 _SLOW = 0.5  # of the gap before, above which the tight steps are as good as they get
 _SLOPED = 1e-4  # relative error of the slope by coarse steps
 _DONE, _FINEST = 1e-9, 1e-10  # gap after which the next secant is the last one; and where digits are wanted
-MOST_GAPS = 100  # dampings that are tried
+_MOST_GAPS = 100  # dampings that are tried
 _PHASES = 64  # for the first guess
 _FALL = -2 * math.pi  # of the gap with zeta, where friction is weak
 _WILD = 1e12  # change of friction along an orbit, over its own forces, that is no use to follow
@@ -61,9 +56,8 @@ _FLAT = 1e-15  # of mu, below which a rise is none
 _WIDER, _WIDENED = 10.0, 10  # steps away from a jump of the gap, at which looser steps are asked for its sign
 _CLOSE = 4e-16  # relative width of a bracket that is not halved again
 
-FOUND, SOUGHT, NONE, BEYOND, LOST = 0, 1, 2, 3, 4
-"""How a search stands: at the root; still on its way; no root; beyond what was measured of the law; too
-many steps."""
+FOUND, NONE, BEYOND, LOST, LATE = range(5)
+"""How a search ends: at the root; without one; beyond what was measured of the law; without an answer; or late."""
 
 
 @compilable
@@ -101,14 +95,14 @@ def halves(
             rise, eta, zeta, push, 1.0, q_f, w_f, horizon, rtol, _LEVEL, 1.0, most, wedge_there, False
         )
         tau += more
-    way = 1 if end == _LEVEL else -1 if end == _OUTSIDE else -2 if end in (_NO_MORE, _FAILED) else 0
+    way = 1 if end == _LEVEL else -1 if end == _OUTSIDE else -2 if end in _STOPPED else 0
     # Backward in time the equations are the same, with q and all of their factors negated.
     constant, linear, factor, own, shifts = source
     wedge = (wanted, D, (-constant, -linear, -factor, own, shifts))
     end, tau_b, _, _, r_b, D_b, _, _, _ = follow(
         rise, -eta, -zeta, -push, 1.0, -graze, w, horizon, rtol, _LEVEL, 1.0, most, wedge, False
     )
-    back = 1 if end == _LEVEL else -2 if end in (_NO_MORE, _FAILED) else 0
+    back = 1 if end == _LEVEL else -2 if end in _STOPPED else 0
     return (way, r_f, D_f, tau), (back, -r_b, D_b, tau_b), highest
 
 
@@ -137,89 +131,92 @@ def gap(
 
 
 @compilable
-def begun(rise: Any, eta: float, push: float, A: float) -> Any:
-    """Return the state of a search for the damping ratio that an orbit needs, before the first gap.
-
-    It begins with the harmonic balance over slip speeds from 1 - A to 1 + A.
-    """
-    pieces = rise[0]
-    whole, end = len(pieces) - 1, rise[1][len(rise[1]) - 1]
-    zeta, largest = 0.0, 0.0
-    for i in range(_PHASES):
-        cosine = math.cos((i + 0.5) * math.pi / _PHASES)
-        lifted = eta * rise_at((pieces, 0, whole, 0), min(1.0 - A * cosine, end))
-        zeta += lifted * cosine / (A * _PHASES)
-        largest = max(largest, abs(lifted))
-    flat = largest <= _FLAT * abs(eta) and abs(push) <= _FLAT * abs(eta)
-    if flat:
-        zeta = 0.0
-    reach = 0.1 * max(abs(zeta), largest + abs(push))
-    if abs(eta) > _STRONG and end > 1.0:
-        # As friction grows the threshold tends to where the fold of the slow motion comes to rest.
-        falling = -0.5 * eta * slope_at((pieces, 0, whole, 0), 1.0)
-        if falling > 0.0:
-            zeta, reach = falling, 1e-3 * falling
-    error = 0.0 if flat else math.inf
-    how = FOUND if flat else SOUGHT if largest < _WILD else LOST
-    rtol = _STIFF if abs(eta) > _STRONG else _COARSE
-    return how, zeta, error, -math.inf, math.inf, _FALL, rtol, math.nan, math.nan, reach, largest, False
-
-
-@compilable
-def improved(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any, state: Any) -> Any:
-    """Return the state of a search after one gap more.
+def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any) -> Any:
+    """Search for the damping ratio that an orbit needs.
 
     - `tight`: tolerance of the last steps.
     - `by_zeta`: the fields of the wedge by zeta.
+
+    Returns how that ended, the damping ratio, its error, between which ratios it lies, and the slope of the gap.
     """
-    _, zeta, _, low, high, slope, rtol, before, gap_before, reach, largest, beyond = state
-    coarse = rtol > tight
-    value, by, outside, rounding = gap(rise, eta, zeta, push, A, rtol, coarse, 0.0, by_zeta)
-    beyond = beyond or outside
-    if _STEEPEST < by < 0.0 and coarse:
-        slope = by
-    elif math.isfinite(gap_before) and math.isfinite(value) and (value - gap_before) * (zeta - before) < 0.0:
-        slope = (value - gap_before) / (zeta - before)
-    if value > 0.0:
-        low = max(low, zeta)
-    elif value <= 0.0:
-        high = min(high, zeta)
+    low, high, slope = -math.inf, math.inf, _FALL
+    zeta, largest = _harmonic(rise, eta, A)
+    reach = 0.1 * max(abs(zeta), largest + abs(push))
+    if largest <= _FLAT * abs(eta) and abs(push) <= _FLAT * abs(eta):
+        return FOUND, 0.0, 0.0, low, high, slope
+    if not largest < _WILD:
+        return LOST, zeta, math.inf, low, high, slope
+    if abs(eta) > _STRONG and rise[1][len(rise[1]) - 1] > 1.0:
+        # As friction grows the threshold tends to where the fold of the slow motion comes to rest.
+        falling = -0.5 * eta * slope_at((rise[0], 0, len(rise[0]) - 1, 0), 1.0)
+        if falling > 0.0:
+            zeta, reach = falling, 1e-3 * falling
+    rtol = _STIFF if abs(eta) > _STRONG else _COARSE
     done = _DONE if tight > _TIGHTEST else _FINEST
-    how, error, ahead = SOUGHT, math.inf, zeta
-    if math.isnan(value):
-        how = LOST
-    elif not coarse and (abs(value) <= done or _SLOW * abs(gap_before) < abs(value) <= _NEAR):
-        loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
-        off = abs(loose - value) + rounding + (0.0 if tight <= _TIGHT else _STEPPED)
-        if abs(value) <= done:
-            off += value * value + _SLOPED * abs(value)
-            ahead = zeta - value / slope
-        else:  # the gap is no more than what the steps are off
-            off += abs(value)
-            slope = max(slope, _FALL)
-        how, error = FOUND, off / -slope + _TABULATED * largest
-    elif math.isfinite(high - low) and high - low <= _CLOSE * max(abs(low), abs(high)):
-        # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits.
-        error = math.inf if outside else _spread(rise, eta, push, A, _LOOSER * tight, by_zeta, low, high)
-        how = BEYOND if outside else FOUND if error < math.inf else LOST
-        error += _TABULATED * largest
-    elif coarse and abs(value) <= _NEAR:
-        ahead, rtol, low, high, value = zeta - value / slope, tight, -math.inf, math.inf, math.nan
-    else:
+    before, gap_before, beyond = math.nan, math.nan, False
+    for _ in range(_MOST_GAPS):
+        coarse = rtol > tight
+        value, by, outside, rounding = gap(rise, eta, zeta, push, A, rtol, coarse, 0.0, by_zeta)
+        if is_late():
+            return LATE, zeta, math.inf, low, high, slope
+        beyond = beyond or outside
+        if _STEEPEST < by < 0.0 and coarse:
+            slope = by
+        elif math.isfinite(gap_before) and math.isfinite(value) and (value - gap_before) * (zeta - before) < 0.0:
+            slope = (value - gap_before) / (zeta - before)
+        if value > 0.0:
+            low = max(low, zeta)
+        elif value <= 0.0:
+            high = min(high, zeta)
+        else:
+            return LOST, zeta, math.inf, low, high, slope
+        before, unchanged, gap_before = zeta, abs(value) > _SLOW * abs(gap_before), value
+        if not coarse and (abs(value) <= done or (unchanged and abs(value) <= _NEAR)):
+            loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
+            off = abs(loose - value) + rounding + (0.0 if tight <= _TIGHT else _STEPPED)
+            if abs(value) <= done:
+                off += value * value + _SLOPED * abs(value)
+                zeta -= value / slope
+            else:  # the gap is no more than what the steps are off
+                off += abs(value)
+                slope = max(slope, _FALL)
+            return FOUND, zeta, off / -slope + _TABULATED * largest, low, high, slope
+        if math.isfinite(high - low) and high - low <= _CLOSE * max(abs(low), abs(high)):
+            # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits.
+            if outside:
+                return BEYOND, zeta, math.inf, low, high, slope
+            error = _spread(rise, eta, push, A, _LOOSER * tight, by_zeta, low, high)
+            return FOUND if error < math.inf else LOST, zeta, error + _TABULATED * largest, low, high, slope
+        if coarse and abs(value) <= _NEAR:
+            zeta, rtol, low, high, gap_before = zeta - value / slope, tight, -math.inf, math.inf, math.nan
+            continue
         # Newton's method may not help, as where a half ends close to rest.
-        slow = abs(value) > 0.5 * abs(gap_before)
-        ahead = zeta - value / slope if math.isfinite(value) and not slow else math.nan
-        if not (low < ahead < high and abs(ahead - zeta) <= 4.0 * (reach + abs(zeta))):
+        zeta = zeta - value / slope if math.isfinite(value) and not unchanged else math.nan
+        if not (low < zeta < high and abs(zeta - before) <= 4.0 * (reach + abs(before))):
             if low > -math.inf and high < math.inf:
-                ahead = 0.5 * (low + high)
+                zeta = 0.5 * (low + high)
             else:
-                ahead = zeta + reach if value > 0.0 else zeta - reach
+                zeta = before + reach if value > 0.0 else before - reach
                 reach *= 3.0
-        if abs(ahead) > _FARTHEST * (1.0 + abs(eta) + largest):
+        if abs(zeta) > _FARTHEST * (1.0 + abs(eta) + largest):
             # Coarse steps that fail are taken for a half that creeps to rest; tight ones say that they failed.
-            sure, _, _, _ = gap(rise, eta, zeta, push, A, tight, False, 0.0, by_zeta)
-            how = BEYOND if beyond else LOST if math.isnan(sure) else NONE
-    return how, ahead, error, low, high, slope, rtol, zeta, value, reach, largest, beyond
+            sure, _, _, _ = gap(rise, eta, before, push, A, tight, False, 0.0, by_zeta)
+            end = BEYOND if beyond else LOST if math.isnan(sure) else NONE
+            return end, zeta, math.inf, low, high, slope
+    return LOST, zeta, math.inf, low, high, slope
+
+
+@compilable
+def _harmonic(rise: Any, eta: float, A: float) -> tuple[float, float]:
+    """Return the damping ratio by harmonic balance over slip speeds from 1 - A to 1 + A, and the largest rise."""
+    pieces, end = rise[0], rise[1][len(rise[1]) - 1]
+    zeta, largest = 0.0, 0.0
+    for i in range(_PHASES):
+        cosine = math.cos((i + 0.5) * math.pi / _PHASES)
+        lifted = eta * rise_at((pieces, 0, len(pieces) - 1, 0), min(1.0 - A * cosine, end))
+        zeta += lifted * cosine / (A * _PHASES)
+        largest = max(largest, abs(lifted))
+    return zeta, largest
 
 
 @compilable
@@ -237,20 +234,6 @@ def _spread(
     return math.inf
 
 
-@compilable
-def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any, state: Any, most: int) -> Any:
-    """Return the state of a search at its end, or after so many gaps; arguments as for `improved`.
-
-    It begins with how the search stands, the damping ratio, its error, between which ratios it lies, and the slope
-    of the gap.
-    """
-    for _ in range(most):
-        if state[0] != SOUGHT:
-            break
-        state = improved(rise, eta, push, A, tight, by_zeta, state)
-    return state
-
-
 def needed_ratio(
     system: Dimensionless, A: float = 1.0, *, rtol: float = 1e-12, fast: bool = False
 ) -> tuple[float, float, float]:
@@ -266,28 +249,20 @@ def needed_ratio(
     Raises `OutOfTime` when the time of a `time_limit` is up; it says the best ratio, and between which ones the
       root lies.
     """
+    check_time()
     eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
     tight = _TIGHTEST if rtol < _FINE else _STIFF if abs(eta) > _STRONG else _TIGHT
     fast = fast and is_compiling()
-    rise = system.table.at(system.V, arrays=fast)
-    source = tuple(by_zeta(system))
+    rise, source = system.table.at(system.V, arrays=fast), tuple(by_zeta(system))
     if fast:
         source = (*source[:3], rise.pieces, np.zeros(len(rise.jumps)))
-    run, most = (compiled(needed), MOST_GAPS) if fast else (needed, 1)
-    state = begun(rise, eta, push, A)
-    for _ in range(0, MOST_GAPS, most):
-        if state[0] != SOUGHT:
-            break
-        try:
-            check_time()
-        except OutOfTime as stop:
-            best, low, high = (2 * ratio for ratio in (state[1], *state[3:5]))
-            raise OutOfTime(
-                f"{stop}; the best value so far is c = {best:.6g} sqrt(k m), and c lies between {low:.6g} and "
-                f"{high:.6g} times sqrt(k m)"
-            ) from None
-        state = run(rise, eta, push, A, tight, source, state, most)
-    how, zeta, error, low, high, slope, *_ = state
+    run = compiled(needed) if fast else needed
+    how, zeta, error, low, high, slope = run(rise, eta, push, A, tight, source)
+    if how == LATE or is_late():  # then the last gap may be wrong
+        raise OutOfTime(
+            f"the time limit was reached; the best value so far is c = {2 * zeta:.6g} sqrt(k m), and c lies "
+            f"between {2 * low:.6g} and {2 * high:.6g} times sqrt(k m)"
+        )
     if how == FOUND:
         return zeta, error, slope
     if how == BEYOND:
@@ -295,12 +270,12 @@ def needed_ratio(
     if how == NONE:
         raise NoThreshold(
             "the slip from P returns to the belt's speed for every damping, or for none, "
-            f"at eta = {system.eta:g} and V = {system.V:g} m/s"
+            f"at eta = {eta:g} and V = {system.V:g} m/s"
         )
     if not math.isfinite(high - low):
         raise NotConverged(
-            f"the slip from P cannot be integrated at eta = {system.eta:g} and V = {system.V:g} m/s: friction is "
-            "too strong, or its law too steep, for the bound on the work"
+            f"the slip from P cannot be integrated at eta = {eta:g} and V = {system.V:g} m/s: friction is too "
+            "strong, or its law too steep, for the bound on the work"
         )
     raise NotConverged(f"the damping ratio lies between {low:.10g} and {high:.10g}, and no closer was found")
 

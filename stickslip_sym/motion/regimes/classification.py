@@ -21,7 +21,8 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.phase_plane import NEAR, PhasePlane, phase_plane
 from stickslip_sym.motion.regimes.regime import by_side, regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions
-from stickslip_sym.motion.slip import End, Slip
+from stickslip_sym.motion.slip import Slip
+from stickslip_sym.motion.steps import End
 
 __all__ = ["classify", "followed"]
 
@@ -160,8 +161,8 @@ def followed(
         decide(left[slips.end == End.HORIZON], lambda: Motion.UNDECIDED)
         turned = slips.end == End.MINIMUM
         decide(left[turned], partial(plane.of_peaks, 1 - slips.w[turned]))
-        for i in np.flatnonzero(np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED))).tolist():
-            decide(left[i : i + 1], partial(_away, plane, system.slip_of(slips, i)))
+        for i in np.flatnonzero(np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED, End.LATE))).tolist():
+            decide(left[i : i + 1], partial(_away, plane, slips.one(i)))
         left = left[slips.end == End.RETURN]
     return found
 

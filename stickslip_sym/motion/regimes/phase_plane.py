@@ -21,7 +21,8 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles, needed_damping
 from stickslip_sym.motion.regimes.separatrix import Separatrix, SlipCurve
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, stick_slip_cycle
-from stickslip_sym.motion.slip import Dimensionless, End
+from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.steps import End
 
 __all__ = ["NEAR", "PhasePlane", "friction_far_out", "phase_plane", "rounds"]
 
@@ -228,13 +229,12 @@ class PhasePlane:
     def curves(self, least: list[float]) -> tuple[Separatrix, ...]:
         """Return the separatrices whose slip speeds, over V, have certain minima: 0 where one grazes."""
         onset, found = self.oscillator.onset(self.law), []
+        back = self.system.backward
         for w in least:
             # Backward, since unstable orbits attract those beside them then.
-            slip = self.system.slip(
-                self.system.turn(w), w, until=End.MINIMUM, rtol=self.rtol, backward=True, recorded=True
-            )
+            slip = back.slip(-self.system.turn(w), w, until=End.MINIMUM, rtol=self.rtol, recorded=True)
             if slip.end is not End.OUTSIDE:
-                curve = SlipCurve.of(self.system, slip, self.rtol)
+                curve = SlipCurve.of(back, slip, self.rtol)
                 found.append(Separatrix("limit cycle" if w else "graze", curve, onset, self.oscillator))
         return tuple(found)
 

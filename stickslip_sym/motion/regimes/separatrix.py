@@ -45,12 +45,13 @@ class SlipCurve:
     w: Any
 
     @classmethod
-    def of(cls, system: Dimensionless, slip: Slip, rtol: float) -> "SlipCurve":
-        """Interpolate a slip below the belt's speed that was recorded backward in time, in its own steps."""
+    def of(cls, backward: Dimensionless, slip: Slip, rtol: float) -> "SlipCurve":
+        """Interpolate a recorded slip of a system backward in time, in its own steps."""
         steps = [step for step in slip.steps if step.length > 0]
-        tau = np.array([step.tau - step.length * _NODES for step in steps]).ravel()
+        tau = np.array([step.tau + step.length * _NODES for step in steps]).ravel()
         which = np.repeat(np.arange(len(steps)), _NODES.size)
-        return cls.through(np.array(system.states(steps, which, tau, 1, rtol)).reshape(2, len(steps), -1))
+        q, w = backward.states(steps, which, tau, 1, rtol)
+        return cls.through(np.array([-q, w]).reshape(2, len(steps), -1))
 
     @classmethod
     def through(cls, values: FloatArray) -> "SlipCurve":

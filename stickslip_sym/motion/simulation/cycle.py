@@ -16,7 +16,8 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.slip import Dimensionless, End
+from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.steps import End
 from stickslip_sym.output import markup
 
 __all__ = ["StickSlipCycle", "peak_velocity", "stick_slip_cycle"]

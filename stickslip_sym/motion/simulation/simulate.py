@@ -23,7 +23,8 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectories, Trajectory
-from stickslip_sym.motion.slip import Dimensionless, End, Slip
+from stickslip_sym.motion.slip import Dimensionless, Slip
+from stickslip_sym.motion.steps import End
 
 __all__ = ["read_initial_conditions", "simulate"]
 
@@ -143,14 +144,14 @@ def _one(
             side = 1 if q >= 0 else -1
         # Nothing depends on time itself: a slip from where one began before is that one again.
         slip = known.get((q, side)) if w == 0 else None
-        if deadline.time_left() < 0:
-            slip = Slip(End.STEPS, 0.0, q, w, 0.0, 0.0, 0, (q, q, w, w), [])
+        if deadline.is_late():
+            slip = Slip(End.LATE, 0.0, q, w, 0.0, 0.0, 0, (q, q, w, w), [])
         elif slip is None or tau + slip.tau > horizon or steps + slip.taken > max_steps:
             slip = system.slip(
                 q, w, side, level=1.0, horizon=horizon - tau, rtol=rtol, most=max_steps - steps, recorded=True
             )
             refusal = system.refusal(slip, rtol)
-            if refusal is not None and not slip.taken and slip.end is not End.STEPS:
+            if isinstance(refusal, InputError) and not slip.taken:
                 raise refusal
             if w == 0 and slip.end is End.RETURN:
                 known[q, side] = slip
@@ -162,7 +163,7 @@ def _one(
         stretches.append(Stretch(phase, samples, partial(_course, system, osc, x_P, rtol, slip, tau, side)))
         tau, q, w, steps = tau + slip.tau, slip.q, slip.w, steps + slip.taken
         if slip.end is not End.RETURN:
-            outcome, note = _outcome_of(system, slip, rtol, out_of_steps=steps >= max_steps)
+            outcome, note = _outcome_of(system, slip, rtol)
             break
     if outcome is Outcome.AT_REST:
         end, x_rest = stretches[-1].end, _at_rest(system, osc, x_P, w, stretches[-1].samples[1, -1])
@@ -192,12 +193,13 @@ def _at_rest(system: Dimensionless, osc: Oscillator, x_P: float, w: float, x: fl
     return x if w == 1 and 1.0 in system.rise.levels else x_P + osc.length * system.rest[0]
 
 
-def _outcome_of(system: Dimensionless, slip: Slip, rtol: float, *, out_of_steps: bool) -> tuple[Outcome, str]:
+_OUTCOMES = {End.REST: Outcome.AT_REST, End.STEPS: Outcome.STEP_LIMIT, End.LATE: Outcome.TIME_LIMIT}
+
+
+def _outcome_of(system: Dimensionless, slip: Slip, rtol: float) -> tuple[Outcome, str]:
     """Return what the end of a slip says of the whole motion, and why it does not go on."""
-    if slip.end is End.REST:
-        return Outcome.AT_REST, ""
-    if slip.end is End.STEPS:
-        return (Outcome.STEP_LIMIT if out_of_steps else Outcome.TIME_LIMIT), ""
+    if slip.end in _OUTCOMES:
+        return _OUTCOMES[slip.end], ""
     if system.unbounded(slip):
         return Outcome.UNBOUNDED, "damping and friction feed the motion: try a shorter t_end, or a larger c"
     refusal = system.refusal(slip, rtol)
@@ -237,14 +239,13 @@ def _many(
             break
         phase[left] = np.array([Phase.SLIP_FORWARD, Phase.SLIP_BACK], dtype=object)[(side[left] > 0).astype(int)]
         phases[left] += 1
-        steps[left] += slips.taken
+        steps[left] += slips.taken.astype(np.intp)
         tau[left], q[left], w[left] = tau[left] + slips.tau, slips.q, slips.w
         reached = np.array([slips.extremes[:, :2], 1 - side[left, None] * slips.extremes[:, 2:]])
         lowest[:, left] = np.minimum(lowest[:, left], reached.min(axis=2))
         highest[:, left] = np.maximum(highest[:, left], reached.max(axis=2))
         for i in np.flatnonzero(~np.isin(slips.end, (End.RETURN, End.HORIZON))).tolist():
-            out_of_steps = steps[left[i]] >= max_steps
-            outcome[left[i]], _ = _outcome_of(system, system.slip_of(slips, i), rtol, out_of_steps=out_of_steps)
+            outcome[left[i]], _ = _outcome_of(system, slips.one(i), rtol)
         left = left[slips.end == End.RETURN]
 
     came = np.flatnonzero((w == 0) & (q == 0) & (tau < horizon))

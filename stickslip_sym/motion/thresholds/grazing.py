@@ -9,6 +9,7 @@ import math
 
 import sympy as sp
 
+from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.law import FrictionLaw
@@ -16,8 +17,6 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.needed import by_zeta, gap, halves, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless, Wedge
 from stickslip_sym.motion.table import FrictionTable, Pieces
-
-__all__ = ["grazing_damping", "grazing_sensitivity"]
 
 _TIGHT = 1e-12  # tolerance of the steps along which the wedges are carried
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
@@ -48,7 +47,9 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
 
     def derivative(source: Wedge) -> float:
-        return float(gap(rise, eta, zeta, push, 1.0, _TIGHT, True, 0.0, tuple(source))[1])
+        _, slope, _, _ = gap(rise, eta, zeta, push, 1.0, _TIGHT, True, 0.0, tuple(source))
+        check_time()
+        return float(slope)
 
     unit, slope = 2 * osc.impedance, derivative(by_zeta(system))
     if not slope < 0.0:  # no number, or 0 where a half creeps to rest

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 import sympy as sp
 from accuracy import MOST_UNITS, MOST_UNITS_BY_BALLS, MOST_UNITS_OF_THE_PAPER, by_definition
-from forms import FORMS, NO_HARMONIC, NO_LEAST_SQUARES, form_of, some
+from forms import FORMS, NO_HARMONIC, NO_LEAST_SQUARES, form_of
+from sweeps import sweep
 
 import stickslip_sym as ss
 from derivations import paper
@@ -38,7 +39,7 @@ AT_ONE_POINT = [(name, "equilibrium") for name in ("exponential", "gaussian", "l
 
 
 @pytest.mark.parametrize("regime", ["middle", "small", "large"])
-@pytest.mark.parametrize(("name", "criterion"), some([*FORMS, *AT_ONE_POINT], *KINDS))
+@sweep(("name", "criterion"), [*FORMS, *AT_ONE_POINT], *KINDS)
 def test_over_all_decades(name, criterion, regime):
     if criterion == "equilibrium" and regime == "small":
         regime = "middle"
@@ -139,7 +140,7 @@ SOME = [(ROOTS[0], "harmonic"), (ROOTS[1], "least_squares"),
         ("log(1 + v)", "harmonic")]  # fmt: skip
 
 
-@pytest.mark.parametrize(("text", "criterion"), some(list(product([*PROFILES, *ROOTS], BOTH)), *SOME), ids=str)
+@sweep(("text", "criterion"), list(product([*PROFILES, *ROOTS], BOTH)), *SOME, ids=str)
 def test_every_branch_over_its_whole_range(text, criterion):
     """Also near its ends, and far beyond all scales; a number has the same digits in an array."""
     law = ss.FrictionLaw(text)
@@ -172,7 +173,7 @@ CASES += [(ss.laws.catalogue[name].typical(), "harmonic") for name in sorted(NO_
 CASES += [(ss.laws.catalogue[name].typical(), "least_squares") for name in sorted(NO_LEAST_SQUARES)]
 
 
-@pytest.mark.parametrize("case", some(range(len(CASES)), 1, 6, 8, 12, 15, 16, 22, 31, 32))
+@sweep("case", range(len(CASES)), 1, 6, 8, 12, 15, 16, 22, 31, 32)
 def test_laws_of_any_shape(case):
     """Kinks, jumps and waves; parameters of any sign; laws without a closed form."""
     average = ss.slope_average(*CASES[case])

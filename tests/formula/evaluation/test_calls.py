@@ -4,7 +4,8 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from forms import form_of, some
+from forms import form_of
+from sweeps import sweep
 
 import stickslip_sym as ss
 
@@ -127,7 +128,7 @@ LAWS = [
 
 
 @pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
-@pytest.mark.parametrize("name", some(LAWS, 0, 4, 7))
+@sweep("name", LAWS, 0, 4, 7)
 def test_neighbours_change_nothing(name, criterion):
     rng = np.random.default_rng(LAWS.index(name))
     average = ss.slope_average(ss.laws.catalogue[name].typical(), criterion)

@@ -7,8 +7,7 @@ import subprocess
 from dataclasses import replace
 
 import numpy as np
-import pytest
-from forms import some
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.formula.evaluation.branches import Table
@@ -87,7 +86,7 @@ def in_octave(text, names, point, V, folder):
 WAYS = {"python": (in_python, None), "c": (in_c, "cc"), "octave": (in_octave, "octave-cli")}
 
 
-@pytest.mark.parametrize("seed", some(range(45), 0, 15, 31, 5, 24, 29))
+@sweep("seed", range(45), 0, 15, 31, 5, 24, 29)
 def test_code_equals_the_call(seed, tmp_path):
     law, average, V, expected = drawn(seed)
     point = {"N": 2.0} | {name: float(value) for name, value in law.values.items()}
@@ -111,9 +110,10 @@ def test_code_equals_the_call(seed, tmp_path):
 ANDERSSON = [("andersson", "least_squares")]  # its transition is far narrower than its scale
 
 
-@pytest.mark.parametrize(
+@sweep(
     ("name", "criterion"),
-    some([(name, criterion) for name in ss.laws for criterion in ss.criteria.catalogue], *ANDERSSON),
+    [(name, criterion) for name in ss.laws for criterion in ss.criteria.catalogue],
+    *ANDERSSON,
 )
 def test_what_is_written_is_checked(name, criterion):
     """The verdict is that of the branches which the text holds, each against an enclosure of the definition."""

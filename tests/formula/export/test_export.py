@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from accuracy import MOST_UNITS, compiled
 from commands import stickslip
-from forms import NO_LEAST_SQUARES, agrees, form_of, some
+from forms import NO_LEAST_SQUARES, agrees, form_of
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
@@ -46,9 +47,7 @@ HARMONIC = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "laws", some([(("exponential", "rational", "hyperbolic", "andersson"),), (tuple(ss.laws),)], 0)
-)
+@sweep("laws", [(("exponential", "rational", "hyperbolic", "andersson"),), (tuple(ss.laws),)], 0)
 def test_many_laws_in_one_document(laws, tmp_path):
     """Every formula is read back as it stands there, and none is wider than the text."""
     wanted = [(name, "equilibrium" if name in NO_LEAST_SQUARES else "least_squares") for name in laws]
@@ -272,7 +271,7 @@ def test_command_writes_all_outputs(tmp_path):
         (["exponential", "exponential", "--c", "x"], "'exponential' is given twice"),
         (["exponential", "--all", "--c", "x"], "--all is every law already"),
         (["exponential", "--c", "x", "--steps"], "belongs to --latex"),
-        (["exponential", "--latex", "x", "--symbol", "alpha=a+b"], "not as one symbol"),
+        (["exponential", "--latex", "x", "--symbol", "alpha=a+b"], "is not one symbol"),
         (["exponential", "--latex", "x", "--symbol", "alfa=a"], "did you mean 'alpha'"),
         (["exponential", "--latex", "x", "--c", "nowhere/y"], "cannot write 'nowhere/y'"),
     ],

@@ -10,7 +10,8 @@ from sweeps import sweep
 import stickslip_sym as ss
 from stickslip_sym import Phase
 from stickslip_sym.motion.orbits.cycles import needed_damping
-from stickslip_sym.motion.slip import Dimensionless, End
+from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.steps import End
 
 CASES = [("exponential", 2.3, False), ("polynomial", 3.1, True)]
 
