@@ -49,7 +49,7 @@ class Axis:
 
 
 @dataclass(frozen=True, repr=False)
-class Table(drawing.Panel):
+class Table(drawing.Drawn):
     """Results over one axis or two; a kind of results says what its columns, words and drawing are.
 
     Attributes
