@@ -4,8 +4,6 @@ from collections.abc import Callable, Iterator, Sequence
 
 from scipy.optimize import brentq
 
-__all__ = ["sign_changes"]
-
 
 def sign_changes(
     function: Callable[[float], float], nodes: Sequence[float], values: Sequence[float], xtol: float

@@ -27,8 +27,6 @@ from stickslip_sym.motion.roots import sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.output import markup
 
-__all__ = ["LimitCycle", "NeededDamping", "limit_cycles", "needed_damping"]
-
 _NEAREST = 1e-3  # lowest amplitude over the belt's speed that is looked at: a smaller cycle is not seen
 _AMPLITUDES = sorted(
     {float(A) for A in _NEAREST + (1 - _NEAREST) * (1 - np.cos(np.linspace(0.0, math.pi, 33))) / 2}

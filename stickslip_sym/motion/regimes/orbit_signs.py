@@ -13,8 +13,6 @@ import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 
-__all__ = ["OrbitSigns", "orbit_signs"]
-
 _NEAREST, _LAST = 1e-3, 1 - 1e-6  # amplitudes over the belt's speed; a smaller cycle shows by the growth at rest
 _RANGES = 8  # of amplitude at first; graded towards the belt's speed, where laws are steep
 _SEARCHED = 2  # halvings of a range with a cycle in it, so that no pair of others hides there

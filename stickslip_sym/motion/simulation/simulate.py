@@ -26,8 +26,6 @@ from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, 
 from stickslip_sym.motion.slip import Dimensionless, Slip
 from stickslip_sym.motion.steps import End
 
-__all__ = ["read_initial_conditions", "simulate"]
-
 
 @overload
 def simulate(
