@@ -66,7 +66,7 @@ def test_what_is_not_known_stays_open():
 
 
 @pytest.mark.thorough
-def test_a_fold_of_limit_cycles_parts_the_cells_beside_it():
+def test_folds_part_the_cells_beside_them():
     """Columns by needed damping and lone cells by growth alike, down to 1e-6 of the fold."""
     fold = ss.basin_sweep(TWO, paper_oscillator(2.5), ("c", [3.9, 4.2]), x0=(-0.2, 0.2), v0=(-1, 1)).changes[0]
     assert fold.kind == "fold"

@@ -20,7 +20,7 @@ DECIDED = {
 """Words after which nothing else comes."""
 
 
-def test_the_change_in_a_round_is_that_of_a_linear_oscillator():
+def test_change_of_a_linear_oscillator_is_exact():
     """Under constant friction a swing is exp(-2 pi zeta/sqrt(1 - zeta^2)) of the last."""
     law, rng = ss.FrictionLaw("0.3"), np.random.default_rng(17)
     seen = set()
@@ -66,7 +66,7 @@ def test_no_word_says_other_than_classify():
         ({"c": -50.0}, {"t_end": 100.0}, Motion.UNBOUNDED, None),
     ],
 )
-def test_the_command_says_what_it_is_and_where_it_leads(point, initial, expected, end, run):
+def test_command_says_where_a_motion_leads(point, initial, expected, end, run):
     motion = ss.simulate(ss.laws.exponential.typical(), paper_oscillator(**point), **initial)
     assert motion.motion is expected
     assert repr(motion).startswith(f"Trajectory: {expected.value}")
@@ -85,21 +85,7 @@ def test_the_command_says_what_it_is_and_where_it_leads(point, initial, expected
     )
 
 
-def test_pure_slip_is_a_motion_that_repeats_itself():
-    """On the stable limit cycle of the polynomial law; a little off it, it shrinks or grows towards it."""
-    law, osc = ss.laws.polynomial.typical(), paper_oscillator(3.05)
-    (cycle,) = ss.limit_cycles(law, osc)
-    x = osc.N * law.mu(osc.V) / osc.k
-    words = []
-    for factor in (0.9, 1.1):
-        motion = ss.simulate(law, osc, t_end=4.0, x0=x + factor * cycle.amplitude / osc.omega, v0=0.0)
-        words.append(motion.motion)
-    assert words == [Motion.GROWING, Motion.SHRINKING]
-    late = ss.simulate(law, osc, t_end=50.0, x0=x, v0=0.9 * cycle.amplitude)
-    assert late.motion is Motion.PURE_SLIP
-
-
-def test_a_motion_whose_end_is_not_found_says_so(run, monkeypatch):
+def test_an_end_that_is_not_found_is_named(run, monkeypatch):
     def lost(*_, **__):
         raise ss.NotConverged("the bound on the work was reached")
 
