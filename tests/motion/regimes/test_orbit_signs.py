@@ -6,7 +6,7 @@ from numpy.polynomial import Chebyshev
 from operating_points import TWO, paper_oscillator
 
 import stickslip_sym as ss
-from stickslip_sym.motion.regimes.orbit_signs import orbit_signs
+from stickslip_sym.motion.roots import orbit_signs
 
 A = np.linspace(0, 1, 20_001)
 MARGIN = 1e-4  # of a level from an extremum, from which on it is decided by values
