@@ -3,17 +3,19 @@
 from typing import Any
 
 import stickslip_sym as ss
-from stickslip_sym.cli.options import DAMPING, LAW, METHOD, POINT, RANGE, Given, command, option, time_limit
+from stickslip_sym.cli import options
+from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_found
 from stickslip_sym.cli.reading import point
 from stickslip_sym.core.errors import InputError
 
 
-@command(
-    "critical", LAW,
+@options.command(
+    options.AT,
     option("--of", metavar="NAME", default="all", help="V, N, m, k, c or a parameter, or all (all)."),
-    DAMPING, POINT, METHOD, option("--within", metavar="LOW:HIGH", type=RANGE, help="Where to look, in SI units."),
-    time_limit(),
+    options.DAMPING, options.METHOD,
+    option("--within", metavar="LOW:HIGH", read=options.read_range, help="Where to look, in SI units."),
+    options.time_limit(),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Print every value of a quantity at which the damping is just the pure-slip damping.
@@ -23,13 +25,10 @@ def run(given: Given) -> None:
 
     Example: stickslip critical exponential --of mu_s -c 2 -V 0.5
     """
-    of = given["of"]
-    how: dict[str, Any] = {
-        "method": given["method"],
-        "rtol": given["rtol"] or 1e-3,
-        "time_limit": given["time_limit"],
+    of, at = given["of"], point(given, without=[given["of"]])
+    how: dict[str, Any] = {name: given[name] for name in ("method", "time_limit")} | {
+        "rtol": given["rtol"] or 1e-3
     }
-    at = point(given, without=[of])
     if "c" not in at.texts and of != "c":
         raise InputError("critical values are computed at a given damping: add -c VALUE")
     if of == "all":

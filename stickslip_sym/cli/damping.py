@@ -2,10 +2,9 @@
 
 import time
 
-import click
-
 import stickslip_sym as ss
-from stickslip_sym.cli.options import LAW, METHOD, POINT, Given, command, option, time_limit
+from stickslip_sym.cli import options
+from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_all, in_options, point_of
 from stickslip_sym.cli.reading import points
 from stickslip_sym.output.tables import table
@@ -13,9 +12,9 @@ from stickslip_sym.output.tables import table
 _RTOL = 1e-10  # asked of every method that can be made more accurate, with --all
 
 
-@command(
-    "damping", LAW, POINT, METHOD, option("--all", is_flag=True, help="Compare every method."),
-    time_limit("Seconds of computation, for each method."),
+@options.command(
+    options.AT, options.METHOD, option("--all", is_flag=True, help="Compare every method."),
+    options.time_limit("Seconds of computation, for each method."),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Print the pure-slip damping, the method that gave it, and its error.
@@ -47,11 +46,7 @@ def run(given: Given) -> None:
                     "\nno more accurate a method than the parameters deserve: rtol = "
                     f"{threshold.deserved:.1e}, a tenth of their relative standard error; give --rtol for more"
                 )
-            parts = (text, threshold.budget, threshold.theorem)
-            text = "\n\n".join(str(part) for part in parts if part is not None)
+            text = "\n\n".join(filter(None, map(str, (text, threshold.budget or "", threshold.theorem or ""))))
         contents.append(point_of(at) | {"answers": answers})
         texts.append(f"{at}\n\n{text}")
-    if given["json"]:
-        echo_all("damping", contents)
-    else:
-        click.echo("\n\n".join(texts))
+    echo_all(given, contents, texts)

@@ -7,26 +7,25 @@ from typing import TYPE_CHECKING
 import click
 
 import stickslip_sym as ss
-from stickslip_sym.cli.options import CRITERIA, LAW, POINT, Given, command, file_option, option, time_limit
-from stickslip_sym.cli.output import Json, echo_json, in_options, point_of, progress_bar
+from stickslip_sym.cli import options
+from stickslip_sym.cli.options import Given, option
+from stickslip_sym.cli.output import Json, echo_all, in_options, point_of, progress_bar
 from stickslip_sym.cli.reading import criteria_of, point
 from stickslip_sym.core.errors import InputError, NoClosedForm
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.closed_form import ClosedForm
 
-__all__ = ["SECONDS", "derived"]
-
 SECONDS = 120.0  # of the search for one closed form
 _LONGEST = 4000  # characters of a formula on the screen
 
 
-@command(
-    "derive", LAW, POINT, CRITERIA,
+@options.command(
+    options.AT, options.criterion("all"),
     option("--steps", is_flag=True, help="Print every step of the derivation."),
-    file_option("--latex", "Write the formula as LaTeX."),
-    file_option("--save", "Keep the form, for stickslip_sym.load."),
-    time_limit("Seconds for each criterion (120).", SECONDS),
+    options.file_option("--latex", help="Write the formula as LaTeX."),
+    options.file_option("--save", help="Keep the form, for stickslip_sym.load."),
+    options.time_limit("Seconds for each options.criterion (120).", SECONDS),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Derive the closed form of a criterion, prove it, and cross-check its value.
@@ -46,36 +45,33 @@ def run(given: Given) -> None:
     given.all_used()
     # What the table cannot be computed for is refused before anything is derived or written.
     ss.Oscillator(**at.numbers)
-    for criterion in chosen:
-        law.require_speed(at.numbers["V"] * (1 if criterion.weight is None else 2))
+    for one in chosen:
+        law.require_speed(at.numbers["V"] * (1 if one.weight is None else 2))
     if not law.missing:
         warn_where_negative(law, at.numbers["V"])
-    derivations = [(criterion, derived(law, criterion, limit)) for criterion in chosen]
-    forms = [form for _, form in derivations if not isinstance(form, NoClosedForm)]
+    derivations = {one: derived(law, one, limit) for one in chosen}
+    failures = [form for form in derivations.values() if isinstance(form, NoClosedForm)]
+    forms = [form for form in derivations.values() if not isinstance(form, NoClosedForm)]
     if latex is not None and forms:
         files.write_text(latex, "\n".join(_latex(form, steps) for form in forms))
     if save is not None and forms:
         ss.save(forms[0], save)
     rows, texts = list[Json](), [str(at)]
-    for criterion, form in derivations:
+    for one, form in derivations.items():
         found = None if isinstance(form, NoClosedForm) else form
-        checks = [] if law.missing else crosscheck(law, criterion, at.texts, found)
-        rows.append({"criterion": criterion.name, "form": form, "checks": checks})
-        lines = [f"no closed form: {law.name or 'the law'}, {criterion.name}"] if found is None else _lines(found)
+        checks = [] if law.missing else crosscheck(law, one, at.texts, found)
+        rows.append({"criterion": one.name, "form": form, "checks": checks})
+        lines = [f"no closed form: {law.name or 'the law'}, {one.name}"] if found is None else _lines(found)
         if steps and found is not None:
             rows[-1]["steps"] = found.derivation.steps
             lines += ["", found.derivation.text()]
         texts.append("\n".join([*lines, *(["", in_options(report(checks))] if checks else [])]))
-    if given["json"]:
-        echo_json("derive", **point_of(at), criteria=rows)
-    else:
-        click.echo("\n\n".join(texts))
+    echo_all(given, [point_of(at) | {"criteria": rows}], texts)
     if law.missing and forms:
         names = ", ".join(law.missing)
         click.echo(f"\nno value for {names}: give -p {law.missing[0]}=... for a table of values", err=True)
-    for _, form in derivations:
-        if isinstance(form, NoClosedForm):
-            raise form
+    for failure in failures:
+        raise failure
 
 
 def derived(law: ss.FrictionLaw, criterion: ss.Criterion, seconds: float = SECONDS) -> ClosedForm | NoClosedForm:

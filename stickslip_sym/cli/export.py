@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
 import click
 
 import stickslip_sym as ss
+from stickslip_sym.cli import options
 from stickslip_sym.cli.derive import SECONDS, derived
-from stickslip_sym.cli.options import (
-    CRITERIA,
-    DESCRIPTION,
-    LAW_NAMES,
-    Given,
-    command,
-    file_option,
-    option,
-    time_limit,
-)
+from stickslip_sym.cli.options import Given, file_option, option
 from stickslip_sym.cli.output import echo_json
 from stickslip_sym.cli.reading import assignments, criteria_of, law_described
 from stickslip_sym.core.errors import InputError, NoClosedForm
@@ -27,16 +20,17 @@ from stickslip_sym.formula.code.languages import LANGUAGES
 _KINDS = ("latex", *LANGUAGES, "save")
 
 
-@command(
-    "export", click.Argument(["laws"], nargs=-1, **{**LAW_NAMES, "metavar": "LAW..."}),
-    option("--all", is_flag=True, help="Every law of the catalogue."), DESCRIPTION, CRITERIA,
-    file_option("--latex", "A LaTeX document."),
-    *(file_option(f"--{name}", language.description) for name, language in LANGUAGES.items()),
-    file_option("--save", "Exact, for stickslip_sym.load."),
+@options.command(
+    click.Argument(["laws"], nargs=-1, **{**options.LAW_NAMES, "metavar": "LAW..."}),
+    option("--all", is_flag=True, help="Every law of the catalogue."),
+    options.DESCRIPTION, options.criterion("all"),
+    file_option("--latex", help="A LaTeX document."),
+    *(file_option(f"--{name}", help=language.description) for name, language in LANGUAGES.items()),
+    file_option("--save", help="Exact, for stickslip_sym.load."),
     option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
     option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
     option("--symbol", metavar="NAME=LATEX", multiple=True, help="Print a symbol otherwise."),
-    time_limit("Seconds for each criterion (120).", SECONDS),
+    options.time_limit("Seconds for each criterion (120).", SECONDS),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Write criteria as LaTeX, Python, C or Octave. If anything fails, nothing is written.
@@ -56,9 +50,8 @@ def run(given: Given) -> None:
     laws, code = _laws(given), targets.keys() & LANGUAGES.keys()
     style: dict[str, Any] = {}
     if "latex" in targets:
-        notation = assignments(given["symbol"], "--symbol V=v_b")
-        _check_notation(notation, laws)
-        style = {"symbols": notation, "fragment": given["fragment"], "steps": given["steps"]}
+        style = {"fragment": given["fragment"], "steps": given["steps"]}
+        style["symbols"] = _notation(given, laws)
     given.all_used()
     unbound = _unbound(laws, every) if code else []
     found = [(law, criterion, derived(law, criterion, limit)) for law in laws for criterion in chosen]
@@ -76,9 +69,8 @@ def run(given: Given) -> None:
         {path: write[kind]() if kind in write else ss.export_code(coded, kind) for kind, path in targets.items()}
     )
     for law, name, _ in missing:
-        what = (
-            "its fast function is written as code" if code and law not in unbound else "only the reason is written"
-        )
+        is_coded = code and law not in unbound
+        what = "its fast function is written as code" if is_coded else "only the reason is written"
         click.echo(f"no closed form: {law.name or law.text}, {name}; {what}", err=True)
     if given["json"]:
         content = [{"law": one.law.name, "criterion": one.criterion.name, "form": one} for one in forms]
@@ -102,20 +94,20 @@ def _laws(given: Given) -> list[ss.FrictionLaw]:
     for position, text in enumerate(texts):
         if text in texts[:position]:
             raise InputError(f"the law {text!r} is given twice; give it once")
-    if len(texts) > 1:
-        return [law_described(lambda option: None, text) for text in texts]
-    return [law_described(given.__getitem__, texts[0])]
+    described = given if len(texts) == 1 else defaultdict[str, Any](lambda: None)
+    return [law_described(described, text) for text in texts]
 
 
-def _check_notation(notation: dict[str, str], laws: list[ss.FrictionLaw]) -> None:
-    """Refuse symbols before anything is derived, which may take long."""
+def _notation(given: Given, laws: list[ss.FrictionLaw]) -> dict[str, str]:
+    """Return how symbols are printed, refused before anything is derived, which may take long."""
     from stickslip_sym.core import symbols
     from stickslip_sym.output.notation import check_known, notation_of
 
-    every = ["mu", *symbols.QUANTITIES]
+    notation, every = assignments(given["symbol"], "--symbol V=v_b"), ["mu", *symbols.QUANTITIES]
     check_known(notation, [*every, *(name for law in laws for name in law.parameters)])
     for law in laws:
         notation_of([*every, *law.parameters], notation)
+    return notation
 
 
 def _unbound(laws: list[ss.FrictionLaw], every: bool) -> list[ss.FrictionLaw]:

@@ -2,33 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 import stickslip_sym as ss
-from stickslip_sym.cli.options import FILE_OF_MEASUREMENTS, LAW_NAMES, Given, command, file_option, option
+from stickslip_sym.cli import options
+from stickslip_sym.cli.options import LAW_NAMES, Given, option
 from stickslip_sym.cli.output import counted, echo_all, in_options
-from stickslip_sym.cli.reading import assignments, reading_of
+from stickslip_sym.cli.reading import assignments, reading_of, units
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:
     from stickslip_sym.model.fitting.result import Fits
 
-__all__ = ["fitted", "laws_to_fit"]
 
-
-@command(
-    "fit",
+@options.command(
     click.Argument(["files"], type=Path, nargs=-1, required=True, metavar="FILE..."),
     option("--law", multiple=True, help="A law, or a formula in v (every law of the catalogue).", **LAW_NAMES),
     option("--parameter", "-p", metavar="NAME=VALUE", multiple=True, help="Fix a parameter."),
     option("--unit", metavar="NAME=UNIT", multiple=True, help="Unit of a formula's parameter."),
-    FILE_OF_MEASUREMENTS,
+    options.FILE_OF_MEASUREMENTS,
     option("--profile", is_flag=True, help="Intervals of the best law from the sum of squares itself."),
-    file_option("--plot", "Draw the best fit of the one file (SVG, PNG or PDF).", draws=True),
+    options.plot_option("Draw the best fit of the one file"),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Fit friction laws to measurements, and rank them.
@@ -39,27 +37,27 @@ def run(given: Given) -> None:
     """
     files, profile, plot = given["files"], given["profile"], given["plot"] if len(given["files"]) == 1 else None
     laws = laws_to_fit(given["law"], given)
-    contents = []
-    for position, file in enumerate(files):
+    contents, texts = [], []
+    for file in files:
         fits = fitted(file, laws, given)
         intervals = fits.best.confidence(profile=True) if profile else {}
-        if given["json"]:
-            contents.append(fits.content() | ({"profile_95": intervals} if intervals else {}))
-            continue
-        heads = [*([""] if position else []), f"{file}:"] if len(files) > 1 else []
-        lines = [*heads, in_options(str(fits)), "", in_options(str(fits.best))]
-        lines += ["", "95 % intervals from the sum of squares"] if intervals else []
-        lines += [f"  {name}: {low:.4g} to {high:.4g}" for name, (low, high) in intervals.items()]
-        click.echo("\n".join(lines))
+        contents.append(fits.content() | ({"profile_95": intervals} if intervals else {}))
+        texts.append("\n".join([*([f"{file}:"] if len(files) > 1 else []), *_lines(fits, intervals)]))
         if plot is not None:
             fits.plot(plot)
-    if given["json"]:
-        echo_all("fit", contents, files)
+    echo_all(given, contents, texts, {"files": dict(zip(map(str, files), contents, strict=True))})
+
+
+def _lines(fits: Fits, intervals: dict[str, tuple[float, float]]) -> Iterator[str]:
+    yield from (in_options(str(fits)), "", in_options(str(fits.best)))
+    if intervals:
+        yield from ("", "95 % intervals from the sum of squares")
+        yield from (f"  {name}: {low:.4g} to {high:.4g}" for name, (low, high) in intervals.items())
 
 
 def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
     """Return the fits of laws to a file of measurements, the last that asks for options."""
-    reading = reading_of(given.__getitem__)
+    reading = reading_of(given)
     given.all_used()
     measured = ss.read_measurements(file, **reading)
     if given.command != "fit":  # whose answer begins with it
@@ -73,8 +71,10 @@ def laws_to_fit(texts: Sequence[str], given: Given) -> list[ss.FrictionLaw]:
     from stickslip_sym.model.expression.parsing import NAME
 
     fixed = assignments(given["parameter"])
-    units = {} if all(map(NAME.fullmatch, texts)) else assignments(given["unit"], "--unit alpha=s/m")
-    laws = [ss.laws.find(text) if NAME.fullmatch(text) else ss.FrictionLaw(text, units=units) for text in texts]
+    described = {} if all(map(NAME.fullmatch, texts)) else units(given)
+    laws = [
+        ss.laws.find(text) if NAME.fullmatch(text) else ss.FrictionLaw(text, units=described) for text in texts
+    ]
     laws = laws or list(ss.laws.catalogue.values())
     for name in fixed:
         if not any(name in law.parameters for law in laws):

@@ -11,7 +11,7 @@ from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.output.tables import table
 
 
-@command("laws", click.Argument(["law"], required=False, **LAW_NAMES))
+@command(click.Argument(["law"], required=False, **LAW_NAMES))
 def run(given: Given) -> None:
     """List the friction laws of the catalogue, or all that is known of one.
 
@@ -24,23 +24,25 @@ def run(given: Given) -> None:
     forms = {} if name is None else {one.name: derived(laws[0], one) for one in criteria_of("all")}
     if given["json"]:
         echo_json("laws", laws=[law_of(law) | ({"criteria": forms} if forms else {}) for law in laws])
-        return
-    if name is None:
-        rows = []
-        for law in laws:
-            typical = [f"{p.name} = {p.typical}" if p.typical else p.name for p in law.parameters.values()]
-            units = [
-                "" if p.unit in (None, "1") or not p.typical else f" {p.unit}" for p in law.parameters.values()
-            ]
-            rows.append([str(law.name), law.text, ", ".join(map(str.__add__, typical, units))])
-        click.echo(table(["law", "mu(v)", "parameters"], rows))
-        return
-    (law,) = laws
-    rows = [[p.name, p.typical or "", p.unit or "", p.meaning] for p in law.parameters.values()]
-    click.echo(f"{law.name}: mu(v) = {law.text}\n\n{table(['parameter', 'typical', 'unit', 'meaning'], rows)}\n")
-    click.echo(f"validity: {law.validity}\nsource: {law.source}")
-    for criterion, form in forms.items():
-        if isinstance(form, NoClosedForm):
-            click.echo(f"\n{criterion}: no closed form. {form}")
-        else:
-            click.echo(f"\n{criterion}, {form.verdict.status.value}\n{formula('c', form.expr)}")
+    elif name is None:
+        click.echo(
+            table(["law", "mu(v)", "parameters"], [[str(law.name), law.text, _typical(law)] for law in laws])
+        )
+    else:
+        (law,) = laws
+        rows = [[p.name, p.typical or "", p.unit or "", p.meaning] for p in law.parameters.values()]
+        parameters = table(["parameter", "typical", "unit", "meaning"], rows)
+        click.echo(f"{law.name}: mu(v) = {law.text}\n\n{parameters}\n")
+        click.echo(f"validity: {law.validity}\nsource: {law.source}")
+        for criterion, form in forms.items():
+            if isinstance(form, NoClosedForm):
+                click.echo(f"\n{criterion}: no closed form. {form}")
+            else:
+                click.echo(f"\n{criterion}, {form.verdict.status.value}\n{formula('c', form.expr)}")
+
+
+def _typical(law: ss.FrictionLaw) -> str:
+    return ", ".join(
+        f"{p.name} = {p.typical}{'' if p.unit in (None, '1') else f' {p.unit}'}" if p.typical else p.name
+        for p in law.parameters.values()
+    )

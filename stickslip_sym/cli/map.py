@@ -3,22 +3,13 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 import stickslip_sym as ss
-from stickslip_sym.cli.options import (
-    DAMPING,
-    LAW,
-    POINT,
-    Given,
-    command,
-    file_option,
-    option,
-    read_number,
-    time_limit,
-)
+from stickslip_sym.cli import options
+from stickslip_sym.cli.options import Given, option, read_number
 from stickslip_sym.cli.output import counted, echo_found
 from stickslip_sym.cli.reading import assignments, point
 from stickslip_sym.core.errors import InputError
@@ -28,59 +19,17 @@ if TYPE_CHECKING:
     from stickslip_sym.core.aliases import FloatArray
     from stickslip_sym.motion.maps.motions import MotionMap
 
-__all__ = ["read_axis", "report"]
-
 _AXIS = "NAME=START:STOP:COUNT"
 _MOST_VALUES = 1_000_000
 _WIDTH, _HEIGHT = 60, 20  # of the picture in text
 
 
-@command(
-    "map", LAW,
-    option("--x", metavar=_AXIS, required=True, help="Horizontal axis: V, c, N, m, k or a parameter."),
-    option("--y", metavar=_AXIS, required=True, help="Vertical axis."),
-    POINT, DAMPING,
-    file_option("--plot", "Draw the map (SVG, PNG or PDF).", draws=True),
-    file_option("--csv", "Write a line for each cell."),
-    file_option("--npz", "Write NumPy arrays."),
-    option("--workers", metavar="N", type=int, default=1, help="Processes; -1 for all processors."),
-    time_limit("Seconds; the cells that are left then are undecided."),
-)  # fmt: skip
-def run(given: Given) -> None:
-    """Map the motions that exist, and the three thresholds, over a plane.
-
-    Example: stickslip map exponential --x V=0.01:1:100 --y c=0:6:100 --plot map.png
-    """
-    x, y = read_axis("--x", given["x"]), read_axis("--y", given["y"])
-    names = x[0], y[0]
-    for name in names:
-        option = "-p" if name in assignments(given["parameter"]) else f"-{name}" if given[name] is not None else ""
-        if option:
-            raise InputError(f"{name} is an axis, and given by {option} too; leave one of the two out")
-    at = point(given, without=names).exact("map")
-    limit, workers = given["time_limit"], given["workers"]
-    csv, npz, plot = given["csv"], given["npz"], given["plot"]
-    given.all_used()
-    _warn_at_corners(at.law, (x, y), at.numbers)
-    with counted("lines of cells") as progress:
-        found = ss.motion_map(at.law, x=x, y=y, **at.numbers, workers=workers, progress=progress, time_limit=limit)
-    echo_found(given, at, report(found), x=found.x, y=found.y, map=found)
-    if csv is not None:
-        found.to_csv(csv)
-    if npz is not None:
-        found.to_npz(npz)
-    if plot is not None:
-        found.plot(plot)
-    if found.interrupted:
-        raise click.Abort
-
-
-def read_axis(option: str, text: str) -> tuple[str, FloatArray]:
+def read_axis(text: str, option: str) -> tuple[str, FloatArray]:
     """Read NAME=START:STOP:COUNT."""
     import numpy as np
 
-    name, equals, range_text = text.partition("=")
-    parts = range_text.split(":")
+    name, equals, ends = text.partition("=")
+    parts = ends.split(":")
     if not equals or len(parts) != 3:
         raise InputError(f"{option} {text[:60]!r} is not {_AXIS}; write for example {option} V=0.01:1:100")
     start, stop = read_number(parts[0], f"the start of {name}"), read_number(parts[1], f"the stop of {name}")
@@ -92,6 +41,50 @@ def read_axis(option: str, text: str) -> tuple[str, FloatArray]:
             f"{option} {text[:60]!r}: the start must lie below the stop, or equal it with a count of 1"
         )
     return name.strip(), np.linspace(start, stop, count)
+
+
+def _axis(name: str, text: str) -> click.Option:
+    return option(name, metavar=_AXIS, read=read_axis, required=True, help=text)
+
+
+@options.command(
+    options.AT,
+    _axis("--x", "Horizontal axis: V, c, N, m, k or a parameter."),
+    _axis("--y", "Vertical axis."),
+    options.DAMPING,
+    options.plot_option("Draw the map"),
+    options.file_option("--csv", help="Write a line for each cell."),
+    options.file_option("--npz", help="Write NumPy arrays."),
+    option("--workers", metavar="N", type=int, default=1, help="Processes; -1 for all processors."),
+    options.time_limit("Seconds; the cells that are left then are undecided."),
+)  # fmt: skip
+def run(given: Given) -> None:
+    """Map the motions that exist, and the three thresholds, over a plane.
+
+    Example: stickslip map exponential --x V=0.01:1:100 --y c=0:6:100 --plot map.png
+    """
+    x, y = given["x"], given["y"]
+    names = x[0], y[0]
+    for name in names:
+        option = "-p" if name in assignments(given["parameter"]) else f"-{name}" if given[name] is not None else ""
+        if option:
+            raise InputError(f"{name} is an axis, and given by {option} too; leave one of the two out")
+    at = point(given, without=names).exact("map")
+    how: dict[str, Any] = {name: given[name] for name in ("time_limit", "workers")} | at.numbers
+    csv, npz, plot = given["csv"], given["npz"], given["plot"]
+    given.all_used()
+    _warn_at_corners(at.law, (x, y), at.numbers)
+    with counted("lines of cells") as progress:
+        found = ss.motion_map(at.law, x=x, y=y, **how, progress=progress)
+    echo_found(given, at, report(found), x=found.x, y=found.y, map=found)
+    if csv is not None:
+        found.to_csv(csv)
+    if npz is not None:
+        found.to_npz(npz)
+    if plot is not None:
+        found.plot(plot)
+    if found.interrupted:
+        raise click.Abort
 
 
 def _warn_at_corners(

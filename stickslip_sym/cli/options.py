@@ -17,14 +17,9 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import fraction
 from stickslip_sym.model.operating_point import PAPER
 
-__all__ = [
-    "CRITERIA", "CRITERION", "DAMPING", "DESCRIPTION", "FILE_OF_MEASUREMENTS", "LAW", "LAW_NAMES", "METHOD",
-    "NUMBER", "POINT", "RANGE", "Given", "command", "file_option", "option", "read_number", "time_limit",
-]  # fmt: skip
-
+_PICTURES = (".svg", ".png", ".pdf")
 _LARGEST = 10**20
 """Of a number in SI units, and its inverse the smallest: beyond, no table could be computed in doubles."""
-_PICTURES = (".svg", ".png", ".pdf")
 _BELONGS = {
     "name source": "it belongs to a formula or to measured points",
     "unit": "it belongs to the parameters of a formula or of --static",
@@ -33,13 +28,12 @@ _BELONGS = {
     "x0 v0": "it belongs to --basins or --all",
     "c": "the damping has no part in this",
     "fragment steps symbol": "it belongs to --latex FILE",
-    "": "it has no part in what was asked for",
 }
 """Where options belong that do nothing elsewhere."""
 
 
 class Given:
-    """The options of a command, by its name, and which of them were read."""
+    """The options of a command, by their names, and which of them were read."""
 
     def __init__(self, context: click.Context) -> None:
         self._context, self._read = context, {"overwrite", "json"}
@@ -56,25 +50,9 @@ class Given:
             name = str(parameter.name)
             stands = self._context.get_parameter_source(name) is ParameterSource.COMMANDLINE
             if stands and name not in self._read:
-                reason = next(words for names, words in _BELONGS.items() if name in names.split() or not names)
+                reasons = (words for names, words in _BELONGS.items() if name in names.split())
+                reason = next(reasons, "it has no part in what was asked for")
                 raise InputError(f"{max(parameter.opts, key=len)} does nothing here: {reason}; leave it out")
-
-
-def command(name: str, *parameters: click.Parameter | Sequence[click.Parameter]) -> Callable[..., click.Command]:
-    """Return a decorator that makes a command of a function of `Given`; its docstring is the help."""
-    flat: list[click.Parameter] = []
-    for one in (*parameters, _JSON):
-        flat += [one] if isinstance(one, click.Parameter) else one
-    if any(isinstance(one.type, _Written) for one in flat):
-        flat.append(_OVERWRITE)
-
-    def made(function: Callable[[Given], None]) -> click.Command:
-        def callback(**_: object) -> None:
-            function(Given(click.get_current_context()))
-
-        return _Command(name, params=flat, help=function.__doc__, callback=callback)
-
-    return made
 
 
 class _Command(click.Command):
@@ -90,21 +68,38 @@ class _Command(click.Command):
         return super().parse_args(ctx, args)
 
 
-class _Read(click.ParamType[Any]):
-    """The type of an option whose text is read by a function of the text and the option."""
+def command(*parameters: click.Parameter | Sequence[click.Parameter]) -> Callable[..., click.Command]:
+    """Return a decorator that makes a function of `Given` the command of its file; its docstring is the help."""
+    listed = [[one] if isinstance(one, click.Parameter) else one for one in parameters]
+    flat = [
+        *(one for some in listed for one in some),
+        option("--json", is_flag=True, help="Print JSON, not text."),
+    ]
+    if any(one.metavar == "FILE" and one.callback for one in flat):
+        flat.append(option("--overwrite", is_flag=True, is_eager=True, help="Let files be replaced."))
 
-    name = "text"
+    def made(function: Callable[[Given], None]) -> click.Command:
+        def callback(**_: object) -> None:
+            function(Given(click.get_current_context()))
 
-    def __init__(self, read: Callable[[str, click.Parameter], Any]) -> None:
-        self._of_text = read
+        name = function.__module__.rpartition(".")[2]
+        return _Command(name, params=flat, help=function.__doc__, callback=callback)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the value that a text stands for; another default stays."""
-        return self._of_text(value, param) if isinstance(value, str) and param is not None else value
+    return made
 
 
-class _Written(_Read):
-    """The type of an option that names a file to write."""
+Reader = Callable[[str, str], Any]
+"""From the text of an option, and its name, to its value."""
+
+
+def option(*names: str, read: Reader | None = None, **more: Any) -> click.Option:
+    """Return an option, its text read by a function; ``multiple`` ones say that they may be repeated."""
+    if more.get("multiple"):
+        more["help"] += " May be repeated."
+    if read is not None:
+        name, more["type"] = max(names, key=len), str
+        more["callback"] = lambda context, parameter, text: read(text, name) if isinstance(text, str) else text
+    return click.Option(list(names), **more)
 
 
 def read_number(text: Any, name: str) -> float:
@@ -118,26 +113,26 @@ def read_number(text: Any, name: str) -> float:
     return float(value)
 
 
-def _read_range(text: str, option: click.Parameter, *, half: bool) -> tuple[float | None, ...]:
+def read_range(text: str, name: str, *, half: bool = False) -> tuple[float | None, ...]:
     """Read LOW:HIGH; where `half` is true either may be left out."""
-    name, ends = option.opts[0], text.split(":")
+    ends = text.split(":")
     if len(ends) != 2 or (not half and not all(ends)):
         raise InputError(f"{name} {text[:60]!r} is not LOW:HIGH; write for example {name} 0.1:10")
     return tuple(read_number(end, name) if end else None for end in ends)
 
 
-def _read_file(text: str, option: click.Parameter, *, endings: Sequence[str]) -> Path:
+def _read_file(text: str, name: str, *, endings: Sequence[str]) -> Path:
     """Read the name of a file to write, and refuse it before the work where it cannot be written."""
     from stickslip_sym.output import drawing, files
 
-    path, name = Path(text), max(option.opts, key=len)
+    path = Path(text)
     if text.startswith("-"):
         raise InputError(f"{name} {text}: an option is no name of a file; write {name} FILE, or ./{text}")
     if not path.parent.is_dir():
         raise InputError(f"cannot write {text!r}: there is no folder {str(path.parent)!r}; make it first")
     if endings and path.suffix.lower() not in endings:
         raise InputError(f"{name} {path}: its ending is none of {', '.join(endings)}")
-    if endings == _PICTURES:
+    if endings is _PICTURES:
         drawing.require_matplotlib()
     if not click.get_current_context().params.get("overwrite") and files.is_kept(path):
         raise InputError(
@@ -146,31 +141,35 @@ def _read_file(text: str, option: click.Parameter, *, endings: Sequence[str]) ->
     return path
 
 
-NUMBER = _Read(lambda text, option: read_number(text, str(option.name)))
-"""The type of an option that takes a number."""
-RANGE = _Read(partial(_read_range, half=False))
-"""The type of an option that takes LOW:HIGH."""
+def file_option(*names: str, endings: Sequence[str] = (), **more: Any) -> click.Option:
+    """Return an option that takes the name of a file to write, of certain endings."""
+    return option(*names, read=partial(_read_file, endings=endings), metavar="FILE", **more)
 
 
-def option(*names: str, **more: Any) -> click.Option:
-    """Return an option; ``multiple`` ones say in their help that they may be repeated."""
-    if more.get("multiple"):
-        more["help"] += " May be repeated."
-    return click.Option(list(names), **more)
+def plot_option(text: str) -> click.Option:
+    """Return the option that takes the name of a picture."""
+    return file_option("--plot", endings=_PICTURES, help=f"{text} (SVG, PNG or PDF).")
 
 
-def file_option(
-    name: str, text: str, *, draws: bool = False, endings: Sequence[str] = (), default: str | None = None
-) -> click.Option:
-    """Return an option that takes the name of a file to write, that of a picture if it draws."""
-    kind = _Written(partial(_read_file, endings=_PICTURES if draws else endings))
-    short = ["-o"] if name == "--output" else []
-    return option(name, *short, type=kind, metavar="FILE", help=text, default=default)
+def number(name: str, metavar: str, text: str, default: float | None = None) -> click.Option:
+    """Return an option that takes a number."""
+    plain = name.lstrip("-").replace("-", "_")
+    return option(
+        name, metavar=metavar, read=lambda given, _: read_number(given, plain), default=default, help=text
+    )
 
 
 def time_limit(text: str = "Seconds of computation.", default: float | None = None) -> click.Option:
     """Return the option that limits the time."""
-    return option("--time-limit", metavar="S", type=NUMBER, default=default, help=text)
+    return number("--time-limit", "S", text, default)
+
+
+def criterion(*more: str) -> click.Option:
+    """Return the option that names a criterion, or one of more words."""
+    names = ("least_squares", "harmonic", "equilibrium", *more)
+    words = f"{', '.join(names[:-1])} or {names[-1]}."
+    complete = _complete(lambda: [*ss.criteria.catalogue, *more])
+    return option("--criterion", metavar="NAME", default=names[0], help=words, shell_complete=complete)
 
 
 def _complete(names: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
@@ -183,8 +182,6 @@ def _methods() -> list[str]:
     return [*methods(), "auto"]
 
 
-_OVERWRITE = option("--overwrite", is_flag=True, is_eager=True, help="Let files be replaced.")
-_JSON = option("--json", is_flag=True, help="Print JSON instead of text.")
 DESCRIPTION = [
     option("--static", metavar="MU", help="Static coefficient above mu(0+): a number or a formula."),
     option("--name", metavar="NAME", help="Name of a formula or of points."),
@@ -197,7 +194,7 @@ FILE_OF_MEASUREMENTS = [
     ),
     option("--radius", metavar="M", help="Radius of the track, where the speed is in rpm."),
     option(
-        "--speeds", metavar="LOW:HIGH", type=_Read(partial(_read_range, half=True)),
+        "--speeds", metavar="LOW:HIGH", read=partial(read_range, half=True),
         help="Read rows of these speeds in m/s only.",
     ),
     option("--leave-out", is_flag=True, help="Leave out rows that are no measurements, and count them."),
@@ -206,15 +203,13 @@ FILE_OF_MEASUREMENTS = [
 """How a file of measurements is read."""
 LAW_NAMES: dict[str, Any] = {"metavar": "LAW", "shell_complete": _complete(lambda: ss.laws.catalogue)}
 """What an argument or an option has that takes the name of a law, or a formula."""
-LAW = [
+AT = [
     click.Argument(["law"], required=False, **LAW_NAMES),
     *DESCRIPTION,
     option("--from-csv", type=Path, metavar="FILE", help="Measured friction: v and mu, or v, F_t and F_n."),
     *FILE_OF_MEASUREMENTS,
     option("--extrapolate", is_flag=True, help="Hold the first and the last measured coefficient."),
     option("--parameter", "-p", metavar="NAME=VALUE", multiple=True, help="Value of a parameter of the law."),
-]
-POINT = [
     option("-V", "V", metavar="M/S", help=f"Belt speed ({PAPER['V']})."),
     option("-N", "N", metavar="N", help=f"Normal force ({PAPER['N']})."),
     option("-m", "m", metavar="KG", help=f"Mass ({PAPER['m']})."),
@@ -223,18 +218,11 @@ POINT = [
         "--point", type=Path, metavar="FILE", multiple=True, help="TOML with law, V, N, m, k, c, [parameters]."
     ),
 ]
+"""The law and the operating point, with which every answer begins."""
 DAMPING = option("-c", "c", metavar="KG/S", help="Damping.")
-CRITERION = option(
-    "--criterion", metavar="NAME", default="least_squares", help="least_squares, harmonic or equilibrium.",
-    shell_complete=_complete(lambda: ss.criteria.catalogue),
-)  # fmt: skip
-CRITERIA = option(
-    "--criterion", metavar="NAME", default="least_squares", help="least_squares, harmonic, equilibrium, or all.",
-    shell_complete=_complete(lambda: [*ss.criteria.catalogue, "all"]),
-)  # fmt: skip
 METHOD = [
     option(
         "--method", metavar="NAME", default="auto", shell_complete=_complete(_methods), help="A method, or auto."
     ),
-    option("--rtol", metavar="X", type=NUMBER, help="Relative error that is good enough (0.001)."),
+    number("--rtol", "X", "Relative error that is good enough (0.001)."),
 ]

@@ -13,7 +13,7 @@ import json
 import math
 import re
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from enum import Enum
@@ -34,11 +34,6 @@ if TYPE_CHECKING:
 
 Json = dict[str, Any]
 """What stands for an object of JSON."""
-
-__all__ = [
-    "Json", "as_json", "counted", "echo_all", "echo_found", "echo_json", "in_options", "law_of", "point_of",
-    "progress_bar",
-]  # fmt: skip
 
 _FORMAT = 2
 _ATTRIBUTES = {
@@ -122,22 +117,17 @@ def echo_json(command: str, **content: object) -> None:
     click.echo(json.dumps(head | as_json(content), indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def echo_all(command: str, contents: Sequence[Json], names: Sequence[object] = ()) -> None:
-    """Print what was found at one point, or at several, as JSON; of files by their names."""
-    if len(contents) == 1:
-        echo_json(command, **contents[0])
-    elif names:
-        echo_json(command, files=dict(zip(map(str, names), contents, strict=True)))
+def echo_all(given: Given, contents: Sequence[Json], texts: Iterable[str], many: Json | None = None) -> None:
+    """Print what was found at one point, or at several: texts, or with ``--json`` contents, `many` if several."""
+    if not given["json"]:
+        click.echo("\n\n".join(texts))
     else:
-        echo_json(command, points=contents)
+        echo_json(given.command, **contents[0] if len(contents) == 1 else many or {"points": contents})
 
 
 def echo_found(given: Given, at: Point, text: object, **content: object) -> None:
-    """Print a law, an operating point and what was found there: its text, or with ``--json`` its content."""
-    if given["json"]:
-        echo_json(given.command, **point_of(at), **content)
-    else:
-        click.echo(f"{at}\n\n{in_options(str(text))}")
+    """Print a law, an operating point and what was found there."""
+    echo_all(given, [point_of(at) | content], [f"{at}\n\n{in_options(str(text))}"])
 
 
 def as_json(value: Any) -> Any:

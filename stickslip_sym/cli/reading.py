@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -16,13 +16,6 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.uncertain import split
 from stickslip_sym.model.operating_point import PAPER
-
-if TYPE_CHECKING:
-    from stickslip_sym.model.measured.measurements import Measurements
-
-__all__ = [
-    "Point", "assignments", "criteria_of", "law_described", "measurements", "point", "points", "reading_of",
-]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -43,13 +36,14 @@ class Point:
     def exact(self, command: str) -> Point:
         """Return the point, for a command that computes without standard errors, or refuse the first of them."""
         quantities = [f"-{name}" for name, text in self.texts.items() if split(text, name)[0] != text]
-        for option in [*quantities, *(f"-p {name}" for name in self.law.uncertain)]:
-            raise InputError(f"{command} takes no standard errors: leave +/- out of {option}; damping takes them")
+        if uncertain := [*quantities, *(f"-p {name}" for name in self.law.uncertain)]:
+            raise InputError(
+                f"{command} takes no standard errors: leave +/- out of {uncertain[0]}; damping takes them"
+            )
         return self
 
     def __str__(self) -> str:
-        law = self.law
-        parameters = []
+        law, parameters = self.law, list[str]()
         for name, value in law.values.items():
             unit = law.parameters[name].unit
             shown = law.uncertain.get(name, f"{float(value):.12g}")
@@ -79,19 +73,16 @@ def points(
     found = []
     for file in given["point"] or (None,):
         content = {} if file is None else _toml(file)
-        texts: dict[str, Any] = {name: given[name] for name in wanted}
-        texts = {name: content.get(name) if text is None else text for name, text in texts.items()}
-        defaults = tuple(name for name, text in texts.items() if text is None and wanted[name] is not None)
-        texts |= {name: wanted[name] for name in defaults}
+        stated = {name: content.get(name) if given[name] is None else given[name] for name in wanted}
+        defaults = {name: text for name, text in wanted.items() if stated[name] is None and text is not None}
+        texts = {name: str(text) for name, text in (stated | defaults).items() if text is not None}
         friction, typical = law, tuple[str, ...]()
         if friction is None:
-            described = law_described(given.__getitem__, given["law"] or content.get("law"))
             values = {name: str(value) for name, value in content.get("parameters", {}).items()}
             values |= assignments(given["parameter"])
-            friction = described.typical(**values)
+            friction = law_described(given, given["law"] or content.get("law")).typical(**values)
             typical = tuple(name for name in friction.values if name not in values)
-        texts = {name: str(text) for name, text in texts.items() if text is not None}
-        found.append(Point(friction, typical, texts, defaults, file))
+        found.append(Point(friction, typical, texts, tuple(defaults), file))
         _ = found[-1].numbers  # refuses what is no number
     return found
 
@@ -100,8 +91,7 @@ def point(given: Given, **more: Any) -> Point:
     """Read the law and the one operating point of a command."""
     if len(given["point"]) > 1:
         raise InputError(f"{given.command} takes one --point; damping and study take several")
-    (one,) = points(given, **more)
-    return one
+    return points(given, **more)[0]
 
 
 def _toml(file: Path) -> dict[str, Any]:
@@ -111,7 +101,9 @@ def _toml(file: Path) -> dict[str, Any]:
         content = tomllib.loads(file.read_text(encoding="utf-8"), parse_float=str)
     except OSError as error:
         raise InputError(f"cannot read {str(file)!r}: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError:
+        raise InputError(f"{file} is no text in UTF-8; save it as UTF-8") from None
+    except tomllib.TOMLDecodeError as error:
         raise InputError(
             f"{file}: {error}; write lines such as V = 0.5, and parameters below [parameters]"
         ) from None
@@ -128,45 +120,42 @@ def _toml(file: Path) -> dict[str, Any]:
     return content
 
 
-def law_described(option: Callable[[str], Any], text: str | None) -> ss.FrictionLaw:
+def law_described(given: Given | Mapping[str, Any], text: str | None) -> ss.FrictionLaw:
     """Return a law: of the catalogue by its name, from a formula, or through the points of a file.
 
-    `option` returns the value of an option by its name; those that describe no law of this kind are not read.
+    Options that describe no law of this kind are not read.
     """
     from stickslip_sym.model.expression.parsing import NAME
 
-    file, static = option("from_csv"), option("static")
+    file, static = given["from_csv"], given["static"]
     if file is not None:
         if text is not None:
             raise InputError(f"the law is given twice, as {text!r} and by --from-csv; give it once")
-        measured = measurements(option, file)
+        measured = ss.read_measurements(file, **reading_of(given))
         click.echo(measured.averaged().understood, err=True)  # beside JSON, not in it
         law = ss.FrictionLaw.from_csv(
-            measured, extrapolate=option("extrapolate"), source=option("source"), name=option("name")
+            measured, extrapolate=given["extrapolate"], source=given["source"], name=given["name"]
         )
     elif text is None:
         raise InputError("no law: give a name (see: stickslip laws), a formula in v, or --from-csv FILE")
     elif NAME.fullmatch(text):
         law = ss.laws.find(text)
     else:
-        units = assignments(option("unit") or (), "--unit alpha=s/m")
-        return ss.FrictionLaw(text, static=static, units=units, name=option("name"), source=option("source"))
-    if static is not None:
-        law = law.with_static(static, units=assignments(option("unit") or (), "--unit alpha=s/m"))
-    return law
+        described = {name: given[name] for name in ("name", "source")}
+        return ss.FrictionLaw(text, static=static, units=units(given), **described)
+    return law if static is None else law.with_static(static, units=units(given))
 
 
-def measurements(option: Callable[[str], Any], file: Path) -> Measurements:
-    """Return the measurements in a file, read as options say."""
-    return ss.read_measurements(file, **reading_of(option))
+def units(given: Given | Mapping[str, Any]) -> dict[str, str]:
+    """Return the units of a formula's parameters."""
+    return assignments(given["unit"] or (), "--unit alpha=s/m")
 
 
-def reading_of(option: Callable[[str], Any]) -> dict[str, Any]:
+def reading_of(given: Given | Mapping[str, Any]) -> dict[str, Any]:
     """Return how options say that a file of measurements is read, as arguments of `read_measurements`."""
-    columns = assignments(option("column"), '--column mu="Friction Factor"')
-    return {"columns": columns} | {
-        name: option(name) for name in ("radius", "speeds", "leave_out", "keep_outliers")
-    }
+    columns = assignments(given["column"], '--column mu="Friction Factor"')
+    how = {name: given[name] for name in ("radius", "speeds", "leave_out", "keep_outliers")}
+    return {"columns": columns} | how
 
 
 def assignments(texts: Sequence[str], example: str = "-p alpha=3") -> dict[str, str]:

@@ -5,17 +5,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import stickslip_sym as ss
-from stickslip_sym.cli.options import (
-    DAMPING,
-    LAW,
-    NUMBER,
-    POINT,
-    Given,
-    command,
-    file_option,
-    option,
-    time_limit,
-)
+from stickslip_sym.cli import options
+from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_found
 from stickslip_sym.cli.reading import point
 from stickslip_sym.output.tables import table
@@ -28,16 +19,16 @@ _PERIODS = 10  # natural periods, the duration if none is given
 _LONGEST = 5.0  # seconds, to find where the motion leads
 
 
-@command(
-    "simulate", LAW, POINT, DAMPING,
-    option("--x0", metavar="M", type=NUMBER, default=0.0, help="Initial displacement (0)."),
-    option("--v0", metavar="M/S", type=NUMBER, help="Initial velocity (belt speed)."),
-    option("--t-end", metavar="S", type=NUMBER, help="Duration (ten natural periods)."),
-    option("--rtol", metavar="X", type=NUMBER, default=1e-10, help="Relative tolerance of a step (1e-10)."),
+@options.command(
+    options.AT, options.DAMPING,
+    options.number("--x0", "M", "Initial displacement (0).", 0.0),
+    options.number("--v0", "M/S", "Initial velocity (belt speed)."),
+    options.number("--t-end", "S", "Duration (ten natural periods)."),
+    options.number("--rtol", "X", "Relative tolerance of a step (1e-10).", 1e-10),
     option("--method", metavar="NAME", default="events", help="events, or solve_ivp of SciPy (events)."),
-    time_limit(),
-    file_option("--plot", "Draw the motion (SVG, PNG or PDF).", draws=True),
-    file_option("--csv", "Write the samples."),
+    options.time_limit(),
+    options.plot_option("Draw the motion"),
+    options.file_option("--csv", help="Write the samples."),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Simulate the mass, and print its events, what motion it is, and its periods.
@@ -49,9 +40,9 @@ def run(given: Given) -> None:
     from stickslip_sym.motion.simulation.trajectory import EventKind
 
     at = point(given, c="0").exact("simulate")
-    initial = {"x0": given["x0"], "v0": given["v0"]}
-    t_end, limit, csv, plot = given["t_end"], given["time_limit"], given["csv"], given["plot"]
-    how = {"rtol": given["rtol"], "method": given["method"], "time_limit": limit}
+    initial = {name: given[name] for name in ("x0", "v0")}
+    how = {name: given[name] for name in ("rtol", "method", "time_limit")}
+    t_end, csv, plot = given["t_end"], given["csv"], given["plot"]
     given.all_used()
     osc = ss.Oscillator(**at.numbers)
     warn_where_negative(at.law, osc.V)
@@ -60,7 +51,7 @@ def run(given: Given) -> None:
     end = None
     if motion.motion not in (ss.Motion.REST, ss.Motion.STICK_SLIP, ss.Motion.PURE_SLIP, ss.Motion.UNBOUNDED):
         try:
-            with limited(_LONGEST if limit is None else min(_LONGEST, limit)):
+            with limited(min(_LONGEST, how["time_limit"] or _LONGEST)):
                 end = ss.classify(at.law, osc, **initial).value
         except ss.StickSlipError as error:
             end = f"not found: {error}"
@@ -76,7 +67,7 @@ def run(given: Given) -> None:
 def _report(motion: "Trajectory", end: str | None, periods: list[float]) -> str:
     """Return the events as a table, and the motion in a few lines."""
     rows = [
-        [f"{event.t:.9g}", f"{event.x:.9g}", f"{event.v:.9g}", event.kind.value, event.begins.value]
+        [*(f"{number:.9g}" for number in (event.t, event.x, event.v)), event.kind.value, event.begins.value]
         for event in motion.events[:_MOST_ROWS]
     ]
     more = len(motion.events) - _MOST_ROWS

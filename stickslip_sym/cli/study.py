@@ -6,22 +6,23 @@ import warnings
 from dataclasses import replace
 from pathlib import Path
 
-import click
-
 import stickslip_sym as ss
+from stickslip_sym.cli import options
 from stickslip_sym.cli.fit import fitted, laws_to_fit
-from stickslip_sym.cli.options import DAMPING, LAW, POINT, Given, command, file_option, option, time_limit
+from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_all, in_options, point_of
-from stickslip_sym.cli.reading import assignments, law_described, measurements, points
+from stickslip_sym.cli.reading import assignments, law_described, points, reading_of
 from stickslip_sym.core.errors import InputError, InputWarning
 
 
-@command(
-    "study", LAW, POINT, DAMPING,
+@options.command(
+    options.AT, options.DAMPING,
     option("--fit", type=Path, metavar="FILE", help="Measured friction to fit LAW, or the catalogue, to."),
-    file_option("--output", "The page (study.html).", endings=(".html", ".htm", ".xhtml"), default="study.html"),
-    file_option("--pdf", "Print the page too, by chromium or chrome.", endings=(".pdf",)),
-    time_limit("Seconds for each part (20)."),
+    options.file_option(
+        "--output", "-o", endings=(".html", ".htm", ".xhtml"), default="study.html", help="The page (study.html)."
+    ),
+    options.file_option("--pdf", endings=(".pdf",), help="Print the page too, by chromium or chrome."),
+    options.time_limit("Seconds for each part (20)."),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Write one page on one operating point: law, thresholds, motions, uncertainty, margins, formulas.
@@ -38,31 +39,32 @@ def run(given: Given) -> None:
     require_matplotlib()
     require_templates()
     limit, output, pdf, name = given["time_limit"], given["output"], given["pdf"], given["name"]
+    file, measured_file = given["fit"], given["from_csv"]
     if pdf is not None:
         require_browser()
     fits, measured = None, None
-    if given["fit"] is None:
+    if file is None:
         at = points(given, c="0")
-        if given["from_csv"] is not None:
-            measured = measurements(given.__getitem__, given["from_csv"]).averaged()
         given.all_used()
+        if measured_file is not None:
+            measured = ss.read_measurements(measured_file, **reading_of(given)).averaged()
+    elif measured_file is not None:
+        raise InputError(
+            "the measurements are given twice, by --fit and by --from-csv; --fit fits a law to them, "
+            "and --from-csv goes through the points"
+        )
     else:
-        if given["from_csv"] is not None:
-            raise InputError(
-                "the measurements are given twice, by --fit and by --from-csv; --fit fits a law to them, "
-                "and --from-csv goes through the points"
-            )
-        described = given["law"] and law_described(given.__getitem__, given["law"])
+        described = given["law"] and law_described(given, given["law"])
         laws = [described.bind(**assignments(given["parameter"]))] if described else laws_to_fit((), given)
         at = points(given, c="0", law=laws[0])
-        fits = fitted(given["fit"], laws, given)
+        fits = fitted(file, laws, given)
         at = [replace(one, law=fits.best.law) for one in at]
     stems = [one.file.stem for one in at if one.file is not None]
     if twice := sorted({stem for stem in stems if stems.count(stem) > 1}):
         raise InputError(
             f"several files of values are called {twice[0]!r}, and so would be their pages; rename one"
         )
-    contents = []
+    contents, texts = [], []
     for one in at:
         suffix = f"-{one.file.stem}" if len(at) > 1 and one.file is not None else ""
         page, paper = (path and path.with_stem(path.stem + suffix) for path in (output, pdf))
@@ -73,13 +75,10 @@ def run(given: Given) -> None:
                 defaults=(*one.typical, *one.defaults), time_limit=limit,
             )  # fmt: skip
         found.save(page)
+        written = f"{page}: {len(found.page) / 1000:.0f} kB, in {found.seconds:.1f} s"
         if paper is not None:
             found.print(paper)
+            written += f"\n{paper}: the same, printed"
         contents.append({**point_of(one), "study": found, "page": page, "pdf": paper})
-        if not given["json"]:
-            click.echo(f"{one}\n\n{in_options(str(found))}")
-            click.echo(f"{page}: {len(found.page) / 1000:.0f} kB, in {found.seconds:.1f} s")
-            if paper is not None:
-                click.echo(f"{paper}: the same, printed")
-    if given["json"]:
-        echo_all("study", contents)
+        texts.append(f"{one}\n\n{in_options(str(found))}\n{written}")
+    echo_all(given, contents, texts)

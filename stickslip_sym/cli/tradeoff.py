@@ -3,32 +3,22 @@
 from typing import Any
 
 import stickslip_sym as ss
-from stickslip_sym.cli.options import (
-    CRITERION,
-    DAMPING,
-    LAW,
-    POINT,
-    RANGE,
-    Given,
-    command,
-    file_option,
-    option,
-    time_limit,
-)
+from stickslip_sym.cli import options
+from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_found
 from stickslip_sym.cli.reading import point
 
 
-@command(
-    "tradeoff", LAW, POINT, CRITERION,
+@options.command(
+    options.AT, options.criterion(),
     option("--thresholds", is_flag=True, help="Of the threshold: every method, the paper's Newmark scan, SciPy."),
     option("--basins", is_flag=True, help="Of the share of initial conditions that come to rest."),
-    option("--all", is_flag=True, help="Of a criterion, a threshold and a share, in one run."),
-    DAMPING,
-    option("--x0", metavar="FROM:TO", type=RANGE, help="Initial displacements, in m."),
-    option("--v0", metavar="FROM:TO", type=RANGE, help="Initial velocities, in m/s."),
-    file_option("--plot", "Draw error against time (SVG, PNG or PDF).", draws=True),
-    time_limit("Seconds; methods that are left then have no number (600).", 600.0),
+    option("--all", is_flag=True, help="Of a options.criterion, a threshold and a share, in one run."),
+    options.DAMPING,
+    option("--x0", metavar="FROM:TO", read=options.read_range, help="Initial displacements, in m."),
+    option("--v0", metavar="FROM:TO", read=options.read_range, help="Initial velocities, in m/s."),
+    options.plot_option("Draw error against time"),
+    options.time_limit("Seconds; methods that are left then have no number (600).", 600.0),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Measure what each method for a number costs, how far it is off, and which other method dominates it.

@@ -5,9 +5,10 @@ functions of the table are translated. Where Arb integrates it asks whether a fu
 ball: a branch cut that is not reported gives a tight ball around a wrong number, so each function's cut is tested.
 """
 
+import copyreg
 import operator
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import reduce
 from typing import Any, TypeAlias, TypeVar, cast
@@ -18,7 +19,7 @@ from flint import acb, arb, arb_series, ctx, fmpq
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.functions import CONSTANTS, FUNCTIONS, Function, fold, row
+from stickslip_sym.core.functions import CONSTANTS, Function, fold, row
 
 __all__ = [
     "BallFunction", "ball", "ball_function", "ball_value", "chosen", "number_at", "rational", "series_function",
@@ -39,6 +40,7 @@ _LARGEST_POWER = 64  # of an integer exponent that is multiplied out; a power by
 _NUMBER_BITS = 4000  # of a number that is no rational one: beyond the digits of any answer
 _lock = threading.RLock()  # Arb's precision is one setting of the whole process
 _NOWHERE = acb("nan")
+copyreg.pickle(arb, lambda one: (arb, tuple(tuple(map(int, part.man_exp())) for part in (one.mid(), one.rad()))))
 
 
 @contextmanager
@@ -110,6 +112,12 @@ class _Balls:
         """Return an expression as a function of the variable and of the flag."""
         return self._moving(fold(expr, self))
 
+    def _moving(self, part: _Part) -> Callable[..., Any]:
+        if callable(part):
+            return part
+        constant = self.constant(part)
+        return lambda z, analytic: constant
+
     def __call__(self, node: Expr, parts: list[_Part]) -> _Part:
         if node.is_Number:
             return ball(node)
@@ -117,24 +125,56 @@ class _Balls:
             return self.values[node]
         if node in CONSTANTS:
             return CONSTANTS[node].ball()
-        if node.is_Add or node.is_Mul:
-            return self._joined(operator.add if node.is_Add else operator.mul, parts)
-        if node.is_Pow and len(parts) == 2:
-            return self._raised(node.exp, *parts)
-        if isinstance(node, sp.Min | sp.Max) and not any(map(callable, parts)):
+        fixed = [part for part in parts if not callable(part)]
+        if len(fixed) == len(parts):
+            return self._constant(node, fixed)
+        if (node.is_Add or node.is_Mul) and len(fixed) > 1:
+            parts = [self._constant(node, fixed), *filter(callable, parts)]
+        return self._applied(node, [self._moving(part) for part in parts])
+
+    def _constant(self, node: Expr, balls: list[acb]) -> acb:
+        """Return a node of balls; of a function that has no finite one what `otherwise` says."""
+        function = row(node)
+        if node.is_Add or node.is_Mul or (node.is_Pow and len(balls) == 2):
+            return acb(_BALLS._applied(node, map(_BALLS._moving, balls))(_NOWHERE, False))
+        if isinstance(node, sp.Min | sp.Max):
             extreme = arb.min if isinstance(node, sp.Min) else arb.max
-            return acb(reduce(extreme, [cast(acb, part).real for part in parts]))
-        return self._applied(node, parts)
+            return acb(reduce(extreme, [part.real for part in balls]))
+        value = _NOWHERE
+        if isinstance(node, sp.hyper):
+            top = len(node.args[0])
+            value = balls[-1].hypgeom([*balls[:top]], [*balls[top:-1]])
+        elif function is not None and function.ball is not None:
+            value = function.ball(*balls)
+        elif self.otherwise is None or not isinstance(node, sp.Function):
+            raise _not_enclosed(node.func)
+        return value if self.otherwise is None or value.is_finite() else self.otherwise(node, balls)
+
+    def _applied(self, node: Expr, parts: Iterable[Callable[..., Any]]) -> Callable[..., Any]:
+        """Return a node as a function, from its arguments as functions."""
+        if node.is_Add or node.is_Mul:
+            join, terms = operator.add if node.is_Add else operator.mul, list(parts)
+            return lambda z, analytic: reduce(join, [term(z, analytic) for term in terms])
+        first, *others = parts
+        if node.is_Pow and others:
+            if node.exp.is_Integer and abs(node.exp) <= _LARGEST_POWER:
+                count = int(node.exp)
+                return lambda z, analytic: _whole_power(first(z, analytic), count)
+            (exponent,) = others
+            return lambda z, analytic: self.power(first(z, analytic), exponent(z, analytic), analytic)
+        function = row(node)
+        if function is None or function.ball is None:
+            raise _not_enclosed(node.func)
+        arguments = [first, *others]
+        return lambda z, analytic: self.apply(function, [part(z, analytic) for part in arguments], analytic)
 
     # What follows is computed of balls here, and of power series in the class below.
 
-    @staticmethod
-    def constant(value: acb) -> Any:
+    def constant(self, value: acb) -> Any:
         """Return a ball as a number of the arithmetic."""
         return value
 
-    @staticmethod
-    def power(base: Any, exponent: acb, analytic: bool) -> Any:
+    def power(self, base: Any, exponent: Any, analytic: bool) -> Any:
         """Return z^p: by the logarithm, and for p > 0 around 0, where there is none, within the largest size."""
         if not analytic and exponent.real > 0 and exponent.imag == 0 and base.contains(0):
             largest = arb(base.abs_upper())
@@ -143,92 +183,40 @@ class _Balls:
             return acb(around, around)
         return base.pow(exponent, analytic)
 
-    @staticmethod
-    def apply(function: Function, arguments: list[Any], analytic: bool) -> Any:
+    def apply(self, function: Function, arguments: list[Any], analytic: bool) -> Any:
         """Return the value of a function of the table."""
         if function.ball is None:
-            raise _not_enclosed(function.name)
+            raise _not_enclosed(function.kind)
         return _NOWHERE if analytic and function.cut(*arguments) else function.ball(*arguments)
-
-    # -- nodes ---------------------------------------------------------------------------------------
-
-    def _moving(self, part: _Part) -> Callable[..., Any]:
-        if callable(part):
-            return part
-        constant = self.constant(part)
-        return lambda z, analytic: constant
-
-    def _joined(self, join: Callable[[Any, Any], Any], parts: list[_Part]) -> _Part:
-        """Return a sum or a product, its constant part computed once."""
-        fixed = [part for part in parts if not callable(part)]
-        moving = [part for part in parts if callable(part)]
-        if not moving:
-            return reduce(join, fixed)
-        if fixed:
-            moving.append(self._moving(reduce(join, fixed)))
-        return lambda z, analytic: reduce(join, [part(z, analytic) for part in moving])
-
-    def _raised(self, written: Expr, base: _Part, exponent: _Part) -> _Part:
-        if written.is_Integer and abs(written) <= _LARGEST_POWER:
-            count = int(written)
-            if callable(base):
-                return lambda z, analytic: _whole_power(base(z, analytic), count)
-            return acb(_whole_power(base, count))
-        if callable(exponent):
-            logarithm = self._called(FUNCTIONS[sp.log], [base])
-            return self._called(FUNCTIONS[sp.exp], [self._joined(operator.mul, [exponent, logarithm])])
-        if callable(base):
-            return lambda z, analytic: self.power(base(z, analytic), exponent, analytic)
-        return cast(acb, _Balls.power(base, exponent, False))
-
-    def _called(self, function: Function, parts: list[_Part]) -> _Part:
-        if not any(map(callable, parts)):
-            return cast(acb, _Balls.apply(function, parts, False))
-        moving = [self._moving(part) for part in parts]
-        return lambda z, analytic: self.apply(function, [part(z, analytic) for part in moving], analytic)
-
-    def _applied(self, node: Expr, parts: list[_Part]) -> _Part:
-        function, balls = row(node), cast(list[acb], parts)
-        if self.otherwise is None and function is not None and function.ball is not None:
-            return self._called(function, parts)
-        value = _NOWHERE
-        if isinstance(node, sp.hyper) and not any(map(callable, parts)):
-            top = len(node.args[0])
-            value = balls[-1].hypgeom([*balls[:top]], [*balls[top:-1]])
-        elif self.otherwise is None or not isinstance(node, sp.Function):
-            raise _not_enclosed(type(node).__name__)
-        elif function is not None and function.ball is not None:
-            value = function.ball(*balls)
-        return value if self.otherwise is None or value.is_finite() else self.otherwise(node, balls)
 
 
 class _Series(_Balls):
     """The algebra of balls, and of functions of a power series."""
 
-    @staticmethod
-    def constant(value: acb) -> arb:
+    def constant(self, value: acb) -> arb:
         """Return a number, which joins any series: a series of it would keep its number of terms for good."""
         return value.real
 
-    @staticmethod
-    def power(base: arb_series, exponent: acb, analytic: bool) -> arb_series:
+    def power(self, base: Any, exponent: Any, analytic: bool) -> arb_series:
         """Return a power by the logarithm."""
-        return (base.log() * exponent.real).exp()
+        return cast(arb_series, (base.log() * exponent).exp())
 
-    @staticmethod
-    def apply(function: Function, arguments: list[arb_series], analytic: bool) -> arb_series:
+    def apply(self, function: Function, arguments: list[arb_series], analytic: bool) -> arb_series:
         """Return the function of a series, by the integral of its derivative where the table has no rule."""
         (inner,) = arguments
         if function.series is not None:
             return function.series(inner)
         x = sp.Dummy()
         slope = series_function(function.kind(x).diff(x), x, {})(inner) * inner.derivative()
-        onset: acb = _Balls.apply(function, [acb(inner[0])], False)
+        onset: acb = super().apply(function, [acb(inner[0])], False)
         return slope.integral() + onset.real
 
 
-def _not_enclosed(name: str) -> InputError:
-    return InputError(f"{name} is not among the functions that are enclosed")
+_BALLS = _Balls({})
+
+
+def _not_enclosed(kind: type[Expr]) -> InputError:
+    return InputError(f"{kind.__name__} is not among the functions that are enclosed")
 
 
 def _whole_power(z: Z, exponent: int) -> Z:

@@ -56,23 +56,20 @@ class Criterion:
 
     def __eq__(self, other: object) -> bool:
         """Whether two criteria have the same name, weight and source."""
-        if self is other or not isinstance(other, Criterion):
-            return self is other
-        if (self.name, self.source) != (other.name, other.source) or None in (self.weight, other.weight):
-            return (self.name, self.source, self.weight) == (other.name, other.source, other.weight)
-        return bool(sp.expand(sp.Add(self.weight, -sp.sympify(other.weight))) == 0)
+        return isinstance(other, Criterion) and self._identity == other._identity
 
     def __hash__(self) -> int:
         return hash((self.name, self.source))
 
+    @cached_property
+    def _identity(self) -> tuple[str, str, Expr | None]:
+        return self.name, self.source, None if self.weight is None else sp.expand(self.weight)
+
     def moment(self, k: int) -> Expr:
-        """Return the mean of s^k: an integral for a polynomial weight, a Beta function for the harmonic one."""
+        """Return the mean of s^k, exact."""
         if self.weight is None:
             return sp.Integer(k == 0)
-        if self.is_polynomial:
-            terms = sp.Poly(self.weight, symbols.s).terms()
-            return sp.Add(*[2 * w / (n + k + 1) for (n,), w in terms if (n + k) % 2 == 0])
-        return sp.Integer(0) if k % 2 else sp.catalan(k // 2) / sp.Integer(4) ** (k // 2)
+        return sp.Add(*[sp.binomial(k, j) * (-1) ** (k - j) * self.mean_power(j) for j in range(k + 1)])
 
     @lru_cache(maxsize=256)  # noqa: B019  # criteria are few, and kept
     def mean_power(self, k: int | Expr) -> Expr:
@@ -141,8 +138,7 @@ class Criterion:
         """Return the boundary terms of c/N for a coefficient mu(v): 0 where the weight vanishes at both ends."""
         low, high = self.ends
         terms = ((low, sp.Integer(0)), (-high, 2 * symbols.V))
-        parts = [weight * mu.subs(symbols.v, v) for weight, v in terms if weight != 0]
-        return sp.Add(*parts) / symbols.V
+        return sp.Add(*[weight * mu.subs(symbols.v, v) / symbols.V for weight, v in terms if weight != 0])
 
     @cached_property
     def is_polynomial(self) -> bool:
@@ -179,7 +175,8 @@ def _checked_weight(name: str, weight: Expr) -> Expr:
         raise InputError(f"{what} is of degree {degree}; take one of degree {_HIGHEST} at most")
     if not polynomial or not all(c.is_Rational for c in sp.Poly(weight, symbols.s).all_coeffs()):
         raise InputError(f"{what} is {weight}; it must be a polynomial in s with rational coefficients")
-    total = sp.Add(*[2 * w / (n + 1) for (n,), w in sp.Poly(weight, symbols.s).terms() if n % 2 == 0])
+    primitive = sp.Poly(weight, symbols.s).integrate()
+    total = primitive.eval(1) - primitive.eval(-1)
     if total != 1:
         scaled = f"; multiply it by {1 / total}" if total != 0 else ""
         raise InputError(f"{what} integrates to {total} over -1 <= s <= 1; an average needs 1{scaled}")

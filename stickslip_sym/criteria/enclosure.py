@@ -10,7 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import MAX_EMAX, MIN_EMIN, ROUND_DOWN, Context, Decimal, localcontext
 from fractions import Fraction
+from functools import reduce
 from itertools import pairwise
+from operator import add
 
 import sympy as sp
 from flint import acb, arb
@@ -19,7 +21,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, working_precision
 from stickslip_sym.core.errors import NotConverged
-from stickslip_sym.core.numbers import Number, exact
+from stickslip_sym.core.numbers import Number, fraction
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_operating_point
 from stickslip_sym.model.expression.pieces import branch_from
@@ -52,8 +54,7 @@ class Enclosure:
     @classmethod
     def of(cls, low: Number, high: Number) -> "Enclosure":
         """Return the enclosure between two numbers as users give them, exactly."""
-        ends = (exact(end, "end") for end in (low, high))
-        return cls(*(Fraction(int(end.p), int(end.q)) for end in ends))
+        return cls(fraction(low, "end"), fraction(high, "end"))
 
     @property
     def mid(self) -> Fraction:
@@ -88,8 +89,7 @@ class Enclosure:
         return mine, others
 
     def __contains__(self, value: Number) -> bool:
-        number = exact(value, "value")
-        return self.low <= Fraction(int(number.p), int(number.q)) <= self.high
+        return self.low <= fraction(value, "value") <= self.high
 
     def __float__(self) -> float:
         return float(self.mid)
@@ -220,53 +220,44 @@ def average_ball(
     speed : arb
         V, positive.
     """
-    inside = [place for place in kinks if ball(place).real < (speed if criterion.weight is None else 2 * speed)]
-    starts = [sp.Integer(0), *inside]
+    reach = speed if criterion.weight is None else 2 * speed
+    inside = [place for place in kinks if ball(place).real < reach]
+    pieces = _pieces(mu, point, kinks, len(inside) + 1)
     if criterion.weight is None:
-        slope = sp.diff(_pieces(mu, point, kinks, len(starts))[-1], symbols.v)
-        return -ball_value(slope, {**point, symbols.v: acb(speed)}).real
-    parts = [ball_function(piece, symbols.v, point) for piece in _pieces(mu, point, kinks, len(starts))]
+        return -ball_value(sp.diff(pieces[-1], symbols.v), {**point, symbols.v: acb(speed)}).real
+    parts = [ball_function(piece, symbols.v, point) for piece in pieces]
     if not parts[0](acb(0), False).is_finite():
         return arb.nan()  # no panel that begins at v = 0 has a bound, however often it is halved
-    over = _over_speed if criterion.is_polynomial else _over_angle
-    return over(parts, [*(ball(start).real for start in starts), 2 * speed], criterion, speed)
+    V, places = acb(speed), [ball(place).real for place in inside]
+    if criterion.is_polynomial:
+        slope, scale = ball_function(sp.diff(criterion.weight, symbols.s), symbols.s, {}), acb(1)
+        ends = [acb(-1), *(acb(place / speed - 1) for place in places), acb(1)]
+    else:
+        scale = 4 / acb.pi()
+        ends = [acb(0), *(acb((place / reach).sqrt().asin()) for place in places), acb.pi() / 2]
+
+    def integrand(mu: BallFunction) -> BallFunction:
+        def over_speed(s: acb, analytic: bool) -> acb:
+            return slope(s, analytic) * mu(V * (1 + s), analytic)
+
+        def over_angle(phi: acb, analytic: bool) -> acb:
+            sine = phi.sin()
+            square = sine * sine
+            return mu(2 * V * square, analytic) * (1 - 2 * square)
+
+        return over_speed if criterion.is_polynomial else over_angle
+
+    panels = zip(parts, pairwise(ends), strict=True)
+    total = scale * reduce(add, [acb.integral(integrand(part), *panel) for part, panel in panels])
+    low, high = criterion.ends
+    if low != 0:
+        total += ball(low) * parts[0](acb(0), False)
+    if high != 0:
+        total -= ball(high) * parts[-1](2 * V, False)
+    return (total / V).real
 
 
 def _pieces(mu: Expr, point: Mapping[Expr, Expr | acb], kinks: Sequence[Expr], count: int) -> list[Expr]:
     """Return the first pieces of mu between its kinks, each chosen half-way: a kink itself may be rounded."""
     ends = [sp.Integer(0), *kinks, 2 * kinks[-1] if kinks else sp.Integer(1)]
     return [branch_from(mu, point, (left + right) / 2) for left, right in pairwise(ends[: count + 1])]
-
-
-def _over_speed(parts: list[BallFunction], ends: list[arb], criterion: Criterion, speed: arb) -> arb:
-    """Return [-w mu]/V + 1/V * integral of w' mu over s."""
-    V, s = acb(speed), symbols.s
-    slope = ball_function(sp.diff(criterion.weight, s), s, {})
-    low, high = (ball_value(criterion.weight, {s: end}) for end in (sp.Integer(-1), sp.Integer(1)))
-    total = acb(0)
-    if not (low == 0 and high == 0):
-        total += low * parts[0](acb(0), False) - high * parts[-1](2 * V, False)
-    places = [acb(-1), *(acb(end / speed - 1) for end in ends[1:-1]), acb(1)]
-    for mu, (start, end) in zip(parts, pairwise(places), strict=True):
-
-        def integrand(z: acb, analytic: bool, mu: BallFunction = mu) -> acb:
-            return slope(z, analytic) * mu(V * (1 + z), analytic)
-
-        total += acb.integral(integrand, start, end)
-    return (total / V).real
-
-
-def _over_angle(parts: list[BallFunction], ends: list[arb], criterion: Criterion, speed: arb) -> arb:
-    """Return 4/(pi V) * integral of mu(2 V sin^2 phi) cos(2 phi)."""
-    twice = acb(2 * speed)
-    angles = [(end / (2 * speed)).sqrt().asin() for end in ends[:-1]] + [arb.pi() / 2]
-    total = acb(0)
-    for mu, (start, end) in zip(parts, pairwise(angles), strict=True):
-
-        def integrand(phi: acb, analytic: bool, mu: BallFunction = mu) -> acb:
-            sine = phi.sin()
-            square = sine * sine
-            return mu(twice * square, analytic) * (1 - 2 * square)
-
-        total += acb.integral(integrand, start, end)
-    return (4 * total / (acb.pi() * acb(speed))).real

@@ -195,23 +195,21 @@ def _integral(
 ) -> tuple[Mpf, Mpf]:
     """Return the integral of mu times the kernel with the boundary terms, and the sum of their sizes.
 
-    Over v, or under the harmonic weight over phi, v = 2V sin(phi)^2: no singular ends, no v that cancels.
+    Over v, or under the harmonic weight over phi, v = 2V sin^2(phi): no singular ends, no v that cancels.
     """
     V = to_mpf(speed)
-    inside = [to_mpf(place) for place in kinks if place < 2 * speed]
+    inside = [V, *(to_mpf(place) for place in kinks if place < 2 * speed)]  # the kernel changes its sign at V
     if criterion.is_polynomial:
-        over_speed = function_of([symbols.v, symbols.V], criterion.kernel, "mpmath")
-        # The kernel changes sign at V, and the two sides cancel.
-        ends = [mpmath.mpf(0), *sorted({V, *inside}), 2 * V]
+        kernel = function_of([symbols.v, symbols.V], criterion.kernel, "mpmath")
+        ends = [mpmath.mpf(0), *sorted(set(inside)), 2 * V]
     else:
-        over_angle = function_of([symbols.theta, symbols.V], criterion.angle_kernel, "mpmath")
-        angles = [mpmath.asin(mpmath.sqrt(place / (2 * V))) for place in inside]
-        ends = [mpmath.mpf(0), *sorted({mpmath.pi / 4, *angles}), mpmath.pi / 2]
+        angle = criterion.angle_kernel.subs(symbols.theta, 2 * symbols.theta) * 2
+        kernel = function_of([symbols.theta, symbols.V], angle, "mpmath")
+        angles = {mpmath.asin(mpmath.sqrt(place / (2 * V))) for place in inside}
+        ends = [mpmath.mpf(0), *sorted(angles), mpmath.pi / 2]
 
     def integrand(x: Mpf) -> Mpf:
-        if criterion.is_polynomial:
-            return mu(x) * over_speed(x, V)
-        return 2 * mu(2 * V * mpmath.sin(x) ** 2) * over_angle(2 * x, V)
+        return mu(x if criterion.is_polynomial else 2 * V * mpmath.sin(x) ** 2) * kernel(x, V)
 
     def stretched(y: Mpf) -> Mpf:
         # In y, x = y^8, what is infinite at x = 0 but integrable vanishes at y = 0.
@@ -219,11 +217,11 @@ def _integral(
 
     if singular:
         ends = [mpmath.root(end, _STRETCHING) for end in ends]
-    pairs = pairwise(ends)
-    parts = [_adaptive(stretched if singular else integrand, left, right, tolerance) for left, right in pairs]
+    panels = pairwise(ends)
+    parts = [_adaptive(stretched if singular else integrand, *panel, tolerance) for panel in panels]
     rest = V * mpmath.mpf(10) ** (-4 * mpmath.mp.dps) if singular else mpmath.mpf(0)
-    at_rest, at_twice = criterion.ends
-    parts += [to_mpf(weight) * mu(v) / V for weight, v in ((at_rest, rest), (-at_twice, 2 * V)) if weight]
+    low, high = criterion.ends
+    parts += [to_mpf(weight) * mu(v) / V for weight, v in ((low, rest), (-high, 2 * V)) if weight]
     return mpmath.fsum(parts), mpmath.fsum(parts, absolute=True)
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip_sym.core.errors import InputError, StickSlipError
-from stickslip_sym.output.files import require_name
+from stickslip_sym.output.files import write_text
 from stickslip_sym.output.markup import Markup
 
 if TYPE_CHECKING:
@@ -22,11 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stickslip_sym.core.aliases import FloatArray
-
-__all__ = [
-    "BLUE", "GREEN", "ORANGE", "Drawn", "Panel", "dense", "finish", "new_figure", "panel_letters", "picture",
-    "require_matplotlib", "save", "styled", "svg", "svg_uri",
-]  # fmt: skip
 
 BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
 _STYLE: Any = {
@@ -43,9 +38,14 @@ _STYLE: Any = {
     "legend.frameon": False,
     "legend.fontsize": 8.5,
     "hatch.linewidth": 0.5,
-    "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "stickslip_sym",  # the same picture is the same file
 }
+_TIMELESS: Any = {
+    "svg": {"Date": None, "Creator": None},
+    "pdf": {"CreationDate": None},
+    "png": {"Software": None},
+}
+"""What files would say of the time and the machine that made them."""
 _DENSE = 8  # points drawn for each step of an integration
 _INLINE = 90  # pixels an inch, of a picture among text
 _PANEL = 7.2, 5.6  # inches, of a figure of one panel
@@ -91,15 +91,20 @@ def panel_letters(axes: Any, titles: list[str]) -> None:
         ax.set_title(f"({letter})  {title}", loc="left", pad=4)
 
 
-def svg(figure: Any) -> bytes:
-    """Return a figure as SVG for a page, its text as paths; the same bytes for the same figure."""
+def _rendered(figure: "Figure", kind: str, dpi: int = 160, fonttype: str = "none") -> bytes:
+    """Return a figure as the content of a file; the same bytes for the same figure."""
     stream = io.BytesIO()
-    with styled(**{"svg.fonttype": "path"}):
-        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    with styled(**{"svg.fonttype": fonttype}):
+        figure.savefig(stream, format=kind, dpi=dpi, metadata=_TIMELESS.get(kind))
     return stream.getvalue()
 
 
-def svg_uri(figure: Any) -> str:
+def svg(figure: "Figure") -> bytes:
+    """Return a figure as SVG for a page, its text as paths."""
+    return _rendered(figure, "svg", fonttype="path")
+
+
+def svg_uri(figure: "Figure") -> str:
     """Return a figure as a data URI."""
     return f"data:image/svg+xml;base64,{b64encode(svg(figure)).decode()}"
 
@@ -194,10 +199,7 @@ def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
         figure = draw()
     except StickSlipError:
         return Markup("")
-    stream = io.BytesIO()
-    with styled():
-        figure.savefig(stream, format="png", dpi=_INLINE, metadata={"Software": None})
-    content = b64encode(stream.getvalue()).decode()
+    content = b64encode(_rendered(figure, "png", _INLINE)).decode()
     return Markup(f'<img src="data:image/png;base64,{content}" alt="{escape(alt)}"/>')
 
 
@@ -210,10 +212,10 @@ def dense(ends: "FloatArray") -> "FloatArray":
 
 def save(figure: "Figure", path: Path) -> None:
     """Write a drawing to a file, in the format of its name; refuse a format that matplotlib does not know."""
-    require_name(path)
+    path = path if path.suffix else path.with_suffix(".png")
     try:
-        with styled():
-            figure.savefig(path, dpi=160, metadata={"Date": None} if path.suffix == ".svg" else None)
-    except (OSError, ValueError) as error:
+        content = _rendered(figure, path.suffix.lower().removeprefix("."))
+    except ValueError as error:
         name = f"{path.stem or 'picture'}.png"
         raise InputError(f"cannot draw to {path.name!r}: {error}; try a name such as {name}") from None
+    write_text(path, content)

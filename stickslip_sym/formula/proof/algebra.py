@@ -2,13 +2,13 @@
 
 An expression becomes a polynomial in generators over the field of rational functions of the variable and the
 parameters: one generator for each square root, whose square is reduced, for each constant, and for each special
-function, whose derivative is a combination of generators. What comes out as the polynomial 0 is the function 0;
-the converse is not claimed. Laurent series at 0 have coefficients in the constants of such an algebra.
+function, whose derivative by SymPy is a combination of generators again. What comes out as the polynomial 0 is the
+function 0; the converse is not claimed. Laurent series at 0 have coefficients in the constants of such an algebra.
 """
 
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import reduce
+from functools import cache, partial, reduce
 from operator import add, mul
 
 import sympy as sp
@@ -16,10 +16,12 @@ from sympy.polys.rings import PolyElement
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.functions import row
 
 __all__ = ["Algebra", "Element", "Expansion"]
 
 _GENERATORS = 20  # square roots, functions and constants that one formula may hold
+_HALF = sp.Rational(1, 2)
 
 
 class Element:
@@ -33,8 +35,8 @@ class Element:
     def __add__(self, other: "Element") -> "Element":
         return Element(self.algebra, self.polynomial + other.polynomial)
 
-    def __sub__(self, other: "Element") -> "Element":
-        return Element(self.algebra, self.polynomial - other.polynomial)
+    def __neg__(self) -> "Element":
+        return Element(self.algebra, -self.polynomial)
 
     def __mul__(self, other: "Element") -> "Element":
         check_time()
@@ -52,13 +54,13 @@ class Element:
     @property
     def derivative(self) -> "Element":
         """Its derivative by the variable."""
-        ring, slopes = self.algebra.ring, self.algebra.slopes
-        variable = self.algebra.field.gens[0]
+        algebra = self.algebra
+        variable = algebra.field.gens[0]
         terms = {m: d for m, c in self.polynomial.items() if (d := c.diff(variable)) != 0}
-        total = Element(self.algebra, ring.from_dict(terms))
-        for generator, slope in zip(ring.gens, slopes, strict=False):
-            if slope and (part := self.polynomial.diff(generator)) != 0:
-                total += Element(self.algebra, part) * slope
+        total = Element(algebra, algebra.ring.from_dict(terms))
+        for generator, slope in algebra.slopes.copy().items():
+            if (part := self.polynomial.diff(generator)) != 0:
+                total += Element(algebra, part) * slope()
         return total
 
 
@@ -69,43 +71,26 @@ class Algebra:
         self.variable, self.symbols = variable, {variable, *parameters, sp.pi}
         self.field = sp.QQ.frac_field(variable, *parameters, sp.pi)
         self.ring = sp.ring([f"g{i}" for i in range(_GENERATORS)], self.field)[0]
-        self.slopes: list[Element] = []  # the derivatives of the generators in use
-        self._meanings: dict[PolyElement, Expr] = {}  # of the generators of constants
+        self.slopes: dict[PolyElement, Callable[[], Element]] = {}  # of the generators that are functions
+        self._meanings: list[Expr] = []  # of all generators, for those that are constants
         self._squares: dict[int, PolyElement] = {}
-        self._seen: dict[Expr, Element] = {}
-        self._families: dict[Hashable, list[Element]] = {}
+        self._seen: dict[Hashable, Element] = {}
 
-    # -- generators --------------------------------------------------------------------------------
-
-    def _new(self, square: PolyElement | None = None) -> Element:
-        index = len(self.slopes)
+    def _generator(
+        self, meaning: Expr, slope: Callable[[], Element] | None = None, square: PolyElement | None = None
+    ) -> Element:
+        index = len(self._meanings)
         if index == _GENERATORS:
             raise ValueError(f"the formula holds more than {_GENERATORS} square roots and functions")
-        self.slopes.append(Element(self, self.ring.zero))
-        if square is not None:
-            self._squares[index] = square
-        return Element(self, self.ring.gens[index])
-
-    def _constant(self, meaning: Expr, square: PolyElement | None = None) -> Element:
         if meaning.has(sp.oo, sp.zoo, sp.nan):
             raise ValueError("a constant is not finite")
-        element = self._new(square)
-        self._meanings[element.polynomial] = meaning
-        return element
-
-    def _family(
-        self,
-        key: Hashable,
-        count: int,
-        slopes: Callable[..., Sequence[Element]],
-        square: PolyElement | None = None,
-    ) -> list[Element]:
-        """Return the generators of functions that are closed under derivatives, from the first time on."""
-        if key not in self._families:
-            first = len(self.slopes)
-            self._families[key] = functions = [self._new(square) for _ in range(count)]
-            self.slopes[first : first + count] = slopes(*functions)
-        return self._families[key]
+        self._meanings.append(meaning)
+        generator = self.ring.gens[index]
+        if meaning.has(self.variable) and slope is not None:
+            self.slopes[generator] = cache(slope)
+        if square is not None:
+            self._squares[index] = square
+        return Element(self, generator)
 
     # -- arithmetic --------------------------------------------------------------------------------
 
@@ -135,14 +120,11 @@ class Algebra:
 
     def expression(self, a: Element) -> Expr:
         """Return a polynomial in generators of constants as an expression."""
-        total = sp.Integer(0)
-        for monomial, coefficient in a.polynomial.items():
-            term = self.field.to_sympy(coefficient)
-            for generator, power in zip(self.ring.gens, monomial, strict=True):
-                if power:
-                    term *= self._meanings[generator] ** power
-            total += term
-        return sp.factor(total)
+        terms = [
+            sp.Mul(self.field.to_sympy(coefficient), *map(sp.Pow, self._meanings, monomial))
+            for monomial, coefficient in a.polynomial.items()
+        ]
+        return sp.factor(sp.Add(*terms))
 
     # -- expressions -------------------------------------------------------------------------------
 
@@ -162,75 +144,53 @@ class Algebra:
         if expr.is_Pow and expr.exp.is_Rational and expr.exp.q in (2, 4):
             return self.root(expr.base, int(expr.exp.q)) ** int(expr.exp.p)
         if not expr.has(self.variable):
-            return self._constant(expr)
+            return self._generator(expr)
         if expr.is_Pow and not expr.exp.has(self.variable):
-            base, exponent = self.of(expr.base), self.of(expr.exp)
-            return self._family(expr, 1, lambda power: [exponent * base.derivative / base * power])[0]
-        rule = _FUNCTIONS.get(expr.func)
-        if rule is None:
+            return self._power(expr, expr.base, expr.exp)
+        if row(expr) is None:
             raise ValueError(f"no differential equation of {expr.func.__name__} is known here")
-        return rule(self, expr, *expr.args)
+        if isinstance(expr, sp.hyper):
+            return self._hypergeometric(expr, *expr.args)
+        if isinstance(expr, sp.besseli | sp.besselj) and expr.args[0] not in (0, 1):
+            return self.of(sp.expand_func(expr))  # J_(k+1) = 2 k J_k/z - J_(k-1)
+        return self._generator(expr, lambda: self.of(expr.diff(self.variable)))
+
+    def _power(self, meaning: Expr, base: Expr, exponent: Expr, square: PolyElement | None = None) -> Element:
+        def slope() -> Element:
+            inner = self.of(base)
+            return self.of(exponent) * inner.derivative / inner * power
+
+        power = self._generator(meaning, slope, square)
+        return power
 
     def root(self, base: Expr, index: int) -> Element:
-        """Return the positive square root, or the fourth, which is the square root of the square root."""
-        if not base.has(self.variable):
-            return self.root_of_constant(self.of(base), index)
-        square = self.of(base) if index == 2 else self.root(base, index // 2)
-        half = square.derivative / (square + square)
-        return self._family(("root", base, index), 1, lambda root: [half * root], square.polynomial)[0]
-
-    def root_of_constant(self, a: Element, index: int = 2) -> Element:
-        """Return the positive root of a positive constant, as the product of those of its factors."""
-        root = sp.root(self.expression(a), index)
+        """Return the positive root of order 2 or 4; of a constant as the product of those of its factors."""
+        if base.has(self.variable):
+            return self._square_root(base, index)
+        root = sp.root(self.expression(self.of(base)), index)
         if not root.is_positive:
-            raise ValueError(f"{root**index} is not known to be positive")
+            raise ValueError(f"{base} is not known to be positive")
         result = self.of(sp.S.One)
         for factor in sp.Mul.make_args(root):
-            base, exponent = factor.as_base_exp()
-            for prime, times in sp.factorint(base).items() if base.is_Integer else [(base, 1)]:
-                power, of = times * exponent, sp.sympify(prime)
-                part = self.of(of) if power.is_Integer else self._root_of_factor(of, power.q)
-                result *= part ** int(power.p)
+            inner, exponent = factor.as_base_exp()
+            for prime, times in sp.factorint(inner).items() if inner.is_Integer else [(inner, 1)]:
+                power = times * exponent
+                result *= self._square_root(sp.sympify(prime), int(power.q)) ** int(power.p)
         return result
 
-    def _root_of_factor(self, base: Expr, index: int) -> Element:
+    def _square_root(self, base: Expr, index: int) -> Element:
+        """Return the positive root of order 1, 2 or 4, the last as the square root of the square root."""
+        if index == 1:
+            return self.of(base)
         if index not in (2, 4):
             raise ValueError(f"no {index}th roots are known here")
-        meaning = sp.root(base, index)
-        if meaning not in self._seen:
-            square = self.of(base) if index == 2 else self._root_of_factor(base, 2)
-            self._seen[meaning] = self._constant(meaning, square.polynomial)
-        return self._seen[meaning]
-
-    # -- special functions -------------------------------------------------------------------------
-
-    def _primitive(self, expr: Expr, z: Expr) -> Element:
-        """A function whose derivative holds no further one of its kind."""
-        x = sp.Dummy()
-        slope = self.of(expr.func(x).diff(x).subs(x, z)) * self.of(z).derivative
-        return self._family(expr, 1, lambda value: [slope])[0]
-
-    def _exponential(self, expr: Expr, z: Expr) -> Element:
-        slope = self.of(z).derivative
-        return self._family(expr, 1, lambda value: [slope * value])[0]
-
-    def _circular(self, expr: Expr, z: Expr) -> Element:
-        slope, minus = self.of(z).derivative, self.of(sp.S.NegativeOne)
-        both = self._family(("circle", z), 2, lambda sine, cosine: [slope * cosine, minus * slope * sine])
-        return both[expr.func is sp.cos]
-
-    def _bessel(self, expr: Expr, order: Expr, z: Expr) -> Element:
-        if order not in (0, 1):  # J_(k+1) = 2 k J_k/z - J_(k-1)
-            return self.of(sp.expand_func(expr))
-        inner, sign = self.of(z), self.of(sp.S.One if expr.func is sp.besseli else sp.S.NegativeOne)
-        slope = inner.derivative
-        both = self._family(
-            (expr.func, z), 2, lambda zero, one: [sign * slope * one, slope * (zero - one / inner)]
-        )
-        return both[int(order)]
+        if (base, index) not in self._seen:
+            square, exponent = self._square_root(base, index // 2), sp.Rational(1, index)
+            self._seen[base, index] = self._power(base**exponent, base, exponent, square.polynomial)
+        return self._seen[base, index]
 
     def _hypergeometric(self, expr: Expr, upper: Expr, lower: Expr, z: Expr) -> Element:
-        """The generators are F, theta F, theta^2 F, ..., theta = z d/dz."""
+        """Return F, of the generators F, theta F, theta^2 F, ..., theta = z d/dz."""
         if len(upper) == 1 and not lower:
             return self.of((1 - z) ** -upper[0])
         inner = self.of(z)
@@ -241,56 +201,29 @@ class Algebra:
             above, below = list(upper), list(lower)
             above.remove(raised)
             below.remove(raised + 1)
-            less = self.of(sp.hyper(above, below, z))
-            return self._family(expr, 1, lambda value: [self.of(raised) * rate * (less - value)])[0]
+            less = sp.hyper(above, below, z)
+            value = self._generator(expr, lambda: self.of(raised) * rate * (self.of(less) + -value))
+            return value
         t = sp.Dummy("t")
         left = sp.Poly(t * sp.prod([t + b - 1 for b in lower]), t)
         right = sp.Poly(sp.prod([t + a for a in upper]), t)
         order = left.degree()
         if right.degree() > order:
             raise ValueError("the hypergeometric series does not converge")
-        # of sum_k row_k theta^k F = 0
-        row = [inner * self.of(right.nth(k)) - self.of(left.nth(k)) for k in range(order + 1)]
+        # sum_k equation_k theta^k F = 0
+        equation = [inner * self.of(right.nth(k)) + -self.of(left.nth(k)) for k in range(order + 1)]
 
-        def slopes(*functions: Element) -> list[Element]:
-            highest = reduce(add, map(mul, row, functions)) * self.of(sp.S.NegativeOne) / row[-1]
-            return [rate * function for function in (*functions[1:], highest)]
+        def slope(k: int) -> Element:
+            if k + 1 < order:
+                return rate * functions[k + 1]
+            lower: Element = reduce(add, map(mul, equation, functions))
+            return -rate * lower / equation[-1]
 
-        return self._family(expr, order, slopes)[0]
-
-    def _elliptic(self, expr: Expr, m: Expr) -> Element:
-        inner, one = self.of(m), self.of(sp.S.One)
-        rate = inner.derivative / (inner + inner)
-        both = self._family(("elliptic", m), 2, lambda e, k: [rate * (e - k), rate * (e / (one - inner) - k)])
-        return both[expr.func is sp.elliptic_k]
-
-    def _third_kind(self, expr: Expr, n: Expr, m: Expr) -> Element:
-        e, k = self.of(sp.elliptic_e(m)), self.of(sp.elliptic_k(m))
-        n, m = self.of(n), self.of(m)
-        one, apart = self.of(sp.S.One), m - n
-
-        def slopes(value: Element) -> list[Element]:
-            by_n = (e + (apart * k + (n * n - m) * value) / n) / ((apart + apart) * (n - one))
-            by_m = (e / (one - m) - value) / (apart + apart)
-            return [n.derivative * by_n + m.derivative * by_m]
-
-        return self._family(expr, 1, slopes)[0]
-
-
-_FUNCTIONS: dict[type[Expr], Callable[..., Element]] = {
-    **dict.fromkeys((sp.log, sp.atan, sp.asinh, sp.erf), Algebra._primitive),
-    **dict.fromkeys((sp.sin, sp.cos), Algebra._circular),
-    **dict.fromkeys((sp.besseli, sp.besselj), Algebra._bessel),
-    **dict.fromkeys((sp.elliptic_e, sp.elliptic_k), Algebra._elliptic),
-    sp.exp: Algebra._exponential,
-    sp.hyper: Algebra._hypergeometric,
-    sp.elliptic_pi: Algebra._third_kind,
-}
+        functions = [self._generator(expr, partial(slope, k)) for k in range(order)]
+        return functions[0]
 
 
 # -- Laurent series ---------------------------------------------------------------------------------
-
-_HALF = sp.Rational(1, 2)
 
 
 @dataclass(frozen=True)
@@ -343,9 +276,9 @@ class Expansion:
 
     def _made(self, expr: Expr) -> Series:
         if not expr.has(self.x):
-            return self._constant(self.algebra.of(expr))
+            return self._constant(expr)
         if expr == self.x:
-            return Series(1, self._constant(self.algebra.of(sp.S.One)).coefficients)
+            return Series(1, self._constant(sp.S.One).coefficients)
         if expr.is_Add or expr.is_Mul:
             return reduce(add if expr.is_Add else mul, map(self.of, expr.args))
         if isinstance(expr, sp.exp | sp.sin | sp.cos) and expr.args[0].is_Add:
@@ -354,19 +287,16 @@ class Expansion:
                 return self.of(expanded)
         if expr.is_Pow and not isinstance(expr, sp.exp):
             return self._power(self.of(expr.base), expr.exp)
-        if expr.func in (sp.log, sp.atan, sp.asinh, sp.erf):
-            return self._integrated(expr)
         if isinstance(expr, sp.hyper):
             return self._hypergeometric(expr.args[0], expr.args[1], self.of(expr.args[2]))
         if isinstance(expr, sp.elliptic_pi):
-            return self._third_kind(*map(self.of, expr.args))
-        rule = _AS_HYPERGEOMETRIC.get(expr.func)
-        if rule is None:
-            raise ValueError(f"the series of {expr.func.__name__} at {self.x} = 0 is not known here")
-        return self.of(rule(*expr.args))
+            return self._third_kind(*expr.args)
+        if (rule := _AS_HYPERGEOMETRIC.get(expr.func)) is not None:
+            return self.of(rule(*expr.args))
+        return self._integrated(expr)
 
-    def _constant(self, value: Element) -> Series:
-        return Series(0, [value, *[self.algebra.of(sp.S.Zero)] * (self.terms - 1)])
+    def _constant(self, value: Expr) -> Series:
+        return Series(0, [self.algebra.of(value), *[self.algebra.of(sp.S.Zero)] * (self.terms - 1)])
 
     def _power(self, base: Series, exponent: Expr) -> Series:
         """Return base^p by the series of (1 + x)^p; p an integer, or a half, or base(0) != 0."""
@@ -377,11 +307,9 @@ class Expansion:
             raise ValueError(f"a fractional power of {self.x} is no series at {self.x} = 0")
         if exponent.is_Integer:
             front = lead ** int(exponent)
-        elif exponent.is_Rational and exponent.q in (2, 4):
-            front = self.algebra.root_of_constant(lead, int(exponent.q)) ** int(exponent.p)
         else:
             front = self.algebra.of(self.algebra.expression(lead) ** exponent)
-        minus_rest = Series.of(1, [self.algebra.of(sp.S.NegativeOne) * c / lead for c in base.coefficients[1:]])
+        minus_rest = Series.of(1, [-c / lead for c in base.coefficients[1:]])
         series = self._hypergeometric([-exponent], [], minus_rest)
         return Series(int(order), [front * c for c in series.coefficients])
 
@@ -389,41 +317,39 @@ class Expansion:
         """Return the sum of (upper)_k/(lower)_k z^k/k! for a series z that vanishes at 0."""
         if z.order < 1:
             raise ValueError("a function is needed at another place than 0")
-        value, power = sp.S.One, self._constant(self.algebra.of(sp.S.One))
+        value, power = sp.S.One, self._constant(sp.S.One)
         total = power
         for k in range(1, self.terms):
             power *= z
             if not power.coefficients or power.order >= self.terms:
                 break
             value *= sp.Mul(*[a + k - 1 for a in upper]) / sp.Mul(*[b + k - 1 for b in lower]) / k
-            total += self._constant(self.algebra.of(value)) * power
+            total += self._constant(value) * power
         return total
 
     def _integrated(self, expr: Expr) -> Series:
-        """Return f(z) = f(z(0)) + the integral of its derivative."""
-        inner, slope = self.of(expr.args[0]), self.of(sp.diff(expr, self.x))
-        if slope.order < 0 and slope.coefficients:
+        """Return f(z) = f(z(0)) + the integral of its derivative, of other functions than f."""
+        slope = sp.diff(expr, self.x)
+        if len(expr.args) > 1 or slope.has(expr.func):
+            raise ValueError(f"the series of {expr.func.__name__} at {self.x} = 0 is not known here")
+        inner, series = self.of(expr.args[0]), self.of(slope)
+        if series.order < 0 and series.coefficients:
             raise ValueError(f"{expr} is infinite at {self.x} = 0")
         if inner.order < 0 or inner.known < 1:
             raise ValueError(f"{expr} is not known at {self.x} = 0")
         start = inner.coefficient(0)
         front = expr.func(sp.S.Zero if start is None else self.algebra.expression(start))
-        grown = [c / self.algebra.of(sp.Integer(n)) for n, c in enumerate(slope.coefficients, slope.order + 1)]
-        return self._constant(self.algebra.of(front)) + Series(slope.order + 1, grown)
+        grown = [c / self.algebra.of(sp.Integer(n)) for n, c in enumerate(series.coefficients, series.order + 1)]
+        return self._constant(front) + Series(series.order + 1, grown)
 
-    def _third_kind(self, n: Series, m: Series) -> Series:
-        """pi/2 sum over k and j of n^k m^j (1/2)_j (1/2)_(k+j)/(j! (k+j)!)."""
-        if n.order < 1:
+    def _third_kind(self, n: Expr, m: Expr) -> Series:
+        """Return Pi(n, m) as a power series in n: pi/2 sum_k n^k (1/2)_k/k! 2F1(1/2, k + 1/2; k + 1; m)."""
+        if self.of(n).order < 1:
             raise ValueError("elliptic_pi is needed at another place than 0")
-        total, power = self._constant(self.algebra.of(sp.S.Zero)), self._constant(self.algebra.of(sp.S.One))
-        for k in range(self.terms):
-            front = self.algebra.of(sp.pi / 2 * sp.rf(_HALF, k) / sp.factorial(k))
-            series = self._hypergeometric([_HALF, _HALF + k], [sp.Integer(1 + k)], m)
-            total += self._constant(front) * power * series
-            power *= n
-            if power.order >= self.terms:
-                break
-        return total
+        return self.of(sp.Add(*[
+            sp.pi / 2 * n**k * sp.rf(_HALF, k) / sp.factorial(k) * sp.hyper((_HALF, k + _HALF), (k + 1,), m)
+            for k in range(self.terms)
+        ]))  # fmt: skip
 
 
 def _of_bessel(sign: int) -> Callable[[Expr, Expr], Expr]:
