@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-__all__ = ["FINEST", "BasinMap", "Share", "basin_map", "shares_by_area"]
-
 FINEST = 1e-12
 """The relative tolerance of separatrices: they are few, and decide about many initial conditions."""
 _COARSE = 1e-10  # tolerance at which the areas are measured again, for their error

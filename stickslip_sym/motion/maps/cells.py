@@ -13,6 +13,7 @@ belt each round, since damping and friction bring those far out back in.
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from enum import Enum
 from functools import cache
@@ -37,8 +38,6 @@ from stickslip_sym.motion.regimes.regime import regime
 from stickslip_sym.motion.roots import orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import slope_mean
-
-__all__ = ["CURVES", "LATE", "Cells", "Line", "Reason", "decide"]
 
 LATE = "not reached: time limit, or Ctrl-C"
 CURVES = ("equilibrium", "least_squares", "exact")
@@ -67,11 +66,13 @@ class Reason(Enum):
 class Line(NamedTuple):
     """Operating points of a law at one belt speed, and dampings for each.
 
+    - `place`: rows and columns of the cells in a map, each of the shape of the dampings.
     - `parameters`: values of parameters of the law, in place of those it has.
     - `oscillators`: their own c is not used.
     - `c`: a row for each oscillator.
     """
 
+    place: tuple[IntArray, IntArray]
     parameters: dict[str, float]
     oscillators: tuple[Oscillator, ...]
     c: FloatArray
@@ -92,36 +93,28 @@ class Cells(NamedTuple):
     thresholds: dict[str, FloatArray]
     notes: dict[tuple[int, ...], str]
 
-    @classmethod
-    def failed(cls, shape: tuple[int, ...], error: StickSlipError) -> "Cells":
-        """Return cells of which no more is known than why."""
-        return cls(
-            np.full(shape, Motion.UNDECIDED), np.full(shape, _reason(error)),
-            {kind.name: np.zeros(shape, dtype=bool) for kind in ATTRACTORS},
-            dict.fromkeys(CURVES, np.full((shape[0], 1), math.nan)), dict.fromkeys(np.ndindex(shape), str(error)),
-        )  # fmt: skip
 
-
-def _reason(error: StickSlipError) -> Reason:
+def reason_of(error: StickSlipError) -> Reason:
+    """Return the reason of cells of which no more is known than an error."""
     return Reason.TIME if isinstance(error, OutOfTime) else Reason.FAILED
 
 
-def decide(law: FrictionLaw, rtol: float, lines: Sequence[Line]) -> list[Cells]:
+def decide(law: FrictionLaw, rtol: float, lines: Sequence[Line]) -> list[Cells | StickSlipError]:
     """Return the motion from x = 0, x' = V, and every attractor, for the cells of each of some lines.
 
     - `law`: with all parameters bound.
     - `rtol`: a damping that is closer to a threshold or a fold, relative to the largest of them, is not decided.
 
-    What fails is in the cells.
+    Where a line fails its error stands for it; where a cell does, a note.
     """
     bound = cache(lambda parameters: law.bind(**dict(parameters)) if parameters else law)
-    found = []
+    found: list[Cells | StickSlipError] = []
     for line in lines:
         try:
             check_time()
             found.append(_Decider(bound(tuple(line.parameters.items())), line, rtol).cells())
         except StickSlipError as error:
-            found.append(Cells.failed(line.c.shape, error))
+            found.append(error)
     return found
 
 
@@ -186,7 +179,10 @@ class _Decider:
         reason[~returns & rest & ~cycle] = Reason.ABOVE
         reason[returns & ~rest & ~cycle] = Reason.BELOW
         motion[near], reason[near] = Motion.UNDECIDED, Reason.TOLERANCE
-        curves = equilibrium * self.ratio, self._least_squares(), exact * self.ratio
+        average = np.full(self.N.shape, math.nan)
+        with suppress(*NO_RESULT):
+            average = self.N * slope_mean(self.law, least_squares, np.array([self.system.V]))
+        curves = equilibrium * self.ratio, average, exact * self.ratio
         cells = Cells(
             motion, reason,
             attractors={kind.name: kind.exists(signs) & ~near for kind in ATTRACTORS},
@@ -200,12 +196,6 @@ class _Decider:
         for i, j in np.argwhere(~(near | known)).tolist():
             self._follow(cells, i, j)
         return cells
-
-    def _least_squares(self) -> FloatArray:
-        try:
-            return self.N * slope_mean(self.law, least_squares, np.array([self.system.V]))
-        except NO_RESULT:
-            return np.full(self.N.shape, math.nan)
 
     def _held(self, returns: BoolArray) -> tuple[BoolArray, BoolArray]:
         """Tell where the motion from x = 0, x' = V sticks for good, and where comparisons decide at all.
@@ -300,7 +290,7 @@ class _Decider:
             if motion is Motion.UNDECIDED and not why:
                 why = "the initial condition is within tolerance of a separatrix"
         except StickSlipError as error:
-            reason, why = _reason(error), str(error)
+            reason, why = reason_of(error), str(error)
         cells.motion[i, j], cells.reason[i, j] = Motion.UNDECIDED if why else motion, reason
         for kind in ATTRACTORS:
             cells.attractors[kind.name][i, j] = not why and bool(kind.of(found))

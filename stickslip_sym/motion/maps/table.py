@@ -22,11 +22,6 @@ from stickslip_sym.output import drawing, files, markup
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = [
-    "OSCILLATOR", "Axis", "AxisValues", "Table", "count_of", "fixed_values", "read_axes", "read_axis",
-    "read_values", "require_few",
-]  # fmt: skip
-
 AxisValues = tuple[str, ArrayLike]
 """The name of an axis, and its values."""
 OSCILLATOR = ("V", "N", "m", "k", "c")
@@ -54,7 +49,7 @@ class Axis:
 
 
 @dataclass(frozen=True, repr=False)
-class Table(drawing.Panel):
+class Table(drawing.Drawn):
     """Results over one axis or two; a kind of results says what its columns, words and drawing are.
 
     Attributes

@@ -21,7 +21,7 @@ def correlated():
     return ss.laws.exponential.bind(**dict(zip(NAMES, values, strict=True)))
 
 
-def test_the_first_order_is_that_of_the_sensitivities_and_the_covariance():
+def test_the_first_order_is_of_sensitivities_and_covariance():
     found = ss.pure_slip_damping(correlated(), **POINT, method="orbit")
     s = np.array([found.sensitivity[name] for name in NAMES])
     assert found.uncertainty == pytest.approx(np.sqrt(s @ np.array(COVARIANCE) @ s), rel=1e-9)
@@ -84,7 +84,7 @@ def test_products_and_squares_are_exact_to_second_order():
     assert found.nonlinearity == pytest.approx(np.sqrt((first + 0.1**2 * 2.0**2) / first), rel=1e-12)
 
 
-def test_where_the_first_order_does_not_serve_it_is_said():
+def test_a_first_order_that_does_not_suffice():
     law = ss.laws.gaussian.typical(v_s="0.50(10)")  # c has nearly a maximum there
     found = ss.pure_slip_damping(law, **POINT | {"V": 0.6}, method="harmonic")
     with pytest.warns(ss.InputWarning, match=r"times as large to second order"):
@@ -100,7 +100,7 @@ def test_where_the_first_order_does_not_serve_it_is_said():
 
 
 @pytest.mark.parametrize("method", ["harmonic", "second_order", "orbit", "simulation"])
-def test_an_error_that_does_not_show_needs_no_second_order(method):
+def test_a_hidden_error_needs_no_second_order(method):
     """That of mu_s, on which the threshold of a falling line does not depend, and one of nine digits less."""
     line = ss.pure_slip_damping(ss.laws.linear.typical(mu_s="0.50(2)"), **POINT, method=method)
     law = ss.laws.exponential.typical(mu_s=ufloat(0.5, 5e-10))
@@ -112,7 +112,7 @@ def test_an_error_that_does_not_show_needs_no_second_order(method):
     assert (line.nonlinearity, small.nonlinearity) == pytest.approx((1.0, 1.0))
 
 
-def test_a_small_error_at_an_extremum_shows_to_second_order_alone():
+def test_a_small_error_at_an_extremum():
     """The threshold of the gaussian law has its maximum over v_s there: its first order is a millionth."""
     law = ss.laws.gaussian.typical(v_s="0.500(2)")
     found = ss.pure_slip_damping(law, **POINT | {"V": 0.569}, method="harmonic")
