@@ -12,7 +12,7 @@ from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.expansion import expand
 from stickslip_sym.motion.orbits.orbit import orbits
 from stickslip_sym.motion.regimes.phase_plane import PhasePlane
-from stickslip_sym.motion.thresholds.methods import methods, second_order
+from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
@@ -141,14 +141,14 @@ def test_next_order_bounds_the_second_orders_error():
     total = 0
     for law in slopes_that_cancel(np.random.default_rng(5)):
         points = OperatingPoints.of(law, V=1.0, N=np.geomspace(0.01, 1, 5), m=1.0, k=1.0)
-        value, resolution, next_order = second_order(points)
-        rows = np.flatnonzero(next_order + resolution < 0.5)
+        found = methods()["second_order"].compute(points, 1.0)
+        rows = np.flatnonzero(found.relative_error < 0.5)
         exact = methods()["orbit"].compute(points.rows(rows), 1e-12)
-        off = np.abs(value[rows] / exact.value - 1)
-        assert (off <= next_order[rows] + resolution[rows] + exact.relative_error + 1e-14).all()
+        off = np.abs(found.value[rows] / exact.value - 1)
+        assert (off <= found.relative_error[rows] + exact.relative_error).all()
         # And is no empty phrase: the order is right, so it falls with it.
         total += rows.size
-        assert next_order[0] < 1e-6 * next_order[-1]
+        assert found.relative_error[0] < 1e-6 * found.relative_error[-1]
     assert total >= 24
 
 
@@ -164,8 +164,8 @@ def test_stated_errors_count_an_unseen_layer(width, part):
     height = part * exact / (9.81 * math.sqrt(2 * width / math.pi) * 0.5**-1.5)
     law = ss.FrictionLaw(f"{alone} + a*exp(-v/w)").bind(a=height, w=width)
     exact *= 1 + part
-    value, resolution, next_order = second_order(OperatingPoints.of(law, **point))
-    assert abs(value[0] / exact - 1) <= resolution[0] + next_order[0] + 0.1 * part
+    found = methods()["second_order"].compute(OperatingPoints.of(law, **point), 1.0)
+    assert abs(found.value[0] / exact - 1) <= found.relative_error[0] + 0.1 * part
     for rtol in (0.3, 1e-2, 3e-4):
         try:
             found = ss.pure_slip_damping(law, **point, rtol=rtol)

@@ -237,15 +237,6 @@ def test_a_free_oscillator_is_neutral():
     assert ss.classify(ss.laws.exponential.typical(), osc, x0=0.01, v0=0.0) is Motion.PURE_SLIP
 
 
-def test_wrong_input(law):
-    with pytest.raises(ss.InputError, match="not finite"):
-        ss.classify(law, paper_oscillator(1.0), x0=np.nan)
-    with pytest.raises(ss.InputError, match="rtol"):
-        ss.regime(law, paper_oscillator(1.0), rtol=0)
-    with pytest.raises(ss.InputError, match="bind them first"):
-        ss.regime(ss.laws.exponential, paper_oscillator(1.0))
-
-
 def test_neutral_orbits_are_separated_by_nothing():
     found = ss.regime(ss.FrictionLaw("0.3", static="0.35"), paper_oscillator(c=0.0))
     assert found.stick_slip is not None
