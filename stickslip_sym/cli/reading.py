@@ -17,8 +17,6 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.uncertain import split
 from stickslip_sym.model.operating_point import PAPER
 
-__all__ = ["Point", "assignments", "criteria_of", "law_described", "point", "points", "reading_of", "units"]
-
 
 @dataclass(frozen=True)
 class Point:

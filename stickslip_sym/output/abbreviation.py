@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping
+from textwrap import fill
 
 import sympy as sp
 
@@ -9,10 +10,8 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.output.layout import LINE, displayed, width
 from stickslip_sym.output.notation import look, notation_of
 from stickslip_sym.output.printing import latex
-from stickslip_sym.output.tables import WIDTH, wrapped
-from stickslip_sym.output.text_printer import terms, text
-
-__all__ = ["equation", "formula"]
+from stickslip_sym.output.tables import WIDTH
+from stickslip_sym.output.text_printer import text
 
 _LETTERS = "qphrwgz"
 _BLOCK = 40  # characters from which on what stands repeatedly gets a letter, roots always
@@ -22,20 +21,14 @@ Definitions = list[tuple[Expr, Expr]]
 
 
 def equation(
-    left: str,
-    right: Expr,
-    names: Mapping[str, str],
-    *,
-    relation: str = "=",
-    label: str = "",
-    tag: str = "",
-    letters: Mapping[Expr, Expr] | None = None,
+    left: str, right: Expr, names: Mapping[str, str], letters: Mapping[Expr, Expr] | None = None, **style: str
 ) -> str:
     """Return a displayed equation with a side that is LaTeX already, and the definitions that follow it.
 
     In a formula that is wider than a line wide denominators, which cannot be broken, get letters too.
 
     - `letters`: symbols of the right side, and the numbers that they stand for.
+    - `style`: what `displayed` takes.
     """
     known, definitions = dict(names), Definitions()
     if width(latex(right, names)) > LINE:
@@ -47,7 +40,7 @@ def equation(
                 definitions.append((symbol, power.base))
         right, definitions = _with_letters(right, definitions, names)
         known |= notation_of(symbol.name for symbol, _ in definitions)
-    shown = displayed(left, latex(right, known), relation=relation, label=label, tag=tag)
+    shown = displayed(left, latex(right, known), **style)
     where = [displayed(known[symbol.name], latex(value, known)) for symbol, value in definitions]
     used = set().union(right.free_symbols, *(value.free_symbols for _, value in definitions))
     numbers = [
@@ -60,27 +53,19 @@ def equation(
 
 
 def formula(left: str, expr: Expr) -> str:
-    """Return an equation as indented text: ``left = expr``; blanks and line ends mean nothing.
-
-    A long formula has a line for each term of its outermost sum, and more where a term is wider than a page.
-    """
+    """Return an equation as indented text: ``left = expr``, in a long one letters for what stands repeatedly."""
     if len(text(expr)) <= _LONG:
         return f"{_INDENT}{left} = {text(expr)}"
     expr, definitions = _with_letters(*_repeated(expr), {})
-    lines = _broken(left, expr) + (["where"] if definitions else [])
-    for symbol, value in definitions:
-        lines += _broken(symbol.name, value)
-    return "\n".join(f"{_INDENT}{line}" for line in lines)
+    where = [f"{_INDENT}where"] if definitions else []
+    return "\n".join([_wrapped(left, expr), *where, *(_wrapped(one.name, value) for one, value in definitions)])
 
 
-def _broken(left: str, expr: Expr) -> list[str]:
-    if len(whole := f"{left} = {text(expr)}") <= WIDTH - len(_INDENT):
-        return [whole]
-    lines = [f"{left} ="]
-    for term in terms(expr):
-        first, *rest = wrapped(term, WIDTH - 4 * len(_INDENT))
-        lines += [f"{_INDENT}{first}", *(f"{3 * _INDENT}{line}" for line in rest)]
-    return lines
+def _wrapped(left: str, expr: Expr) -> str:
+    return fill(
+        f"{left} = {text(expr)}", WIDTH, initial_indent=_INDENT, subsequent_indent=3 * _INDENT,
+        break_long_words=False, break_on_hyphens=False,
+    )  # fmt: skip
 
 
 def _repeated(expr: Expr) -> tuple[Expr, Definitions]:
