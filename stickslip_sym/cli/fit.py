@@ -18,8 +18,6 @@ from stickslip_sym.core.errors import InputError
 if TYPE_CHECKING:
     from stickslip_sym.model.fitting.result import Fits
 
-__all__ = ["fitted", "laws_to_fit"]
-
 
 @options.command(
     click.Argument(["files"], type=Path, nargs=-1, required=True, metavar="FILE..."),

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from stickslip_sym.core.aliases import FloatArray
     from stickslip_sym.motion.maps.motions import MotionMap
 
-__all__ = ["read_axis", "report"]
-
 _AXIS = "NAME=START:STOP:COUNT"
 _MOST_VALUES = 1_000_000
 _WIDTH, _HEIGHT = 60, 20  # of the picture in text

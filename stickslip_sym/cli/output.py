@@ -35,11 +35,6 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 """What stands for an object of JSON."""
 
-__all__ = [
-    "Json", "as_json", "counted", "echo_all", "echo_found", "echo_json", "in_options", "law_of", "point_of",
-    "progress_bar",
-]  # fmt: skip
-
 _FORMAT = 2
 _ATTRIBUTES = {
     "Threshold": "value method relative_error status uncertainty nonlinearity budget deserved",

@@ -16,8 +16,6 @@ from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 from stickslip_sym.core.numbers import suggestion
 from stickslip_sym.core.version import __version__
 
-__all__ = ["main", "program"]
-
 BAD_INPUT, NO_RESULT, INTERRUPTED = 2, 1, 130
 COMMANDS = ("laws", "derive", "fit", "damping", "critical", "simulate", "map", "study", "tradeoff", "export")
 

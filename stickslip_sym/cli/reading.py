@@ -17,8 +17,6 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.uncertain import split
 from stickslip_sym.model.operating_point import PAPER
 
-__all__ = ["Point", "assignments", "criteria_of", "law_described", "point", "points", "reading_of", "units"]
-
 
 @dataclass(frozen=True)
 class Point:
@@ -103,7 +101,9 @@ def _toml(file: Path) -> dict[str, Any]:
         content = tomllib.loads(file.read_text(encoding="utf-8"), parse_float=str)
     except OSError as error:
         raise InputError(f"cannot read {str(file)!r}: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError:
+        raise InputError(f"{file} is no text in UTF-8; save it as UTF-8") from None
+    except tomllib.TOMLDecodeError as error:
         raise InputError(
             f"{file}: {error}; write lines such as V = 0.5, and parameters below [parameters]"
         ) from None

@@ -1,11 +1,13 @@
 """`compare`: the threshold of one operating point by every method, each with its error, status and time."""
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputError, StickSlipError
+from stickslip_sym.core.numbers import lookup
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -16,10 +18,11 @@ from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_dampi
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import duration, table
 
-__all__ = ["HEADER", "Answer", "Comparison", "compare"]
+__all__ = ["HEADER", "Answer", "Comparison", "compare", "timed"]
 
 Quantity = float | str | UFloat
 """A quantity of an operating point in SI units, perhaps with a standard error."""
+Result = TypeVar("Result")
 HEADER = ("method", "c in kg/s", "relative error", "status", "time")
 
 
@@ -53,6 +56,15 @@ class Answer:
         return [self.method, f"{found.value:.12g}", error, str(found.status), duration(self.seconds)]
 
 
+def timed(compute: Callable[..., Result], *given: Any, **more: Any) -> tuple[Result | None, str, float]:
+    """Return what is computed, or None and why it is not, and the elapsed time in seconds."""
+    begin = time.perf_counter()
+    try:
+        return compute(*given, **more), "", time.perf_counter() - begin
+    except StickSlipError as error:
+        return None, str(error), time.perf_counter() - begin
+
+
 @dataclass(frozen=True, repr=False)
 class Comparison:
     """The threshold of one operating point by several methods; `compare` makes it.
@@ -75,10 +87,7 @@ class Comparison:
 
     def __getitem__(self, method: str) -> Answer:
         """Return what a method gives, by its name."""
-        by_name = {one.method: one for one in self.answers}
-        if method not in by_name:
-            raise InputError(f"{method!r} was not compared; there are: {', '.join(by_name)}")
-        return by_name[method]
+        return lookup("method compared", method, {one.method: one for one in self.answers})
 
     def __str__(self) -> str:
         return table(HEADER, [one.cells for one in self.answers])
@@ -155,12 +164,6 @@ def compare(
         find_method(name)
     with limited(time_limit):  # refuses what is no time: below, an error is a method's answer
         pass
-    answers = []
-    for name in methods:
-        threshold, reason, begin = None, "", time.perf_counter()
-        try:
-            threshold = pure_slip_damping(law, **point, method=name, rtol=rtol, time_limit=time_limit)
-        except StickSlipError as error:
-            reason = str(error)
-        answers.append(Answer(name, threshold, reason, time.perf_counter() - begin))
-    return Comparison(law, dict(point), tuple(answers))
+    options = {"rtol": rtol, "time_limit": time_limit, **point}
+    answers = (Answer(name, *timed(pure_slip_damping, law, method=name, **options)) for name in methods)
+    return Comparison(law, point, tuple(answers))

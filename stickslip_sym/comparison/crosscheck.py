@@ -2,8 +2,7 @@
 
 import math
 import textwrap
-import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -11,6 +10,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
+from stickslip_sym.comparison.compare import timed
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Mpf
 from stickslip_sym.core.errors import StickSlipError
@@ -58,28 +58,28 @@ def crosscheck(
     """
     numbers = {name: float(exact(value, name)) for name, value in point.items()}
     at = {name: point[name] for name in "VN"}
-    methods = [
-        (f"quadrature, {digits} digits", partial(quadrature.damping, law, criterion, **at, digits=digits), digits),
-        ("event-driven threshold", partial(_simulated, law, numbers, _SHOWN), _DIGITS),
-    ]
+    methods: dict[str, Callable[[], Mpf | float]] = {}
     if form is not None:
-        methods.insert(0, ("closed form", partial(form.evaluate, digits, **at), digits))
+        methods["closed form"] = partial(form.evaluate, digits, **at)
+    methods |= {
+        f"quadrature, {digits} digits": partial(quadrature.damping, law, criterion, **at, digits=digits),
+        "event-driven threshold": partial(_simulated, law, numbers, _SHOWN),
+    }
     error = scatter(law, criterion, numbers["V"], numbers["N"])
-    checks, values = list[Check](), list[Mpf]()
-    for method, compute, shown in methods:
-        begin = time.perf_counter()
-        try:
-            values.append(compute())
-        except StickSlipError as reason:
+    checks, values, apart = list[Check](), list[Mpf | float](), 0.0
+    for method, compute in methods.items():
+        value, reason, seconds = timed(compute)
+        if value is None:
             checks.append(Check(method, f"none: {reason}"))
             continue
-        seconds, value, reference = time.perf_counter() - begin, values[-1], values[0]
+        values.append(value)
+        with mpmath.workdps(digits):
+            value = mpmath.mpf(value)
+            apart = float(abs(value - values[0]) / (abs(values[0]) or 1))
+        shown = digits if isinstance(values[-1], mpmath.mpf) else _DIGITS
         if error and value:
             shown = min(shown, max(2, 2 + int(mpmath.floor(mpmath.log10(abs(value) / error)))))
-        with mpmath.workdps(digits):
-            difference = float(abs(value - reference) / (abs(reference) or 1))
-        checks.append(Check(method, mpmath.nstr(value, shown), difference, seconds))
-    apart = checks[-1].difference or 0.0
+        checks.append(Check(method, mpmath.nstr(value, shown), apart, seconds))
     if error:
         text = f"the points' scatter alone makes that +-{error:.1g} kg/s, one standard error (jackknife)"
         checks.append(Check("measured points", text))
@@ -89,22 +89,19 @@ def crosscheck(
     return checks
 
 
-def _simulated(law: FrictionLaw, point: Mapping[str, float], rtol: float) -> Mpf:
-    return mpmath.mpf(pure_slip_damping(law, **point, method="simulation", rtol=rtol).value)
+def _simulated(law: FrictionLaw, point: Mapping[str, float], rtol: float = _RTOL) -> float:
+    return float(pure_slip_damping(law, **point, method="simulation", rtol=rtol).value)
 
 
 def report(checks: list[Check]) -> str:
     """Return the checks as a table, and below it, in lines of a readable length, what has no number."""
-    rows = [
-        [check.method, check.value, f"{check.difference:.2g}", duration(check.seconds)]
-        for check in checks
-        if check.difference is not None
-    ]
-    words = [
-        textwrap.fill(f"{check.method}: {check.value}", _WIDTH, subsequent_indent="  ", break_long_words=False)
-        for check in checks
-        if check.difference is None
-    ]
+    rows, words = [], []
+    for check in checks:
+        if check.difference is None:
+            text = f"{check.method}: {check.value}"
+            words.append(textwrap.fill(text, _WIDTH, subsequent_indent="  ", break_long_words=False))
+        else:
+            rows.append([check.method, check.value, f"{check.difference:.2g}", duration(check.seconds)])
     return "\n".join([table(["method", "c in kg/s", "difference", "time"], rows), *words])
 
 
@@ -115,7 +112,7 @@ def differences(
 
     def simulated(law: FrictionLaw, **changed: float) -> float:
         try:
-            return float(_simulated(law, {**point, **changed}, _RTOL))
+            return _simulated(law, {**point, **changed})
         except StickSlipError:
             return math.nan  # which explains nothing, as no comparison below holds
 
@@ -127,8 +124,7 @@ def differences(
             f"criterion {criterion.name} weighs other slip speeds"
         )
     if law.static is not None:
-        names = {name for name, parameter in law.parameters.items() if law.expr.has(parameter.symbol)}
-        without = simulated(FrictionLaw(law.expr).bind(**{name: law.values[name] for name in names}))
+        without = simulated(law.with_static(None))
         if abs(without - threshold) > _LARGE * abs(threshold):
             reasons.append(
                 "the static coefficient, which no slope average sees: without it the threshold is "
@@ -152,11 +148,10 @@ def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float
     """
     if law.curve is None:
         return 0.0
-    curve, end = law.curve, law.curve.end
-    v, mu = list(curve.places), [cubic[0] for cubic in curve.cubics]
-    if end is not None:
-        v, mu = [*v, end], [*mu, exact(float(law.mu(float(end))), "mu")]
-    if len(v) < _FEWEST:
+    end = law.curve.end
+    points = [(place, cubic[0]) for place, cubic in zip(law.curve.places, law.curve.cubics, strict=True)]
+    points += [] if end is None else [(end, exact(float(law.mu(float(end))), "mu"))]
+    if len(points) < _FEWEST:
         return 0.0
     speeds, weights = np.array(V), np.array(1.0)
     if criterion.weight is not None:
@@ -164,7 +159,8 @@ def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float
         weight = sp.lambdify(symbols.s, criterion.weight, "numpy")(-np.cos(_ANGLES))
         weights = weight * np.sin(_ANGLES) * np.pi / _ANGLES.size
     values = []
-    for i in range(1, len(v) - 1):
-        other = SampledCurve.through([*v[:i], *v[i + 1 :]], [*mu[:i], *mu[i + 1 :]], extrapolate=end is None)
-        values.append(N * np.sum(weights * other.function("numpy", derivative=True)(speeds)))
+    for i in range(1, len(points) - 1):
+        v, mu = zip(*points[:i], *points[i + 1 :], strict=True)
+        slope = SampledCurve.through(v, mu, extrapolate=end is None).function("numpy", derivative=True)
+        values.append(N * np.sum(weights * slope(speeds)))
     return math.sqrt((len(values) - 1) * float(np.var(values)))

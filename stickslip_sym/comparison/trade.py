@@ -1,16 +1,13 @@
-"""Time and error of the methods for one number, measured: which dominate which, as text and as a picture."""
+"""Time and error of the methods for one number: which dominate which, as text and as a picture."""
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from time import process_time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip_sym.core import deadline
-from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.output import drawing, markup
 from stickslip_sym.output.tables import duration, table, wrapped
 
@@ -18,26 +15,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Candidate", "Row", "Trade", "Tradeoff", "dominators", "draw", "measured"]
+__all__ = ["Row", "Trade", "Tradeoff"]
 
-_LEAST, _ENOUGH = 3, 0.02  # repetitions of a measurement, and seconds that they take together, at least
 _WIDTH, _HEIGHT = 7.2, 3.5  # inches, of a panel of the picture
 _SMALLEST = 1e-51  # error of a method whose own is less
-_ROUNDING = 2.0**-52
 _TITLE = 95  # characters of a line above a panel
 _MARKERS = "os^Dv<>"
 _COLORS = ("tab:blue", "tab:red", "tab:green", "tab:purple", "tab:orange", "tab:brown", "tab:olive", "tab:cyan")
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """One method at one tolerance: a call of `compute` gives `count` values. What takes long is timed once."""
-
-    method: str
-    setting: str
-    compute: Callable[[], Any]
-    count: int = 1
-    repeated: bool = True
+_TITLES = {"largest": "largest error up to V = 1 m/s"}  # of what else is known, where its name says too little
 
 
 @dataclass(frozen=True)
@@ -74,11 +59,6 @@ class Row:
         """Whether the method gives a number."""
         return not math.isnan(self.seconds)
 
-    def dominates(self, other: "Row") -> bool:
-        """Whether it is at least as fast and at least as accurate as another, and better in one of the two."""
-        at_least = self.seconds <= other.seconds and self.error <= other.error
-        return at_least and (self.seconds < other.seconds or self.error < other.error)
-
 
 @dataclass(frozen=True)
 class Trade:
@@ -95,8 +75,6 @@ class Trade:
         Name to number, in SI units.
     box : mapping
         From and to, of the initial displacements x0 and velocities v0.
-    columns : mapping of str to str
-        Titles of what else is known of every row, by its key.
     """
 
     number: str
@@ -104,24 +82,24 @@ class Trade:
     rows: tuple[Row, ...]
     point: Mapping[str, float] = field(default_factory=dict)
     box: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    columns: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def dominators(self) -> dict[str, tuple[str, ...]]:
         """For each method which ones dominate it: at least as fast and as accurate, and better in one of the two.
 
-        Named are those that are not dominated themselves.
+        Named are those that are not dominated themselves: they suffice, as one of them dominates what any does.
         """
-        return dominators(self.rows)
+        costs = {row.name: (row.seconds, row.error) for row in self.rows}
+        by = {
+            name: [other for other, cost in costs.items() if cost != mine and np.less_equal(cost, mine).all()]
+            for name, mine in costs.items()
+        }
+        return {name: tuple(other for other in others if not by[other]) for name, others in by.items()}
 
     @property
-    def header(self) -> list[str]:
-        """Titles of the table's columns."""
-        return ["method", f"time a {self.number}", "relative error", *self.columns.values(), "dominated by"]
-
-    @property
-    def cells(self) -> list[list[str]]:
-        """The table's cells as text, a line for each row."""
+    def _table(self) -> tuple[list[str], list[list[str]]]:
+        """The header and the cells of a table, as text."""
+        columns = list(dict.fromkeys(key for row in self.rows for key in row.further))
 
         def further(row: Row, key: str) -> str:
             value = row.further.get(key, "")
@@ -129,56 +107,43 @@ class Trade:
                 return value
             return "not measured" if math.isnan(value) else f"{value:.11g}" if key == "share" else f"{value:.2g}"
 
-        return [
-            [
-                row.name,
-                duration(row.seconds) if row.found else "no number",
-                f"{row.error:.1e}" if row.found else "",
-                *(further(row, key) for key in self.columns),
-                "; ".join(by),
-            ]
-            for row, by in zip(self.rows, self.dominators.values(), strict=True)
-        ]
+        cells = []
+        for row, by in zip(self.rows, self.dominators.values(), strict=True):
+            measured = [duration(row.seconds), f"{row.error:.1e}"] if row.found else ["no number", ""]
+            cells.append([row.name, *measured, *(further(row, key) for key in columns), "; ".join(by)])
+        titles = [_TITLES.get(key, key) for key in columns]
+        return ["method", f"time a {self.number}", "relative error", *titles, "dominated by"], cells
 
     def __str__(self) -> str:
-        return f"{self.title}\n\n{table(self.header, self.cells)}"
+        return f"{self.title}\n\n{table(*self._table)}"
 
+    def _repr_html_(self) -> str:
+        return markup.table(*self._table, caption=self.title)
 
-def dominators(rows: Iterable[Row]) -> dict[str, tuple[str, ...]]:
-    """Return for each row which ones dominate it, of those that none dominates.
+    def draw(self, ax: "Axes") -> None:
+        """Draw error against time: filled what no other method dominates, and hollow what one does.
 
-    They suffice: what is dominated at all is dominated by one of them.
-    """
-    rows = list(rows)
-    front = [row for row in rows if not any(other.dominates(row) for other in rows)]
-    return {row.name: tuple(other.name for other in front if other.dominates(row)) for row in rows}
-
-
-def measured(
-    trade: Trade,
-    candidates: Iterable[Candidate],
-    judge: Callable[[Candidate, Any], tuple[float, Mapping[str, float | str]]],
-) -> Trade:
-    """Measure every candidate; `judge` gives the relative error of its result, and what else is known.
-
-    A candidate that fails, or is left when time is up, has no number.
-    """
-    rows = []
-    for one in candidates:
-        times: list[float] = []
-        least, enough = (_LEAST, _ENOUGH) if one.repeated else (1, 0.0)
-        try:
-            with np.errstate(all="ignore"):
-                while len(times) < least or sum(times) < enough:
-                    deadline.check_time()
-                    begin = process_time()
-                    result = one.compute()
-                    times.append(process_time() - begin)
-        except (ArithmeticError, NameError, StickSlipError):  # NumPy has no polylog, and lambdify prints it
-            rows.append(Row(one.method, one.setting))
-        else:
-            rows.append(Row(one.method, one.setting, min(times) / one.count, *judge(one, result)))
-    return replace(trade, rows=tuple(rows))
+        A method has a colour, and its settings have different markers.
+        """
+        by, front = self.dominators, list[tuple[float, float]]()
+        methods = list(dict.fromkeys(row.method for row in self.rows))
+        settings = Counter[str]()
+        for row in (row for row in self.rows if row.found):
+            color = _COLORS[methods.index(row.method) % len(_COLORS)]
+            marker = _MARKERS[settings[row.method] % len(_MARKERS)]
+            settings[row.method] += 1
+            at = row.seconds, max(row.error, _SMALLEST)
+            face = "white" if by[row.name] else color
+            ax.plot(*at, marker, color=color, markerfacecolor=face, label=row.name)
+            front += [] if by[row.name] else [at]
+        if front:
+            ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.03), fontsize=8)
+            ax.plot(*np.transpose(sorted(front)), drawstyle="steps-post", color="0.75", lw=1, zorder=0)
+        ax.axhline(2.0**-52, color="0.8", lw=0.8, ls=":", zorder=0)
+        ax.set(xscale="log", yscale="log", xlabel=f"time for one {self.number} (s)", ylabel="relative error")
+        ax.set_title("\n".join(wrapped(self.title, _TITLE)), fontsize=8)
+        ax.minorticks_off()
+        ax.grid(alpha=0.25)
 
 
 @dataclass(frozen=True, repr=False)
@@ -206,43 +171,12 @@ class Tradeoff(drawing.Drawn):
         return f"Tradeoff: {counts or 'nothing'}"
 
     def _repr_html_(self) -> str:
-        tables = [markup.table(trade.header, trade.cells, caption=trade.title) for trade in self.trades.values()]
-        return markup.block(drawing.picture(self.plot, repr(self)), *tables)
+        picture = drawing.picture(self.plot, repr(self))
+        return markup.block(picture, *(trade._repr_html_() for trade in self.trades.values()))
 
     def _figure(self) -> "Figure":
-        rows = max(1, len(self.trades))
         figure: Figure
-        figure, axes = drawing.new_figure(_WIDTH, _HEIGHT * rows, rows)
-        for trade, ax in zip(self.trades.values(), axes[:, 0], strict=False):
-            draw(trade, ax)
+        figure, axes = drawing.new_figure(_WIDTH, _HEIGHT * len(self.trades), len(self.trades))
+        for trade, ax in zip(self.trades.values(), axes[:, 0], strict=True):
+            trade.draw(ax)
         return figure
-
-
-def draw(trade: Trade, ax: "Axes") -> None:
-    """Draw error against time: filled what no other method dominates, and hollow what one does.
-
-    A method has a colour, and its settings have different markers.
-    """
-    by, front = trade.dominators, []
-    methods = list(dict.fromkeys(row.method for row in trade.rows))
-    settings = Counter[str]()
-    for row in trade.rows:
-        if not row.found:
-            continue
-        color, marker = (
-            _COLORS[methods.index(row.method) % len(_COLORS)],
-            _MARKERS[settings[row.method] % len(_MARKERS)],
-        )
-        settings[row.method] += 1
-        at = row.seconds, max(row.error, _SMALLEST)
-        face = "white" if by[row.name] else color
-        ax.plot(*at, marker, color=color, markerfacecolor=face, label=row.name)
-        front += [] if by[row.name] else [at]
-    if settings:
-        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.03), fontsize=8)
-    ax.plot(*np.reshape(sorted(front), (-1, 2)).T, drawstyle="steps-post", color="0.75", lw=1, zorder=0)
-    ax.axhline(_ROUNDING, color="0.8", lw=0.8, ls=":", zorder=0)
-    ax.set(xscale="log", yscale="log", xlabel=f"time for one {trade.number} (s)", ylabel="relative error")
-    ax.set_title("\n".join(wrapped(trade.title, _TITLE)), fontsize=8)
-    ax.minorticks_off()
-    ax.grid(alpha=0.25)

@@ -6,8 +6,10 @@ One more method is one `Candidate` of the number that it is for.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
+from time import process_time
 from typing import Any
 
 import mpmath
@@ -22,7 +24,7 @@ from stickslip_sym.comparison.procedures import (
     pure_slip_by_bisection,
     pure_slip_by_scan,
 )
-from stickslip_sym.comparison.trade import Candidate, Trade, Tradeoff, measured
+from stickslip_sym.comparison.trade import Row, Trade, Tradeoff
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
@@ -42,12 +44,13 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.regime import by_side
 from stickslip_sym.motion.thresholds.methods import methods
-from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
+from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 
 __all__ = ["KINDS", "SPEEDS", "tradeoff"]
 
 KINDS = ("criterion", "threshold", "basin")
 Ends = tuple[float, float]
+Further = Mapping[str, float | str]
 _DERIVING = 120.0  # seconds of the search for a closed form
 GAUSS_NODES = (2, 4, 8, 16, 32)
 DIGITS = (15, 30, 50)
@@ -67,6 +70,7 @@ WRITTEN = 50
 TOLERANCES = (1e-3, 1e-6)
 """Of these runs; the first is SciPy's own."""
 _SEED = 1  # of the initial conditions
+_LEAST, _ENOUGH = 3, 0.02  # repetitions of a measurement, and seconds that they take together, at least
 
 
 def tradeoff(
@@ -140,24 +144,61 @@ def tradeoff(
     trades: dict[str, Callable[[], Trade]] = {
         "criterion": lambda: _criterion(law, chosen, {**PAPER, "V": LOW_SPEED, **given}),
         "threshold": lambda: _threshold(law, numbers),
-        "basin": lambda: _share(law, numbers, damping, x0, v0),
+        "basin": lambda: _basin(law, numbers, damping, x0, v0),
     }
-    found, first = Tradeoff({}), None
+    found, errors = dict[str, Trade](), dict[str, StickSlipError]()
     with deadline.time_limit(time_limit):
         for kind in kinds:
             try:
-                found.trades[kind] = trades[kind]()
+                found[kind] = trades[kind]()
             except StickSlipError as error:
-                first = first or error
-                found.refused[kind] = str(error)
-    if first is not None and not found.trades:
-        raise first
-    return found
+                errors[kind] = error
+    if not found:
+        raise next(iter(errors.values()))
+    return Tradeoff(found, {kind: str(error) for kind, error in errors.items()})
 
 
-def _title(of: str, law: FrictionLaw, point: Mapping[str, object]) -> str:
-    numbers = [f"{name} = {value} {symbols.QUANTITIES[name].unit}" for name, value in point.items()]
-    return ", ".join([f"{of} {law.name or 'the law'}", *numbers])
+# -- how a method is measured ------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One method at one tolerance: a call of `compute` gives `count` values. What takes long is timed once."""
+
+    method: str
+    setting: str
+    compute: Callable[[], Any]
+    count: int = 1
+    repeated: bool = True
+
+
+def _measured(
+    candidates: Iterable[Candidate], judge: Callable[[Candidate, Any], tuple[float, Further]]
+) -> tuple[Row, ...]:
+    """Measure every candidate; `judge` gives the relative error of its result, and what else is known.
+
+    A candidate that fails, or is left when time is up, has no number.
+    """
+    rows = []
+    for one in candidates:
+        times: list[float] = []
+        least, enough = (_LEAST, _ENOUGH) if one.repeated else (1, 0.0)
+        try:
+            with np.errstate(all="ignore"):
+                while len(times) < least or sum(times) < enough:
+                    deadline.check_time()
+                    begin = process_time()
+                    result = one.compute()
+                    times.append(process_time() - begin)
+        except (ArithmeticError, NameError, StickSlipError):  # NumPy has no polylog, and lambdify prints it
+            rows.append(Row(one.method, one.setting))
+        else:
+            rows.append(Row(one.method, one.setting, min(times) / one.count, *judge(one, result)))
+    return tuple(rows)
+
+
+def _shown(point: Mapping[str, object]) -> str:
+    return ", ".join(f"{name} = {value} {symbols.QUANTITIES[name].unit}" for name, value in point.items())
 
 
 # -- the value of a criterion ------------------------------------------------------------------------
@@ -167,20 +208,18 @@ def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Numbe
     """Measure the methods for the value of a criterion, held against the closed form in 70 digits."""
     form = derive(law, criterion, time_limit=max(0.0, min(_DERIVING, deadline.time_left())))
     # Floats are what every method gets, so that none is blamed for the rounding of the input.
-    numbers: dict[str, Any] = {name: float(exact(point[name], name)) for name in "VN"}
-    at = {name: point[name] for name in "VN"}
-    trade = Trade("value", _title(f"{criterion.name} of", law, at), (), point=dict(numbers))
-    numbers |= {name: float(value) for name, value in law.values.items()}
+    at = {name: float(exact(point[name], name)) for name in "VN"}
+    numbers: dict[str, Any] = at | {name: float(value) for name, value in law.values.items()}
     right = form.evaluate(_REFERENCE_DIGITS, **numbers)
     if right == 0:
         raise InputError("the criterion is 0 at this operating point: nothing has a relative error")
 
-    def judge(_: Candidate, result: Any) -> tuple[float, Mapping[str, float | str]]:
+    def judge(_: Candidate, result: Any) -> tuple[float, Further]:
         value = result if isinstance(result, mpmath.mpf) else mpmath.mpf(float(np.ravel(result)[0]))
         with mpmath.workdps(_REFERENCE_DIGITS):
             return float(abs(value - right) / abs(right)), {}
 
-    many = numbers | {"V": np.full(_ARRAY, numbers["V"])}
+    many = numbers | {"V": np.full(_ARRAY, at["V"])}
     plain = function_of(list(form.arguments.values()), form.expr, "numpy")
     candidates = [
         Candidate("plain lambdify", "array", partial(plain, *(many[name] for name in form.arguments)), _ARRAY),
@@ -190,28 +229,29 @@ def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Numbe
     if criterion.weight is not None and not jumps(law.expr):  # a rule for the slope misses a jump
         from scipy.integrate import quad
 
-        integrand = _integrand(form, numbers["V"], numbers["N"])
+        integrand = _integrand(form, at["V"], at["N"])
         candidates += [Candidate("Gauss rule", f"{n} nodes", _gauss_rule(integrand, n)) for n in GAUSS_NODES]
         by_quad = partial(quad, integrand, 0, np.pi / 2, epsabs=0, epsrel=1e-13, full_output=1)
         candidates.append(Candidate("scipy.integrate.quad", "", lambda: by_quad()[0]))
     candidates += [
         Candidate("mpmath", f"{digits} digits", partial(form.evaluate, digits, **numbers)) for digits in DIGITS
     ]
-    return measured(trade, candidates, judge)
+    title = f"{criterion.name} of {law.name or 'the law'}, {_shown({name: point[name] for name in 'VN'})}"
+    return Trade("value", title, _measured(candidates, judge), at)
 
 
 def _integrand(form: ClosedForm, V: float, N: float) -> Callable[[FloatArray], FloatArray]:
-    """Return w(s) mu'(v) ds/dphi with v = 2V sin(phi)^2: smooth at both ends, square roots too."""
-    ends = sp.symbols("p q", positive=True, cls=sp.Dummy)
+    """Return -N w(s) mu'(v) ds/dphi with v = 2V sin(phi)^2: smooth at both ends, square roots too."""
+    ends, point = sp.symbols("p q", positive=True, cls=sp.Dummy), form.law.point
     weight = function_of(ends, form.criterion.from_ends(*ends), "numpy")
-    point = form.law.point
-    slope = function_of([*point, symbols.v], slope_of(form.law.expr), "numpy")
-    parameters = [float(value) for value in point.values()]
+    slope = partial(
+        function_of([*point, symbols.v], slope_of(form.law.expr), "numpy"), *map(float, point.values())
+    )
 
     def integrand(angle: FloatArray) -> FloatArray:
         sine, cosine = np.sin(angle), np.cos(angle)
         share: FloatArray = 4 * sine * cosine * weight(2 * sine * sine, 2 * cosine * cosine)
-        rise: FloatArray = slope(*parameters, 2 * V * sine * sine)
+        rise: FloatArray = slope(2 * V * sine * sine)
         return -N * share * rise
 
     return integrand
@@ -219,9 +259,8 @@ def _integrand(form: ClosedForm, V: float, N: float) -> Callable[[FloatArray], F
 
 def _gauss_rule(integrand: Callable[[FloatArray], FloatArray], n: int) -> Callable[[], float]:
     pairs = [arb.legendre_p_root(n, k, weight=True) for k in range(n)]  # NumPy's weights are off by some units
-    x, w = np.array([[float(node), float(weight)] for node, weight in pairs]).T
-    angles, weights = (1 + x) * np.pi / 4, w * np.pi / 4
-    return lambda: math.fsum(weights * integrand(angles))
+    x, w = np.array(pairs, dtype=np.float64).T
+    return lambda: math.fsum(np.pi / 4 * w * integrand((1 + x) * np.pi / 4))
 
 
 # -- the threshold -----------------------------------------------------------------------------------
@@ -233,18 +272,17 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
     They are the package's, with their largest errors over `SPEEDS`; and at the operating point only the paper's
     scan of Newmark runs up to twice the threshold, and bisection by ``scipy.integrate.solve_ivp``.
     """
-    known = methods()
 
-    def by(name: str, V: float) -> Any:
+    def by(name: str, V: float = point["V"]) -> Threshold:
         """Return the threshold by a method; averages of slopes are not made to look for their error."""
-        method = known[name]
+        method = methods()[name]
         numbers = {**point, "V": V} if method.oscillator else {"V": V, "N": point["N"]}
         return pure_slip_damping(law, **numbers, method=method, rtol=_FINE if method.converges else 1.0)
 
-    right = by("orbit", point["V"]).value
+    right = by("orbit").value
     if not right > 0:
         raise NoThreshold(f"the threshold is {right:.3g} kg/s here: nothing has a relative error")
-    references = {}
+    references = dict[float, float]()
     for speed in SPEEDS.tolist():
         try:
             references[speed] = by("orbit", speed).value
@@ -253,37 +291,36 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
         except OutOfTime:
             break
 
-    def error(result: Any, reference: float) -> float:
+    def error(found: Threshold, reference: float) -> float:
         """Return the error against the orbit; the orbit's own is its estimate, and that of a proof its bound."""
-        own = result.method == "orbit" or result.status is Status.PROVED
-        return float(result.relative_error) if own else abs(result.value / reference - 1)
+        own = found.method == "orbit" or found.status is Status.PROVED
+        return float(found.relative_error) if own else abs(found.value / reference - 1)
 
-    def judge(candidate: Candidate, result: Any) -> tuple[float, Mapping[str, float | str]]:
+    def judge(candidate: Candidate, result: Any) -> tuple[float, Further]:
         if isinstance(result, float):
-            return abs(result / right - 1), {"largest": math.nan, "status": "ESTIMATED"}
+            return abs(result / right - 1), {"largest": math.nan, "status": Status.ESTIMATED.value}
         try:
             errors = [error(by(candidate.method, V), there) for V, there in references.items() if there > 0]
         except (OutOfTime, NotConverged, NoThreshold):
             errors = []
-        largest = max(errors, default=math.nan)
-        return error(result, right), {"largest": largest, "status": str(result.status)}
+        return error(result, right), {"largest": max(errors, default=math.nan), "status": str(result.status)}
 
     osc = Oscillator(**point)
+    candidates = [Candidate(name, "", partial(by, name)) for name in methods()]
     scan = partial(pure_slip_by_scan, law, osc, Scan(np.arange(0.0, 2 * right, SCAN_STEP)))
-    candidates = [Candidate(name, "", partial(by, name, point["V"])) for name in known]
     candidates.append(Candidate("Newmark scan", "", scan, repeated=False))
     for rtol in BISECTED:
         bisection = partial(pure_slip_by_bisection, law, osc, rtol)
         candidates.append(Candidate("solve_ivp and bisection", f"rtol {rtol:.0e}", bisection, repeated=False))
-    columns = {"largest": "largest error up to V = 1 m/s", "status": "status"}
-    title = _title("threshold of", law, {name: f"{value:g}" for name, value in point.items()})
-    return measured(Trade("threshold", title, (), point, columns=columns), candidates, judge)
+    shown = _shown({name: f"{value:g}" for name, value in point.items()})
+    title = f"threshold of {law.name or 'the law'}, {shown}"
+    return Trade("threshold", title, _measured(candidates, judge), point)
 
 
 # -- the share of initial conditions -----------------------------------------------------------------
 
 
-def _share(
+def _basin(
     law: FrictionLaw, point: Mapping[str, float], c: float | None, x0: Ends | None, v0: Ends | None
 ) -> Trade:
     """Measure the methods for the share of a box of initial conditions that come to rest, held against its area.
@@ -309,21 +346,20 @@ def _share(
         return classify(law, osc, x0=x, v0=v) is Motion.REST
 
     rng = np.random.default_rng(_SEED)
-    initial = np.column_stack([rng.uniform(*ends, max(SIMULATED)) for ends in (x0, v0)])
-    sides = by_side(basins.regime, *initial.T).tolist()
+    initial = np.column_stack([rng.uniform(*ends, max(SIMULATED)) for ends in (x0, v0)]).tolist()
+    sides = by_side(basins.regime, *np.transpose(initial)).tolist()
     truth = [
-        rests(*at) if motion is None else motion is Motion.REST
-        for motion, at in zip(sides, initial.tolist(), strict=True)
+        rests(*at) if motion is None else motion is Motion.REST for motion, at in zip(sides, initial, strict=True)
     ]
 
     def sampled(decide: Callable[[float, float], bool], count: int) -> list[bool]:
         found = []
-        for x, v in initial[:count].tolist():
+        for x, v in initial[:count]:
             deadline.check_time()
             found.append(decide(x, v))
         return found
 
-    def judge(_: Candidate, result: Any) -> tuple[float, Mapping[str, float | str]]:
+    def judge(_: Candidate, result: Any) -> tuple[float, Further]:
         if not isinstance(result, list):
             share = float(result.share[Motion.REST].value)
             return float(right.error / right.value), {"share": share, "standard error": 0.0}
@@ -344,8 +380,7 @@ def _share(
     shown = ", ".join(f"{name} = {value:g}" for name, value in numbers.items())
     box = f"x0 = {x0[0]:g} to {x0[1]:g} m, v0 = {v0[0]:g} to {v0[1]:g} m/s"
     title = f"share of initial conditions that come to rest, {law.name or 'the law'}, {shown}, {box}"
-    columns = {"share": "share", "standard error": "standard error"}
-    return measured(Trade("share", title, (), numbers, {"x0": x0, "v0": v0}, columns), candidates, judge)
+    return Trade("share", title, _measured(candidates, judge), numbers, {"x0": x0, "v0": v0})
 
 
 def _between_thresholds(law: FrictionLaw, point: Mapping[str, float]) -> float:

@@ -5,6 +5,7 @@ functions of the table are translated. Where Arb integrates it asks whether a fu
 ball: a branch cut that is not reported gives a tight ball around a wrong number, so each function's cut is tested.
 """
 
+import copyreg
 import operator
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -39,6 +40,7 @@ _LARGEST_POWER = 64  # of an integer exponent that is multiplied out; a power by
 _NUMBER_BITS = 4000  # of a number that is no rational one: beyond the digits of any answer
 _lock = threading.RLock()  # Arb's precision is one setting of the whole process
 _NOWHERE = acb("nan")
+copyreg.pickle(arb, lambda one: (arb, tuple(tuple(map(int, part.man_exp())) for part in (one.mid(), one.rad()))))
 
 
 @contextmanager

@@ -12,9 +12,8 @@ def results() -> dict[str, list[str]]:
     modules = [importlib.import_module(one.name) for one in pkgutil.walk_packages(ss.__path__, "stickslip_sym.")]
     classes: dict[str, type] = {}
     for module in modules:
-        for name in vars(module).get("__all__", ()):
-            one = vars(module).get(name)
-            if isinstance(one, type) and one.__module__ == module.__name__:
+        for name, one in vars(module).items():
+            if isinstance(one, type) and one.__module__ == module.__name__ and not name.startswith("_"):
                 classes[name] = one
     found: dict[str, list[str]] = {}
     todo = [getattr(ss, name) for name in vars(ss)["__all__"]]

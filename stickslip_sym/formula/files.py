@@ -113,7 +113,6 @@ def load(path: str | Path) -> Item | tuple[Item, ...]:
 
 
 def _read(path: Path, name: str) -> object:
-    files.require_name(path)
     try:
         if path.stat().st_size > _LARGEST:
             raise InputError(f"{name} has over {_LARGEST} bytes; nothing that is saved here is as long")

@@ -218,6 +218,8 @@ def _constant(expr: Expr, names: dict[Expr, Expr]) -> Expr:
         return sp.Add(*(_constant(term, names) for term in expr.args))
     if expr.is_Pow and expr.exp.free_symbols:
         return _constant(expr.base, names) ** _constant(expr.exp, names)
+    if isinstance(expr, sp.exp):
+        return sp.exp(_constant(expr.exp, names))
     number, product = expr.as_coeff_Mul()
     powers = product.as_powers_dict()
     if any(exponent.free_symbols for exponent in powers.values()):

@@ -8,9 +8,9 @@ __all__ = ["sign_changes"]
 
 
 def sign_changes(
-    function: Callable[[float], float], nodes: Sequence[float], values: Sequence[float], xtol: float
+    function: Callable[[float], float], nodes: Sequence[float], values: Sequence[float], rtol: float
 ) -> Iterator[float]:
-    """Yield where a function changes its sign between nodes, from its values there, within a tolerance.
+    """Yield where a function changes its sign between nodes, from its values there, within a relative tolerance.
 
     Also nodes at which it is 0, but for zeros beside zeros. Values beyond -1 and 1 count as these: they may be
     infinite.
@@ -24,4 +24,4 @@ def sign_changes(
         if value == 0 and (i == 0 or values[i - 1] != 0) and (i == last or values[i + 1] != 0):
             yield x
         elif i < last and value * values[i + 1] < 0:
-            yield brentq(bounded, x, nodes[i + 1], xtol=xtol)
+            yield brentq(bounded, x, nodes[i + 1], xtol=rtol * max(abs(x), abs(nodes[i + 1])))

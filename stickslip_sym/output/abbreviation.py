@@ -12,8 +12,6 @@ from stickslip_sym.output.printing import latex
 from stickslip_sym.output.tables import WIDTH, wrapped
 from stickslip_sym.output.text_printer import terms, text
 
-__all__ = ["equation", "formula"]
-
 _LETTERS = "qphrwgz"
 _BLOCK = 40  # characters from which on what stands repeatedly gets a letter, roots always
 _LONG = 400  # characters of a formula as text from which on it is broken
@@ -22,20 +20,14 @@ Definitions = list[tuple[Expr, Expr]]
 
 
 def equation(
-    left: str,
-    right: Expr,
-    names: Mapping[str, str],
-    *,
-    relation: str = "=",
-    label: str = "",
-    tag: str = "",
-    letters: Mapping[Expr, Expr] | None = None,
+    left: str, right: Expr, names: Mapping[str, str], letters: Mapping[Expr, Expr] | None = None, **style: str
 ) -> str:
     """Return a displayed equation with a side that is LaTeX already, and the definitions that follow it.
 
     In a formula that is wider than a line wide denominators, which cannot be broken, get letters too.
 
     - `letters`: symbols of the right side, and the numbers that they stand for.
+    - `style`: what `displayed` takes.
     """
     known, definitions = dict(names), Definitions()
     if width(latex(right, names)) > LINE:
@@ -47,7 +39,7 @@ def equation(
                 definitions.append((symbol, power.base))
         right, definitions = _with_letters(right, definitions, names)
         known |= notation_of(symbol.name for symbol, _ in definitions)
-    shown = displayed(left, latex(right, known), relation=relation, label=label, tag=tag)
+    shown = displayed(left, latex(right, known), **style)
     where = [displayed(known[symbol.name], latex(value, known)) for symbol, value in definitions]
     used = set().union(right.free_symbols, *(value.free_symbols for _, value in definitions))
     numbers = [

@@ -12,8 +12,6 @@ from tempfile import TemporaryDirectory
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.files import write_text
 
-__all__ = ["find_browser", "print_to_pdf", "require_browser"]
-
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 _OTHERWISE = "open the page in any browser, and print it to a file there"
 _SECONDS = 60  # for one page; usually 2
@@ -30,10 +28,7 @@ def find_browser() -> str | None:
 
 
 def require_browser() -> str:
-    """Return the browser that prints.
-
-    Raises `InputError` if there is none.
-    """
+    """Return the browser that prints, or refuse where there is none."""
     browser = find_browser()
     if browser is None:
         raise InputError(f"a PDF needs chromium or chrome, and none is on the path; {_OTHERWISE}")
@@ -41,10 +36,7 @@ def require_browser() -> str:
 
 
 def print_to_pdf(page: str, path: Path) -> None:
-    """Print a page to a PDF file; what was there before stays if that fails.
-
-    Raises `InputError` if there is no browser, it cannot print, or the file cannot be written.
-    """
+    """Print a page to a PDF file; what was there before stays if that fails."""
     browser = require_browser()
     with TemporaryDirectory() as folder:
         source, printed = Path(folder, "page.html"), Path(folder, "page.pdf")

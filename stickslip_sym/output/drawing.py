@@ -5,7 +5,6 @@ differ in style or width too, regions are hatched, and each is labelled.
 """
 
 import io
-from abc import ABC, abstractmethod
 from base64 import b64encode
 from collections.abc import Callable, Sequence
 from html import escape
@@ -13,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip_sym.core.errors import InputError, StickSlipError
-from stickslip_sym.output.files import require_name
+from stickslip_sym.output.files import write_text
 from stickslip_sym.output.markup import Markup
 
 if TYPE_CHECKING:
@@ -22,11 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stickslip_sym.core.aliases import FloatArray
-
-__all__ = [
-    "BLUE", "GREEN", "ORANGE", "Drawn", "Panel", "dense", "finish", "new_figure", "panel_letters", "picture",
-    "require_matplotlib", "save", "styled", "svg", "svg_uri",
-]  # fmt: skip
 
 BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
 _STYLE: Any = {
@@ -43,9 +37,14 @@ _STYLE: Any = {
     "legend.frameon": False,
     "legend.fontsize": 8.5,
     "hatch.linewidth": 0.5,
-    "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "stickslip_sym",  # the same picture is the same file
 }
+_TIMELESS: Any = {
+    "svg": {"Date": None, "Creator": None},
+    "pdf": {"CreationDate": None},
+    "png": {"Software": None},
+}
+"""What files would say of the time and the machine that made them."""
 _DENSE = 8  # points drawn for each step of an integration
 _INLINE = 90  # pixels an inch, of a picture among text
 _PANEL = 7.2, 5.6  # inches, of a figure of one panel
@@ -91,70 +90,44 @@ def panel_letters(axes: Any, titles: list[str]) -> None:
         ax.set_title(f"({letter})  {title}", loc="left", pad=4)
 
 
-def svg(figure: Any) -> bytes:
-    """Return a figure as SVG for a page, its text as paths; the same bytes for the same figure."""
+def _rendered(figure: "Figure", kind: str, dpi: int = 160, fonttype: str = "none") -> bytes:
+    """Return a figure as the content of a file; the same bytes for the same figure."""
     stream = io.BytesIO()
-    with styled(**{"svg.fonttype": "path"}):
-        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    with styled(**{"svg.fonttype": fonttype}):
+        figure.savefig(stream, format=kind, dpi=dpi, metadata=_TIMELESS.get(kind))
     return stream.getvalue()
 
 
-def svg_uri(figure: Any) -> str:
+def svg(figure: "Figure") -> bytes:
+    """Return a figure as SVG for a page, its text as paths."""
+    return _rendered(figure, "svg", fonttype="path")
+
+
+def svg_uri(figure: "Figure") -> str:
     """Return a figure as a data URI."""
     return f"data:image/svg+xml;base64,{b64encode(svg(figure)).decode()}"
 
 
-class Drawn(ABC):
-    """A result that has a picture."""
+class Drawn:
+    """A result that has a picture: one panel, or a figure of several."""
 
-    @abstractmethod
-    def _figure(self) -> "Figure":
-        """Return its matplotlib.figure.Figure."""
+    def draw(self, ax: "Axes") -> "Sequence[Artist]":
+        """Draw it as a panel, and return the handles of its legend."""
+        raise InputError(f"{type(self).__name__} is drawn as a figure of several panels; leave ax out")
 
-    def plot(self, path: str | Path | None = None) -> "Figure":
+    def _title(self) -> str:
+        """Return the title of a panel in a figure of its own."""
+        return ""
+
+    def plot(self, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
         """Draw it: regions or basins in colours and hatching, curves between them, orbits, or costs.
 
         Parameters
         ----------
         path : str or Path, optional
             A file to draw to: SVG, PNG or PDF, by its ending.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not installed, or cannot write the file.
-        """
-        with styled():
-            figure = self._figure()
-        if path is not None:
-            save(figure, Path(path))
-        return figure
-
-
-class Panel(Drawn):
-    """A result whose picture is one panel, which can be drawn into axes of a figure of one's own."""
-
-    @abstractmethod
-    def draw(self, ax: "Axes") -> "Sequence[Artist]":
-        """Draw it, and return the handles of its legend."""
-
-    def _title(self) -> str:
-        """Return the title that it has in a figure of its own."""
-        return ""
-
-    def plot(self, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
-        """Draw it: regions or basins in colours and hatching, curves between them, or orbits.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            A file to draw to: SVG, PNG or PDF, by its ending.
         ax : matplotlib.axes.Axes, optional
-            Axes of a figure of your own to draw in, with the legend inside them.
+            Axes of a figure of your own to draw a panel in, with the legend inside them.
 
         Returns
         -------
@@ -166,9 +139,11 @@ class Panel(Drawn):
             If matplotlib is not installed, or cannot write the file.
         """
         if ax is None:
-            return super().plot(path)
-        ax.legend(handles=self.draw(ax), fontsize=8)
-        figure: Figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
+            with styled():
+                figure = self._figure()
+        else:
+            ax.legend(handles=self.draw(ax), fontsize=8)
+            figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
         if path is not None:
             save(figure, Path(path))
         return figure
@@ -194,10 +169,7 @@ def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
         figure = draw()
     except StickSlipError:
         return Markup("")
-    stream = io.BytesIO()
-    with styled():
-        figure.savefig(stream, format="png", dpi=_INLINE, metadata={"Software": None})
-    content = b64encode(stream.getvalue()).decode()
+    content = b64encode(_rendered(figure, "png", _INLINE)).decode()
     return Markup(f'<img src="data:image/png;base64,{content}" alt="{escape(alt)}"/>')
 
 
@@ -210,10 +182,10 @@ def dense(ends: "FloatArray") -> "FloatArray":
 
 def save(figure: "Figure", path: Path) -> None:
     """Write a drawing to a file, in the format of its name; refuse a format that matplotlib does not know."""
-    require_name(path)
+    path = path if path.suffix else path.with_suffix(".png")
     try:
-        with styled():
-            figure.savefig(path, dpi=160, metadata={"Date": None} if path.suffix == ".svg" else None)
-    except (OSError, ValueError) as error:
+        content = _rendered(figure, path.suffix.lower().removeprefix("."))
+    except ValueError as error:
         name = f"{path.stem or 'picture'}.png"
         raise InputError(f"cannot draw to {path.name!r}: {error}; try a name such as {name}") from None
+    write_text(path, content)

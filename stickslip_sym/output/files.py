@@ -10,19 +10,18 @@ import os
 import secrets
 import shutil
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
     from stickslip_sym.core.aliases import ObjectArray
-
-__all__ = ["is_kept", "require_name", "texts", "write_csv", "write_npz", "write_text", "write_texts"]
 
 _OWN = {"/dev/stdout": 1, "/dev/stderr": 2}
 """This process's own output: sent to a file, it must not be replaced, or what is printed later is lost."""
@@ -31,12 +30,6 @@ _OWN = {"/dev/stdout": 1, "/dev/stderr": 2}
 def is_kept(path: Path) -> bool:
     """Return whether a file would be lost if it were written: not a stream, nor this process's own output."""
     return path.is_file() and str(path) not in _OWN
-
-
-def require_name(path: Path) -> None:
-    """Refuse a null byte, which systems refuse in the name of a file, each with words of its own."""
-    if "\0" in str(path):
-        raise InputError(f"the name of a file cannot hold a null byte, as {str(path)!r} does; choose another file")
 
 
 def write_text(path: Path, content: str | bytes) -> None:
@@ -53,14 +46,12 @@ def write_texts(contents: Mapping[Path, str | bytes]) -> None:
     streams: list[tuple[Path, bytes]] = []
     with ExitStack() as left_over:
         for path, content in contents.items():
-            require_name(path)
             whole = content.encode() if isinstance(content, str) else content
             with _refusing(path):
                 if str(path) in _OWN or (path.exists() and not path.is_file()):
                     streams.append((path, whole))
                     continue
                 target = Path(os.path.realpath(path))
-                exists = _may_be_replaced(target)
                 # A fixed length: with the target's own name the longest names would become too long.
                 temporary = target.parent / f".stickslip-{secrets.token_hex(8)}"
                 with temporary.open("xb") as stream:
@@ -68,7 +59,10 @@ def write_texts(contents: Mapping[Path, str | bytes]) -> None:
                     stream.write(whole)
                     stream.flush()
                     os.fsync(stream.fileno())
-                if exists:
+                with suppress(FileNotFoundError):
+                    target.stat()  # refuses a loop of links
+                    if not os.access(target, os.W_OK):  # it could be replaced all the same
+                        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
                     shutil.copymode(target, temporary)
                 staged.append((path, temporary, target))
         for path, temporary, target in staged:
@@ -87,32 +81,17 @@ def _refusing(path: Path) -> Iterator[None]:
     except BrokenPipeError:  # of /dev/stdout: a reader that has read enough is no bad input
         raise
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
+        reason = getattr(error, "strerror", None) or error
         raise InputError(f"cannot write {str(path)!r}: {reason}; choose another file") from None
-
-
-def _may_be_replaced(target: Path) -> bool:
-    """Return whether a file is there; refuse one that may not be written, though it could be replaced."""
-    try:
-        target.stat()
-    except FileNotFoundError:
-        return False
-    if not os.access(target, os.W_OK):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-    return True
 
 
 def texts(array: "ObjectArray") -> "NDArray[np.str_]":
     """Return an array of members of an enumeration as text."""
-    import numpy as np
-
     return np.array([entry.value for entry in np.ravel(array)]).reshape(np.shape(array))
 
 
 def write_csv(path: Path, columns: "Mapping[str, ArrayLike]") -> None:
     """Write arrays of one size as columns of a CSV file, floats to their last digit, as `write_text` does."""
-    import numpy as np
-
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(columns)
@@ -122,8 +101,6 @@ def write_csv(path: Path, columns: "Mapping[str, ArrayLike]") -> None:
 
 def write_npz(path: Path, arrays: "Mapping[str, ArrayLike]") -> None:
     """Write arrays as ``numpy.savez_compressed`` does, which notes no time, as `write_text` does."""
-    import numpy as np
-
     buffer, named = io.BytesIO(), dict[str, Any](arrays)
     np.savez_compressed(buffer, **named)
     write_text(path, buffer.getvalue())

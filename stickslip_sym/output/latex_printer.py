@@ -22,8 +22,6 @@ from stickslip_sym.core.functions import CONSTANTS, Constant, Function, row
 from stickslip_sym.output.notation import distinct_notation, latex_name, look
 from stickslip_sym.output.text_printer import Readable, decimal, factors, is_over_decimal, spellings
 
-__all__ = ["latex"]
-
 _SHORT_SUM = 30  # characters of LaTeX without braces and styles, of a sum that may stand on a fraction
 _SHORT = 48  # of one that may stand there alone, and that one pair of brackets holds in a line
 _NAMED = CONSTANTS.keys() - {sp.E, sp.I}  # E and I are printed by methods of their own

@@ -12,8 +12,6 @@ from collections.abc import Callable, Mapping, Sequence
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.notation import latex_name
 
-__all__ = ["LINE", "displayed", "key", "prose", "width"]
-
 LINE = 341.0  # points in 120 mm
 _NUMBER = 32.0  # of them for the number of the equation
 _INDENT = 20.0

@@ -8,14 +8,11 @@ from collections.abc import Sequence
 from html import escape
 from typing import TypeVar
 
-__all__ = ["Markup", "block", "element", "escaped", "formula", "prose", "shortened", "table"]
-
 _PLAIN = 'class="mathjax_ignore tex2jax_ignore"'  # a dollar sign in a name starts no formula
 _LONGEST = 4000  # characters of a formula
 _ENDS = 5  # items that are shown at either end of a long list
 _NO_CHARACTER = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What XML takes for no character: controls, and halves of pairs, as in names of files that are not UTF-8."""
-_EMPTY = frozenset({"img", "meta", "br", "link"})
 _SUBSCRIPT = re.compile(r"\b(mu|[a-zA-Z])_([a-zA-Z]|max|min|\d+)\b")
 _POWER = re.compile(r"(?:\*\*|\^)(-?[\d.]*\d)")
 _MINUS = re.compile(r"(?<![\w.])-(?=[\w(.<])|(?<= )-(?= )")
@@ -43,8 +40,6 @@ def element(tag: str, /, *children: str, **attributes: str) -> Markup:
     """Return an element; an attribute may end in an underscore, and inside it stands for a hyphen."""
     named = {name.removesuffix("_").replace("_", "-"): value for name, value in attributes.items()}
     written = "".join(f' {name}="{escaped(value, quote=True)}"' for name, value in named.items())
-    if tag in _EMPTY:
-        return Markup(f"<{tag}{written}/>")
     inside = "".join(child if isinstance(child, Markup) else escaped(child) for child in children)
     return Markup(f"<{tag}{written}>{inside}</{tag}>")
 

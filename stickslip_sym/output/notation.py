@@ -10,8 +10,6 @@ from collections.abc import Iterable, Mapping
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import suggestion
 
-__all__ = ["check_known", "distinct_notation", "latex_name", "look", "notation_of"]
-
 _GREEK = frozenset(
     {
         "alpha", "beta", "gamma", "delta", "epsilon", "varepsilon", "zeta", "eta", "theta", "vartheta", "iota",
@@ -52,10 +50,7 @@ def _base(word: str) -> str:
 
 
 def notation_of(names: Iterable[str], given: Mapping[str, str] | None = None) -> dict[str, str]:
-    """Return the LaTeX of each name, with what is given put in place.
-
-    Raises `InputError` for LaTeX that may not be used, or two symbols that would look the same.
-    """
+    """Return the LaTeX of each name, what is given in its place; refuse two symbols that would look the same."""
     given = {name: latex for name, latex in (given or {}).items() if latex is not None}
     found: dict[str, str] = {}
     looks: dict[str, str] = {}
@@ -90,10 +85,7 @@ def _spelled_out(name: str) -> str:
 
 
 def check_known(given: Mapping[str, str], names: Iterable[str]) -> None:
-    """Refuse notation for a symbol that does not occur.
-
-    Raises `InputError` with the closest name.
-    """
+    """Refuse notation for a symbol that does not occur."""
     known = list(dict.fromkeys(names))
     for name in given:
         if name not in known:
@@ -104,25 +96,16 @@ def check_known(given: Mapping[str, str], names: Iterable[str]) -> None:
 
 
 def _check(name: str, latex: str) -> None:
-    r"""Refuse LaTeX that is no symbol.
-
-    Raises `InputError` with what cannot be used, and examples of what can.
-    """
-    example = r"write a symbol such as v_b, \beta or v_{\mathrm{belt}}"
-    if not isinstance(latex, str) or not latex.strip() or len(latex) > _LONGEST:
-        raise InputError(f"the LaTeX of {name} is a text of 1 to {_LONGEST} characters; {example}")
-    if foreign := _FOREIGN.search(latex):
-        raise InputError(f"the LaTeX of {name}, {latex!r}, has the character {foreign[0]!r}; {example}")
-    inner, outline = latex, _outline(latex)
-    if "{" in outline or "}" in outline:
-        raise InputError(f"the braces of the LaTeX of {name}, {latex!r}, do not match; {example}")
-    while outline.strip() == "@":
+    """Refuse LaTeX that does not read as one symbol."""
+    inner = latex if isinstance(latex, str) else ""
+    while (outline := _outline(inner)).strip() == "@":
         inner = inner.strip()[1:-1]
-        outline = _outline(inner)
-    if not _ONE.fullmatch(outline) or _OTHERWISE.search(inner):
+    reads_otherwise = _OTHERWISE.search(inner) or _FOREIGN.search(inner)
+    if len(inner) > _LONGEST or reads_otherwise or not _ONE.fullmatch(outline):
         raise InputError(
-            f"the LaTeX of {name}, {latex!r}, reads as a product, a sum or a number, or has a script of nothing, "
-            f"not as one symbol; put several letters into \\mathit{{...}}; {example}"
+            f"the LaTeX of {name}, {latex!r}, is not one symbol in at most {_LONGEST} characters, but a product, "
+            "a sum, a number, or something else; put several letters into \\mathit{...}; write a symbol such as "
+            r"v_b, \beta or v_{\mathrm{belt}}"
         )
 
 

@@ -4,8 +4,6 @@ import re
 import sys
 from collections.abc import Sequence
 
-__all__ = ["WIDTH", "duration", "table", "wrapped"]
-
 WIDTH = 115  # characters of a line
 _FACTOR = re.compile(r"(?<!\*)(?=/|\*(?!\*))")  # where a long product may end a line: never inside **
 

@@ -14,8 +14,6 @@ from sympy.printing.str import StrPrinter
 
 from stickslip_sym.core.aliases import Expr
 
-__all__ = ["Readable", "decimal", "factors", "is_decimal", "spellings", "terms", "text"]
-
 _LEAST_DENOMINATOR = 100  # least denominator of a decimal; a smaller one is read at a glance
 _COMPUTED = 2**20  # least denominator of a binary number that was computed, not written
 _LONGEST_DECIMAL = 24  # characters

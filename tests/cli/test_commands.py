@@ -4,6 +4,7 @@ import re
 import shlex
 
 import click
+import mpmath
 import numpy as np
 import pytest
 from commands import read_json
@@ -18,7 +19,7 @@ AT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 DISC = "v [mm/s],mu\n" + "".join(f"{v},{0.3 + 10 / (50 + v):.3f}\n" for v in range(5, 900, 30))
 PIN = "v,mu\n0,0.5\n0.1,0.4\n0.3,0.3\n1.2,0.25\n"
 TYPICAL = "mu_s = 0.5 (typical), mu_m = 0.2 (typical), alpha = 3 s/m (typical)\nV = 0.5 m/s"
-FORMULA = "exponential: mu(v) = mu_m + (mu_s - mu_m)*exp(-alpha*v)\n" + TYPICAL
+FORMULA = re.escape("exponential: mu(v) = mu_m + (mu_s - mu_m)*exp(-alpha*v)\n" + TYPICAL)
 
 
 @pytest.mark.parametrize(
@@ -51,13 +52,13 @@ def test_bare_command_prints_its_help(run):
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_has_json_and_help_of_its_options(name):
+def test_every_command_has_json_and_described_options(name):
     command = program.get_command(click.Context(program), name)
-    options = [one for one in command.params if isinstance(one, click.Option)]
-    assert "--json" in {text for one in options for text in one.opts}
-    assert all(one.help for one in options)
-    files = [one for one in options if one.metavar == "FILE" and one.callback]
-    assert bool(files) == ("overwrite" in {one.name for one in options})
+    options = {one.name: one for one in command.params if isinstance(one, click.Option)}
+    assert "json" in options
+    assert all(one.help for one in options.values())
+    writes = any(one.metavar == "FILE" and one.type is click.STRING for one in options.values())
+    assert writes == ("overwrite" in options)
 
 
 TEXTS = [
@@ -65,9 +66,9 @@ TEXTS = [
     ("laws hyperbolic", r"\Ahyperbolic: mu\(v\) = mu_m \+ \(mu_s - mu_m\)/\(v/v_s \+ 1\)\n",
      r"^equilibrium, PROVED\n  c = ", r"^least_squares, PROVED\n  c = ", r"^harmonic, PROVED\n  c = "),
     # answers begin with the operating point
-    ("damping exponential -V 0.5", rf"\A{re.escape(FORMULA)}, N = 9.81 N \(default\), m = 1 kg \(default\)"),
-    ("critical exponential --of c", rf"\A{re.escape(FORMULA)} \(default\), N = 9.81 N \(default\)"),
-    ("simulate exponential", rf"\A{re.escape(FORMULA)} \(default\), .*, c = 0 kg/s \(default\)$"),
+    ("damping exponential -V 0.5", rf"\A{FORMULA}, N = 9.81 N \(default\), m = 1 kg \(default\)"),
+    ("critical exponential --of c", rf"\A{FORMULA} \(default\), N = 9.81 N \(default\)"),
+    ("simulate exponential", rf"\A{FORMULA} \(default\), .*, c = 0 kg/s \(default\)$"),
     ("damping exponential -p mu_s=0.50+/-0.02 -V 0.50(1) --method orbit",
      r"^c = 2\.57 \+/- 0\.18 kg/s \(parameters\)", r"^mu_s +0\.02 +0\.171 +91\.9 %$"),
     ("critical exponential --of alpha -c 2 --method harmonic",
@@ -81,15 +82,13 @@ TEXTS = [
      r"^0.0881 +0.04405 +0.5 +static friction gives way +slip, slower than the belt$"),
     ("simulate exponential --t-end 40", r"^and \d+ more events$"),
     ("simulate exponential -c 30 --t-end 100", "outcome: at rest, at t = 100 s", "fewer than two slips"),
-    ("simulate exponential -c -50 --t-end 100", "outcome: grows without bound", "a larger c"),
     ("map exponential --x V=0.5:0.8:2 --y c=1:3:3", "c = 1 to 3 upwards, V = 0.5 to 0.8 to the right",
      r"^S +stick-slip +\d+ "),
     ("derive a-b*v --criterion all",
      r"^ClosedForm: .*, equilibrium, [^$]*^ClosedForm: .*, harmonic, ", r"c = N\*b"),
-    *((f"derive {name}", f"^ClosedForm: {name}, least_squares, PROVED", rf"^closed form +{value}",
-       r"^quadrature, 50 digits +[-\d.]+ +(0|\d\.?\d*e-(49|5\d)) ",
-       r"^event-driven threshold +[\d.]+ +0\.0[01]\d* ")
-      for name, value in (("exponential", r"2\.5459"), ("polynomial", r"3\.04810714285714"))),
+    ("derive exponential", "^ClosedForm: exponential, least_squares, PROVED", r"^closed form +2\.5459",
+     r"^quadrature, 50 digits +[-\d.]+ +(0|\d\.?\d*e-(49|5\d)) ",
+     r"^event-driven threshold +[\d.]+ +0\.0[01]\d* "),
 ]  # fmt: skip
 
 
@@ -100,10 +99,6 @@ def test_text(line, said, run):
     assert [pattern for pattern in said if not re.search(pattern, out, re.M)] == []
 
 
-def laws(content):
-    assert [law["name"] for law in content["laws"]] == list(ss.laws.catalogue)
-
-
 def damping(content):
     expected = ss.pure_slip_damping(EXPONENTIAL, **AT)
     (answer,) = content["answers"]
@@ -111,24 +106,16 @@ def damping(content):
 
 
 def comparison(content):
-    expected = ss.compare(ss.laws.coulomb.typical(), **AT)
-    assert [answer["method"] for answer in content["answers"]] == [one.method for one in expected]
-    assert [answer["reason"] == "" for answer in content["answers"]] == [
-        one.threshold is not None for one in expected
-    ]
-    assert any(answer["reason"] for answer in content["answers"])
-
-
-def critical(content):
-    (value,) = content["values"]
-    assert value["value"] == pytest.approx(9.145431583)
-    assert value["sensitivity"]["c"] < 0 < value["sensitivity"]["mu_s"]
+    expected = {one.method: one.threshold is None for one in ss.compare(ss.laws.coulomb.typical(), **AT)}
+    assert {answer["method"]: answer["reason"] != "" for answer in content["answers"]} == expected
+    assert True in expected.values()
 
 
 def margins(content):
     changes = {row["name"]: row["change"] for row in content["margins"]["rows"]}
     # c = N a_1 for a straight line, whatever else
-    assert changes["a_1"] == changes["N"] == pytest.approx(3.2 / 2.943 - 1, rel=1e-6)
+    assert changes["a_1"] == pytest.approx(changes["N"], rel=1e-12)
+    assert changes["N"] == pytest.approx(3.2 / 2.943 - 1, rel=1e-6)
     assert changes["V"] is changes["m"] is changes["mu_s"] is None
     assert content["margins"]["stick_slip"] is False
 
@@ -161,17 +148,24 @@ def derive(content):
     (row,) = content["criteria"]
     closed, quadrature, simulated = row["checks"]
     form = ss.derive(ss.laws.exponential.typical(alpha="7/3"), "harmonic")
-    assert float(closed["value"]) == pytest.approx(form(V=0.5, N=9.81), rel=1e-14)
+    with mpmath.workdps(50):
+        for check in (closed, quadrature):  # all digits that are printed
+            assert mpmath.almosteq(mpmath.mpf(check["value"]), form.evaluate(60, V="0.5", N="9.81"), rel_eps=1e-48)
     assert quadrature["difference"] < 1e-40
     assert simulated["seconds"] > 0
     assert {step["verdict"]["status"] for step in row["steps"]} == {"PROVED"}
 
 
+def laws(content):
+    (law,) = content["laws"]
+    assert law["criteria"]["harmonic"]["expr"] == "N*a_1"
+    assert law["criteria"]["harmonic"]["verdict"]["status"] == "PROVED"
+
+
 JSON = {
-    "laws": laws,
+    "laws linear": laws,
     "damping exponential": damping,
     "damping coulomb --all": comparison,
-    "critical exponential --of alpha -c 2 --method harmonic --within 5:20": critical,
     "critical linear -p a_1=0.30(3) -c 3.2+/-0.1 --method orbit": margins,
     "simulate exponential -c 1 --t-end 2": simulate,
     "map exponential --x V=0.5:0.8:2 --y c=1:3:3": plane,
@@ -185,12 +179,6 @@ def test_json(line, run):
     code, out, err = run(*line.split(), "--json")
     assert (code, err) == (0, "")
     JSON[line](read_json(out))
-
-
-def test_a_law_has_its_criteria(run):
-    (law,) = read_json(run("laws", "linear", "--json")[1])["laws"]
-    assert law["criteria"]["harmonic"]["expr"] == "N*a_1"
-    assert law["criteria"]["harmonic"]["verdict"]["status"] == "PROVED"
 
 
 def test_derive_without_values_or_a_closed_form(run):
@@ -230,14 +218,6 @@ def test_several_points_in_one_call(run, tmp_path):
     assert points[1]["answers"][0]["threshold"]["value"] == pytest.approx(expected.value, rel=1e-12)
 
 
-@pytest.mark.thorough
-def test_one_critical_value_is_that_of_all(run):
-    line = ["critical", "exponential", "-c", "2", "--rtol", "1e-6", "--json"]
-    (row,) = [row for row in read_json(run(*line)[1])["margins"]["rows"] if row["name"] == "mu_s"]
-    (alone,) = read_json(run(*line, "--of", "mu_s")[1])["values"]
-    assert row["below"]["value"] == pytest.approx(alone["value"], rel=1e-5)
-
-
 def test_simulate_writes_and_draws(run, tmp_path):
     pytest.importorskip("matplotlib")
     line = "simulate mu_0-b*v -p mu_0=0.4 -p b=0.1 -V 1/4 -m 2 -k 50 -N 3 --x0 0.1 --v0=-0.5 --t-end 2"
@@ -248,12 +228,9 @@ def test_simulate_writes_and_draws(run, tmp_path):
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_export_writes_all_or_nothing(run, tmp_path):
-    line = "export exponential polynomial --criterion all --latex a.tex --c a.c --save a.json --symbol V=v_b"
-    code, out, _ = run(*line.split())
-    assert (code, out) == (0, "latex: 6 criteria in a.tex\nc: 6 criteria in a.c\nsave: 6 criteria in a.json\n")
-    assert "v_b" in (tmp_path / "a.tex").read_text()
-    content = read_json(run(*line.split(), "--overwrite", "--json")[1])
+def test_export_of_several_criteria(run, tmp_path):
+    line = "export exponential polynomial --criterion all --c a.c --json"
+    content = read_json(run(*line.split())[1])
     assert [row["criterion"] for row in content["criteria"]] == list(ss.criteria.catalogue) * 2
     code, _, err = run("export", "tanh(exp(a*v))", "--latex", "b.tex", "--python", "b.py", "--time-limit", "0")
     assert (code, err[:7], (tmp_path / "b.py").exists()) == (1, "error: ", False)

@@ -58,65 +58,43 @@ def test_every_command_reads_measured_points(name, run, tmp_path):
 
 REFUSED = [
     ("derive expnential", "there is no law 'expnential' (did you mean 'exponential'?)"),
-    ("laws expnential", "there is no law 'expnential' (did you mean 'exponential'?)"),
-    ("derive exponential --criterion harmonics", "there is no criterion 'harmonics'"),
-    ("damping exponential --method harmonc", "did you mean 'harmonic'?"),
     ("damping exponential -p alfa=3", "did you mean 'alpha'?"),
     ("derive exponential --latex missing/form.tex", "there is no folder 'missing'; make it first"),
     ("derive exponential -p alpha=1 -p alpha=2", "alpha is given twice, as 1 and 2; give it once"),
-    ("derive exponential --latex a --latex b", "--latex is given twice; give it once"),
     ("simulate linear -V 1 -V2", "-V is given twice; give it once"),
     ("derive exponential -V 1e-400", "V is too small; give a size from 1e-20 to 1e+20"),
-    ("derive exponential -V 1e300", "V is too large; give a size from 1e-20 to 1e+20"),
-    ("derive exponential -p alpha=fast", "alpha = 'fast' is not a number; write it like"),
     ("derive exponential -p alpha", "'alpha' is not NAME=VALUE; write for example"),
     ("derive exponential -V 0,5", "V = '0,5' is not a number"),
-    ("derive exponential -V -1", "V = -1 must be positive: it is the belt speed"),
     ("derive", "no law: give a name (see: stickslip laws), a formula in v, or --from-csv FILE"),
     ("derive linear --from-csv a.csv", "the law is given twice, as 'linear' and by --from-csv"),
     ("derive --from-csv none.csv", "cannot read 'none.csv': No such file"),
     ("derive linear --criterion all --save f", "--save keeps one closed form; name one"),
-    ("derives", "No such command 'derives'"),
     ("dampings linear", "did you mean 'damping'?"),
     ("damping linear --metod orbit", "Did you mean one of: '--method'"),
     ("damping linear -v 1", "No such option '-v'. Did you mean -V? See: stickslip damping --help"),
     ("critical exponential --of N", "critical values are computed at a given damping: add -c VALUE"),
     ("critical exponential --of alpha -c 1 --within 3", "is not LOW:HIGH"),
-    ("critical exponential --of beta -c 1", "there is no quantity or parameter 'beta'"),
-    ("simulate exponential --t-end 0", "t_end = 0 must be positive"),
     ("simulate exponential --x0 here", "x0 = 'here' is not a number"),
-    ("simulate exponential --rtol 1", "rtol = 1 is outside 1e-13 to 0.001"),
     ("simulate exponential --plot a.doc", "its ending is none of .svg, .png, .pdf"),
     ("simulate a-v", "no value for a"),
     ("map exponential --x V=1:2 --y c=1:2:2", "is not NAME=START:STOP:COUNT"),
     ("map exponential --x alpha=1:2:2 --y c=1:2:2 -p alpha=3", "alpha is an axis, and given by -p too"),
-    ("export exponential", "nothing to write: give --latex FILE"),
-    ("export exponential exponential --c a.c", "the law 'exponential' is given twice; give it once"),
-    ("export exponential --c a --python a", "two outputs have the same file"),
-    ("damping exponential --static mu_0 --unit alpha=1", "the parameter 'alpha' has its description already"),
     ("damping a-b*v --unit b", "write for example --unit alpha=s/m"),
-    ("damping a-b*v --unit b=furlong", "'furlong' is not a unit"),
-    ("damping a-b*v --static 0.6+v", "the static coefficient is one number"),
-    ("study linear --fit a.csv --from-csv a.csv", "the measurements are given twice, by --fit and by --from-csv"),
     # in other words for Python's users
     ("damping a-b*v", "the law has no value for a, b; give -p a=... -p b=..."),
     ("map a-b*v --x V=1:1:1 --y c=1:1:1", "give each by -p NAME=VALUE, or make one an axis"),
     ("derive a+b*v -p b=-1", "write the formula with -b, and give a positive value, if any sign is meant"),
     ("damping Abs(v-0.3) --method orbit", "try --method simulation"),
-    ("derive e^(-v)", "write exp(x) for a power of Euler's number"),
     # options that would do nothing
     ("damping exponential --name q", "--name does nothing here: it belongs to a formula or to measured points"),
     ("damping exponential --unit alpha=s/m", "--unit does nothing here: it belongs to the parameters of a"),
     ("derive linear --extrapolate", "--extrapolate does nothing here: it belongs to --from-csv"),
-    ("damping linear --radius 0.1", "--radius does nothing here: it belongs to a file of measurements"),
     ("damping linear --all --method orbit", "--method does nothing here"),
     ("export exponential linear --static 0.6 --latex f", "--static does nothing here"),
-    ("export exponential --c a.c --steps", "--steps does nothing here: it belongs to --latex FILE"),
-    ("study --fit disc.csv --static 0.7", "--static does nothing here"),
     ("map linear -V 1 --x V=1:1:1 --y c=1:1:1", "V is an axis, and given by -V too"),
+    ("map linear --x V=1:1:1 --y c=1:1:1 --csv none/a.csv", "there is no folder 'none'; make it first"),
     ("export linear --c --latex", "--c --latex: an option is no name of a file; write --c FILE, or ./--latex"),
     ("tradeoff linear --x0 0:1", "--x0 does nothing here: it belongs to --basins or --all"),
-    ("tradeoff linear -c 1", "-c does nothing here"),
     ("critical linear --of N -c 1 -N 2", "-N does nothing here"),
     # standard errors that would be dropped
     ("derive exponential -p mu_s=0.5+/-0.1", "derive takes no standard errors: leave +/- out of -p mu_s"),
@@ -126,6 +104,7 @@ REFUSED = [
     ("damping --point none.toml", "cannot read 'none.toml'"),
     ("damping --point bad.toml", "there is no speed; a point has law, V, N, m, k, c and [parameters]"),
     ("damping --point broken.toml", "write lines such as V = 0.5"),
+    ("damping --point latin.toml", "latin.toml is no text in UTF-8; save it as UTF-8"),
     ("damping --point number.toml", "law = 3 is no text; write law = \"NAME\", or a formula in v"),
     ("simulate --point ok.toml --point ok.toml", "simulate takes one --point; damping and study take several"),
 ]  # fmt: skip
@@ -135,10 +114,10 @@ REFUSED = [
 def test_bad_input_is_a_line_on_stderr(line, message, run, tmp_path):
     files = {
         "disc.csv": POINTS, "bad.toml": "speed = 1\n", "broken.toml": "V: 1\n", "number.toml": "law = 3\n",
-        "ok.toml": 'law = "linear"\n',
+        "ok.toml": 'law = "linear"\n', "latin.toml": 'law = "µ"\n',
     }  # fmt: skip
     for name, text in files.items():
-        (tmp_path / name).write_text(text)
+        (tmp_path / name).write_text(text, encoding="latin-1")
     code, out, err = run(*line.split())
     assert (code, out) == (2, "")
     assert re.search("^error: ", err, re.M)
@@ -156,43 +135,16 @@ def test_warning_is_a_line(run):
     assert (code, err.count("warning: mu = ")) == (0, 1)
 
 
-WRITES = [
-    "simulate coulomb --t-end 0.1 --csv FILE",
-    "map coulomb --x V=1:1:1 --y c=9:9:1 --npz FILE",
-    "derive coulomb --latex FILE",
-    "export coulomb --c FILE",
-    "study coulomb --output FILE --time-limit 1",
-]
-
-
-@pytest.mark.parametrize("line", WRITES, ids=[line.split()[0] for line in WRITES])
+@pytest.mark.parametrize("line", ["simulate coulomb --t-end 0.1 --csv a.out", "export coulomb --c a.out"])
 def test_nothing_is_overwritten_unless_asked(line, run, tmp_path):
-    if line.startswith("study"):
-        pytest.importorskip("matplotlib")
-    path = tmp_path / ("a.html" if line.startswith("study") else "a.npz")
+    path, words = tmp_path / "a.out", line.split()
     path.write_text(POINTS)
-    words = line.replace("FILE", path.name).split()
     code, out, err = run(*words)
     assert (code, out, path.read_text()) == (2, "", POINTS)
     assert f"'{path.name}' exists, and --" in err
     assert "add --overwrite to replace it" in err
     assert run(*words, "--overwrite")[0] == 0
     assert path.read_bytes() != POINTS.encode()
-
-
-@pytest.mark.parametrize("option", ["--plot map.png", "--csv none/map.csv", "--npz none/map.npz"])
-def test_map_that_cannot_be_written_is_not_computed(run, monkeypatch, option):
-    from stickslip_sym.motion.maps import motions
-    from stickslip_sym.output import drawing
-
-    def refuse():
-        raise ss.InputError("plots need matplotlib")
-
-    monkeypatch.setattr(drawing, "require_matplotlib", refuse)
-    monkeypatch.setattr(motions, "motion_map", lambda *args, **more: pytest.fail("computed in vain"))
-    code, out, err = run("map", "exponential", "--x", "V=0.1:1:100", "--y", "c=0:6:100", *option.split())
-    assert (code, out) == (2, "")
-    assert "plots need matplotlib" in err or "there is no folder 'none'" in err
 
 
 NEVER = {"positive", "alpha"}  # an argument of Parameter, which no command takes, and an option's NAME=UNIT

@@ -67,23 +67,12 @@ def test_numbers_for_a_program(tmp_path, run):
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("", "no law: give a name"),
         ("linear --fit a.csv --from-csv a.csv", "the measurements are given twice, by --fit and by --from-csv"),
-        ("linear -c -", "c = '-'"),
-        ("linear -m 0", "m = 0"),
-        ("linear -o no/folder/study.html", "no/folder"),
-        ("--fit none.csv", "none.csv"),
         ("--fit a.csv", "line 3, column 2, 'mu'"),
         ("--from-csv a.csv", "line 3, column 2, 'mu'"),
-        ("linear --time-limit x", "time_limit = 'x'"),
         ("--fit a.csv --static 0.7", "--static does nothing here"),
-        ("--fit a.csv --unit a=m", "--unit does nothing here"),
-        ("--fit a.csv --source x", "--source does nothing here"),
-        ("--fit a.csv --extrapolate", "--extrapolate does nothing here"),
         ("linear --column v=1", "--column does nothing here"),
-        ("linear --leave-out", "--leave-out does nothing here"),
         ("linear -o page.txt", "--output page.txt: its ending is none of .html, .htm, .xhtml"),
-        ("linear --pdf page.html", "--pdf page.html: its ending is none of .pdf"),
     ],
 )
 def test_what_cannot_be_studied_is_refused_before_anything_is_written(line, message, tmp_path, run):

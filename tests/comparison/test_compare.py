@@ -1,6 +1,7 @@
 """`compare` and the table of `derive`: every method beside the others, and why they differ."""
 
 import math
+import pickle
 import random
 
 import pytest
@@ -22,6 +23,7 @@ def test_compare_gives_what_each_method_gives(law):
     proved = found["proof"].threshold
     for one in (one.threshold for one in found):
         assert abs(one.value / proved.value - 1) <= 1.5 * one.relative_error + proved.relative_error
+    assert str(pickle.loads(pickle.dumps(found))) == str(found)
 
 
 def test_compare_says_why_a_method_has_no_value():

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import stickslip_sym as ss
 from stickslip_sym.cli.output import as_json
 from stickslip_sym.comparison import procedures, tradeoff
-from stickslip_sym.comparison.trade import Row, Trade, dominators, draw
+from stickslip_sym.comparison.trade import Row, Trade
 from stickslip_sym.core import deadline
 from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
 
@@ -213,7 +213,7 @@ def is_dominated(row, other):
 
 @given(rows())
 def test_what_is_dominated_is_dominated_by_a_method_that_is_not(rows):
-    by = dominators(rows)
+    by = Trade("value", "", tuple(rows)).dominators
     assert list(by) == [row.name for row in rows]
     at_all = {row.name: {other.name for other in rows if is_dominated(row, other)} for row in rows}
     front = {name for name, others in at_all.items() if not others}
@@ -223,11 +223,11 @@ def test_what_is_dominated_is_dominated_by_a_method_that_is_not(rows):
     # The fastest and the most accurate are dominated by none; one more, worse in both, changes nothing.
     if found := [row for row in rows if row.found]:
         worst = Row("worst", "", 2 * max(row.seconds for row in found), 1 + max(row.error for row in found))
-        more = dominators([*rows, worst])
+        more = Trade("value", "", (*rows, worst)).dominators
         assert more.pop("worst")
         assert more == by
         for best in (Row("best", "", 1e-10, 5.0), Row("best", "", 1e3, -1.0)):
-            assert dominators([*rows, best])["best"] == ()
+            assert Trade("value", "", (*rows, best)).dominators["best"] == ()
 
 
 @given(rows())
@@ -251,7 +251,7 @@ def test_text_json_and_picture_say_what_was_measured(rows):
         last = cells[-1].split("; ") if trade.dominators[row.name] else []
         assert set("".join(last).replace(" ", "")) == set("".join(trade.dominators[row.name]).replace(" ", ""))
     figure = pytest.importorskip("matplotlib.figure").Figure()
-    draw(trade, axes := figure.add_subplot())
+    trade.draw(axes := figure.add_subplot())
     drawn = sorted(
         (float(line.get_xdata()[0]), float(line.get_ydata()[0]), line.get_markerfacecolor() == "white")
         for line in axes.lines if line.get_label() in trade.dominators

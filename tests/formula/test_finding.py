@@ -114,7 +114,14 @@ def test_a_rule_is_not_taken_for_what_it_does_not_fit():
 
 @pytest.mark.parametrize(
     "text",
-    ["Max(b, a*exp(-v/w))", "Max(b, a - v/w)", "Max(b, a - v^2)", "Abs(v - a + b)", "Min(3*v + a, v + b)"],
+    [
+        "Max(b, a*exp(-v/w))",
+        "Max(b, a - v/w)",
+        "Max(b, a - v^2)",
+        "Max(b, w*log(1 + v/a))",
+        "Abs(v - a + b)",
+        "Min(3*v + a, v + b)",
+    ],
 )
 def test_a_kink_may_lie_below_rest(text):
     law = ss.FrictionLaw(text)

@@ -13,36 +13,12 @@ from systems import needs_links, needs_long_names, needs_modes
 import stickslip_sym as ss
 from stickslip_sym.output import drawing, files
 
-LAW = ss.laws.exponential.typical()
 
-
-@pytest.fixture(scope="module")
-def results():
-    """One of each kind of result that writes files, and of what reads them."""
-    osc = paper_oscillator(2.3)
-    form = ss.derive(ss.FrictionLaw("a - b*v"))
-    at = {"N": 9.81, "m": 1.0, "k": 100.0}
-    motion = ss.simulate(LAW, osc, t_end=0.5)
-    plane = ss.motion_map(LAW, x=("V", [0.5]), y=("c", [1.0]), **at)
-    basins = ss.basin_map(LAW, osc, x0=[0.0], v0=[0.0])
-    return [
-        ss.FrictionLaw.from_csv, ss.load, lambda path: ss.save(form, path), motion.to_csv, motion.plot,
-        plane.to_csv, plane.to_npz, plane.plot, basins.to_csv, basins.to_npz, basins.plot, basins.regime.plot,
-        lambda path: files.write_text(path, ""),
-    ]  # fmt: skip
-
-
-def test_a_null_byte_is_refused_in_the_same_words_everywhere(results, tmp_path):
-    """Wherever it is in the name; what the system says of it differs from one Python to the next."""
-    pytest.importorskip("matplotlib")
-    rng = np.random.default_rng(13)
-    for write in results:
-        letters = list(rng.choice(list("ab."), 6))
-        letters[rng.integers(0, 6)] = "\0"
-        name = "".join(letters)
-        for path in (tmp_path / name, tmp_path / name / "a.csv"):
-            with pytest.raises(ss.InputError, match="the name of a file cannot hold a null byte"):
-                write(path)
+def test_a_null_byte_in_a_name_is_refused(tmp_path):
+    motion = ss.simulate(ss.laws.exponential.typical(), paper_oscillator(2.3), t_end=0.1)
+    for use in (ss.FrictionLaw.from_csv, ss.load, motion.to_csv, motion.plot, lambda path: ss.save(motion, path)):
+        with pytest.raises(ss.InputError):
+            use(tmp_path / "a\0b.png")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -57,19 +57,16 @@ def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -
     top = _WIDEST * speed if law.v_max is None else min(_WIDEST * speed, float(law.v_max) / 2)
     V = np.linspace(top / _POINTS, top, _POINTS)
     averages = {name: pure_slip_damping(law, V=V, N=given["N"], method=name).value for name in _AVERAGES}
-    return Plane(V, averages, *_exact(law, V, given))
 
-
-def _exact(law: FrictionLaw, V: FloatArray, given: Mapping[str, float | UFloat]) -> FloatArray:
-    """Return the thresholds at belt speeds and their standard errors, NaN where there are none."""
-    try:
-        found = pure_slip_damping(law, V=V, N=given["N"], m=given["m"], k=given["k"], rtol=_RTOL)
+    def exact(V: FloatArray) -> FloatArray:
+        try:
+            found = pure_slip_damping(law, V=V, N=given["N"], m=given["m"], k=given["k"], rtol=_RTOL)
+        except (NotConverged, NoThreshold):
+            return np.full((2, 1), np.nan) if len(V) == 1 else np.hstack([exact(one) for one in V[:, None]])
         spread = 0.0 if found.budget is None else found.budget.uncertainty
-    except (NotConverged, NoThreshold):
-        if len(V) == 1:
-            return np.full((2, 1), np.nan)
-        return np.concatenate([_exact(law, V[i : i + 1], given) for i in range(len(V))], axis=1)
-    return np.array([found.value, np.broadcast_to(spread, V.shape)])
+        return np.array([found.value, np.broadcast_to(spread, V.shape)])
+
+    return Plane(V, averages, *exact(V))
 
 
 def pictures(study: Study) -> Iterator[tuple[str, str, str, str]]:

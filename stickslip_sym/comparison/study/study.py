@@ -7,16 +7,17 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from types import SimpleNamespace
+from typing import Any, TypeVar
 
 import numpy as np
 import sympy as sp
 
-from stickslip_sym.comparison.compare import Answer, compare
+from stickslip_sym.comparison.compare import Answer, compare, timed
 from stickslip_sym.comparison.study.pictures import Plane, pictures, plane
 from stickslip_sym.core import symbols
 from stickslip_sym.core.deadline import time_limit as limited
-from stickslip_sym.core.errors import InputError, InputWarning, NoClosedForm, StickSlipError
+from stickslip_sym.core.errors import InputWarning
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.core.uncertain import with_error as text_with_error
@@ -152,13 +153,15 @@ class Study:
         if self.margins is None:
             return None
         sampled = self.margins.sampled
-        known = sampled is not None and math.isfinite(sampled.probability)
-        return sampled.probability if sampled is not None and known else self.margins.probability
+        if sampled is None or math.isnan(sampled.probability):
+            return self.margins.probability
+        return sampled.probability
 
     @property
     def headline(self) -> str:
         """The decision: whether there is stick-slip, and how far the damping is from the threshold."""
-        found, needed, chance = self.regime, self.needed, self.probability
+        found, chance = self.regime, self.probability
+        c, own = self.oscillator.c, self.standard_error("c") or 0.0
         words = (
             "Whether there is stick-slip was not found" if found is None
             else "Stick-slip is possible, depending on the initial condition" if found.stick_slip and found.coexist
@@ -166,19 +169,22 @@ class Study:
             else "Whether there is stick-slip is not decided" if found.undecided
             else "There is no stick-slip"
         )  # fmt: skip
-        if needed is None:
+        if self.needed is None:
             return f"{words}, and no threshold was found to compare c with."
-        (value, error), c, own = needed, self.oscillator.c, self.standard_error("c") or 0.0
-        apart, spread = 100 * abs(c / value - 1) if value > 0 else 0.0, math.hypot(error or 0.0, own)
-        far = f"{apart:{'.0f' if apart >= 10 else '.2g'}} % " if value > 0 else ""
-        side = "below" if c < value else "above"
-        averaged = f", averaged over {len(self.by_law)} laws" if self.by_law else ""
-        remarks = ["no damping is needed"] if value <= 0 else []
-        remarks += [f"{abs(c - value) / spread:.2g} standard errors"] if spread > 0 else []
+        (value, error), far, remarks = self.needed, "", list[str]()
+        if value > 0:
+            apart = 100 * abs(c / value - 1)
+            far = f"{apart:{'.0f' if apart >= 10 else '.2g'}} % "
+        else:
+            remarks.append("no damping is needed")
+        if (spread := math.hypot(error or 0.0, own)) > 0:
+            remarks.append(f"{abs(c - value) / spread:.2g} standard errors")
         if chance is not None:
             sure = f"< {_LEAST:g}" if chance < _LEAST else f"> {1 - _LEAST:g}"
             shown = sure if min(chance, 1 - chance) < _LEAST else f"= {chance:.2g}"
             remarks.append(f"P {shown} that stick-slip is possible")
+        side = "below" if c < value else "above"
+        averaged = f", averaged over {len(self.by_law)} laws" if self.by_law else ""
         more = f" ({', '.join(remarks)})" if remarks else ""
         threshold = f"the threshold of {_rounded(value, error)} kg/s"
         return f"{words}: c = {_rounded(c, own)} kg/s is {far}{side} {threshold}{averaged}{more}."
@@ -372,16 +378,15 @@ def study(
     each = seconds / _SHARE
 
     def part(what: str, compute: Callable[[], Part]) -> Part | None:
-        try:
-            with limited(seconds):
-                return compute()
-        except StickSlipError as error:
-            refused[what] = str(error)
-            return None
+        with limited(seconds):
+            value, reason, _ = timed(compute)
+        if reason:
+            refused[what] = reason
+        return value
 
-    def estimate(law: FrictionLaw) -> _Estimate:
-        one = pure_slip_damping(law, **point, rtol=_ROUGH, time_limit=each)
-        return _Estimate(float(one.value), None if one.budget is None else float(one.budget.uncertainty))
+    def estimate(law: FrictionLaw) -> SimpleNamespace:
+        found = pure_slip_damping(law, **point, rtol=_ROUGH, time_limit=each)
+        return SimpleNamespace(value=found.value, uncertainty=found.budget and found.budget.uncertainty)
 
     point = {key: carried.get(key, getattr(osc, key)) for key in "VNmk"}
     rest = {key: point[key] for key in "Nmk"}
@@ -430,16 +435,9 @@ def study(
     return found
 
 
-class _Estimate(NamedTuple):
-    value: float
-    uncertainty: float | None
-
-
 def _form(law: FrictionLaw, criterion: str, seconds: float) -> ClosedForm | str:
     """Return a closed form, without a search by SymPy's integrator, which may take minutes."""
     if law.curve is not None:
         return "exact, piece by piece, and too long for a page; derive gives it"
-    try:
-        return derive(law, criterion, time_limit=max(seconds, 1e-3), search=False)
-    except (NoClosedForm, InputError) as error:
-        return str(error)
+    form, reason, _ = timed(derive, law, criterion, time_limit=max(seconds, 1e-3), search=False)
+    return reason if form is None else form

@@ -206,6 +206,8 @@ def read_measurements(
     """
     if not isinstance(path, str | Path) or not str(path):
         raise InputError(f"the name of a file of measurements is text, got {path!r}")
+    if not isinstance(columns or {}, Mapping):
+        raise InputError(f"columns is a dict like {{'v': 1, 'mu': 'Friction Factor'}}, got {columns!r}")
     path = Path(path)
     track = None if radius is None else fraction(radius, "radius")
     if track is not None and not 0 < track < 1000:

@@ -15,7 +15,6 @@ import numpy as np
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
-from stickslip_sym.output.files import require_name
 
 __all__ = ["Table", "read_table"]
 
@@ -142,11 +141,10 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
 
 
 def _text(path: Path) -> str:
-    require_name(path)
     try:
         content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
+    except (OSError, ValueError) as error:  # a name may hold a null byte
+        raise InputError(f"cannot read {str(path)!r}: {getattr(error, 'strerror', None) or error}") from None
     if kind := _WORKBOOKS.get(content[:4]):
         raise InputError(f"{str(path)!r} is a workbook ({kind}), not a text file; save the sheet as CSV")
     encodings = ["utf-8-sig", "cp1252"]  # the second as older instruments write the micro sign

@@ -12,7 +12,8 @@ belt each round, since damping and friction bring those far out back in.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from enum import Enum
 from functools import cache
@@ -38,11 +39,13 @@ from stickslip_sym.motion.regimes.regime import regime
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
-__all__ = ["CURVES", "LATE", "Cells", "Line", "Reason", "decide"]
-
 LATE = "not reached: time limit, or Ctrl-C"
-CURVES = ("equilibrium", "least_squares", "exact")
-"""The thresholds of an operating point."""
+CURVES = {
+    "equilibrium": ("threshold of the equilibrium", ":", "black"),
+    "least_squares": ("least-squares criterion", "--", "#0072B2"),
+    "exact": ("exact threshold", "-", "black"),
+}
+"""The thresholds of an operating point: their names in legends, and how they are drawn."""
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _NEEDED = 1e-11  # tolerance of the steps with which needed dampings are found
 _SIGN = 1e-8  # tolerance of the steps by which the sign of a gap is found, where it is not next to 0
@@ -67,13 +70,13 @@ class Reason(Enum):
 class Line(NamedTuple):
     """Operating points of a law at one belt speed, and dampings for each.
 
-    - `parameters`: values of parameters of the law, in place of those it has.
-    - `oscillators`: their own c is not used.
-    - `c`: a row for each oscillator.
+    - `place`: rows and columns of the cells in a map, each of the shape of the dampings.
+    - `points`: values of V, N, m and k, and of parameters of the law, in place of those it has.
+    - `c`: a row for each point.
     """
 
-    parameters: dict[str, float]
-    oscillators: tuple[Oscillator, ...]
+    place: tuple[IntArray, IntArray]
+    points: Sequence[Mapping[str, float]]
     c: FloatArray
 
 
@@ -82,7 +85,7 @@ class Cells(NamedTuple):
 
     - `motion`, `reason`: arrays of `Motion` and of `Reason`.
     - `attractors`: whether there are those of each kind, by the names in `ATTRACTORS`.
-    - `thresholds`: in kg/s, by the names in `CURVES`, a row for each oscillator; NaN where one was not found.
+    - `thresholds`: in kg/s, by the names in `CURVES`, a row for each point; NaN where one was not found.
     - `notes`: why a cell failed or stayed undecided.
     """
 
@@ -92,36 +95,29 @@ class Cells(NamedTuple):
     thresholds: dict[str, FloatArray]
     notes: dict[tuple[int, ...], str]
 
-    @classmethod
-    def failed(cls, shape: tuple[int, ...], error: StickSlipError) -> "Cells":
-        """Return cells of which no more is known than why."""
-        return cls(
-            np.full(shape, Motion.UNDECIDED), np.full(shape, _reason(error)),
-            {kind.name: np.zeros(shape, dtype=bool) for kind in ATTRACTORS},
-            dict.fromkeys(CURVES, np.full((shape[0], 1), math.nan)), dict.fromkeys(np.ndindex(shape), str(error)),
-        )  # fmt: skip
 
-
-def _reason(error: StickSlipError) -> Reason:
+def reason_of(error: StickSlipError) -> Reason:
+    """Return the reason of cells of which no more is known than an error."""
     return Reason.TIME if isinstance(error, OutOfTime) else Reason.FAILED
 
 
-def decide(law: FrictionLaw, rtol: float, lines: Sequence[Line]) -> list[Cells]:
+def decide(law: FrictionLaw, rtol: float, lines: Sequence[Line]) -> list[Cells | StickSlipError]:
     """Return the motion from x = 0, x' = V, and every attractor, for the cells of each of some lines.
 
     - `law`: with all parameters bound.
     - `rtol`: a damping that is closer to a threshold or a fold, relative to the largest of them, is not decided.
 
-    What fails is in the cells.
+    Where a line fails its error stands for it; where a cell does, a note.
     """
-    bound = cache(lambda parameters: law.bind(**dict(parameters)) if parameters else law)
-    found = []
+    bound = cache(lambda values: law.bind(**dict(values)))
+    found: list[Cells | StickSlipError] = []
     for line in lines:
         try:
             check_time()
-            found.append(_Decider(bound(tuple(line.parameters.items())), line, rtol).cells())
+            values = ((name, value) for name, value in line.points[0].items() if name in law.parameters)
+            found.append(_Decider(bound(tuple(values)), line, rtol).cells())
         except StickSlipError as error:
-            found.append(Cells.failed(line.c.shape, error))
+            found.append(error)
     return found
 
 
@@ -147,13 +143,13 @@ class _Decider:
 
     def __init__(self, law: FrictionLaw, line: Line, rtol: float) -> None:
         self.law, self.line, self.rtol = law, line, rtol
-        first = line.oscillators[0]
-        self.system = Dimensionless.of(law, first)
-        self.table, V = self.system.table, first.V
-        self.eta = np.array([osc.eta for osc in line.oscillators])
-        self.ratio = np.array([[2 * osc.impedance] for osc in line.oscillators])  # damping over damping ratio
+        self.oscillators = [Oscillator(**{name: point[name] for name in "VNmk"}) for point in line.points]
+        self.system = Dimensionless.of(law, self.oscillators[0])
+        self.table, V = self.system.table, self.system.V
+        self.eta = np.array([osc.eta for osc in self.oscillators])
+        self.ratio = np.array([[2 * osc.impedance] for osc in self.oscillators])  # damping over damping ratio
         self.zeta = line.c / self.ratio
-        self.N = np.array([[osc.N] for osc in line.oscillators])
+        self.N = np.array([[osc.N] for osc in self.oscillators])
         at_kink = any(abs(kink / V - 1) <= _KNOWN for kink in self.table.kinks)
         self.equilibrium = -self.N * (math.nan if at_kink else float(law.slope(V))) / self.ratio
         found = self._orbits(_needed_all, np.arange(len(self.eta)), np.ones(len(self.eta)), rtol=_NEEDED)
@@ -186,7 +182,10 @@ class _Decider:
         reason[~returns & rest & ~cycle] = Reason.ABOVE
         reason[returns & ~rest & ~cycle] = Reason.BELOW
         motion[near], reason[near] = Motion.UNDECIDED, Reason.TOLERANCE
-        curves = equilibrium * self.ratio, self._least_squares(), exact * self.ratio
+        average = np.full(self.N.shape, math.nan)
+        with suppress(*NO_RESULT):
+            average = self.N * slope_mean(self.law, least_squares, np.array([self.system.V]))
+        curves = equilibrium * self.ratio, average, exact * self.ratio
         cells = Cells(
             motion, reason,
             attractors={kind.name: kind.exists(signs) & ~near for kind in ATTRACTORS},
@@ -200,12 +199,6 @@ class _Decider:
         for i, j in np.argwhere(~(near | known)).tolist():
             self._follow(cells, i, j)
         return cells
-
-    def _least_squares(self) -> FloatArray:
-        try:
-            return self.N * slope_mean(self.law, least_squares, np.array([self.system.V]))
-        except NO_RESULT:
-            return np.full(self.N.shape, math.nan)
 
     def _held(self, returns: BoolArray) -> tuple[BoolArray, BoolArray]:
         """Tell where the motion from x = 0, x' = V sticks for good, and where comparisons decide at all.
@@ -289,7 +282,7 @@ class _Decider:
 
     def _follow(self, cells: Cells, i: int, j: int) -> None:
         """Decide one cell by following motions."""
-        osc = replace(self.line.oscillators[i], c=float(self.line.c[i, j]))
+        osc = replace(self.oscillators[i], c=float(self.line.c[i, j]))
         rtol = max(self.rtol * _FINER, _TIGHTEST)
         reason, motion, found, why = Reason.SIMULATED, Motion.UNDECIDED, None, ""
         try:
@@ -300,7 +293,7 @@ class _Decider:
             if motion is Motion.UNDECIDED and not why:
                 why = "the initial condition is within tolerance of a separatrix"
         except StickSlipError as error:
-            reason, why = _reason(error), str(error)
+            reason, why = reason_of(error), str(error)
         cells.motion[i, j], cells.reason[i, j] = Motion.UNDECIDED if why else motion, reason
         for kind in ATTRACTORS:
             cells.attractors[kind.name][i, j] = not why and bool(kind.of(found))

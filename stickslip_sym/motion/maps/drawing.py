@@ -15,10 +15,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.path import Path
 
-__all__ = [
-    "FAILED", "UNBOUNDED", "UNDECIDED", "Region", "paint", "regions_of_attractors", "regions_of_motions",
-]  # fmt: skip
-
 
 class Region(NamedTuple):
     """What cells have in common: how they are called and drawn, and their letter in text."""

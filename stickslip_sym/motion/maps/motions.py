@@ -11,14 +11,13 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
-from stickslip_sym.core.errors import NotConverged, OutOfTime
+from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Line, Reason, decide
+from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Line, Reason, decide, reason_of
 from stickslip_sym.motion.maps.drawing import FAILED, UNBOUNDED, UNDECIDED, Region, paint, regions_of_attractors
-from stickslip_sym.motion.maps.table import OSCILLATOR, Axis, AxisValues, Table, count_of, fixed_values, read_axes
+from stickslip_sym.motion.maps.table import Axis, AxisValues, Table, count_of, read_plane
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.workers import Progress, Workers, collect
@@ -29,13 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-__all__ = ["MotionMap", "motion_map"]
-
-_CURVES = {
-    "exact": ("exact threshold", "-", "black"),
-    "equilibrium": ("threshold of the equilibrium", ":", "black"),
-    "least_squares": ("least-squares criterion", "--", "#0072B2"),
-}
 _ALONG = ("c", "N", "m", "k")
 _CELLS = 300  # of a task: so many share what is computed of a law
 
@@ -101,7 +93,7 @@ class MotionMap(Table):
         from matplotlib.lines import Line2D
 
         handles = paint(ax, self.x, self.y, *self.regions())
-        for name, (label, style, color) in _CURVES.items():
+        for name, (label, style, color) in CURVES.items():
             x, y, curve = self.x.values, self.y.values, self.thresholds[name]
             look: dict[str, Any] = {"linestyle": style, "color": color, "linewidth": 1.6}
             beyond = curve - self.fixed.get("c", 0.0)
@@ -189,57 +181,67 @@ def motion_map(
     [['stick-slip', 'stick-slip'], ['rest', 'rest']]
     """
     law = as_law(law)
-    axes = read_axes(law, x, y)
-    bound, fixed = fixed_values(law, axes, {"V": V, "N": N, "m": m, "k": k, "c": c})
+    axes, bound, fixed = read_plane(law, x, y, {"V": V, "N": N, "m": m, "k": k, "c": c})
     rtol = read_rtol(rtol, least=1e-8)
-    # A line goes along c where that is an axis, else along an axis that leaves the law and the belt's speed.
-    turned = min(axes, key=lambda axis: [*_ALONG, axis.name].index(axis.name)) is axes[0]
-    across, along = (axes[1], axes[0]) if turned else axes
-    lines = [line for value in across.values.tolist() for line in _lines(fixed | {across.name: value}, along)]
+    lines = _lines(fixed, axes)
     with deadline.time_limit(time_limit):
         count = max(1, _CELLS // lines[0].c.size)
         tasks = [lines[i : i + count] for i in range(0, len(lines), count)]
         results = collect(partial(decide, bound, rtol), tasks, workers=workers, progress=progress)
-    late = OutOfTime(LATE)
-    cells = [
-        one
-        for task, part in zip(tasks, results, strict=True)
-        for one in part or [Cells.failed(line.c.shape, late) for line in task]
-    ]
-
-    def grid(parts: list[Any]) -> Any:
-        """Return the cells of all lines, or the operating points, as rows and columns of the map."""
-        whole = np.concatenate([part.ravel() for part in parts]).reshape(across.values.size, -1)
-        return whole if turned else whole.T
-
-    notes = {}
-    for i, one in enumerate(cells):
-        for (row, column), text in one.notes.items():
-            place = divmod(i * one.motion.size + row * one.motion.shape[1] + column, along.values.size)
-            notes[place if turned else place[::-1]] = text
+    shape = axes[1].values.size, axes[0].values.size
     found = MotionMap(
         axes, bound, fixed,
-        motion=grid([one.motion for one in cells]),
-        attractors={kind.name: grid([one.attractors[kind.name] for one in cells]) for kind in ATTRACTORS},
-        reason=grid([one.reason for one in cells]),
-        thresholds={name: grid([one.thresholds[name] for one in cells]) for name in CURVES},
-        notes=notes,
+        motion=np.full(shape, Motion.UNDECIDED),
+        attractors={kind.name: np.zeros(shape, dtype=bool) for kind in ATTRACTORS},
+        reason=np.full(shape, Reason.TIME),
+        thresholds={name: np.full(shape, np.nan) for name in CURVES},
+        notes={},
         interrupted=None in results,
     )  # fmt: skip
+    late = OutOfTime(LATE)
+    for task, part in zip(tasks, results, strict=True):
+        for line, cells in zip(task, part or [late] * len(task), strict=True):
+            _fill(found, line, cells)
+    if "c" not in fixed:
+        once = np.s_[:1] if axes[1].name == "c" else np.s_[:, :1]
+        found.thresholds.update({name: curve[once] for name, curve in found.thresholds.items()})
     if (found.reason == Reason.FAILED).all():
-        raise NotConverged(f"every cell failed, the first one since {next(iter(notes.values()))}")
+        raise NotConverged(f"every cell failed, the first one since {next(iter(found.notes.values()))}")
     return found
 
 
-def _lines(point: dict[str, float], along: Axis) -> list[Line]:
-    """Return the cells along an axis as one line, or as one each where the law or the belt's speed changes."""
-    values = along.values
-    points = [point] if along.name == "c" else [point | {along.name: value} for value in values.tolist()]
-    parameters = [{name: one[name] for name in one if name not in OSCILLATOR} for one in points]
-    oscillators = [Oscillator(**{name: one[name] for name in "VNmk"}) for one in points]
-    if along.name == "c":
-        return [Line(parameters[0], tuple(oscillators), values[None])]
-    c = np.full((len(points), 1), point["c"])
-    if along.name in _ALONG:
-        return [Line(parameters[0], tuple(oscillators), c)]
-    return [Line(law, (osc,), c[:1]) for law, osc in zip(parameters, oscillators, strict=True)]
+def _lines(fixed: dict[str, float], axes: tuple[Axis, Axis]) -> list[Line]:
+    """Return the cells of a map as lines along c where it is an axis, else along one that leaves law and speed."""
+    along = min(axes, key=lambda axis: [*_ALONG, axis.name].index(axis.name))
+    across = axes[along is axes[0]]
+    places = np.indices((axes[1].values.size, axes[0].values.size))
+    if along is axes[1]:
+        places = places.swapaxes(1, 2)
+    lines = []
+    for value, (rows, columns) in zip(across.values.tolist(), places.swapaxes(0, 1), strict=True):
+        point = fixed | {across.name: value}
+        if along.name == "c":
+            lines.append(Line((rows[None], columns[None]), [point], along.values[None]))
+            continue
+        points = [point | {along.name: one} for one in along.values.tolist()]
+        size = len(points) if along.name in _ALONG else 1
+        for i in range(0, len(points), size):
+            some = slice(i, i + size)
+            c = np.full((size, 1), point["c"])
+            lines.append(Line((rows[some, None], columns[some, None]), points[some], c))
+    return lines
+
+
+def _fill(found: MotionMap, line: Line, cells: Cells | StickSlipError) -> None:
+    """Write the cells of a line into a map."""
+    places = list(zip(*(part.ravel().tolist() for part in line.place), strict=True))
+    if isinstance(cells, StickSlipError):
+        found.reason[line.place] = reason_of(cells)
+        found.notes.update(dict.fromkeys(places, str(cells)))
+        return
+    found.motion[line.place], found.reason[line.place] = cells.motion, cells.reason
+    for wholes, parts in ((found.attractors, cells.attractors), (found.thresholds, cells.thresholds)):
+        for name, part in parts.items():
+            wholes[name][line.place] = part
+    width = line.c.shape[1]
+    found.notes.update({places[i * width + j]: text for (i, j), text in cells.notes.items()})

@@ -1,8 +1,8 @@
 """`basin_sweep`: how the basins of attraction change with one quantity, and where they are born and die.
 
 They do at three kinds of place. Rest gains or loses stability where c = -N mu'(V) (Hopf); stick-slip begins or
-ends where the slip from P just touches the belt's speed (graze); two cycles in pure slip meet where the damping
-that slip orbits need has an extremum (fold). Each is a root, and is found as one.
+ends where the slip from P just touches the belt's speed (graze): both are critical values. Two cycles in pure slip
+meet where the damping that slip orbits need has an extremum (fold).
 """
 
 import math
@@ -22,10 +22,10 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.basins import FINEST, Share, shares_by_area
 from stickslip_sym.motion.maps.drawing import regions_of_motions
-from stickslip_sym.motion.maps.table import OSCILLATOR, AxisValues, Table, read_axis, read_values
+from stickslip_sym.motion.maps.table import Axis, AxisValues, Table, placed, read_axis, read_values
+from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import needed_damping
-from stickslip_sym.motion.regimes.phase_plane import phase_plane
 from stickslip_sym.motion.regimes.regime import regime
 from stickslip_sym.motion.roots import sign_changes
 
@@ -34,14 +34,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-__all__ = ["BasinSweep", "Change", "basin_sweep"]
-
 _LINES = {"Hopf": ":", "graze": "-", "fold": "--"}
-Kind = Literal["Hopf", "graze", "fold"]
+_CLOSE = 1e-9  # relative error that is asked for of a graze; what is found is closer
+_ROUNDING = 1e-14  # of a damping
+_FOLD = 1e-9  # of what is zero at a fold, an interpolated damping free of units
 _ROOT = float(4 * np.finfo(np.float64).eps)  # relative tolerance of a root
-_BESIDE = 1e-4  # relative distance at which the slope at a root is taken
-_NOISE: dict[Kind, float] = {"Hopf": 1e-14, "graze": 10 * FINEST, "fold": 1e-9}
-"""Errors of what is zero at a change: a damping and a slip speed, free of units, and an interpolated damping."""
+_BESIDE = 1e-4  # relative distance at which the slope at a fold is taken
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ class Change:
         Estimated, absolute; where a fold is only known to lie between two values of the axis, half their distance.
     """
 
-    kind: Kind
+    kind: Literal["Hopf", "graze", "fold"]
     value: float
     error: float
 
@@ -167,9 +165,7 @@ def basin_sweep(
     box = _limits("x0", x0), _limits("v0", v0)
 
     def at(value: float) -> tuple[FrictionLaw, Oscillator]:
-        if axis.name in OSCILLATOR:
-            return law, replace(osc, **{axis.name: value})
-        return law.bind(**{axis.name: value}), osc
+        return placed(law, asdict(osc) | {axis.name: value})
 
     values = axis.values.tolist()
     with deadline.time_limit(time_limit):
@@ -178,10 +174,7 @@ def basin_sweep(
             regimes.append(regime(*at(value), rtol=FINEST))
             deadline.check_time()  # a regime whose time is up is incomplete, and no error
         shares = [shares_by_area(found, *box) for found in regimes]
-        changes = [
-            *_changes("Hopf", lambda value: _rest_decay(*at(value)), values),
-            *_changes("graze", lambda value: phase_plane(*at(value), FINEST).height, values),
-        ]
+        changes = _critical(*at(values[0]), axis)
         for ends, (before, after) in zip(pairwise(values), pairwise(regimes), strict=True):
             if len(before.cycles) != len(after.cycles):
                 changes += _folds(at, *ends)
@@ -205,17 +198,18 @@ def _limits(name: str, given: tuple[float, float]) -> tuple[float, float]:
     return low, high
 
 
-def _rest_decay(law: FrictionLaw, osc: Oscillator) -> float:
-    return 2 * osc.zeta + osc.N * float(law.slope(osc.V)) / osc.impedance
-
-
-def _changes(kind: Kind, function: Callable[[float], float], values: Sequence[float]) -> Iterator[Change]:
-    """Yield where a function changes its sign between values, with the error that its own makes there."""
-    size = max(map(abs, values))
-    for value in sign_changes(function, values, list(map(function, values)), _ROOT * size):
-        ahead, behind = min(value + _BESIDE * size, values[-1]), max(value - _BESIDE * size, values[0])
-        slope = (function(ahead) - function(behind)) / (ahead - behind)
-        yield Change(kind, value, _NOISE[kind] / abs(slope) + _ROOT * size if slope else math.inf)
+def _critical(law: FrictionLaw, osc: Oscillator, axis: Axis) -> list[Change]:
+    """Return where the damping is critical for rest, and for stick-slip."""
+    grid = np.union1d(axis.values, (axis.values[1:] + axis.values[:-1]) / 2).tolist()
+    others = {name: value for name, value in asdict(osc).items() if name != axis.name}
+    changes = []
+    if axis.name not in ("m", "k"):  # on which no average depends
+        for one in critical(law, axis.name, **others, method="equilibrium", rtol=_CLOSE, within=grid):
+            off = _ROUNDING * abs(one.sensitivity.get("c", 1.0) * others.get("c", one.value))
+            changes.append(Change("Hopf", one.value, off + _ROOT * abs(one.value)))
+    for one in critical(law, axis.name, **others, rtol=_CLOSE, within=grid):
+        changes.append(Change("graze", one.value, (one.relative_error or 0.0) * abs(one.value)))
+    return [one for one in changes if grid[0] <= one.value <= grid[-1]]
 
 
 def _folds(at: Callable[[float], tuple[FrictionLaw, Oscillator]], *ends: float) -> Iterator[Change]:
@@ -226,10 +220,14 @@ def _folds(at: Callable[[float], tuple[FrictionLaw, Oscillator]], *ends: float) 
         return _extrema(law, replace(osc, c=0.0)) - 2 * osc.zeta
 
     try:
-        counts = {excess(value).size for value in ends}
-        if len(counts) == 1:
-            for place in range(*counts):
-                yield from _changes("fold", lambda value, place=place: float(excess(value)[place]), ends)  # type: ignore[misc]
+        values = [excess(value) for value in ends]
+        if len(values[0]) == len(values[1]):
+            for i, pair in enumerate(zip(*values, strict=True)):
+                for value in sign_changes(lambda x, i=i: float(excess(x)[i]), ends, pair, _ROOT):  # type: ignore[misc]
+                    off = _BESIDE * (max(abs(end - value) for end in ends))
+                    off = off if value + off < ends[1] else -off
+                    slope = float(excess(value + off)[i] - excess(value)[i]) / off
+                    yield Change("fold", value, _FOLD / abs(slope) + _ROOT * abs(value) if slope else math.inf)
             return
     except (InputError, NotConverged):
         pass

@@ -6,17 +6,18 @@ the gap between both halves of the grazing orbit at c (`needed`): it takes one g
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any
+from itertools import pairwise
+from typing import Any, NoReturn
 
 import numpy as np
 import sympy as sp
 from scipy.optimize import minimize_scalar
 
 from stickslip_sym.core import deadline, symbols
-from stickslip_sym.core.aliases import BoolArray, FloatArray
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold
 from stickslip_sym.core.numbers import lookup, read_rtol, real
 from stickslip_sym.criteria.criterion import Criterion, harmonic
@@ -36,8 +37,6 @@ from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output import markup
 
-__all__ = ["Critical", "critical", "excess"]
-
 _PER_DECADE = 8  # values sampled
 _WHOLE = (1e-12, 1e12)  # of a quantity in SI units, that is sampled
 _WEAKEST, _STRONGEST = 1e-3, 1e2  # N/(V sqrt(k m)) between which V, N, m and k are sought
@@ -48,7 +47,7 @@ _LOOSE = 1e-6  # relative error of the gap, or threshold, on the grid
 _STEPPED = 1e-12, 1e-6  # tolerances of the steps of a gap
 _STRONG, _STIFF = 30.0, 1e-9  # eta from which a gap is stiff, and the tolerance there
 _FINER, _TIGHTEST = 1e-3, 1e-12  # of rtol, the relative error of a threshold at a root; and the smallest
-_CLOSE = 1e-9  # tolerance of the logarithm of a root, which a Newton step with the exact slope then refines
+_CLOSE = 1e-9  # tolerance of a root, relative, which a Newton step with the exact slope then refines
 _BESIDE = 1e-4  # relative distance at which an absolute error is taken where the threshold is 0
 _NEWTON = 1e-6  # relative size of that step, up to which it is the last
 _NEWTON_STEPS = 4
@@ -111,7 +110,7 @@ def critical(
     k: float | None = None,
     method: str | Criterion | Method = "auto",
     rtol: float = 1e-3,
-    within: tuple[float, float] | None = None,
+    within: Sequence[float] | None = None,
     time_limit: float | None = None,
 ) -> tuple[Critical, ...]:
     """Return every value of one quantity or parameter at which the pure-slip damping is c, ascending.
@@ -132,11 +131,11 @@ def critical(
         that stick-slip is there at one and not at the other; that there are no more such values it does not prove.
     rtol : float
         Relative error that is good enough, 1e-12 to 1; the width of a proved enclosure.
-    within : (float, float), optional
-        Two values of one sign between which to look. If not given, a parameter is sought from 1/100 of its value
-        to 100 times it, and V, N, m and k where N/(V sqrt(k m)) is 1e-3 to 100, or the harmonic average comes
-        close to c. There are 8 points a decade: two values closer together are found if the grid shows the
-        extremum between them, and may otherwise be missed.
+    within : sequence of float, optional
+        Two values of one sign between which to look at 8 points a decade, or more, ascending: all the points.
+        If not given, a parameter is sought from 1/100 of its value to 100 times it, and V, N, m and k where
+        N/(V sqrt(k m)) is 1e-3 to 100, or the harmonic average comes close to c. Two values closer together than
+        points are found if these show the extremum between them, and may otherwise be missed.
         An average that is linear or a polynomial needs no range: all values are found, by their polynomial.
     time_limit : float, optional
         Seconds of computation after which it is given up.
@@ -182,8 +181,7 @@ def critical(
             return (
                 Critical("c", one.value, "kg/s", one.method, one.relative_error, one.sensitivity, one.enclosure),
             )
-        search = _Search(law, of, numbers, find_method(method), rtol)
-        return search.proved(within) if search.proof else search.found(within)
+        return _Search(law, of, numbers, find_method(method), rtol).found(within)
 
 
 def excess(points: OperatingPoints, c: float, method: Method | None, rtol: float = _LOOSE) -> FloatArray:
@@ -231,9 +229,9 @@ class _Search:
     def __init__(
         self, law: FrictionLaw, of: str, values: Mapping[str, float], method: Method | None, rtol: float
     ) -> None:
-        self.law, self.of, self.rtol = law, of, rtol
+        self.law, self.of, self.rtol, self.c = law, of, rtol, values["c"]
+        self.tight = max(_FINER * rtol, _TIGHTEST)
         self.quantities: dict[str, Any] = {name: value for name, value in values.items() if name != "c"}
-        self.c = values["c"]
         given = {"m", "k"} & (self.quantities.keys() | {of})
         if len(given) == 1:
             raise InputError("give both the mass m and the stiffness k, or neither")
@@ -254,28 +252,31 @@ class _Search:
         return OperatingPoints.of(self.law.bind(**{self.of: x}), **self.quantities)
 
     def excess(self, x: FloatArray, rtol: float = _LOOSE) -> FloatArray:
-        """Return threshold minus c, or what has its sign, at values of what is sought; NaN where there is none."""
-        points = [self.at(x)] if self.is_quantity else [self.at(float(one)) for one in x]
+        """Return `excess` at values of what is sought."""
+        points = [self.at(x)] if self.is_quantity else map(self.at, x.tolist())
         return np.concatenate([[], *(excess(some, self.c, self.method, rtol) for some in points)])
 
-    def found(self, within: tuple[float, float] | None) -> tuple[Critical, ...]:
+    def found(self, within: Sequence[float] | None) -> tuple[Critical, ...]:
         """Return the critical values, ascending."""
-        if self.criterion is not None:
-            roots = self._polynomial_roots(self.criterion)
-            if roots is not None:
-                low, high = within or (-math.inf, math.inf)
-                return tuple(self._result(x) for x in roots if low <= x <= high)
-            if self.of in ("m", "k"):
-                raise InputError(f'an average of slopes does not depend on {self.of}; try method="orbit"')
-        found = [self._result(x) for x in self._roots(self._grid(within))]
-        return tuple(sorted(found, key=lambda one: one.value))
+        roots = None if self.criterion is None else self._polynomial_roots(self.criterion)
+        if roots is not None:
+            low, high = (-math.inf, math.inf) if within is None else (within[0], within[-1])
+            roots = [x for x in roots if low <= x <= high]
+        elif self.criterion is not None and self.of in ("m", "k"):
+            raise InputError(f'an average of slopes does not depend on {self.of}; try method="orbit"')
+        else:
+            roots = self._roots(self._grid(within))
+        results = sorted(map(self._result, roots), key=lambda one: one.value)
+        return tuple(map(self._proved, results)) if self.proof else tuple(results)
 
     # -- where to look -----------------------------------------------------------------------------
 
-    def _grid(self, within: tuple[float, float] | None) -> FloatArray:
-        """Return the values at which the excess is sampled, ascending in size, of one sign."""
+    def _grid(self, within: Sequence[float] | None) -> FloatArray:
+        """Return the values at which the excess is sampled, ascending."""
         if within is None and self.is_quantity:
             return self._where_friction_matters()
+        if within is not None and len(within) > 2:
+            return np.array(within)
         if within is not None:
             low, high = (real("within", end) for end in within)
             if not (low * high > 0 and low < high):
@@ -285,7 +286,7 @@ class _Search:
             if value is None or float(value) == 0:
                 raise InputError(f"where to look for {self.of} is not known; give within=(low, high)")
             low, high = sorted(float(value) * factor for factor in (1 / _AROUND, _AROUND))
-        return math.copysign(1.0, low) * _spaced(*sorted((abs(low), abs(high))))
+        return _spaced(low, high)
 
     def _where_friction_matters(self) -> FloatArray:
         """Return all values for an average, else where friction is neither weak nor very strong.
@@ -315,80 +316,60 @@ class _Search:
 
     def _roots(self, x: FloatArray) -> list[float]:
         """Return where the excess changes its sign, up to where motions leave the measured speeds."""
-        if not x.size:
-            return []
-        side = math.copysign(1.0, x[0])
 
-        def value(y: float, rtol: float = _LOOSE) -> float:
-            return float(self.excess(np.array([side * math.exp(y)]), rtol)[0])
+        def value(x: float, rtol: float = _LOOSE) -> float:
+            return float(self.excess(np.array([x]), rtol)[0])
 
-        def fine(y: float) -> float:
-            found = value(y, _tight(self.rtol))
-            if math.isnan(found):
-                raise NotConverged(f"there is no threshold at {self.of} = {side * math.exp(y):g}")
-            return found
+        def fine(x: float) -> float:
+            found = value(x, self.tight)
+            return found if not math.isnan(found) else self._no_threshold(x)
 
         with np.errstate(all="ignore"):
-            off = self.excess(x)
-            if self.law.v_max is not None:
-                edges = self._edges(x, ~np.isnan(off))
-                x, off = np.append(x, edges), np.append(off, self.excess(edges))
-                order = np.argsort(np.abs(x))
-                x, off = x[order], off[order]
-        known = ~np.isnan(off)
-        x, off = x[known], off[known]
-        if not x.size:
+            nodes = dict(zip(x.tolist(), self.excess(x).tolist(), strict=True))
+            for ends in pairwise(x.tolist()):
+                inside, outside = sorted(ends, key=lambda x: math.isnan(nodes[x]))
+                if math.isnan(nodes[inside]) == math.isnan(nodes[outside]):
+                    continue
+                for _ in range(_HALVINGS):
+                    middle = (inside + outside) / 2
+                    nodes[middle] = value(middle)
+                    inside, outside = (inside, middle) if math.isnan(nodes[middle]) else (middle, outside)
+        nodes = {x: nodes[x] for x in sorted(nodes) if not math.isnan(nodes[x])}
+        if x.size and not nodes:
             raise NotConverged(f"there is no threshold at any {self.of}; try another method")
-        nodes = dict(zip(np.log(np.abs(x)).tolist(), off.tolist(), strict=True))
-        places = list(nodes)
-        for low, y, high in zip(places, places[1:], places[2:], strict=False):
-            before, here, after = nodes[low], nodes[y], nodes[high]
+        for low, middle, high in list(zip(nodes, [*nodes][1:], [*nodes][2:], strict=False)):
+            before, here, after = nodes[low], nodes[middle], nodes[high]
             if before * here > 0 < here * after and abs(here) < min(abs(before), abs(after)):
                 sign = math.copysign(1.0, here)
-                dip = minimize_scalar(lambda y, sign=sign: sign * value(y), bounds=(low, high), method="bounded")
+                dip = minimize_scalar(lambda x, sign=sign: sign * value(x), bounds=(low, high), method="bounded")
                 if dip.fun < 0:
                     nodes[float(dip.x)] = sign * float(dip.fun)
         places = sorted(nodes)
-        found = sign_changes(fine, places, [nodes[y] for y in places], _CLOSE)
-        return [side * math.exp(y) for y in found]
+        return list(sign_changes(fine, places, [nodes[x] for x in places], _CLOSE))
 
-    def _edges(self, x: FloatArray, known: BoolArray) -> FloatArray:
-        """Return the last values at which motions stay within the measured speeds."""
-        edges = []
-        for i in np.flatnonzero(known[1:] != known[:-1]):
-            inside, outside = (x[i], x[i + 1]) if known[i] else (x[i + 1], x[i])
-            for _ in range(_HALVINGS):
-                middle = math.copysign(math.sqrt(inside * outside), inside)
-                if np.isnan(self.excess(np.array([middle]))[0]):
-                    outside = middle
-                else:
-                    inside = middle
-            edges.append(inside)
-        return np.array(edges)
+    def _no_threshold(self, x: float) -> NoReturn:
+        raise NotConverged(f"there is no threshold at {self.of} = {x:.6g}; try another method")
 
     def _polynomial_roots(self, criterion: Criterion) -> list[float] | None:
         """Return the roots of an average that is a polynomial in what is sought, or None."""
         law, N, V = self.law, self.quantities.get("N", 1.0), np.array([self.quantities.get("V", 1.0)])
         if self.of == "N":
             coefficients = [0.0, float(slope_mean(law, criterion, V)[0])]
-        elif self.of == "V":
-            if not law.expr.is_polynomial(symbols.v):
-                return None
+        elif self.of == "V" and law.expr.is_polynomial(symbols.v):
             # mu = sum of g_n v^n gives c = -N sum of n g_n <(1 + s)^(n-1)> V^(n-1).
-            terms = sp.Poly(law.expr, symbols.v).all_coeffs()[::-1]
+            terms = sp.Poly(sp.diff(law.expr, symbols.v), symbols.v).all_coeffs()[::-1]
             coefficients = [
-                -N * n * float(g.evalf(_DIGITS, subs=law.point)) * float(criterion.mean_power(n - 1))
+                -N * float(g.evalf(_DIGITS, subs=law.point)) * float(criterion.mean_power(n))
                 for n, g in enumerate(terms)
-                if n
-            ] or [0.0]
-        elif self.is_quantity or not law.expr.is_polynomial(symbol := law.parameters[self.of].symbol):
-            return None
-        else:
+            ]
+        elif self.of in law.parameters and law.expr.is_polynomial(symbol := law.parameters[self.of].symbol):
             part, coefficients = law.bind(**{self.of: 0}), []
             while not coefficients or part.expr.has(symbol):  # Taylor's expansion at 0 ends
                 part = part.partial(self.of) if coefficients else part
                 mean = float(slope_mean(part, criterion, V)[0])
                 coefficients.append(N * mean / math.factorial(len(coefficients)))
+        else:
+            return None
         coefficients[0] -= self.c
         polynomial = np.polynomial.Polynomial(coefficients).trim()
         roots: Any = polynomial.roots() if polynomial.degree() else np.empty(0)
@@ -400,48 +381,38 @@ class _Search:
 
     def _result(self, x: float) -> Critical:
         """Return a root by Newton's method from one close to it, with its error, from that of the threshold."""
-        if self.method is not None and self.criterion is not None:
-            step, sensitivity = self._step(x, float(self.excess(np.array([x]))[0]), self.method)
-            return Critical(self.of, x + step, self.unit, self.method.name, None, sensitivity)
         for _ in range(_NEWTON_STEPS):
-            found, names = ask(self.at(x), self.method, _tight(self.rtol))
-            if not names[0] or math.isnan(found.value[0]):
-                raise NotConverged(f"there is no threshold at {self.of} = {x:.6g}; try another method")
-            by = self.method or methods()[names[0]]
-            step, sensitivity = self._step(x, float(found.value[0]) - self.c, by)
-            if abs(step) < _NEWTON * abs(x) or not 0 < (x + step) / x < 2:
+            computed, names = ask(self.at(x), self.method, self.tight)
+            off = float(computed.value[0]) - self.c
+            if not names[0] or math.isnan(off):
+                self._no_threshold(x)
+            method = self.method or methods()[names[0]]
+            if method.sensitivity is None:
+                raise InputError(f"how a threshold by {method.name!r} changes is not known; try another method")
+            columns = method.sensitivity(self.at(x), np.array([self.c]))
+            by = {"c": -1.0} | {name: float(column[0]) for name, column in columns.items()}
+            own = by.pop(self.of)
+            with np.errstate(all="ignore"):
+                sensitivity = {name: float(np.divide(-value, own)) for name, value in by.items()}
+            step = -sensitivity["c"] * off
+            small = abs(step) < _NEWTON * abs(x)
+            if small or not abs(step) < abs(x):
                 break
             x += step
-        off = float(found.relative_error[0] * abs(found.value[0]))
-        if not math.isfinite(off):  # where the threshold is 0 its relative error is nothing
-            beside, _ = ask(self.at(x * (1 + _BESIDE)), self.method, _TIGHTEST)
-            off = float(beside.relative_error[0] * abs(beside.value[0]))
-        error = (abs(sensitivity["c"]) * off + step**2 / abs(x)) / abs(x) + _ROUNDING
-        if abs(step) < _NEWTON * abs(x):
-            x += step
-        else:
-            error += abs(step / x)
-        if not error <= self.rtol:
-            raise NotConverged(
-                f"{self.of} = {x:.6g} is known to {error:.1e} relative only, not to rtol = {self.rtol:g}; "
-                "try another rtol"
-            )
-        return Critical(self.of, x, self.unit, by.name, error, sensitivity)
-
-    def _step(self, x: float, off: float, method: Method) -> tuple[float, dict[str, float]]:
-        """Return how far a root is off where threshold minus c is known, and how it changes with all else."""
-        if method.sensitivity is None:
-            raise InputError(f"how a threshold by {method.name!r} changes is not known; try another method")
-        found = method.sensitivity(self.at(x), np.array([self.c]))
-        by = {"c": -1.0} | {name: float(column[0]) for name, column in found.items()}
-        own = by.pop(self.of)
-        with np.errstate(all="ignore"):
-            sensitivity = {name: float(np.divide(-value, own)) for name, value in by.items()}
-        return -sensitivity["c"] * off, sensitivity
-
-    def proved(self, within: tuple[float, float] | None) -> tuple[Critical, ...]:
-        """Enclose the critical values that simulation finds."""
-        return tuple(self._proved(one) for one in self.found(within))
+        error = None
+        if self.criterion is None:
+            off = float(computed.relative_error[0] * abs(computed.value[0]))
+            if not math.isfinite(off):  # where the threshold is 0 its relative error is nothing
+                beside, _ = ask(self.at(x * (1 + _BESIDE)), self.method, _TIGHTEST)
+                off = float(beside.relative_error[0] * abs(beside.value[0]))
+            error = (abs(sensitivity["c"]) * off + step**2 / abs(x)) / abs(x) + _ROUNDING
+            error += 0.0 if small else abs(step / x)
+            if not error <= self.rtol:
+                raise NotConverged(
+                    f"{self.of} = {x:.6g} is known to {error:.1e} relative only, not to rtol = {self.rtol:g}; "
+                    "try another rtol"
+                )
+        return Critical(self.of, x + step if small else x, self.unit, method.name, error, sensitivity)
 
     def _proved(self, one: Critical) -> Critical:
         """Enclose a value: where the threshold grows with it, the slip returns above it, so minus it is sought."""
@@ -457,13 +428,8 @@ class _Search:
         enclosure = found if sign > 0 else Enclosure(-found.high, -found.low)
         middle = float(enclosure)
         error = float(enclosure.radius) / abs(middle)
-        return Critical(self.of, middle, one.unit, "proof", error, one.sensitivity, enclosure)
-
-
-def _tight(rtol: float) -> float:
-    """Return the relative error of a threshold at a root."""
-    return max(_FINER * rtol, _TIGHTEST)
+        return replace(one, value=middle, method="proof", relative_error=error, enclosure=enclosure)
 
 
 def _spaced(low: float, high: float) -> FloatArray:
-    return np.geomspace(low, high, max(3, math.ceil(math.log10(high / low) * _PER_DECADE) + 1))
+    return np.geomspace(low, high, max(3, math.ceil(abs(math.log10(high / low)) * _PER_DECADE) + 1))

@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, fields
 
 import numpy as np
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.errors import InputError, OutOfTime, StickSlipError
+from stickslip_sym.core.errors import NO_RESULT, InputError, OutOfTime, StickSlipError
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
@@ -20,9 +21,6 @@ from stickslip_sym.motion.thresholds.uncertainty import standard_errors
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import table
 
-__all__ = ["Margin", "Margins", "Sampled", "carried_by", "margins"]
-
-_REACH = 10.0  # times a value, and its inverse: where a change is looked for
 _SEED = 20160428  # of the samples
 
 
@@ -108,19 +106,11 @@ class Margins:
 
     @property
     def _cells(self) -> tuple[list[str], list[list[str]]]:
-        def shown(one: Critical | None) -> str:
-            return "" if one is None else f"{one.value:.6g}"
-
-        rows = [
-            [
-                row.name,
-                f"{row.value:.6g}",
-                shown(row.below),
-                shown(row.above),
-                "none" if math.isinf(row.change) else f"{100 * row.change:+.3g} %",
-            ]
-            for row in self.rows
-        ]
+        rows = []
+        for row in self.rows:
+            ends = ["" if one is None else f"{one.value:.6g}" for one in (row.below, row.above)]
+            change = f"{100 * row.change:+.3g} %" if math.isfinite(row.change) else "none"
+            rows.append([row.name, f"{row.value:.6g}", *ends, change])
         return ["quantity", "value", "critical below", "critical above", "smallest change"], rows
 
     @property
@@ -156,7 +146,7 @@ def margins(
     method: str | Criterion | Method = "auto",
     rtol: float = 1e-3,
     samples: int = 200,
-    reach: float = _REACH,
+    reach: float = 10.0,
     each: float | None = None,
     time_limit: float | None = None,
 ) -> Margins:
@@ -203,21 +193,20 @@ def margins(
         threshold = pure_slip_damping(law, **numbers, method=method, rtol=rtol)
         rows, refused = [], {}
         for name, value in (quantities | {p: float(v) for p, v in law.values.items()}).items():
-            others = {key: number for key, number in quantities.items() if key != name}
             if value == 0:
                 continue
-            ends = sorted(value * factor for factor in (1 / reach, reach))
+            others = {key: number for key, number in quantities.items() if key != name}
+            low, high = sorted((value / reach, value * reach))
             try:
                 with deadline.time_limit(each):
-                    found = critical(law, name, **others, method=method, rtol=rtol, within=(ends[0], ends[1]))
-            except OutOfTime:
-                deadline.check_time()  # raises if it was the limit on all of them
-                refused[name] = f"not found within {each:g} s"
-                continue
+                    found = critical(law, name, **others, method=method, rtol=rtol, within=(low, high))
             except StickSlipError as error:
-                refused[name] = str(error)
+                deadline.check_time()  # raises if it was the limit on all of them
+                refused[name] = f"not found within {each:g} s" if isinstance(error, OutOfTime) else str(error)
                 continue
-            rows.append(_margin(name, value, found))
+            below = [one for one in found if one.value <= value]
+            above = found[len(below) :]
+            rows.append(Margin(name, value, below[-1] if below else None, above[0] if above else None))
         probability, sampled = _probabilities(threshold, osc.c, carried.get("c"), samples)
     return Margins(
         threshold, osc.c, tuple(sorted(rows, key=lambda row: abs(row.change))), probability, sampled, refused
@@ -233,21 +222,15 @@ def carried_by(osc: Oscillator, errors: Mapping[str, str | UFloat]) -> dict[str,
                 f"errors has {name!r}; it takes V, N, m, k and c; a parameter carries its own in the law"
             )
         _, read = split(given, name)
-        if read is None:
-            continue
-        if not math.isclose(read.nominal_value, getattr(osc, name), rel_tol=1e-12):
-            raise InputError(
-                f"{name} is {getattr(osc, name):g} in the oscillator and {read.nominal_value:g} in errors; "
-                "give the same value"
-            )
-        carried[name] = read
+        if read is not None:
+            own = getattr(osc, name)
+            if not math.isclose(read.nominal_value, own, rel_tol=1e-12):
+                raise InputError(
+                    f"{name} is {own:g} in the oscillator and {read.nominal_value:g} in errors; "
+                    "give the same value"
+                )
+            carried[name] = read
     return carried
-
-
-def _margin(name: str, value: float, found: tuple[Critical, ...]) -> Margin:
-    below = [one for one in found if one.value <= value]
-    above = [one for one in found if one.value > value]
-    return Margin(name, value, below[-1] if below else None, above[0] if above else None)
 
 
 def _probabilities(
@@ -266,20 +249,16 @@ def _probabilities(
     names, covariance = ((), np.zeros((0, 0))) if errors is None else (errors.names, errors.covariance[0])
     (method,) = threshold.used.values()
     rng = np.random.default_rng(_SEED)
-    off: list[float] = []
-    for _ in range(samples):
+    off = np.full(samples, np.nan)
+    for i in range(samples):
         shift = rng.multivariate_normal(np.zeros(len(names)), covariance) if names else ()
         damping = c + spread * rng.standard_normal()
-        try:
+        with suppress(*NO_RESULT):  # where it is no operating point
             points = threshold.points.shifted(dict(zip(names, shift, strict=True)))
-            off += excess(points, damping, None if method.automatic else method).tolist()
-        except OutOfTime:
-            raise
-        except StickSlipError:  # no operating point
-            continue
-    below = np.sign(off)[np.abs(off) > 0] > 0  # neither 0 nor NaN
-    if not below.size:
+            off[i] = excess(points, damping, None if method.automatic else method)[0]
+    decided = off[np.abs(off) > 0]  # neither 0 nor NaN
+    if not decided.size:
         return probability, Sampled(math.nan, math.nan, 1.0)
-    share = float(below.mean())
-    error = math.sqrt(max(share * (1 - share), 1 / below.size) / below.size)
-    return probability, Sampled(share, error, 1 - below.size / samples)
+    share = float((decided > 0).mean())
+    error = math.sqrt(max(share * (1 - share), 1 / decided.size) / decided.size)
+    return probability, Sampled(share, error, 1 - decided.size / samples)

@@ -88,7 +88,7 @@ Attractor = Rest | LimitCycle | StickSlipCycle
 
 
 @dataclass(frozen=True)
-class Regime(drawing.Panel):
+class Regime(drawing.Drawn):
     """Every motion that an oscillator has.
 
     Attributes

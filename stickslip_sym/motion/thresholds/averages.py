@@ -22,8 +22,6 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 if TYPE_CHECKING:
     from stickslip_sym.formula.slope_average import SlopeAverage
 
-__all__ = ["average", "average_changes", "slope_mean"]
-
 
 @dataclass(frozen=True)
 class _Shape:

@@ -28,8 +28,6 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["ExactPoint", "Flow", "Segment", "Transit", "Undecided", "flow", "transit"]
-
 _SCALES = tuple(2.0**-i for i in range(-1, 9))  # of the radii that are tried for the polydisc
 _SHARE = 0.25  # of the time rho that a step takes: with it a term gains two bits
 _MOST_STEPS = 20_000

@@ -18,8 +18,6 @@ from stickslip_sym.motion.orbits.needed import by_zeta, gap, halves, needed_rati
 from stickslip_sym.motion.slip import Dimensionless, Wedge
 from stickslip_sym.motion.table import FrictionTable, Pieces
 
-__all__ = ["grazing_damping", "grazing_sensitivity"]
-
 _TIGHT = 1e-12  # tolerance of the steps along which the wedges are carried
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
 _SAME = 1e-12  # relative distance of two places of a kink that are one

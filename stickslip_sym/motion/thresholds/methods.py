@@ -5,7 +5,7 @@ Every criterion is a method: an average of the falling slope. A further method i
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import FloatArray, IntArray, ObjectArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
@@ -28,11 +28,6 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
 if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
-
-__all__ = [
-    "Computed", "Method", "accuracy", "add_method", "ask", "find_method", "good_enough", "is_straight", "methods",
-    "second_order",
-]  # fmt: skip
 
 _ROUNDING = 1e-14
 _REFERENCE = 1e-8  # relative error of the threshold from which the error of an average is taken
@@ -50,13 +45,13 @@ class Computed:
     - `value`: thresholds in kg/s, shape (n,); NaN where there is none.
     - `relative_error`: as far as the method knows it by itself, shape (n,); infinite where it does not.
     - `refusals`: why there is no value, or one of a larger error than was asked for, by row.
-    - `theorems`: what was proved of each point, if anything was.
+    - `theorems`: what was proved, by row.
     """
 
     value: FloatArray
     relative_error: FloatArray
     refusals: Mapping[int, StickSlipError] = field(default_factory=dict)
-    theorems: "tuple[Theorem, ...]" = ()
+    theorems: "Mapping[int, Theorem]" = field(default_factory=dict)
 
 
 Cost = float | Callable[[OperatingPoints], FloatArray]
@@ -118,11 +113,15 @@ class Method:
         if self.oscillator and not has_oscillator:
             raise InputError(f'method="{self.name}" needs the mass m and the stiffness k')
         if self.smooth and (reason := obstacle(law, V)) is not None:
-            raise self.not_smooth(reason)
+            raise _not_smooth(self.name, reason)
 
-    def not_smooth(self, reason: str) -> InputError:
-        """Return the refusal of a law that is not smooth."""
-        return InputError(f'method="{self.name}" needs a law that is smooth: {reason}; try method="simulation"')
+    def costs(self, points: OperatingPoints) -> FloatArray:
+        """Return the cost at each point."""
+        return np.broadcast_to(self.cost(points) if callable(self.cost) else self.cost, len(points))
+
+
+def _not_smooth(name: str, reason: str) -> InputError:
+    return InputError(f'method="{name}" needs a law that is smooth: {reason}; try method="simulation"')
 
 
 # -- the table -------------------------------------------------------------------------------------
@@ -181,82 +180,83 @@ def good_enough(points: OperatingPoints, method: Method | None, rtol: float) -> 
     """
     if method is not None:
         method.check(points.law, points.V, points.has_oscillator)
-    found, names = ask(points, method, rtol)
-    far: IntArray = np.flatnonzero(~(found.relative_error <= rtol))
-    if method is None and np.isfinite(found.relative_error[far]).any():
-        found, far = _proved(points, found, names, far, rtol)
+    found, names = ask(points, method, rtol, prove=True)
+    far = np.flatnonzero(~(found.relative_error <= rtol))
     if not far.size:
         return found, names
-    lacking = far[~np.isfinite(found.value[far])]
+    row = int(far[0])
     if method is None or method.converges:
-        _refuse(points, found, int(far[0]), rtol)
-    elif lacking.size:
+        refusal = found.refusals.get(row)
+        if isinstance(refusal, NoThreshold | InputError):
+            raise refusal
+        reason = f": {refusal}" if refusal is not None else ""
+        more = "" if method is not None and method.name == "proof" else ', or method="proof"'
+        raise NotConverged(
+            f"rtol = {rtol:g} is not reached for {points.label(row)}{reason}{_best(points, found, row)}; "
+            f"try another rtol{more}"
+        )
+    lacking = far[~np.isfinite(found.value[far])]
+    if lacking.size:
         raise NotConverged(
             f"the method {method.name!r} gives no finite number for {points.label(int(lacking[0]))}: slopes of mu "
             'are no numbers there, or overflow; check the law, or try method="simulation"'
         )
-    elif points.has_oscillator:  # else nothing is known of the threshold itself
+    if points.has_oscillator:  # else nothing is known of the threshold itself
         reference, _ = ask(points.rows(far), None, _REFERENCE)
         off = np.abs(found.value[far] - reference.value)
         with np.errstate(all="ignore"):
             off = np.where(off == 0, 0.0, off / np.abs(reference.value)) + reference.relative_error
-        error = found.relative_error.copy()
-        error[far] = np.where(np.isnan(off), np.inf, off)
-        found = Computed(found.value, error)
+        found.relative_error[far] = np.where(np.isnan(off), np.inf, off)
     return found, names
 
 
-def ask(points: OperatingPoints, method: Method | None, rtol: float) -> tuple[Computed, ObjectArray]:
+def ask(
+    points: OperatingPoints, method: Method | None, rtol: float, *, prove: bool = False
+) -> tuple[Computed, ObjectArray]:
     """Return what a method says, whatever its error, and its name; for None what the cheapest ones say.
 
     One method after another is asked for the points whose error is not small enough yet, and the best values are
     kept: NaN, an infinite error and "" where there is none.
+
+    - `prove`: whether to end with a proof of what has a finite error.
     """
     if method is not None:
-        found = method.compute(points, min(max(rtol, method.tightest), method.loosest))
-        return found, np.full(len(points), method.name, dtype=object)
+        computed = method.compute(points, min(max(rtol, method.tightest), method.loosest))
+        return computed, np.full(len(points), method.name, dtype=object)
     value, error = np.full(len(points), np.nan), np.full(len(points), np.inf)
-    name = np.full(len(points), "", dtype=object)  # texts of one width would cut longer ones
+    names = np.full(len(points), "", dtype=object)  # texts of one width would cut longer ones
     refusals: dict[int, StickSlipError] = {}
-    smooth = obstacle(points.law, points.V) is None
-    chosen = [one for one in methods().values() if one.automatic and (smooth or not one.smooth)]
-    costs = [one.cost(points) if callable(one.cost) else np.full(len(points), one.cost) for one in chosen]
-    for turn in np.argsort(np.reshape(costs, (len(chosen), len(points))), axis=0, kind="stable"):
-        for number, one in enumerate(chosen):
-            rows = np.flatnonzero((turn == number) & ~(error <= rtol))
-            if not rows.size:
-                continue
-            try:
-                found, _ = ask(points if rows.size == len(points) else points.rows(rows), one, rtol)
-            except OutOfTime as stop:
-                row = int(rows[0])
-                raise OutOfTime(f"{stop}{_so_far(value[row], error[row], points.label(row))}") from None
-            closer = found.relative_error < error[rows]
-            value[rows[closer]], error[rows[closer]] = found.value[closer], found.relative_error[closer]
-            name[rows[closer]] = one.name
-            refusals |= {int(rows[row]): refusal for row, refusal in found.refusals.items()}
-    return Computed(value, error, refusals), name
+    theorems: dict[int, Theorem] = {}
+    best = Computed(value, error, refusals, theorems)
+    for one, its_points in _in_turn(points, prove):
+        rows = np.flatnonzero(its_points & ~(error <= rtol) & (one.automatic | np.isfinite(error)))
+        if not rows.size:
+            continue
+        try:
+            computed, _ = ask(points if rows.size == len(points) else points.rows(rows), one, rtol)
+        except OutOfTime as stop:
+            raise OutOfTime(f"{stop}{_best(points, best, int(rows[0]))}") from None
+        closer = computed.relative_error < error[rows]
+        value[rows[closer]], error[rows[closer]] = computed.value[closer], computed.relative_error[closer]
+        names[rows[closer]] = one.name
+        if one.automatic:
+            refusals |= {int(rows[row]): refusal for row, refusal in computed.refusals.items()}
+        theorems |= {int(rows[row]): theorem for row, theorem in computed.theorems.items()}
+    return best, names
 
 
-def _proved(
-    points: OperatingPoints, found: Computed, names: ObjectArray, far: IntArray, rtol: float
-) -> tuple[Computed, IntArray]:
-    """Return the thresholds with proofs of those whose errors are finite and too large, and the rows still far.
+def _in_turn(points: OperatingPoints, prove: bool) -> Iterator[tuple[Method, BoolArray]]:
+    """Yield the methods that are asked one after another, and which points are whose turn.
 
     Time stepping in double precision has an end; a proof takes a hundred times as long, and has any digits.
     """
-    proof, theorems = methods()["proof"], found.theorems
-    for row in far[np.isfinite(found.relative_error[far])].tolist():
-        try:
-            one = proof.compute(points.rows(np.array([row])), rtol)
-        except OutOfTime as stop:
-            best = _so_far(found.value[row], found.relative_error[row], points.label(row))
-            raise OutOfTime(f"{stop}{best}") from None
-        except NO_RESULT:
-            continue
-        found.value[row], found.relative_error[row], names[row] = one.value[0], one.relative_error[0], "proof"
-        theorems = one.theorems if len(points) == 1 else ()  # of an array, only where every value has one
-    return replace(found, theorems=theorems), far[~(found.relative_error[far] <= rtol)]
+    smooth = obstacle(points.law, points.V) is None
+    chosen = [one for one in methods().values() if one.automatic and (smooth or not one.smooth)]
+    for turn in np.argsort([one.costs(points) for one in chosen], axis=0, kind="stable"):
+        for number, one in enumerate(chosen):
+            yield one, turn == number
+    if prove:
+        yield methods()["proof"], np.ones(len(points), dtype=bool)
 
 
 def accuracy(error: float | None) -> str:
@@ -264,23 +264,12 @@ def accuracy(error: float | None) -> str:
     return "unknown" if error is None or not np.isfinite(error) else f"{error:.0e}"
 
 
-def _so_far(value: float, error: float, label: str) -> str:
-    if not np.isfinite(error):
-        return ""
-    return f"; the best value found for {label} is {value:.10g} kg/s, relative error {accuracy(error)}"
-
-
-def _refuse(points: OperatingPoints, computed: Computed, row: int, rtol: float) -> None:
-    """Raise why a point has no value that is good enough."""
-    refusal = computed.refusals.get(row)
-    if isinstance(refusal, NoThreshold | InputError):
-        raise refusal
-    reason = f": {refusal}" if refusal is not None else ""
-    label = points.label(row)
-    best = _so_far(computed.value[row], computed.relative_error[row], label)
-    raise NotConverged(
-        f'rtol = {rtol:g} is not reached for {label}{reason}{best}; try another rtol, or method="proof"'
-    )
+def _best(points: OperatingPoints, computed: Computed, row: int) -> str:
+    """Return the best value of a point, for a message that it is not good enough."""
+    value, error = computed.value[row], computed.relative_error[row]
+    if not error < 1:
+        return "; no value was found" if np.isfinite(error) else ""
+    return f"; the best value found for {points.label(row)} is {value:.10g} kg/s, relative error {accuracy(error)}"
 
 
 # -- averages of the slope -------------------------------------------------------------------------
@@ -312,12 +301,13 @@ def is_straight(law: FrictionLaw) -> bool:
 # -- slip orbits -----------------------------------------------------------------------------------
 
 
-def second_order(points: OperatingPoints) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the damping to second order in the friction, its resolution, and what the next order may add.
+def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
+    """Return the damping to second order in the friction; the error is that of the grid and the next order.
 
-    Both are relative errors; the resolution is that of the grid. The expansion goes by the square of the orbit's
-    distortion. It is one of the largest slope, not of the average, in which slopes may cancel.
+    The expansion goes by the square of the orbit's distortion. It is one of the largest slope, not of the average,
+    in which slopes may cancel.
     """
+    del rtol  # the value is what it is
     weak, strength, N = points.weak, points.strength, points.N
     (everything,) = averages(points.law, points.V)
     with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
@@ -328,15 +318,8 @@ def second_order(points: OperatingPoints) -> tuple[FloatArray, FloatArray, Float
         scale = N * np.maximum(weak.largest, np.abs(everything))
         layer = points.impedance * of_layer(points.law, points.V, strength, weak.sines.shape[1])
         more = weak.distortion(strength) ** 4 * scale + layer
-        next_order = np.where(more == 0, 0.0, more / np.abs(value))
-    resolution = np.where(np.isfinite(value), resolution, np.inf)
-    return value, resolution, np.where(np.isnan(next_order), np.inf, next_order)
-
-
-def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
-    del rtol  # the value is what it is
-    value, resolution, next_order = second_order(points)
-    return Computed(value, next_order + resolution + _ROUNDING)
+        error = resolution + np.where(more == 0, 0.0, more / np.abs(value)) + _ROUNDING
+    return Computed(value, np.where(np.isfinite(value) & ~np.isnan(error), error, np.inf))
 
 
 def _orbit_cost(points: OperatingPoints) -> FloatArray:
@@ -350,7 +333,7 @@ def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
     value, error = found.d * points.impedance, found.relative_error
     reason = obstacle(points.law, points.V, float(found.lowest.min(initial=0.0)))
     if reason is not None:
-        refusals = dict.fromkeys(range(len(points)), methods()["orbit"].not_smooth(reason))
+        refusals = dict.fromkeys(range(len(points)), _not_smooth("orbit", reason))
         return Computed(np.full_like(value, np.nan), np.full_like(error, np.inf), refusals)
     # Friction is too strong for a grid of phases, or mu rough.
     far = np.flatnonzero(~(error <= rtol))
@@ -386,14 +369,18 @@ def _orbit_changes(points: OperatingPoints, value: FloatArray) -> dict[str, Floa
 
 
 def _by_simulation(points: OperatingPoints, rtol: float) -> Computed:
-    """Return the damping at which the simulated slip from P grazes the belt's speed, point by point."""
+    """Return the damping at which the simulated slip from P grazes the belt's speed."""
+    fast = len(points) >= _MANY
+    return _each(points, lambda row: grazing_damping(points.law, points.oscillator(row), rtol=rtol, fast=fast))
+
+
+def _each(points: OperatingPoints, compute: Callable[[int], tuple[float, float]]) -> Computed:
+    """Return values and errors, or refusals, row by row."""
     found = np.full((2, len(points)), [[np.nan], [np.inf]])
     refusals: dict[int, StickSlipError] = {}
     for row in range(len(points)):
         try:
-            found[:, row] = grazing_damping(
-                points.law, points.oscillator(row), rtol=rtol, fast=len(points) >= _MANY
-            )
+            found[:, row] = compute(row)
         except NO_RESULT as refusal:
             refusals[row] = refusal
     return Computed(found[0], found[1], refusals)
@@ -412,14 +399,15 @@ def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
     from stickslip_sym.motion.thresholds.boxes import ExactPoint
     from stickslip_sym.motion.thresholds.theorem import prove_threshold
 
-    found = []
-    for row in range(len(points)):
+    theorems = {}
+
+    def proved(row: int) -> tuple[float, float]:
         guess = grazing_damping(points.law, points.oscillator(row), rtol=_GUESS)
-        found.append(prove_threshold(ExactPoint(points.law, **points.exact_row(row)), *guess, rtol))
-    enclosures = [theorem.enclosure for theorem in found]
-    value = np.array([float(one) for one in enclosures])
-    error = np.array([float(one.radius / abs(one.mid)) for one in enclosures])
-    return Computed(value, error, theorems=tuple(found))
+        theorems[row] = prove_threshold(ExactPoint(points.law, **points.exact_row(row)), *guess, rtol)
+        enclosure = theorems[row].enclosure
+        return float(enclosure), float(enclosure.radius / abs(enclosure.mid))
+
+    return replace(_each(points, proved), theorems=theorems)
 
 
 _table: dict[str, Method] = {

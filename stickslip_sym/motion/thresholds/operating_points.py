@@ -1,7 +1,7 @@
 """`OperatingPoints`: where thresholds are asked for, as arrays."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -17,8 +17,6 @@ from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.expansion import Expansion, expand
-
-__all__ = ["OperatingPoints", "Quantity", "of_oscillator"]
 
 Quantity: TypeAlias = ArrayLike | UFloat | Sequence[UFloat]
 """One number or an array of them, as users give it; each may carry a standard error."""
@@ -59,7 +57,7 @@ class OperatingPoints:
                 )
         if ("m" in numbers) != ("k" in numbers):
             raise InputError("give both the mass m and the stiffness k, or neither")
-        arrays, errors, exactly = {}, {}, {}
+        arrays, uncertain, exactly = {}, {}, {}
         for name, given in numbers.items():
             value, error = _split(given, name)
             if isinstance(value, str):
@@ -67,19 +65,19 @@ class OperatingPoints:
                 value = float(exactly[name])
             arrays[name] = _column(name, value)
             if error is not None:
-                errors[name] = error
+                uncertain[name] = error
         try:
-            whole = dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
+            shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
         except ValueError:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
             raise InputError(f"the shapes do not broadcast: {shapes}") from None
-        shape = whole["V"].shape
-        columns = {name: column.ravel() for name, column in whole.items()}
-        uncertain = {
-            name: error if isinstance(error, UFloat) else np.broadcast_to(error, shape).ravel()
-            for name, error in errors.items()
-        }
-        return cls(law, columns, shape, exactly, uncertain)
+
+        def column(values: Any) -> Any:
+            return np.broadcast_to(values, shape).ravel()
+
+        columns = {name: column(array) for name, array in arrays.items()}
+        errors = {name: error if isinstance(error, UFloat) else column(error) for name, error in uncertain.items()}
+        return cls(law, columns, shape, exactly, errors)
 
     def __len__(self) -> int:
         return len(self.V)
@@ -102,8 +100,7 @@ class OperatingPoints:
     @property
     def impedance(self) -> FloatArray:
         """The unit of damping, sqrt(k m) in kg/s."""
-        found: FloatArray = np.sqrt(self.columns["k"]) * np.sqrt(self.columns["m"])
-        return found
+        return np.asarray(np.sqrt(self.columns["k"]) * np.sqrt(self.columns["m"]))
 
     @property
     def strength(self) -> FloatArray:
@@ -119,10 +116,8 @@ class OperatingPoints:
     def rows(self, chosen: Rows) -> "OperatingPoints":
         """Return some of the points."""
         columns = {name: column[chosen] for name, column in self.columns.items()}
-        uncertain = {
-            name: read if isinstance(read, UFloat) else read[chosen] for name, read in self.uncertain.items()
-        }
-        return OperatingPoints(self.law, columns, columns["V"].shape, self.exact, uncertain)
+        errors = {name: one if isinstance(one, UFloat) else one[chosen] for name, one in self.uncertain.items()}
+        return replace(self, columns=columns, shape=columns["V"].shape, uncertain=errors)
 
     def exact_row(self, row: int) -> dict[str, Rational]:
         """Return V, N, m and k of one point exactly: text as the decimal it says, a float as the binary it is."""

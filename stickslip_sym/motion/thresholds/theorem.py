@@ -35,8 +35,6 @@ from stickslip_sym.output import printing
 from stickslip_sym.output.layout import prose
 from stickslip_sym.output.notation import latex_name
 
-__all__ = ["Search", "Theorem", "checked_hypotheses", "lipschitz_evidence", "prove_threshold"]
-
 _SIGN_BITS = 64  # of the precision with which signs are shown
 _MOST_CUTS = 400  # of a range on which a sign is shown
 _BITS = (40, 100, 250, 600)  # of a decision, beyond those of its distance from the threshold, until one falls

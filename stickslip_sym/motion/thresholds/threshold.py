@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray, Rows
-from stickslip_sym.core.errors import InputError, OutOfTime, StickSlipError
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.uncertain import with_error
@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from stickslip_sym.criteria.enclosure import Enclosure
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
-__all__ = ["Threshold", "pure_slip_damping"]
-
 _ENOUGH = 1e-3  # relative error of a threshold that is good enough where nothing else is said
 _NOT_NEEDED = "no damping is needed: a negative value says how much energy must be fed in for stick-slip"
 
@@ -68,6 +66,8 @@ class Threshold:
         With "proof": what was proved at each point, and how.
     deserved : float, optional
         The tolerance that "auto" took where none was given and the parameters' uncertainty deserves no less.
+    time_limit : float, optional
+        Seconds that its derivatives may take, and the second order of its uncertainty.
     """
 
     value: Any
@@ -77,6 +77,7 @@ class Threshold:
     used: Mapping[str, Method] = field(repr=False, compare=False)
     theorems: tuple[Theorem, ...] = ()
     deserved: float | None = None
+    time_limit: float | None = field(default=None, repr=False, compare=False)
 
     @cached_property
     def sensitivity(self) -> Mapping[str, Any]:
@@ -93,11 +94,13 @@ class Threshold:
         InputError
             For a method of one's own without derivatives.
         """
-        columns = self._gradient(self.points)
+        with deadline.time_limit(self.time_limit):
+            columns = self._gradient(self.points)
         return {name: shaped(column, self.points.shape) for name, column in columns.items()}
 
     def _gradient(self, points: OperatingPoints, rows: Rows = slice(None)) -> dict[str, FloatArray]:
         """Return dc/dname at points that stand for some rows, each by the method that gave the threshold there."""
+        deadline.check_time()
         method, value = np.ravel(self.method)[rows], np.ravel(self.value)[rows]
         names = (*points.columns, *points.law.parameters)
         columns: dict[str, FloatArray] = {name: np.empty(len(points)) for name in names}
@@ -133,12 +136,8 @@ class Threshold:
         errors, reason = standard_errors(self.points), ""
         ratio: FloatArray = np.ones(len(self.points))
         if self.budget is not None and errors is not None:
-            try:
-                ratio = second_order_ratio(self.points, np.ravel(self.value), self._gradient, errors)
-            except OutOfTime:
-                raise
-            except StickSlipError as error:
-                ratio, reason = np.full(len(self.points), np.nan), str(error)
+            with deadline.time_limit(self.time_limit):
+                ratio, reason = second_order_ratio(self.points, np.ravel(self.value), self._gradient, errors)
         return shaped(ratio, self.points.shape), reason
 
     @property
@@ -254,7 +253,7 @@ def pure_slip_damping(
         that is more: no method makes up for what is not known of them. An average is what it is: its error is
         stated, whatever `rtol`.
     time_limit : float, optional
-        Seconds of computation after which it is given up.
+        Seconds of computation after which it is given up, and likewise what the result computes when it is asked.
 
     Returns
     -------
@@ -310,6 +309,7 @@ def pure_slip_damping(
         shaped(error, points.shape) if known else None,
         points,
         {name: table[name] for name in set(names.tolist())},
-        computed.theorems,
+        tuple(computed.theorems.values()) if len(computed.theorems) == len(points) else (),
         deserved if deserved > _ENOUGH else None,
+        time_limit,
     )

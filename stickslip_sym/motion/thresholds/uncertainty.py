@@ -10,17 +10,13 @@ from typing import Any
 import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray, Numbers, ObjectArray
-from stickslip_sym.core.errors import InputWarning
+from stickslip_sym.core.errors import NO_RESULT, InputWarning
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.criteria.criterion import harmonic
 from stickslip_sym.motion.thresholds.averages import average_changes
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import table
-
-__all__ = [
-    "Budget", "Errors", "deserved_tolerance", "second_order_ratio", "shaped", "standard_errors", "warn_of_ratio",
-]  # fmt: skip
 
 _PART = 0.1  # of the parameters' standard error, that of the method
 _LARGEST = 0.1  # relative error of a method, however little is known of the parameters
@@ -133,24 +129,18 @@ class Budget:
 
     @property
     def _cells(self) -> tuple[list[str], list[list[str]]]:
-        header = ["quantity", "standard error", "alone, kg/s", "share of the variance"]
-        rows = [
-            [
-                name,
-                _range(self.deviations[name], ".3g"),
-                _range(self.alone[name], ".3g"),
-                _range(100 * np.asarray(self.shares[name]), ".1f") + " %",
-            ]
-            for name in self.names
-        ]
-        return header, rows
+        rows = []
+        for name in self.names:
+            share = _range(100 * np.asarray(self.shares[name]), ".1f")
+            rows.append(
+                [name, _range(self.deviations[name], ".3g"), _range(self.alone[name], ".3g"), f"{share} %"]
+            )
+        return ["quantity", "standard error", "alone, kg/s", "share of the variance"], rows
 
     @property
     def _remark(self) -> str:
-        if not self.correlated:
-            return ""
         pairs = ", ".join(f"{one} and {other} ({r:+.2f})" for one, other, r in self.correlated)
-        return f"correlated: {pairs}; their shares hold only together"
+        return f"correlated: {pairs}; their shares hold only together" if pairs else ""
 
     def __str__(self) -> str:
         return table(*self._cells) + (f"\n{self._remark}" if self._remark else "")
@@ -191,12 +181,9 @@ def deserved_tolerance(points: OperatingPoints) -> float:
 
 
 def second_order_ratio(
-    points: OperatingPoints,
-    value: FloatArray,
-    gradient: Gradient,
-    errors: Errors,
-) -> FloatArray:
-    """Return the standard error of thresholds to second order over that to first, one for each point.
+    points: OperatingPoints, value: FloatArray, gradient: Gradient, errors: Errors
+) -> tuple[FloatArray, str]:
+    """Return the standard error of thresholds to second order over that to first, and why it is not known.
 
     In independent standard normal variables x, with covariance C = L L^T, the threshold is
     a x + h x x/2 + t x x x/6, its variance sum a_j^2 + sum h_ij^2/2 + sum a_j t_iij up to the fourth order
@@ -206,17 +193,18 @@ def second_order_ratio(
     - `value`: the thresholds; standard errors below their rounding need no second order.
     - `gradient`: from points, and the rows that they stand for, to the derivatives of their thresholds, by name.
 
-    Raises `InputError` if a quantity off by sqrt(3) standard errors leaves where it may be.
-    Raises `NoThreshold` or `NotConverged` if there is no threshold there.
+    The ratios are NaN where a quantity off by sqrt(3) standard errors leaves where it may be, or there is no
+    threshold.
     """
     every = np.arange(len(points))
-    if len(errors.covariance) == 1:
-        return _ratios(points, value, partial(gradient, rows=every), errors.names, errors.covariance[0])
-    found = [
-        _ratios(points.rows([row]), value[[row]], partial(gradient, rows=every[[row]]), errors.names, covariance)
-        for row, covariance in enumerate(errors.covariance)
-    ]
-    return np.concatenate(found)
+    parts = [every] if len(errors.covariance) == 1 else every[:, None]
+    try:
+        return np.concatenate([
+            _ratios(points.rows(rows), value[rows], partial(gradient, rows=rows), errors.names, covariance)
+            for rows, covariance in zip(parts, errors.covariance, strict=True)
+        ]), ""  # fmt: skip
+    except NO_RESULT as error:
+        return np.full(len(points), np.nan), str(error)
 
 
 def _ratios(
@@ -227,8 +215,7 @@ def _ratios(
     def slope(shift: FloatArray) -> FloatArray:
         """Return the gradient by x, one column a point."""
         by = gradient(points.shifted(dict(zip(names, shift.tolist(), strict=True))))
-        found: FloatArray = L.T @ np.stack([by[name] for name in names])
-        return found
+        return np.asarray(L.T @ np.stack([by[name] for name in names]))
 
     a = slope(np.zeros(len(names)))
     first = second = (a**2).sum(axis=0)
@@ -246,24 +233,19 @@ def _axes(covariance: FloatArray) -> FloatArray:
     unit = np.where(size > 0, size, 1.0)
     eigenvalues, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
     kept = eigenvalues > _RANK * eigenvalues.max(initial=0.0)
-    matrix: FloatArray = unit[:, None] * vectors[:, kept] * np.sqrt(eigenvalues[kept])
-    return matrix
+    return np.asarray(unit[:, None] * vectors[:, kept] * np.sqrt(eigenvalues[kept]))
 
 
 def warn_of_ratio(ratio: Numbers, reason: str) -> None:
-    """Warn where the second order says that the first does not suffice.
-
-    Warns
-    -----
-    InputWarning
-    """
+    """Warn where the second order says that the first does not suffice."""
     ratio = np.ravel(ratio)
-    if np.isnan(ratio).any():
+    worst = ratio[np.abs(ratio - 1).argmax()] if ratio.size else 1.0  # NaN where there is any
+    if np.isnan(worst):
         message = (
             f"the standard error of c could not be checked by its second order: {reason or 'there is no value'}; "
             "take it as a rough one"
         )
-    elif ratio.size and abs((worst := ratio[np.abs(ratio - 1).argmax()]) - 1) > _SUFFICES:
+    elif abs(worst - 1) > _SUFFICES:
         message = (
             f"the standard error of c is {worst:.2f} times as large to second order: the errors of the "
             "parameters are too large for the first order to suffice"

@@ -19,19 +19,7 @@ from stickslip_sym.core.version import __version__
 from stickslip_sym.output import printing
 from stickslip_sym.output.markup import Markup, element, escaped, prose
 
-__all__ = [
-    "equation",
-    "formula",
-    "now",
-    "number",
-    "percent",
-    "render",
-    "require_templates",
-    "versions",
-    "with_error",
-]
-
-_PACKAGES = ("sympy", "mpmath", "numpy", "scipy", "matplotlib")
+_PACKAGES = ("sympy", "mpmath", "numpy", "scipy", "matplotlib", "uncertainties")
 _FRAME = Path(__file__).parent
 _POWER = re.compile(r"(.*)e([+-])0*(\d+)")
 _MOST_DECIMALS = 9
@@ -69,7 +57,7 @@ def render(template: Path, **values: Any) -> str:
     sheets = [sheet for sheet in (_FRAME / "page.css", template.with_suffix(".css")) if sheet.is_file()]
     style = Markup("".join(sheet.read_text(encoding="utf-8") for sheet in sheets))
     page = environment.get_template(template.name)
-    return page.render(values, style=style, versions=versions("uncertainties"))
+    return page.render(values, style=style, versions=versions())
 
 
 def number(value: float | None, form: str = ".6g") -> Markup:
@@ -120,10 +108,10 @@ def equation(left: Expr, right: Expr) -> Markup:
     return formula(f"{printing.latex(left)} = {printing.latex(right)}")
 
 
-def versions(*more: str) -> dict[str, str]:
-    """Return what computes here: Python, packages and more of them, as far as they are installed, the machine."""
+def versions() -> dict[str, str]:
+    """Return what computes here: Python, packages as far as they are installed, the machine."""
     found = {"python": platform.python_version(), "stickslip_sym": __version__}
-    for name in (*_PACKAGES, *more):
+    for name in _PACKAGES:
         with suppress(PackageNotFoundError):
             found[name] = version(name)
     return found | {"platform": platform.platform(), "machine": platform.machine()}

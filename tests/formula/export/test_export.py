@@ -271,7 +271,7 @@ def test_command_writes_all_outputs(tmp_path):
         (["exponential", "exponential", "--c", "x"], "'exponential' is given twice"),
         (["exponential", "--all", "--c", "x"], "--all is every law already"),
         (["exponential", "--c", "x", "--steps"], "belongs to --latex"),
-        (["exponential", "--latex", "x", "--symbol", "alpha=a+b"], "not as one symbol"),
+        (["exponential", "--latex", "x", "--symbol", "alpha=a+b"], "is not one symbol"),
         (["exponential", "--latex", "x", "--symbol", "alfa=a"], "did you mean 'alpha'"),
         (["exponential", "--latex", "x", "--c", "nowhere/y"], "cannot write 'nowhere/y'"),
     ],

@@ -230,6 +230,7 @@ def test_columns_are_named_by_the_user(tmp_path):
             r"not understood: 'Rotation .rpm.', 'Reading X', .*; 'Torque .Nm.' is a torque: .*={'v': 'Rota",
         ),
         (path, {"columns": both}, r"rpm is a rotational speed; give the radius.*radius=0.03"),
+        (unnamed, {"columns": 3}, "columns is a dict like .*, got 3"),
         (unnamed, {"columns": {"x": 1}}, "a column holds v, mu"),
         (unnamed, {"columns": {"v": "Y", "mu": 2}}, "no columns are 'Y'; it has"),
         (unnamed, {"columns": numbered, "radius": 0.03}, "a speed already"),

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from operating_points import paper_oscillator
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
@@ -28,7 +29,7 @@ def between_thresholds(rng, static):
     return law, ss.Oscillator(c=loses + (grazes - loses) * rng.uniform(0.3, 0.9), **point)
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(2, 5))])
+@sweep("seed", [0, 1, 2, 3, 4], 0, 1)
 def test_sides_say_what_motions_come_to(seed):
     """Both of a map, all of whose initial conditions are followed as a check, and of many in any order."""
     rng = np.random.default_rng(seed)
@@ -116,7 +117,7 @@ def test_pure_slip_draws_every_motion():
         ss.basin_map(law, osc, x0=[float("inf")], v0=[0.0])
 
 
-def test_the_slip_from_P_is_not_integrated_for_each_initial_condition(monkeypatch):
+def test_the_slip_from_P_is_integrated_once(monkeypatch):
     follow, counts = Dimensionless.slip, []
 
     def counted(system, q, w, *arguments, **options):
@@ -143,14 +144,8 @@ UNSETTLED = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[pytest.mark.thorough] * name.endswith(("s down", "negative")))
-        for name in UNSETTLED
-    ],
-)
-def test_what_geometry_does_not_settle_is_followed_together(name):
+@sweep("name", list(UNSETTLED), "mu jumps up, and down", "P's orbit overtakes the belt")
+def test_what_geometry_does_not_settle_is_followed(name):
     law, osc = UNSETTLED[name]
     x0, v0 = np.linspace(-5, 5, 20) * osc.length, np.array([0.4, 1.8]) * osc.V
     found = ss.basin_map(law, osc, x0=x0, v0=v0)
@@ -158,6 +153,5 @@ def test_what_geometry_does_not_settle_is_followed_together(name):
     assert [share.counted for share in found.share.values()] == [found.regime.basins is None] * len(found.share)
     assert not found.notes
     for row, column in np.random.default_rng(4).integers((2, 20), size=(3, 2)):
-        one = ss.classify(law, osc, x0=x0[column], v0=v0[row])
-        assert found.motion[row, column] is one
+        assert found.motion[row, column] is ss.classify(law, osc, x0=x0[column], v0=v0[row])
     assert len(found.count()) == (2 if name == "mu jumps down" else 1)

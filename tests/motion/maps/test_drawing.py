@@ -62,41 +62,24 @@ def made_up_basins(rng, _):
 @pytest.mark.parametrize("names", [("V", "c"), ("c", "alpha"), ("N", "k")])
 def test_files_hold_what_the_cells_say(tmp_path, make, names):
     found, expected = make(np.random.default_rng(20160428), names)
+    cells = {name: np.broadcast_to(np.array(column), found.motion.shape) for name, column in expected.items()}
+    cells |= dict(zip((found.x.name, found.y.name), np.meshgrid(found.x.values, found.y.values), strict=True))
     found.to_csv(tmp_path / "cells.csv")
     with (tmp_path / "cells.csv").open(newline="") as stream:
         rows = list(csv.DictReader(stream))
-    assert len(rows) == found.motion.size
-    for cell, (row, column) in zip(rows, np.ndindex(found.motion.shape), strict=True):
-        assert float(cell.pop(found.x.name)) == found.x.values[column]
-        assert float(cell.pop(found.y.name)) == found.y.values[row]
-        for name, content in expected.items():
-            value = np.broadcast_to(np.array(content), found.motion.shape)[row, column]
-            text = cell.pop(name)
-            assert (text if isinstance(value, str) else float(text)) == value
-        assert not cell
+    assert set(rows[0]) == set(cells)
+    for name, column in cells.items():
+        texts = [row[name] for row in rows]
+        assert (texts if column.dtype.kind == "U" else list(map(float, texts))) == column.ravel().tolist()
     found.to_npz(tmp_path / "cells.npz")
+    expected |= {"x": found.x.values, "x_name": found.x.name, "x_unit": found.x.unit}
+    expected |= {"y": found.y.values, "y_name": found.y.name, "y_unit": found.y.unit}
+    expected |= {f"fixed_{name}": value for name, value in found.fixed.items()}
     with np.load(tmp_path / "cells.npz", allow_pickle=False) as arrays:
-        kept = {name: arrays[name] for name in arrays.files}
-    for side, axis in (("x", found.x), ("y", found.y)):
-        assert kept.pop(side).tolist() == axis.values.tolist()
-        assert (kept.pop(f"{side}_name"), kept.pop(f"{side}_unit")) == (axis.name, axis.unit)
-    for name, content in expected.items():
-        assert kept.pop(name).tolist() == np.array(content).tolist()
-    assert {name: float(kept.pop(f"fixed_{name}")) for name in found.fixed} == found.fixed
-    assert set(kept) == {"law"}
+        assert set(arrays.files) == {"law", *expected}
+        assert all(np.array_equal(arrays[name], content) for name, content in expected.items())
     with pytest.raises(ss.InputError, match="cannot write"):
         found.to_csv(tmp_path / "missing" / "map.csv")
-
-
-def test_a_motions_columns_are_its_samples(tmp_path):
-    motion = ss.simulate(LAW, paper_oscillator(1.0), t_end=3.0, v0=0.1)
-    motion.to_csv(tmp_path / "motion.csv")
-    with (tmp_path / "motion.csv").open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
-    for name in ("t", "x", "v"):
-        (column,) = (header for header in rows[0] if header.split()[0] == name)
-        assert [float(row[column]) for row in rows] == getattr(motion, name).tolist()
-    assert [row["phase"] for row in rows] == [phase.name.lower() for phase in motion.phase]
 
 
 def test_drawings_tell_regions_apart_without_colour(tmp_path, law):
@@ -127,17 +110,16 @@ def test_the_legend_names_the_curves_that_are_drawn():
         assert len(named) == len(drawn) == curves
 
 
-def test_pictures_are_drawn_into_axes_of_ones_own(tmp_path):
+def test_pictures_in_axes_of_ones_own(tmp_path):
     figure_module = pytest.importorskip("matplotlib.figure")
-    osc = paper_oscillator(2.3)
-    figure = figure_module.Figure()
-    panels = figure.subplots(2, 2).ravel()
+    osc, figure = paper_oscillator(2.3), figure_module.Figure()
     results = [
         ss.motion_map(LAW, x=("V", V[:2]), y=("c", C[:2]), **POINT),
         ss.basin_map(LAW, osc, x0=[0.0, 0.1], v0=[0.0, 0.1]),
         ss.basin_sweep(LAW, osc, ("c", [2.2, 2.3]), x0=(0, 0.1), v0=(0, 0.1)),
         ss.regime(LAW, osc),
     ]
+    panels = figure.subplots(2, 2).ravel()
     assert all(found.plot(ax=ax) is figure for found, ax in zip(results, panels, strict=True))
     results[0].plot(tmp_path / "all.svg", ax=panels[0])
     text = (tmp_path / "all.svg").read_text()

@@ -26,7 +26,7 @@ def test_births_and_deaths_have_their_closed_forms(over_speed):
     assert graze.error < 1e-9
 
 
-def test_shares_are_those_of_the_map_at_each_speed(over_speed):
+def test_shares_are_those_of_the_map(over_speed):
     rest, stick = (over_speed.share[motion] for motion in (Motion.REST, Motion.STICK_SLIP))
     assert np.allclose(rest + stick, 1.0, rtol=0, atol=1e-13)
     assert (rest[:2] == 0).all()  # below the Hopf speed
@@ -52,7 +52,7 @@ def test_a_fold_is_where_two_cycles_meet(tmp_path):
     assert ">share of the box of initial conditions</text>" in text
 
 
-def test_without_a_smooth_law_a_fold_is_between_two_values():
+def test_a_fold_of_measured_points():
     law = ss.FrictionLaw.from_samples([0, 0.1, 0.3, 0.6, 1.0, 2.0], [0.5, 0.42, 0.3, 0.25, 0.24, 0.26])
     found = ss.basin_sweep(law, paper_oscillator(0.5), ("c", [0.5, 3.0, 6.0]), x0=(-0.2, 0.2), v0=(-1, 1))
     shares = sum(found.share.values())

@@ -23,7 +23,7 @@ def enclosed(proof):
 
 
 @pytest.mark.parametrize("name", FRICTION)
-def test_the_paper_s_orbit_is_the_only_one_and_has_the_proved_threshold(name):
+def test_the_only_orbit_has_the_proved_threshold(name):
     proof = independent.prove(FRICTION[name], ETA)
     assert proof.first_return
     assert proof.Y + (proof.Z1 + proof.Z2 * proof.radius) * proof.radius < proof.radius

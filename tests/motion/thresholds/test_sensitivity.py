@@ -13,15 +13,8 @@ from stickslip_sym.motion.thresholds.methods import Computed, Method
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 SMOOTH = [
-    "exponential",
-    "polynomial",
-    "hyperbolic",
-    "gaussian",
-    "lorentzian",
-    "tanh",
-    "brown_mcphee",
-    "logarithmic",
-]
+    "exponential", "polynomial", "hyperbolic", "gaussian", "lorentzian", "tanh", "brown_mcphee", "logarithmic",
+]  # fmt: skip
 KINK = "Piecewise((mu_s - a*v, v < v_1), (mu_s - a*v_1 + b*(v - v_1), True))"
 JUMPS = {
     "down": "Piecewise((mu_s - a*v, v < v_1), (mu_s - a*v_1 - d + b*(v - v_1), True))",
@@ -108,28 +101,27 @@ def test_averages_against_differences_of_quadratures(text, criterion):
     law = law.bind(**{name: given[name] for name in law.parameters})
     found = ss.pure_slip_damping(law, V=0.5, N=9.81, method=criterion).sensitivity
     step = sp.Rational(1, 10**7)
-    for name, value in found.items():
-        if name not in ("V", "v_1", "d", "alpha"):  # in the others it is linear
-            continue
+    for name in {"V", "v_1", "d", "alpha"} & set(found):  # in the others it is linear
         ends = []
         for sign in (1, -1):
-            point = {"V": sp.Rational(1, 2), "N": sp.Rational("9.81")}
-            at = point[name] if name in point else law.values[name]
-            if name in point:
-                point[name] = at + sign * step
-            other = law if name in point else law.bind(**{name: at + sign * step})
-            ends.append(ss.quadrature.damping(other, criterion, **point, digits=24))
+            values = {"V": sp.Rational(1, 2), "N": sp.Rational("9.81")} | law.values
+            values[name] += sign * step
+            there = {key: values.pop(key) for key in "VN"}
+            ends.append(ss.quadrature.damping(law.bind(**values), criterion, **there, digits=24))
         with mpmath.workdps(24):
             difference = float((ends[0] - ends[1]) / 2 * 10**7)
-        assert value == pytest.approx(difference, rel=1e-10, abs=1e-11), name
+        assert found[name] == pytest.approx(difference, rel=1e-10, abs=1e-11), name
+
+
+SPEEDS = {"1": 0, "s/m": -1, "m/s": 1, "s^2/m^2": -2, "s^3/m^3": -3}
+"""The power of m/s that a unit is."""
 
 
 @pytest.mark.parametrize("method", ["equilibrium", "least_squares", "harmonic", "orbit"])
 def test_eulers_identities(method):
     """N c_N + m c_m + k c_k = c, m c_m = k c_k, and all with a speed in its unit adds to 0, N as one."""
-    count = (
-        3 if method in ("least_squares", "harmonic") else len(SMOOTH)
-    )  # the first call of a law makes its function
+    # The first call of a law makes its function.
+    count = 3 if method in ("least_squares", "harmonic") else len(SMOOTH)
     for law, point in random_points(count, 5):
         try:
             found = ss.pure_slip_damping(law, **point, method=method, rtol=1e-10 if method != "orbit" else 1e-12)
@@ -139,13 +131,8 @@ def test_eulers_identities(method):
         scale = max(map(abs, size.values()))
         assert size["N"] + size["m"] + size["k"] == pytest.approx(found.value, abs=1e-9 * scale)
         assert size["m"] == pytest.approx(size["k"], abs=1e-12 * scale)
-        speeds = {"V": 1, "N": 1} | {name: speed_power(p.unit) for name, p in law.parameters.items()}
+        speeds = {"V": 1, "N": 1} | {name: SPEEDS[p.unit] for name, p in law.parameters.items()}
         assert sum(power * size[name] for name, power in speeds.items()) == pytest.approx(0, abs=1e-9 * scale)
-
-
-def speed_power(unit):
-    """Return the power of m/s that a unit is."""
-    return {"1": 0, "s/m": -1, "m/s": 1, "s^2/m^2": -2, "s^3/m^3": -3}[unit]
 
 
 def test_arrays_each_point_by_its_own_method():
@@ -168,7 +155,7 @@ def test_without_friction_and_without_an_oscillator():
     assert set(harmonic.sensitivity) == {"V", "N", "mu_s", "mu_m", "alpha"}
 
 
-def test_averages_do_not_see_a_static_coefficient_whatever_its_parameters():
+def test_averages_do_not_see_a_static_coefficient():
     plain = ss.laws.exponential.typical()
     law = plain.with_static("mu_s + jump").bind(jump=0.1)
     for first, second in ((law, plain), (plain, law)):

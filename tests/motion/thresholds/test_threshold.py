@@ -16,7 +16,7 @@ def exponential():
     return ss.laws.exponential.typical()
 
 
-def test_without_mass_and_stiffness_the_error_is_not_known(exponential):
+def test_without_an_oscillator_the_error_is_unknown(exponential):
     found = ss.pure_slip_damping(exponential, V=0.5, N=9.81)
     assert (found.method, found.relative_error) == ("harmonic", None)
     assert "relative error unknown" in str(found)
@@ -58,7 +58,7 @@ JUMP = ss.FrictionLaw("0.4 - 0.1*v", static="0.45")
     ("law", "why"), [(KINKED, "kink at v = 0.7"), (JUMP, "static coefficient 0.45 lies above")]
 )
 @pytest.mark.parametrize("method", ["second_order", "orbit"])
-def test_laws_that_are_not_smooth_belong_to_simulation(law, why, method):
+def test_rough_laws_belong_to_simulation(law, why, method):
     with pytest.raises(ss.InputError, match=f'{why}.*method="simulation"'):
         ss.pure_slip_damping(law, **POINT, method=method)
     found = ss.pure_slip_damping(law, **POINT, rtol=1e-6)
@@ -66,19 +66,21 @@ def test_laws_that_are_not_smooth_belong_to_simulation(law, why, method):
 
 
 def test_a_kink_beyond_reach_does_no_harm():
-    far = ss.FrictionLaw("Piecewise((0.5 - 0.2*v + 0.05*v^2, v < 5), 0.36)")
-    smooth = ss.FrictionLaw("0.5 - 0.2*v + 0.05*v^2")
-    values = [ss.pure_slip_damping(law, **POINT, method="orbit", rtol=1e-12).value for law in (far, smooth)]
+    smooth = "0.5 - 0.2*v + 0.05*v^2"
+    values = [
+        ss.pure_slip_damping(ss.FrictionLaw(text), **POINT, method="orbit", rtol=1e-12).value
+        for text in (smooth, f"Piecewise(({smooth}, v < 5), (0.36, True))")
+    ]
     assert values[0] == pytest.approx(values[1], rel=1e-14)
 
 
 @pytest.mark.parametrize("method", ["orbit", "simulation", "auto"])
-def test_an_infinite_slope_at_rest_is_no_obstacle(method):
+def test_an_infinite_slope_is_no_obstacle(method):
     law = ss.FrictionLaw("0.5 - 0.1*sqrt(v)")
     assert ss.pure_slip_damping(law, **POINT, method=method, rtol=1e-9).value == pytest.approx(0.832662017)
 
 
-def test_a_small_static_excess_follows_the_weak_friction_law():
+def test_a_small_static_excess():
     """zeta = (dF/(V sqrt(m k)))^2/(4 pi) for Coulomb friction; the deviation falls with the excess."""
     jump, off = 0.02 / 2.0 ** np.arange(4), []
     for excess in jump:
@@ -101,6 +103,7 @@ def test_a_small_static_excess_follows_the_weak_friction_law():
         ({"k": [1.0, 2.0], "V": [1.0, 2.0, 3.0]}, "the shapes do not broadcast"),
         ({"V": "fast"}, "V = 'fast' is not a number"),
         ({"m": float("inf")}, "m holds a value that is not finite"),
+        ({"V": np.ma.array([0.5, 0.6], mask=[0, 1])}, "V has masked entries"),
     ],
 )
 def test_wrong_input(exponential, changes, message):
@@ -108,29 +111,15 @@ def test_wrong_input(exponential, changes, message):
         ss.pure_slip_damping(exponential, **(POINT | changes))
 
 
-def test_a_slope_that_is_exactly_zero_needs_no_damping():
+def test_a_slope_of_zero_needs_no_damping():
     law = ss.laws.polynomial.bind(mu_s="0.5", mu_m="0.2", v_m="1")
     assert ss.pure_slip_damping(law, V=1.0, N=9.81, method="equilibrium").value == 0
 
 
-def test_masked_points_are_refused():
-    with pytest.raises(ss.InputError, match="V has masked entries"):
-        ss.pure_slip_damping(ss.laws.exponential.typical(), V=np.ma.array([0.5, 0.6], mask=[0, 1]), N=9.81)
-
-
-@sweep(
-    "formula",
-    ["mu_k", "mu_k - a*v", "mu_k + a*(cos(v) + v)", "mu_k*cos(a*v)"],
-    "mu_k",
-    "mu_k - a*v",
-)
+@sweep("formula", ["mu_k", "mu_k - a*v", "mu_k + a*(cos(v) + v)", "mu_k*cos(a*v)"], "mu_k", "mu_k - a*v")
 def test_no_threshold_is_minus_zero(formula):
-    rng = np.random.default_rng(5)
     law = ss.FrictionLaw(formula)
-    law = law.bind(**{name: {"a": 0.0, "mu_k": rng.uniform(0.1, 1)}[name] for name in law.parameters})
-    point = {"V": rng.uniform(0.1, 1, 3), "N": rng.uniform(1, 10)}
+    law = law.bind(**{name: {"a": 0.0, "mu_k": 0.37}[name] for name in law.parameters})
     for method in ("auto", "equilibrium", "least_squares", "harmonic", "second_order", "orbit"):
-        oscillator = {"m": 1.0, "k": rng.uniform(50, 200)} if method in ("second_order", "orbit") else {}
-        assert not np.signbit(ss.pure_slip_damping(law, **point, **oscillator, method=method).value).any()
-        found = ss.pure_slip_damping(law, **point | {"V": 0.5}, **oscillator, method=method)
-        assert str(found).startswith("0 kg/s")
+        assert not np.signbit(ss.pure_slip_damping(law, **POINT | {"V": [0.3, 0.9]}, method=method).value).any()
+        assert str(ss.pure_slip_damping(law, **POINT, method=method)).startswith("0 kg/s")
