@@ -25,7 +25,7 @@ _LONGEST = 4000  # characters of a formula on the screen
     option("--steps", is_flag=True, help="Print every step of the derivation."),
     options.file_option("--latex", help="Write the formula as LaTeX."),
     options.file_option("--save", help="Keep the form, for stickslip_sym.load."),
-    options.time_limit("Seconds for each options.criterion (120).", SECONDS),
+    options.time_limit("Seconds for each criterion (120).", SECONDS),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Derive the closed form of a criterion, prove it, and cross-check its value.

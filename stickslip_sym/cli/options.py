@@ -55,27 +55,14 @@ class Given:
                 raise InputError(f"{max(parameter.opts, key=len)} does nothing here: {reason}; leave it out")
 
 
-class _Command(click.Command):
-    """A command that takes an option once. Otherwise the last value would win without a word."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Refuse options that are given twice, but for flags and those that may be repeated."""
-        _, _, order = self.make_parser(ctx).parse_args(args=list(args))
-        for option in order:
-            single = not (getattr(option, "is_flag", True) or option.multiple)
-            if single and order.count(option) > 1:
-                raise InputError(f"{option.opts[0]} is given twice; give it once")
-        return super().parse_args(ctx, args)
-
-
 def command(*parameters: click.Parameter | Sequence[click.Parameter]) -> Callable[..., click.Command]:
     """Return a decorator that makes a function of `Given` the command of its file; its docstring is the help."""
     listed = [[one] if isinstance(one, click.Parameter) else one for one in parameters]
     flat = [
         *(one for some in listed for one in some),
-        option("--json", is_flag=True, help="Print JSON, not text."),
+        option("--json", is_flag=True, help="Print JSON instead of text."),
     ]
-    if any(one.metavar == "FILE" and one.callback for one in flat):
+    if any(one.metavar == "FILE" and one.type is click.STRING for one in flat):
         flat.append(option("--overwrite", is_flag=True, is_eager=True, help="Let files be replaced."))
 
     def made(function: Callable[[Given], None]) -> click.Command:
@@ -83,7 +70,7 @@ def command(*parameters: click.Parameter | Sequence[click.Parameter]) -> Callabl
             function(Given(click.get_current_context()))
 
         name = function.__module__.rpartition(".")[2]
-        return _Command(name, params=flat, help=function.__doc__, callback=callback)
+        return click.Command(name, params=flat, help=function.__doc__, callback=callback)
 
     return made
 
@@ -92,14 +79,21 @@ Reader = Callable[[str, str], Any]
 """From the text of an option, and its name, to its value."""
 
 
-def option(*names: str, read: Reader | None = None, **more: Any) -> click.Option:
-    """Return an option, its text read by a function; ``multiple`` ones say that they may be repeated."""
+def option(*names: str, read: Reader | None = None, default: Any = None, **more: Any) -> click.Option:
+    """Return an option that is given once at most, its text read by a function, or a flag or ``multiple`` one."""
     if more.get("multiple"):
         more["help"] += " May be repeated."
-    if read is not None:
-        name, more["type"] = max(names, key=len), str
-        more["callback"] = lambda context, parameter, text: read(text, name) if isinstance(text, str) else text
-    return click.Option(list(names), **more)
+    if more.get("multiple") or more.get("is_flag"):
+        return click.Option(names, **more)
+    name = max(names, key=len)
+
+    def value(context: click.Context, parameter: click.Parameter, texts: tuple[Any, ...]) -> Any:
+        if len(texts) > 1:  # the last would win without a word
+            raise InputError(f"{name} is given twice; give it once")
+        text = texts[0] if texts else default
+        return read(text, name) if read is not None and isinstance(text, str) else text
+
+    return click.Option(names, multiple=True, callback=value, **more)
 
 
 def read_number(text: Any, name: str) -> float:

@@ -13,7 +13,7 @@ from stickslip_sym.cli.reading import point
     options.AT, options.criterion(),
     option("--thresholds", is_flag=True, help="Of the threshold: every method, the paper's Newmark scan, SciPy."),
     option("--basins", is_flag=True, help="Of the share of initial conditions that come to rest."),
-    option("--all", is_flag=True, help="Of a options.criterion, a threshold and a share, in one run."),
+    option("--all", is_flag=True, help="Of a criterion, a threshold and a share, in one run."),
     options.DAMPING,
     option("--x0", metavar="FROM:TO", read=options.read_range, help="Initial displacements, in m."),
     option("--v0", metavar="FROM:TO", read=options.read_range, help="Initial velocities, in m/s."),

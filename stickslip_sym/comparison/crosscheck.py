@@ -74,11 +74,12 @@ def crosscheck(
             continue
         values.append(value)
         with mpmath.workdps(digits):
+            value = mpmath.mpf(value)
             apart = float(abs(value - values[0]) / (abs(values[0]) or 1))
-        shown = _DIGITS if isinstance(value, float) else digits
+        shown = digits if isinstance(values[-1], mpmath.mpf) else _DIGITS
         if error and value:
             shown = min(shown, max(2, 2 + int(mpmath.floor(mpmath.log10(abs(value) / error)))))
-        checks.append(Check(method, mpmath.nstr(mpmath.mpf(value), shown), apart, seconds))
+        checks.append(Check(method, mpmath.nstr(value, shown), apart, seconds))
     if error:
         text = f"the points' scatter alone makes that +-{error:.1g} kg/s, one standard error (jackknife)"
         checks.append(Check("measured points", text))

@@ -5,7 +5,6 @@ differ in style or width too, regions are hatched, and each is labelled.
 """
 
 import io
-from abc import ABC, abstractmethod
 from base64 import b64encode
 from collections.abc import Callable, Sequence
 from html import escape
@@ -109,57 +108,26 @@ def svg_uri(figure: "Figure") -> str:
     return f"data:image/svg+xml;base64,{b64encode(svg(figure)).decode()}"
 
 
-class Drawn(ABC):
-    """A result that has a picture."""
+class Drawn:
+    """A result that has a picture: one panel, or a figure of several."""
 
-    @abstractmethod
-    def _figure(self) -> "Figure":
-        """Return its matplotlib.figure.Figure."""
+    def draw(self, ax: "Axes") -> "Sequence[Artist]":
+        """Draw it as a panel, and return the handles of its legend."""
+        raise InputError(f"{type(self).__name__} is drawn as a figure of several panels; leave ax out")
 
-    def plot(self, path: str | Path | None = None) -> "Figure":
+    def _title(self) -> str:
+        """Return the title of a panel in a figure of its own."""
+        return ""
+
+    def plot(self, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
         """Draw it: regions or basins in colours and hatching, curves between them, orbits, or costs.
 
         Parameters
         ----------
         path : str or Path, optional
             A file to draw to: SVG, PNG or PDF, by its ending.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not installed, or cannot write the file.
-        """
-        with styled():
-            figure = self._figure()
-        if path is not None:
-            save(figure, Path(path))
-        return figure
-
-
-class Panel(Drawn):
-    """A result whose picture is one panel, which can be drawn into axes of a figure of one's own."""
-
-    @abstractmethod
-    def draw(self, ax: "Axes") -> "Sequence[Artist]":
-        """Draw it, and return the handles of its legend."""
-
-    def _title(self) -> str:
-        """Return the title that it has in a figure of its own."""
-        return ""
-
-    def plot(self, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
-        """Draw it: regions or basins in colours and hatching, curves between them, or orbits.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            A file to draw to: SVG, PNG or PDF, by its ending.
         ax : matplotlib.axes.Axes, optional
-            Axes of a figure of your own to draw in, with the legend inside them.
+            Axes of a figure of your own to draw a panel in, with the legend inside them.
 
         Returns
         -------
@@ -171,9 +139,11 @@ class Panel(Drawn):
             If matplotlib is not installed, or cannot write the file.
         """
         if ax is None:
-            return super().plot(path)
-        ax.legend(handles=self.draw(ax), fontsize=8)
-        figure: Figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
+            with styled():
+                figure = self._figure()
+        else:
+            ax.legend(handles=self.draw(ax), fontsize=8)
+            figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
         if path is not None:
             save(figure, Path(path))
         return figure

@@ -21,9 +21,9 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import BallFunction, ball_function, ball_value, rational
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.exact import without_squares
 from stickslip_sym.model.expression.pieces import branch_from, jumps, places
 
 __all__ = ["BITS", "MeanSlope", "Unresolved", "Values", "reach_of", "slope_of"]

@@ -205,12 +205,10 @@ def basin_map(
         if min(x.size, v.size) > 1:
             with suppress(OutOfTime):
                 share = shares_by_area(found, (x[0], x[-1]), (v[0], v[-1]))
-    late = OutOfTime(LATE)
-    fates = [
-        fate
-        for task, part in zip(tasks, results, strict=True)
-        for fate in ([late] * task.shape[1] if part is None else part.tolist())
-    ]
+    fates = np.full(rows.size, OutOfTime(LATE), dtype=object)
+    for i, part in enumerate(results):
+        if part is not None:
+            fates[i * _TOGETHER : i * _TOGETHER + len(part)] = part
     notes, disagreements = dict[tuple[int, int], str](), 0
     for place, fate in zip(zip(rows.tolist(), columns.tolist(), strict=True), fates, strict=True):
         motion[place] = fate if isinstance(fate, Motion) else Motion.UNDECIDED
@@ -221,23 +219,16 @@ def basin_map(
             notes[place] = f"geometry says {sides[place].value}"
     if len(notes) - disagreements == motion.size and LATE not in notes.values():
         raise NotConverged(f"every initial condition failed, the first one since {notes[0, 0]}")
-    return BasinMap(
-        axes, law, asdict(osc), motion, found, share or _counted(motion), len(fates), disagreements, notes
-    )
+    if not share:
+        for one, count in count_of(motion).items():
+            value = count / motion.size
+            share[one] = Share(value, math.sqrt(value * (1 - value) / motion.size), counted=True)
+    return BasinMap(axes, law, asdict(osc), motion, found, share, len(fates), disagreements, notes)
 
 
 def _followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray) -> ObjectArray:
     """Return what initial conditions lead to, of rows x0 and v0, or the errors in their places."""
     return followed(law, osc, *points, rtol=rtol)
-
-
-def _counted(motion: ObjectArray) -> dict[Motion, Share]:
-    """Return the shares among initial conditions with standard errors."""
-    size = motion.size
-    return {
-        one: Share(count / size, math.sqrt(count * (size - count) / size) / size, counted=True)
-        for one, count in count_of(motion).items()
-    }
 
 
 def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, float]) -> dict[Motion, Share]:

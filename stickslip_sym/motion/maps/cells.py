@@ -12,7 +12,7 @@ belt each round, since damping and friction bring those far out back in.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from enum import Enum
@@ -33,15 +33,19 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.needed import FOUND, gap, needed
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
-from stickslip_sym.motion.regimes.orbit_signs import orbit_signs
 from stickslip_sym.motion.regimes.phase_plane import friction_far_out, rounds
 from stickslip_sym.motion.regimes.regime import regime
+from stickslip_sym.motion.roots import orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
 LATE = "not reached: time limit, or Ctrl-C"
-CURVES = ("equilibrium", "least_squares", "exact")
-"""The thresholds of an operating point."""
+CURVES = {
+    "equilibrium": ("threshold of the equilibrium", ":", "black"),
+    "least_squares": ("least-squares criterion", "--", "#0072B2"),
+    "exact": ("exact threshold", "-", "black"),
+}
+"""The thresholds of an operating point: their names in legends, and how they are drawn."""
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _NEEDED = 1e-11  # tolerance of the steps with which needed dampings are found
 _SIGN = 1e-8  # tolerance of the steps by which the sign of a gap is found, where it is not next to 0
@@ -67,14 +71,12 @@ class Line(NamedTuple):
     """Operating points of a law at one belt speed, and dampings for each.
 
     - `place`: rows and columns of the cells in a map, each of the shape of the dampings.
-    - `parameters`: values of parameters of the law, in place of those it has.
-    - `oscillators`: their own c is not used.
-    - `c`: a row for each oscillator.
+    - `points`: values of V, N, m and k, and of parameters of the law, in place of those it has.
+    - `c`: a row for each point.
     """
 
     place: tuple[IntArray, IntArray]
-    parameters: dict[str, float]
-    oscillators: tuple[Oscillator, ...]
+    points: Sequence[Mapping[str, float]]
     c: FloatArray
 
 
@@ -83,7 +85,7 @@ class Cells(NamedTuple):
 
     - `motion`, `reason`: arrays of `Motion` and of `Reason`.
     - `attractors`: whether there are those of each kind, by the names in `ATTRACTORS`.
-    - `thresholds`: in kg/s, by the names in `CURVES`, a row for each oscillator; NaN where one was not found.
+    - `thresholds`: in kg/s, by the names in `CURVES`, a row for each point; NaN where one was not found.
     - `notes`: why a cell failed or stayed undecided.
     """
 
@@ -107,12 +109,13 @@ def decide(law: FrictionLaw, rtol: float, lines: Sequence[Line]) -> list[Cells |
 
     Where a line fails its error stands for it; where a cell does, a note.
     """
-    bound = cache(lambda parameters: law.bind(**dict(parameters)) if parameters else law)
+    bound = cache(lambda values: law.bind(**dict(values)))
     found: list[Cells | StickSlipError] = []
     for line in lines:
         try:
             check_time()
-            found.append(_Decider(bound(tuple(line.parameters.items())), line, rtol).cells())
+            values = ((name, value) for name, value in line.points[0].items() if name in law.parameters)
+            found.append(_Decider(bound(tuple(values)), line, rtol).cells())
         except StickSlipError as error:
             found.append(error)
     return found
@@ -140,13 +143,13 @@ class _Decider:
 
     def __init__(self, law: FrictionLaw, line: Line, rtol: float) -> None:
         self.law, self.line, self.rtol = law, line, rtol
-        first = line.oscillators[0]
-        self.system = Dimensionless.of(law, first)
-        self.table, V = self.system.table, first.V
-        self.eta = np.array([osc.eta for osc in line.oscillators])
-        self.ratio = np.array([[2 * osc.impedance] for osc in line.oscillators])  # damping over damping ratio
+        self.oscillators = [Oscillator(**{name: point[name] for name in "VNmk"}) for point in line.points]
+        self.system = Dimensionless.of(law, self.oscillators[0])
+        self.table, V = self.system.table, self.system.V
+        self.eta = np.array([osc.eta for osc in self.oscillators])
+        self.ratio = np.array([[2 * osc.impedance] for osc in self.oscillators])  # damping over damping ratio
         self.zeta = line.c / self.ratio
-        self.N = np.array([[osc.N] for osc in line.oscillators])
+        self.N = np.array([[osc.N] for osc in self.oscillators])
         at_kink = any(abs(kink / V - 1) <= _KNOWN for kink in self.table.kinks)
         self.equilibrium = -self.N * (math.nan if at_kink else float(law.slope(V))) / self.ratio
         found = self._orbits(_needed_all, np.arange(len(self.eta)), np.ones(len(self.eta)), rtol=_NEEDED)
@@ -279,7 +282,7 @@ class _Decider:
 
     def _follow(self, cells: Cells, i: int, j: int) -> None:
         """Decide one cell by following motions."""
-        osc = replace(self.line.oscillators[i], c=float(self.line.c[i, j]))
+        osc = replace(self.oscillators[i], c=float(self.line.c[i, j]))
         rtol = max(self.rtol * _FINER, _TIGHTEST)
         reason, motion, found, why = Reason.SIMULATED, Motion.UNDECIDED, None, ""
         try:

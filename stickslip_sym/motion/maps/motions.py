@@ -15,10 +15,9 @@ from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Line, Reason, decide, reason_of
 from stickslip_sym.motion.maps.drawing import FAILED, UNBOUNDED, UNDECIDED, Region, paint, regions_of_attractors
-from stickslip_sym.motion.maps.table import OSCILLATOR, Axis, AxisValues, Table, count_of, fixed_values, read_axes
+from stickslip_sym.motion.maps.table import Axis, AxisValues, Table, count_of, read_plane
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.workers import Progress, Workers, collect
@@ -29,11 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-_CURVES = {
-    "exact": ("exact threshold", "-", "black"),
-    "equilibrium": ("threshold of the equilibrium", ":", "black"),
-    "least_squares": ("least-squares criterion", "--", "#0072B2"),
-}
 _ALONG = ("c", "N", "m", "k")
 _CELLS = 300  # of a task: so many share what is computed of a law
 
@@ -99,7 +93,7 @@ class MotionMap(Table):
         from matplotlib.lines import Line2D
 
         handles = paint(ax, self.x, self.y, *self.regions())
-        for name, (label, style, color) in _CURVES.items():
+        for name, (label, style, color) in CURVES.items():
             x, y, curve = self.x.values, self.y.values, self.thresholds[name]
             look: dict[str, Any] = {"linestyle": style, "color": color, "linewidth": 1.6}
             beyond = curve - self.fixed.get("c", 0.0)
@@ -187,8 +181,7 @@ def motion_map(
     [['stick-slip', 'stick-slip'], ['rest', 'rest']]
     """
     law = as_law(law)
-    axes = read_axes(law, x, y)
-    bound, fixed = fixed_values(law, axes, {"V": V, "N": N, "m": m, "k": k, "c": c})
+    axes, bound, fixed = read_plane(law, x, y, {"V": V, "N": N, "m": m, "k": k, "c": c})
     rtol = read_rtol(rtol, least=1e-8)
     lines = _lines(fixed, axes)
     with deadline.time_limit(time_limit):
@@ -228,22 +221,15 @@ def _lines(fixed: dict[str, float], axes: tuple[Axis, Axis]) -> list[Line]:
     for value, (rows, columns) in zip(across.values.tolist(), places.swapaxes(0, 1), strict=True):
         point = fixed | {across.name: value}
         if along.name == "c":
-            lines.append(_line(rows[None], columns[None], [point], along.values[None]))
+            lines.append(Line((rows[None], columns[None]), [point], along.values[None]))
             continue
         points = [point | {along.name: one} for one in along.values.tolist()]
         size = len(points) if along.name in _ALONG else 1
         for i in range(0, len(points), size):
             some = slice(i, i + size)
-            lines.append(
-                _line(rows[some, None], columns[some, None], points[some], np.full((size, 1), point["c"]))
-            )
+            c = np.full((size, 1), point["c"])
+            lines.append(Line((rows[some, None], columns[some, None]), points[some], c))
     return lines
-
-
-def _line(rows: IntArray, columns: IntArray, points: list[dict[str, float]], c: FloatArray) -> Line:
-    parameters = {name: value for name, value in points[0].items() if name not in OSCILLATOR}
-    oscillators = tuple(Oscillator(**{name: point[name] for name in "VNmk"}) for point in points)
-    return Line((rows, columns), parameters, oscillators, c)
 
 
 def _fill(found: MotionMap, line: Line, cells: Cells | StickSlipError) -> None:

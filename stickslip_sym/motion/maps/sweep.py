@@ -22,7 +22,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.basins import FINEST, Share, shares_by_area
 from stickslip_sym.motion.maps.drawing import regions_of_motions
-from stickslip_sym.motion.maps.table import OSCILLATOR, Axis, AxisValues, Table, read_axis, read_values
+from stickslip_sym.motion.maps.table import Axis, AxisValues, Table, placed, read_axis, read_values
 from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import needed_damping
@@ -165,9 +165,7 @@ def basin_sweep(
     box = _limits("x0", x0), _limits("v0", v0)
 
     def at(value: float) -> tuple[FrictionLaw, Oscillator]:
-        if axis.name in OSCILLATOR:
-            return law, replace(osc, **{axis.name: value})
-        return law.bind(**{axis.name: value}), osc
+        return placed(law, asdict(osc) | {axis.name: value})
 
     values = axis.values.tolist()
     with deadline.time_limit(time_limit):
@@ -176,7 +174,7 @@ def basin_sweep(
             regimes.append(regime(*at(value), rtol=FINEST))
             deadline.check_time()  # a regime whose time is up is incomplete, and no error
         shares = [shares_by_area(found, *box) for found in regimes]
-        changes = _critical(law, osc, axis)
+        changes = _critical(*at(values[0]), axis)
         for ends, (before, after) in zip(pairwise(values), pairwise(regimes), strict=True):
             if len(before.cycles) != len(after.cycles):
                 changes += _folds(at, *ends)
@@ -205,8 +203,6 @@ def _critical(law: FrictionLaw, osc: Oscillator, axis: Axis) -> list[Change]:
     grid = np.union1d(axis.values, (axis.values[1:] + axis.values[:-1]) / 2).tolist()
     others = {name: value for name, value in asdict(osc).items() if name != axis.name}
     changes = []
-    if axis.name in law.parameters:
-        law = law.bind(**{axis.name: axis.values[0]})
     if axis.name not in ("m", "k"):  # on which no average depends
         for one in critical(law, axis.name, **others, method="equilibrium", rtol=_CLOSE, within=grid):
             off = _ROUNDING * abs(one.sensitivity.get("c", 1.0) * others.get("c", one.value))

@@ -49,7 +49,7 @@ class Axis:
 
 
 @dataclass(frozen=True, repr=False)
-class Table(drawing.Panel):
+class Table(drawing.Drawn):
     """Results over one axis or two; a kind of results says what its columns, words and drawing are.
 
     Attributes
@@ -186,26 +186,19 @@ def read_axis(law: FrictionLaw, side: str, given: AxisValues) -> Axis:
     return Axis(name, read_values(name, values), quantity.unit or "", quantity.meaning)
 
 
-def read_axes(law: FrictionLaw, x: AxisValues, y: AxisValues) -> tuple[Axis, Axis]:
-    """Return the two axes of a map.
+def read_plane(
+    law: FrictionLaw, x: AxisValues, y: AxisValues, given: Mapping[str, float | None]
+) -> tuple[tuple[Axis, Axis], FrictionLaw, dict[str, float]]:
+    """Return the axes of a map, the law with a value for each parameter, and the quantities that are no axis.
 
-    Raises `InputError` for an unknown name, the same one twice, unusable values, or too many cells.
+    Raises `InputError` for an unknown name, the same one twice, unusable values, too many cells, or a quantity
+    that is missing, given twice, or has the wrong sign anywhere on the map.
     """
     axes = read_axis(law, "x", x), read_axis(law, "y", y)
-    if axes[0].name == axes[1].name:
-        raise InputError(f"both axes are {axes[0].name}; take another quantity for one of them")
-    require_few(*(axis.values.size for axis in axes))
-    return axes
-
-
-def fixed_values(
-    law: FrictionLaw, axes: tuple[Axis, ...], given: Mapping[str, float | None]
-) -> tuple[FrictionLaw, dict[str, float]]:
-    """Return the law with a value for each parameter, and the quantities that are no axis.
-
-    Raises `InputError` for a quantity that is missing, given twice, or has the wrong sign anywhere on the map.
-    """
     names = [axis.name for axis in axes]
+    if names[0] == names[1]:
+        raise InputError(f"both axes are {names[0]}; take another quantity for one of them")
+    require_few(*(axis.values.size for axis in axes))
     values = {}
     for name, value in given.items():
         if name in names and value is not None:
@@ -216,10 +209,14 @@ def fixed_values(
         if value is not None:
             values[name] = real(name, value)
     for end in (0, -1):
-        point = values | {axis.name: float(axis.values[end]) for axis in axes}
-        law = law.bind(**{name: value for name, value in point.items() if name not in OSCILLATOR})
-        Oscillator(**{name: point[name] for name in OSCILLATOR})
+        law, _ = placed(law, values | {axis.name: float(axis.values[end]) for axis in axes})
     if law.missing:
         missing = ", ".join(law.missing)
         raise InputError(f"the law has no value for {missing}; bind them first, or make one an axis")
-    return law, values
+    return axes, law, values
+
+
+def placed(law: FrictionLaw, values: Mapping[str, float]) -> tuple[FrictionLaw, Oscillator]:
+    """Return the law and the oscillator with values of V, N, m, k and c, and of parameters, in their places."""
+    law = law.bind(**{name: value for name, value in values.items() if name not in OSCILLATOR})
+    return law, Oscillator(**{name: values[name] for name in OSCILLATOR})

@@ -82,17 +82,6 @@ def test_files_hold_what_the_cells_say(tmp_path, make, names):
         found.to_csv(tmp_path / "missing" / "map.csv")
 
 
-def test_a_motions_columns_are_its_samples(tmp_path):
-    motion = ss.simulate(LAW, paper_oscillator(1.0), t_end=3.0, v0=0.1)
-    motion.to_csv(tmp_path / "motion.csv")
-    with (tmp_path / "motion.csv").open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
-    for name in ("t", "x", "v"):
-        (column,) = (header for header in rows[0] if header.split()[0] == name)
-        assert [float(row[column]) for row in rows] == getattr(motion, name).tolist()
-    assert [row["phase"] for row in rows] == [phase.name.lower() for phase in motion.phase]
-
-
 def test_drawings_tell_regions_apart_without_colour(tmp_path, law):
     found = ss.motion_map(law, x=("V", V), y=("c", np.linspace(0.02, 6, 40)), **POINT)
     found.plot(tmp_path / "map.svg")
