@@ -105,7 +105,7 @@ def average(coefficient: Function, kinks: Sequence[Expr], criterion: Criterion, 
     mu = _real(coefficient)
     if criterion.weight is None:
         return _confirmed_slope(mu, speed, digits)
-    singular = _is_singular(coefficient)
+    singular = _is_singular(mu)
     if singular:
         _require_integrable(mu, criterion, speed)
     return _following_cancellation(
@@ -145,11 +145,12 @@ def _real(mu: Function) -> Function:
 
 
 def _is_singular(mu: Function) -> bool:
-    """Tell whether a coefficient has no finite value as it stands at v = 0, such as log(v) and v*log(v)."""
+    """Tell whether a guarded coefficient has no value as it stands at v = 0, such as log(v) and v*log(v)."""
     try:
-        return not mpmath.isfinite(mu(mpmath.mpf(0)))
-    except (ZeroDivisionError, ValueError):
+        mu(mpmath.mpf(0))
+    except InputError:
         return True
+    return False
 
 
 def _require_integrable(mu: Function, criterion: Criterion, speed: Expr) -> None:
