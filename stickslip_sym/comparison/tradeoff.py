@@ -29,7 +29,7 @@ from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import Number, exact, suggestion
+from stickslip_sym.core.numbers import Number, exact, lookup
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.closed_form import ClosedForm, derive
@@ -129,12 +129,10 @@ def tradeoff(
     """
     law = as_law(law)
     kinds = [of] if isinstance(of, str) else list(of) if isinstance(of, Sequence) else []
-    known = ", ".join(KINDS)
     if not kinds:
-        raise InputError(f"of = {of!r} names nothing to measure; there are: {known}")
+        raise InputError(f"of = {of!r} names nothing to measure; known: {', '.join(KINDS)}")
     for kind in kinds:
-        if kind not in KINDS:
-            raise InputError(f"there is no trade of {kind!r}{suggestion(kind, list(KINDS))}; there are: {known}")
+        lookup("trade of", kind, dict.fromkeys(KINDS))
     if law.missing:
         raise InputError(f"the law has no value for {', '.join(law.missing)}; bind it first")
     chosen = find(criterion)

@@ -138,11 +138,12 @@ def _text(path: Path) -> str:
         raise InputError(f"cannot read {str(path)!r}: {getattr(error, 'strerror', None) or error}") from None
     if kind := _WORKBOOKS.get(content[:4]):
         raise InputError(f"{str(path)!r} is a workbook ({kind}), not a text file; save the sheet as CSV")
-    encodings = ["utf-8-sig", "cp1252"]  # the second as older instruments write the micro sign
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         encodings = ["utf-16"]
     elif b"\0" in content:  # in UTF-16 every other byte of plain text is null
         encodings = [f"utf-16-{end}" for end, i in (("le", 1), ("be", 0)) if not any(content[i:400:2])]
+    else:  # the second as older instruments write the micro sign
+        encodings = ["utf-8-sig", "cp1252"]
     for encoding in encodings:
         with suppress(UnicodeDecodeError):
             return content.decode(encoding, "replace" if encoding == "cp1252" else "strict")
