@@ -8,7 +8,6 @@ import pytest
 import sympy as sp
 from forms import form_of
 from latex_reader import read
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Status, symbols
@@ -62,7 +61,7 @@ def test_nothing_false_is_proved_or_checked(name):
     assert verdict.evidence
 
 
-def test_what_is_no_number_or_does_not_suit_its_variable_is_not_proved():
+def test_unsuited_variables_prove_nothing():
     with pytest.raises(ValueError, match="not a definite integral"):
         normal_form(Int(mu(u), u) + 1)
     # u is nonnegative, so sqrt(u^2) is u to SymPy: not on [-1, 1].
@@ -73,15 +72,20 @@ def test_what_is_no_number_or_does_not_suit_its_variable_is_not_proved():
 
 
 @pytest.mark.parametrize("expr", [V**2 + 1, sp.exp(-V) * V, sp.sqrt(1 + V) - sp.log(2 + V)])
-def test_what_is_said_to_be_equal_is_so_to_the_digits_that_are_said(expr):
+def test_equal_means_to_the_digits_stated(expr):
     hidden = Int(sp.exp(-u) / (1 + u), (u, 0, 1))  # not known in closed form, so nothing is proved
-    said = prove_equal(expr + hidden, expr + hidden.evalf(40, maxn=200)).evidence
-    digits = int(re.search(r"(\d+) digits", said)[1])
+    stated = prove_equal(expr + hidden, expr + hidden.evalf(40, maxn=200)).evidence
+    digits = int(re.search(r"(\d+) digits", stated)[1])
     assert digits > 15
-    rng = random.Random(41)
-    for off in (3, 9, 15, *range(18, digits)):
-        wrong = expr * (1 + sp.Rational(rng.randint(2, 8), 10**off))
-        assert prove_equal(expr, wrong).status is Status.REFUTED
+    for off in (3, 9, *range(15, digits)):
+        assert prove_equal(expr, expr * (1 + sp.Rational(7, 10**off))).status is Status.REFUTED
+
+
+def test_an_integral_that_is_zero_is_not_refuted():
+    """Rounding is relative to the integrand: what cancels to 1e-61 is 0."""
+    integral = Int((1 - 2 * u / V) * 10**9, (u, 0, V)) + 10**9 * Int(sp.exp(-u) - sp.exp(u - V), (u, 0, V))
+    assert prove_equal(integral, sp.Integer(0)).status is not Status.REFUTED
+    assert prove_equal(integral, sp.Rational(1, 10**15)).status is Status.REFUTED
 
 
 def test_normal_forms():
@@ -98,23 +102,12 @@ def test_normal_forms():
 
 # -- the fundamental theorem needs a continuous primitive ---------------------------------------------
 
-ROUGH = {
-    "a power below zero": inside**-2,
-    "a root": sp.sqrt(inside),
-    "a power of unknown sign": (u + w) ** 2 + (inside**2) ** q,
-    "a power with a moving exponent": inside**u,
-    "a logarithm": sp.log(inside),
-    "a logarithm of a square": sp.log(inside**2),
-    "an incomplete gamma function of negative order": sp.lowergamma(-sp.Rational(1, 2), inside**2),
-    "an incomplete gamma function of unknown order": sp.lowergamma(q, u),
-    "an incomplete gamma function across 0": sp.lowergamma(sp.Rational(1, 2), inside),
-    "an exponential integral": sp.expint(1, inside),
-    "a polylogarithm across its cut": sp.polylog(2, u / w),
-    "a Lerch function across its cut": Lerch(u / w, 2, p),
-    "a hypergeometric function across its cut": sp.hyper((1, 1), (2,), u / w),
-    "a tangent": sp.tan(u),
-    "a step": sp.sign(inside),
-}
+ROUGH = [
+    inside**-2, sp.sqrt(inside), (u + w) ** 2 + (inside**2) ** q, inside**u, sp.log(inside), sp.log(inside**2),
+    sp.lowergamma(-sp.Rational(1, 2), inside**2), sp.lowergamma(q, u), sp.lowergamma(sp.Rational(1, 2), inside),
+    sp.expint(1, inside), sp.polylog(2, u / w), Lerch(u / w, 2, p), sp.hyper((1, 1), (2,), u / w), sp.tan(u),
+    sp.sign(inside),
+]  # fmt: skip
 SMOOTH = [
     (u + w) ** -2, sp.sqrt(u + w), sp.log(u + w), sp.log(u**2 + w**2), sp.lowergamma(p, u / w),
     sp.expint(1, u + w), sp.polylog(2, -u / w), sp.polylog(2, w / (u + 2 * w)),
@@ -123,10 +116,10 @@ SMOOTH = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ROUGH)
-def test_a_primitive_that_may_jump_between_the_limits_is_refused(name):
+@pytest.mark.parametrize("primitive", ROUGH, ids=str)
+def test_a_primitive_that_may_jump_is_refused(primitive):
     with pytest.raises(ValueError, match=r"not known to be (smooth|nonnegative|an antiderivative)|not finite"):
-        Antiderivative(ROUGH[name], u)(Int(sp.diff(ROUGH[name], u), (u, 0, V)))
+        Antiderivative(primitive, u)(Int(sp.diff(primitive, u), (u, 0, V)))
 
 
 @pytest.mark.parametrize("primitive", SMOOTH, ids=str)
@@ -154,7 +147,7 @@ def _in_pieces(low, high, end, place, other=0):
     return sp.Piecewise((a * low + other, u < place), (b * high, u < place + w), (end, True))
 
 
-def test_functions_in_pieces_are_equal_piece_by_piece():
+def test_functions_are_equal_piece_by_piece():
     left = _in_pieces(sp.sqrt(u) * (u + 1), u, w, V / a)
     right = w * _in_pieces(sp.sqrt(u) / w + u ** sp.Rational(3, 2) / w, u / w, sp.Integer(1), V / a)
     assert prove_equal(left, right).status is Status.PROVED
@@ -178,7 +171,7 @@ def test_a_tampered_piece_or_place_is_not_proved(tampered):
     assert prove_equal(_in_pieces(u, u, w, V / a), tampered).status is not Status.PROVED
 
 
-def test_pieces_under_an_integral_are_not_taken_one_by_one():
+def test_pieces_under_an_integral_stay_whole():
     """With either piece in both places the two sides are the same; with the step they are not."""
     step = sp.Piecewise((sp.Integer(1), u < w), (sp.Integer(2), True))
     total = Int(step * mu(u), (u, 0, V))
@@ -193,45 +186,35 @@ FAR = [
     "a/(v^2 - w*v + w^2)",
 ]  # fmt: skip
 """Laws with a base that vanishes as v grows, and laws with one that does not."""
+REST = [
+    "0.5 - a*sqrt(v)", "0.4 + b*log(v)", "a*v^2 + b*sqrt(v) - d*v", "a*v^(-1/4)", "0.5 - a*sqrt(v) - b*v^0.25",
+    "0.5 - a*v^0.7*exp(-v/b)", "a*sqrt(v) - a*sqrt(v)*exp(-v)", "a*v^3 - b*v^2",
+]  # fmt: skip
+"""Laws with a leading term at rest, of which some have a limit that is not known; none of these is wrong."""
+UNKNOWN = {"0.5 - a*v^0.7*exp(-v/b)", "a*sqrt(v) - a*sqrt(v)*exp(-v)"}
 
 
-@sweep("text", FAR, 0, 3, 6, 7, 8)
-def test_a_limit_by_rules_is_right_or_not_given(text):
-    law = ss.FrictionLaw(text)
-    found = ss.derive(law, "equilibrium", search=False).limits
-    values = {"a": sp.Rational(3, 10), "w": sp.Rational(7, 10)}
-    point = {law.parameters[name].symbol: value for name, value in values.items()} | {symbols.N: 2}
-    for limit, speed in ((found.at_rest, "1e-40"), (found.far, "1e40")):
-        if limit is None:
-            continue
-        with mpmath.workdps(60):
-            expected = limit.xreplace(point).subs(symbols.V, sp.Rational(speed))
-            slope = law.slope_expr.xreplace(point).subs(symbols.v, sp.Rational(speed))
-            got = -2 * sp.N(slope, 30, maxn=2000)
-            assert abs(got - sp.N(expected, 30)) <= sp.Rational(1, 10**10) * (abs(sp.N(expected, 30)) + 1)
-
-
-@pytest.mark.parametrize("criterion", ["equilibrium", "least_squares", "harmonic"])
 @pytest.mark.parametrize(
-    "text",
-    ["0.5 - a*sqrt(v)", "0.4 + b*log(v)", "a*v^2 + b*sqrt(v) - d*v", "a*v^(-1/4)", "0.5 - a*sqrt(v) - b*v^0.25",
-     "0.5 - a*v^0.7*exp(-v/b)", "a*sqrt(v) - a*sqrt(v)*exp(-v)", "a*v^3 - b*v^2"],
+    ("text", "criterion"),
+    [*((FAR[i], "equilibrium") for i in (0, 3, 6, 7, 8)),
+     *((text, criterion) for text in REST for criterion in ss.criteria.catalogue)],
 )  # fmt: skip
-def test_what_grows_at_rest_has_a_leading_term_there(text, criterion):
-    """As the form itself at a belt speed near 0; a limit that is not given is not wrong."""
-    form = ss.derive(ss.FrictionLaw(text), criterion)
-    if (limit := form.limits.at_rest) is None:
-        assert text.count("sqrt") == 2 or "exp" in text
-        return
+def test_limits_are_those_of_the_form(text, criterion):
+    """As the form itself at belt speeds near 0 and far out; a limit that is not given is not wrong."""
+    form = ss.derive(text, criterion, search=False)
     values = dict.fromkeys(form.law.parameters, "0.7")
-    point = {form.arguments[name]: sp.Rational(value) for name, value in values.items()} | {symbols.N: 2}
-    near = form.evaluate(20, V="1e-60", N=2, **values)
-    stated = sp.N(limit.subs(point).subs(symbols.V, sp.Rational(1, 10**60)), 20)
-    assert abs(near - mpmath.mpf(str(stated))) <= mpmath.mpf("1e-8") * abs(near) + mpmath.mpf("1e-50")
+    point = {form.arguments[name]: sp.Rational(7, 10) for name in values} | {symbols.N: 2}
+    assert text in {*FAR, *UNKNOWN} or form.limits.at_rest is not None
+    room = mpmath.mpf("1e-10" if text in FAR else "1e-50")
+    for limit, speed in ((form.limits.at_rest, "1e-60"), (form.limits.far if text in FAR else None, "1e40")):
+        if limit is not None:
+            exact = form.evaluate(20, V=speed, N=2, **values)
+            stated = sp.N(limit.subs(point).subs(V, sp.Rational(speed)), 20)
+            assert abs(exact - mpmath.mpf(str(stated))) <= mpmath.mpf("1e-8") * abs(exact) + room
 
 
 @pytest.mark.parametrize("name", ["exponential", "polynomial"])
-def test_a_document_says_which_limit_is_which(name):
+def test_a_document_names_its_limits(name):
     """The sentences are read back, and their values compared with the criterion far out to that side."""
     form = form_of(name, "least_squares")
     text = ss.export_latex(form)

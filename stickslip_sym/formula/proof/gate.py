@@ -9,17 +9,16 @@ import random
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-import mpmath
 import sympy as sp
 from flint import acb
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, Mpf
-from stickslip_sym.core.balls import ball, working_precision
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.balls import ball, ball_value, working_precision
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import exact, to_mpf
+from stickslip_sym.core.numbers import exact
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
@@ -40,6 +39,7 @@ _GATE_SEED = 1
 _MOST_DRAWS = 40
 _DECADES = (-3, 3)  # of the belt speed and of every shape, for the points of the gate
 _EXPONENT_DECADES = (-0.5, 0.7)  # of a shape that is an exponent
+_LEAST_BITS = 64  # for a look at a profile
 _BITS = (140, 200, 300, 600)  # of working precision, until a side has the digits of the gate
 _NEARLY_AT_REST = sp.Rational(1, 10**6)  # of the belt speed, where a profile is looked at
 _PLACE_DIGITS = 1200  # of a kink at an irrational place
@@ -82,36 +82,28 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
         if compared == GATE_POINTS or not closed.free_symbols:
             what = f"enclosures to {GATE_DIGITS}" if enclosed else f"quadrature to {_QUADRATURE_DIGITS - _LOST}"
             return Verdict(Status.CHECKED, f"agrees with {what} digits at {GATE_POINTS} seeded points")
-    return Verdict(
-        Status.ESTIMATED, f"only {compared} of {_MOST_DRAWS} points could be compared with the definition"
-    )
+    evidence = f"only {compared} of {_MOST_DRAWS} points could be compared with the definition"
+    return Verdict(Status.ESTIMATED, evidence)
 
 
-def _at_share(profile: Expr, point: Mapping[Expr, Expr], share: Expr) -> Mpf:
-    """Return a profile at a share of V, NaN where it has no real value."""
-    V, *shapes = point
-    function = function_of([symbols.v, *shapes], profile, "mpmath")
-    with mpmath.workdps(15):
-        try:
-            value = mpmath.mpmathify(
-                function(*map(to_mpf, [share * point[V], *(point[shape] for shape in shapes)]))
-            )
-        except (ZeroDivisionError, ValueError):
-            return mpmath.nan
-    return mpmath.nan if isinstance(value, mpmath.mpc) else value
+def _at_share(profile: Expr, point: Mapping[Expr, Expr], share: Expr) -> acb:
+    """Return a profile at a share of V."""
+    with working_precision(_LEAST_BITS):
+        return ball_value(profile, {**point, symbols.v: share * point[symbols.V]})
 
 
 def _is_real(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr]) -> bool:
     """Whether a profile is real at the lowest and at the highest slip speeds that its average needs."""
     shares = (sp.S.One,) if criterion.weight is None else (_NEARLY_AT_REST, sp.Integer(2))
-    return all(mpmath.isfinite(_at_share(profile, point, share)) for share in shares)
+    values = [_at_share(profile, point, share) for share in shares]
+    return all(value.is_finite() and value.imag.contains(0) for value in values)
 
 
 def _is_known(side: Enclosure, profile: Expr, point: Mapping[Expr, Expr], digits: int) -> bool:
     """Whether an enclosure says enough: to so many digits, or that the value is 0 beside g(V)/V."""
     if side.digits >= digits:
         return True
-    size = abs(float(_at_share(profile, point, sp.S.One))) / float(point[symbols.V])
+    size = abs(complex(_at_share(profile, point, sp.S.One))) / float(point[symbols.V])
     return 0 in side and side.radius <= Fraction(size) / 10**GATE_DIGITS
 
 

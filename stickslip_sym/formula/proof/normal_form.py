@@ -34,14 +34,10 @@ def normal_form(expr: Expr) -> Expr:
     expr = expr.xreplace({node: _opaque(node) for node in pieces})
     # Im Li_1(i y) is the arctangent of y.
     expr = expr.replace(
-        lambda node: (
-            isinstance(node, sp.im) and isinstance(node.args[0], sp.polylog) and node.args[0].args[0] == 1
-        ),
+        lambda node: isinstance(node, sp.im) and _is_logarithm(node.args[0]),
         lambda node: sp.atan(node.args[0].args[1] / sp.I),
     )
-    expr = expr.replace(
-        lambda node: isinstance(node, sp.polylog) and node.args[0] == 1, lambda node: -sp.log(1 - node.args[1])
-    )
+    expr = expr.replace(_is_logarithm, lambda node: -sp.log(1 - node.args[1]))
     expr = expr.replace(
         lambda node: node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer,
         lambda node: sp.factor(node.base) ** node.exp,
@@ -51,22 +47,20 @@ def normal_form(expr: Expr) -> Expr:
     return sp.expand(sp.powsimp(sp.expand(numerator)))
 
 
+def _is_logarithm(node: Expr) -> bool:
+    return isinstance(node, sp.polylog) and node.args[0] == 1
+
+
 def plain(expr: Expr) -> Expr:
     """Write Dirichlet's eta of a number by Riemann's zeta, and bring positive factors out of every Min and Max."""
     expr = expr.replace(
         sp.dirichlet_eta, lambda order: sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
     )
-    units: dict[Expr, Expr] = {}
-    for node in sorted(expr.atoms(sp.Min, sp.Max), key=sp.count_ops):  # what stands in another comes first
-        if (unit := _in_units(node.xreplace(units))) != node:
-            units[node] = unit
-    return expr.xreplace(units) if units else expr
+    return expr.replace(lambda node: isinstance(node, sp.Min | sp.Max), _in_units)
 
 
 def _in_units(node: Expr) -> Expr:
     """Bring a positive factor out of a Min or a Max: Min(2 V/w, p/w) is Min(2 V, p)/w."""
-    if not isinstance(node, sp.Min | sp.Max):
-        return node
     denominators = {sp.denom(argument) for argument in node.args if not argument.is_number}
     unit = sp.Mul(*denominators) if len(denominators) == 1 else sp.Integer(1)
     if unit == 1 or not unit.is_positive:

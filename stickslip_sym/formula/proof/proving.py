@@ -40,9 +40,7 @@ _BINDING = (sp.Integral, sp.Sum, sp.Product, sp.Derivative, sp.Subs, sp.Limit, s
 
 _PRECISIONS = (98, 196, 392, 784)  # bits, from 30 digits, at which a formula is taken until its error is small
 _ENOUGH = 83  # bits of a value, 25 digits, that are enough
-_QUADRATURE_DIGITS = (
-    60  # of the quadrature: next to an end, a root's integral below the rounding of x is below 1e-30
-)
+_QUADRATURE_DIGITS = 60  # next to an end, a root's integral below the rounding of x is below 1e-30
 _DEGREES = (7, 8)  # of the tanh-sinh rule: it halves its step so many times
 _LOST = 30  # digits that count as rounding
 _NEAR_BITS = 400  # for the integrand there
@@ -121,33 +119,20 @@ def _vanishes(difference: Expr) -> bool:
     """
     if normal_form(difference) == 0:
         return True
-    nodes = sorted(difference.atoms(sp.Piecewise), key=sp.default_sort_key)
+    nodes = sorted(difference.atoms(sp.Piecewise), key=sp.count_ops)
     if not nodes or any(node.has(sp.Piecewise) for node in difference.atoms(*_BINDING)):
         return False
-    outer = next(
-        node for node in nodes if not any(node in other.atoms(sp.Piecewise) for other in nodes if other != node)
-    )
-    together = [node for node in nodes if _same_places(node, outer)]
-    return bool(together) and all(
-        _vanishes(difference.xreplace({node: node.args[i].expr for node in together}))
-        for i in range(len(outer.args))
+    outer = _conditions(nodes[-1])
+    together = [node for node in nodes if _conditions(node) == outer]
+    return all(
+        _vanishes(difference.xreplace({node: node.args[i].expr for node in together})) for i in range(len(outer))
     )
 
 
-def _same_places(first: Expr, second: Expr) -> bool:
-    """Tell whether two functions in pieces are known to change from piece to piece at the same places.
-
-    Each condition but the last is one strict inequality, a < b, known by b - a.
-    """
-    if len(first.args) != len(second.args):
-        return False
-    *before, last = [(one.cond, other.cond) for one, other in zip(first.args, second.args, strict=True)]
-    return last == (sp.true, sp.true) and all(
-        isinstance(one, _STRICT)
-        and isinstance(other, _STRICT)
-        and normal_form((one.gts - one.lts) - (other.gts - other.lts)) == 0
-        for one, other in before
-    )
+def _conditions(node: Expr) -> list[Expr]:
+    """Return the conditions of a function in pieces, each a < b as b - a."""
+    conditions = [holds for _, holds in node.args]
+    return [sp.cancel(holds.gts - holds.lts) if isinstance(holds, _STRICT) else holds for holds in conditions]
 
 
 # -- at points -------------------------------------------------------------------------------------
@@ -161,22 +146,22 @@ def _at_points(sides: Mapping[str, Expr], judge: Callable[..., str | bool]) -> t
     holds, obstacles = 0, ""
     for point in _points(*sides.values()):
         values: list[tuple[Mpf, Mpf]] = []
-        judged: str | bool = False
+        failed = ""
         for name, side in sides.items():
             try:
                 values.append(certain_value(side, point))
             except NotFinite as failure:
-                judged = f"{name} is not finite, {failure},"
+                failed = f"{name} is not finite, {failure},"
                 break
             except NotConverged as failure:
                 obstacles += f"; {failure}"
         if len(values) == len(sides):
             with mpmath.workdps(2 * _QUADRATURE_DIGITS):
                 judged = judge(*values)
-        if isinstance(judged, str):
+            failed, holds = (judged, holds) if isinstance(judged, str) else ("", holds + judged)
+        if failed:
             where = ", ".join(_word(key, value) for key, value in point.items())
-            return Verdict(Status.REFUTED, f"{judged} at {where}", point), holds, obstacles
-        holds += judged
+            return Verdict(Status.REFUTED, f"{failed} at {where}", point), holds, obstacles
     return None, holds, obstacles
 
 
@@ -289,9 +274,10 @@ def _integral(integral: Expr) -> tuple[Mpf, Mpf]:
 
         try:
             rough, fine = (mpmath.quad(inside, nodes, maxdegree=degree) for degree in _DEGREES)
+            size = mpmath.quad(lambda place: abs(inside(place)), nodes, maxdegree=_DEGREES[0])
         except (ZeroDivisionError, ValueError):
             raise NotConverged("the integrand has no value somewhere") from None
-        return fine, 2 * abs(fine - rough) + abs(fine) * mpmath.mpf(10) ** (_LOST - _QUADRATURE_DIGITS)
+        return fine, 2 * abs(fine - rough) + abs(size) * mpmath.mpf(10) ** (_LOST - _QUADRATURE_DIGITS)
 
 
 def _places(f: Expr, x: Expr) -> list[Expr]:
@@ -301,8 +287,7 @@ def _places(f: Expr, x: Expr) -> list[Expr]:
     suspects |= {a - b for node in f.atoms(sp.Min, sp.Max) for a, b in combinations(node.args, 2)}
     suspects |= {node.base for node in f.atoms(sp.Pow) if not (node.exp.is_Integer and node.exp > 0)}
     found: set[Expr] = set()
-    for suspect in suspects:
-        numerator = sp.numer(sp.together(suspect))
+    for numerator in (sp.numer(sp.together(suspect)) for suspect in suspects):
         if numerator.has(x) and numerator.is_polynomial(x):
             polynomial = sp.Poly(numerator, x)
             if polynomial.degree() == 1:

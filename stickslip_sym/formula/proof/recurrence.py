@@ -85,19 +85,18 @@ def prove_average(term: Expr, value: Expr, criterion: Criterion) -> None:
     first = _fixed_from(weighted[-1].as_expr() * common, n, start)
     count = first + len(weighted) - 1  # coefficients that the recurrence does not fix
     algebra = Algebra(V, parameters)
-    _require_real_analytic(value)
+    if not is_smooth(value, V, analytic=True, inside=False):
+        raise ValueError(f"{value} is not known to be analytic for {V} > 0")
     _require_same_start(algebra, term, value, criterion, count)
     _require_equation(algebra.of(V * value), weighted, n, count)
 
 
 def _require_moment(p: Expr, value: Expr, criterion: Criterion) -> None:
-    """Compare the harmonic average of v^p, -p (2 V)^(p-1) B_(p-1), p > -1/2, with the Beta integral."""
-    half = sp.Rational(1, 2)
-    if criterion.is_polynomial or not (p + half).is_positive:
+    """Compare the average of v^p with -p V^(p-1) <(1 + s)^(p-1)>."""
+    if not (p + criterion.order_at_rest).is_positive:
         raise ValueError(f"v^({p}) is not integrable with the weight of the criterion")
-    moment = 2 * sp.gamma(p + half) / (sp.gamma(p + 2) * sp.gamma(3 * half))
-    if sp.gammasimp(sp.powsimp(value / (V ** (p - 1) * moment) / (-p * 2 ** (p - 1)))) != 1:
-        raise ValueError("the value is not known to be the Beta integral")
+    if sp.gammasimp(sp.powsimp(value / (-p * V ** (p - 1) * criterion.mean_power(p - 1)))) != 1:
+        raise ValueError("the value is not known to be the moment of the weight")
 
 
 # -- the recurrence of the term, and of the average ------------------------------------------------
@@ -188,12 +187,6 @@ def _fixed_from(leading: Expr, n: Expr, start: int) -> int:
 
 
 # -- what the closed form must fulfil --------------------------------------------------------------
-
-
-def _require_real_analytic(value: Expr) -> None:
-    """Refuse a formula that may leave the domain on which its functions are analytic."""
-    if not is_smooth(value, V, analytic=True, inside=False):
-        raise ValueError(f"{value} is not known to be analytic for {V} > 0")
 
 
 def _require_same_start(algebra: Algebra, term: Expr, value: Expr, criterion: Criterion, count: int) -> None:
