@@ -48,6 +48,7 @@ _STEPPED = 1e-12, 1e-6  # tolerances of the steps of a gap
 _STRONG, _STIFF = 30.0, 1e-9  # eta from which a gap is stiff, and the tolerance there
 _FINER, _TIGHTEST = 1e-3, 1e-12  # of rtol, the relative error of a threshold at a root; and the smallest
 _CLOSE = 1e-9  # tolerance of a root, relative, which a Newton step with the exact slope then refines
+_DIP = 1e-5  # relative distance from an extremum of the threshold at which it is taken
 _BESIDE = 1e-4  # relative distance at which an absolute error is taken where the threshold is 0
 _NEWTON = 1e-6  # relative size of that step, up to which it is the last
 _NEWTON_STEPS = 4
@@ -336,7 +337,10 @@ class _Search:
             before, here, after = nodes[low], nodes[middle], nodes[high]
             if before * here > 0 < here * after and abs(here) < min(abs(before), abs(after)):
                 sign = math.copysign(1.0, here)
-                dip = minimize_scalar(lambda x, sign=sign: sign * value(x), bounds=(low, high), method="bounded")
+                dip = minimize_scalar(
+                    lambda x, sign=sign: sign * value(x), bounds=(low, high), method="bounded",
+                    options={"xatol": _DIP * max(abs(low), abs(high))},
+                )  # fmt: skip
                 if dip.fun < 0:
                     nodes[float(dip.x)] = sign * float(dip.fun)
         places = sorted(nodes)
