@@ -172,13 +172,15 @@ def test_the_damping_is_critical_as_a_threshold_is():
         ss.critical(law, "V", osc, N=1.0)
 
 
-def test_two_close_together_and_none():
-    """At a dip of the harmonic threshold over a parameter, whose roots are known."""
-    law = ss.FrictionLaw("0.5 - 0.3*v + 0.2*(log(a) - b)^2*v").bind(b=math.log(2.0))
+@pytest.mark.parametrize("size", [1e-6, 2.0, 1e5])
+def test_two_close_together_and_none(size):
+    """At a dip of the harmonic threshold over a parameter, whose roots are known, whatever its size."""
+    law = ss.FrictionLaw("0.5 - 0.3*v + 0.2*(log(a) - b)^2*v", parameters=[ss.Parameter("b", positive=False)])
     off = math.sqrt(1e-3 / (9.81 * 0.2))
-    for below, roots in ((1e-3, [2 * math.exp(-off), 2 * math.exp(off)]), (-1e-3, [])):
-        found = ss.critical(law, "a", c=9.81 * 0.3 - below, V=0.5, N=9.81, within=(0.3, 11.0))
-        assert [one.value for one in found] == pytest.approx(roots, rel=1e-8)
+    for below, roots in ((1e-3, [math.exp(-off), math.exp(off)]), (-1e-3, [])):
+        given = {"c": 9.81 * 0.3 - below, "V": 0.5, "N": 9.81, "within": (0.15 * size, 5.5 * size)}
+        found = ss.critical(law.bind(b=math.log(size)), "a", **given)
+        assert [one.value / size for one in found] == pytest.approx(roots, rel=1e-8)
 
 
 def test_proved_values_enclose_what_the_orbit_finds():
