@@ -41,13 +41,14 @@ FALSE = {
         Int(s * mu(u), (u, 0, V)), Int(s * V * mu(V * s), (s, 0, 1)), ChangeOfVariable(u, s, V * s),
     ),
     "a name captured": (Int(xi * mu(u), (u, 0, 1)), Int(u * mu(u), (u, 0, 1)), None),
+    "another variable": (Int(symbols.v, (u, 0, V)), V**2 / 2, Antiderivative(u**2 / 2, u)),
     "infinity": (sp.oo, sp.oo, None),
     "not a number": (sp.nan, sp.Integer(0), None),
     "a logarithm of a product": (sp.log(a * b), sp.log(a) + sp.log(b), None),
     "a root of a square": (sp.sqrt(a**2), a, None),
     "a divergent integral": (Int(1 / r, (r, -V, V)), sp.Integer(0), None),
     "a piece too few": (
-        Int(sp.Piecewise((u, u < w), (w, True)), (u, 0, 2 * V)), 2 * V**2, PieceByPiece([u**2 / 2], u, []),
+        Int(sp.Piecewise((u, u < w), (w, True)), (u, 0, 2 * V)), 2 * V**2, PieceByPiece([u**2 / 2], u),
     ),
     "a near miss": (V**2 * SLIGHTLY, V**2, None),
 }  # fmt: skip
@@ -133,13 +134,20 @@ def test_a_primitive_that_cannot_jump_is_taken(primitive):
 
 
 def test_pieces():
-    kinked = sp.Piecewise((w - u, u < w), (2 * (u - w), True))
     primitives = [w * u - u**2 / 2, u**2 - 2 * w * u]
     end = sp.Min(w, V)
     value = primitives[0].subs(u, end) + primitives[1].subs(u, V) - primitives[1].subs(u, end)
-    by = PieceByPiece(primitives, u, [w])
-    assert prove_equal(Int(kinked, (u, 0, V)), value, by=by).status is Status.PROVED
-    assert prove_equal(Int(kinked, (u, 0, V)), value + primitives[0].subs(u, V), by=by).status is Status.REFUTED
+    by = PieceByPiece(primitives, u)
+    for place, whole, status in (
+        (w, value, Status.PROVED),
+        (w, value + primitives[0].subs(u, V), Status.REFUTED),
+        (2 * w, value, Status.REFUTED),  # the pieces are right, and end elsewhere
+    ):
+        kinked = sp.Piecewise((w - u, u < place), (2 * (u - w), True))
+        assert prove_equal(Int(kinked, (u, 0, V)), whole, by=by).status is status
+    for no_place in (u > w, u < w + u**2):
+        moving = sp.Piecewise((w - u, no_place), (2 * (u - w), True))
+        assert prove_equal(Int(moving, (u, 0, V)), value, by=by).status is not Status.PROVED
 
 
 def _in_pieces(low, high, end, place, other=0):
