@@ -4,12 +4,13 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stickslip_sym.output import drawing, markup
-from stickslip_sym.output.tables import duration, table, wrapped
+from stickslip_sym.output.tables import duration, table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -141,7 +142,7 @@ class Trade:
             ax.plot(*np.transpose(sorted(front)), drawstyle="steps-post", color="0.75", lw=1, zorder=0)
         ax.axhline(2.0**-52, color="0.8", lw=0.8, ls=":", zorder=0)
         ax.set(xscale="log", yscale="log", xlabel=f"time for one {self.number} (s)", ylabel="relative error")
-        ax.set_title("\n".join(wrapped(self.title, _TITLE)), fontsize=8)
+        ax.set_title(fill(self.title, _TITLE), fontsize=8)
         ax.minorticks_off()
         ax.grid(alpha=0.25)
 

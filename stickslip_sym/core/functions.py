@@ -6,6 +6,7 @@ and programs in other languages look it up when they need it.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TypeVar
 
 import mpmath
@@ -19,7 +20,7 @@ from stickslip_sym.core.numbers import to_mpf
 
 __all__ = [
     "CONSTANTS", "FUNCTIONS", "Constant", "Function", "Lerch", "NumberPower", "arguments", "fold",
-    "in_laws", "is_analytic", "lerch", "power", "row",
+    "in_laws", "is_analytic", "lerch", "power", "row", "without_squares",
 ]  # fmt: skip
 
 T = TypeVar("T")
@@ -311,6 +312,15 @@ def is_analytic(expr: Expr) -> bool:
     """Return whether a node is a sum, a product, or a function that is analytic at every real argument."""
     known = row(expr)
     return expr.is_Add or expr.is_Mul or (known is not None and known.analytic)
+
+
+_ANY = sp.Wild("a")
+
+
+@lru_cache(maxsize=128)
+def without_squares(expr: Expr) -> Expr:
+    """Write 1 - tanh^2 as sech^2, which does not cancel."""
+    return expr.replace(1 - sp.tanh(_ANY) ** 2, sp.sech(_ANY) ** 2) if expr.has(sp.tanh) else expr
 
 
 def in_laws() -> dict[str, Function]:

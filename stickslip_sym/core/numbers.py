@@ -14,6 +14,7 @@ from difflib import get_close_matches
 from fractions import Fraction
 from functools import reduce
 from operator import truediv
+from types import UnionType
 from typing import TYPE_CHECKING, SupportsFloat, TypeVar
 
 import mpmath
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 __all__ = [
-    "Number", "bits", "exact", "fraction", "lookup", "read_array", "read_rtol", "real", "suggestion", "to_mpf",
-    "within",
+    "Number", "bits", "exact", "fraction", "lookup", "read_array", "read_rtol", "real", "require_type",
+    "suggestion", "to_mpf", "within",
 ]  # fmt: skip
 
 T = TypeVar("T")
@@ -80,6 +81,12 @@ def real(name: str, value: Number) -> float:
     if not math.isfinite(number):
         raise InputError(f"{name} = {number} is not finite; give a float such as 0.5")
     return number
+
+
+def require_type(name: str, value: object, required: type | UnionType, what: str) -> None:
+    """Refuse an argument that is not of the required type."""
+    if not isinstance(value, required) or (isinstance(value, bool) and required is int):
+        raise InputError(f"{name} is {what}, got {type(value).__name__}: {value!r:.60}")
 
 
 def read_array(name: str, value: "ArrayLike", *, finite: bool = True) -> FloatArray:

@@ -14,7 +14,7 @@ def results() -> dict[str, list[str]]:
     for module in modules:
         for name, one in vars(module).items():
             if isinstance(one, type) and one.__module__ == module.__name__ and not name.startswith("_"):
-                classes[name] = one
+                classes.setdefault(name, one)
     found: dict[str, list[str]] = {}
     todo = [getattr(ss, name) for name in vars(ss)["__all__"]]
     for one in todo:  # it grows

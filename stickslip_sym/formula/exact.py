@@ -17,11 +17,11 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.balls import ball_value, working_precision
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.core.functions import arguments
+from stickslip_sym.core.functions import arguments, without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 
-__all__ = ["exact_value", "formula_ball", "from_mpmath", "in_mpmath", "to_ball", "to_digits", "without_squares"]
+__all__ = ["exact_value", "formula_ball", "from_mpmath", "in_mpmath", "to_ball", "to_digits"]
 
 _GUARD = 40  # bits beyond those that are asked for
 _MOST_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
@@ -154,12 +154,3 @@ def exact_value(expr: Expr, slope: Expr, point: Mapping[Expr, Expr], digits: int
             raise InputError("the slope of mu is infinite at v = 0, so the criterion has no value at V = 0")
         expr = -symbols.N * limit
     return to_digits(without_squares(expr), point, digits)
-
-
-_ANY = sp.Wild("a")
-
-
-@lru_cache(maxsize=128)
-def without_squares(expr: Expr) -> Expr:
-    """Write 1 - tanh^2 as sech^2, which does not cancel."""
-    return expr.replace(1 - sp.tanh(_ANY) ** 2, sp.sech(_ANY) ** 2) if expr.has(sp.tanh) else expr

@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache, partial
 from typing import Any
 
-import mpmath
 import numpy as np
 import sympy as sp
 from sympy.codegen.cfunctions import expm1, log1p
@@ -28,7 +27,6 @@ __all__ = ["Rising", "function_at", "gain", "limit_at_rest", "reals", "rises_of"
 Rising = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) of an array of slip speeds in m/s, NaN where mu has no value."""
 
-_DIGITS = 50  # of mu where a piece begins, whose difference from mu(0+) may be small
 _LARGE = 0.02  # a difference of coefficients that has lost few digits
 _LONGEST = 16  # terms of a^n - b^n as a sum; for larger n it is the exponential of a logarithm
 _START = sp.Dummy("start", positive=True)
@@ -109,7 +107,10 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
     plain, onset = function_at(piece, values, "numpy"), limit_at_rest(lowest, values)
     # A piece that begins at 0 has the 0 itself in its formula, so that what is 0 there is left out.
     gained = gain(piece, symbols.v, _START if start else start)
-    before = _between(values, lowest, piece, start) if start else 0.0
+    before = 0.0
+    if start:  # computed by balls: the two may be close
+        ends = number_at(piece, {**values, symbols.v: start}), number_at(lowest, {**values, symbols.v: sp.S.Zero})
+        before = float(ends[0] - ends[1]) if all(end.is_finite for end in ends) else math.nan
     risen = None if gained is None else function_at(gained, {**values, _START: start}, "numpy")
 
     def rising(v: FloatArray) -> FloatArray:
@@ -121,16 +122,6 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
         return np.where(np.isfinite(value) & ~(np.abs(difference) > _LARGE), value, difference)
 
     return rising
-
-
-def _between(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -> float:
-    """Return what mu gains from 0+ to where a piece begins; NaN where that cannot be computed."""
-    with mpmath.workdps(_DIGITS):
-        try:
-            low = function_at(lowest, values, "mpmath")(mpmath.mpf(0))
-            return float(function_at(piece, values, "mpmath")(to_mpf(start)) - low)
-        except (ArithmeticError, TypeError, ValueError):
-            return np.nan
 
 
 class _NoValue(Exception):

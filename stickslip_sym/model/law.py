@@ -15,17 +15,19 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray, Rational
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import Backend
-from stickslip_sym.core.numbers import Number, exact, real, suggestion
+from stickslip_sym.core.numbers import Number, exact, real, require_type, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.model import at_rest
-from stickslip_sym.model.expression.parameters import Parameter, parameter_table
+from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.expression.reading import read_formula, read_static
 from stickslip_sym.model.expression.units import check_units
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
 from stickslip_sym.output import markup, printing
+from stickslip_sym.output.notation import notation_of
 
 if TYPE_CHECKING:
     from stickslip_sym.model.measured.measurements import Measurements
@@ -94,6 +96,8 @@ class FrictionLaw:
         parameters: Iterable[Parameter] = (),
         validity: str | None = None,
     ) -> None:
+        for key, value in {"source": source, "name": name, "validity": validity}.items():
+            require_type(key, value, str | None, "text")
         described = _described(parameters, units)
         table = dict(described)
         self.expr = read_formula(formula, table)
@@ -104,11 +108,11 @@ class FrictionLaw:
         self._uncertain: dict[str, UFloat] = {}
         self._take(table, described)
 
-    def _take(self, table: Mapping[str, Parameter], described: Mapping[str, Parameter]) -> None:
+    def _take(self, table: Mapping[str, Parameter], described: Iterable[str]) -> None:
         """Keep the parameters that occur, with their values; refuse others that are described, and wrong units."""
         coefficients = [self.expr] if self.static is None else [self.expr, self.static]
         used = {symbol.name for coefficient in coefficients for symbol in coefficient.free_symbols}
-        for unused in described.keys() - used:
+        for unused in set(described) - used:
             raise InputError(f"the parameter {unused!r} does not occur in the formula {self.text}")
         self._parameters = {key: parameter for key, parameter in table.items() if key in used}
         self._values = {key: value for key, value in self._values.items() if key in used}
@@ -202,8 +206,8 @@ class FrictionLaw:
     @classmethod
     def from_curve(cls, curve: SampledCurve, **about: str | None) -> Self:
         """Return the law that a piecewise cubic is; `about` is its name, source and validity."""
-        law = cls(curve.expr, **about)  # type: ignore[arg-type]  # a name is no static coefficient
-        law.curve = curve
+        law = cls(0, **about)  # type: ignore[arg-type]  # a name is no static coefficient
+        law.expr, law.curve = curve.expr, curve
         return law
 
     # -- what it is ----------------------------------------------------------------------------------
@@ -244,7 +248,7 @@ class FrictionLaw:
     @property
     def slope_expr(self) -> Expr:
         """The derivative of mu with respect to the slip speed."""
-        return sp.diff(self.expr, symbols.v)
+        return without_squares(sp.diff(self.expr, symbols.v))
 
     @property
     def static_expr(self) -> Expr:
@@ -310,7 +314,7 @@ class FrictionLaw:
         bound = copy.copy(self)
         bound._values = {**self._values, **read}
         bound._uncertain = {key: error for key, error in self._uncertain.items() if key not in read} | errors
-        if not bound._without_value(bound.expr):
+        if not bound.expr.free_symbols & {bound.parameters[key].symbol for key in bound.missing}:
             bound.kinks()  # refuses values for which a kink has no place
         return bound
 
@@ -328,16 +332,14 @@ class FrictionLaw:
         return self._point(self.expr)
 
     def _point(self, *exprs: Expr) -> dict[Expr, Expr]:
-        if missing := self._without_value(*exprs):
+        """Return the values of the parameters; refuse parameters in the expressions that have none."""
+        used = {symbol.name for expr in exprs for symbol in expr.free_symbols}
+        if missing := [key for key in self.missing if key in used]:
             example = ", ".join(f"{key}=..." for key in missing)
             raise InputError(
                 f"{self._label()} has no value for {', '.join(missing)}; bind them first: law.bind({example})"
             )
-        return {self._parameters[key].symbol: self._values[key] for key in self._parameters if key in self._values}
-
-    def _without_value(self, *exprs: Expr) -> list[str]:
-        used = {symbol.name for expr in exprs for symbol in expr.free_symbols}
-        return [key for key in self.missing if key in used]
+        return {self._parameters[key].symbol: value for key, value in self._values.items()}
 
     def number(self, expr: Expr) -> float:
         """Return the value of an expression of the law's parameters."""
@@ -469,22 +471,30 @@ class FrictionLaw:
         values = ", ".join(f"{key}={float(value):g}{errors.get(key, '')}" for key, value in self._values.items())
         return f"FrictionLaw({self.name or 'unnamed'}: {self.text}{'; ' + values if values else ''})"
 
-    def _latex(self) -> str:
-        return f"\\mu(v) = {printing.latex(self.expr)}"
-
     def _repr_latex_(self) -> str:
-        return f"$\\displaystyle {self._latex()}$" if self.curve is None else f"$\\mu(v)$: {self.text}"
+        shown = f"\\mu(v) = {printing.latex(self.expr)}"
+        return f"$\\displaystyle {shown}$" if self.curve is None else f"$\\mu(v)$: {self.text}"
 
     def _repr_html_(self) -> str:
-        head = self.text if self.curve is not None else markup.formula(self._latex())
+        head = self.text if self.curve is not None else markup.formula(f"\\mu(v) = {printing.latex(self.expr)}")
         static = None if self.static is None else printing.text(self.static)
         about = {"static coefficient": static, "validity": self.validity, "source": self.source}
         notes = [f"{kind}: {text}" for kind, text in about.items() if text]
-        table = [parameter_table(self.parameters, self.values)] if self.parameters else []
+        names = notation_of(self.parameters)
+        rows = [
+            [markup.formula(names[key]), f"{float(self._values[key]):g}" if key in self._values else "",
+             parameter.typical or "", parameter.unit or "", parameter.meaning]
+            for key, parameter in self._parameters.items()
+        ]  # fmt: skip
+        table = [markup.table(["parameter", "value", "typical", "unit", "meaning"], rows)] if rows else []
         return markup.block(self.name or "friction law", head, *table, *notes)
 
 
 def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:
     """Return the parameters that a user describes, by name."""
+    require_type("units", units, Mapping | None, "a mapping such as {'alpha': 's/m'}")
+    require_type("parameters", parameters, Iterable, "an iterable of Parameter")
+    for parameter in (parameters := list(parameters)):
+        require_type("a parameter", parameter, Parameter, "a Parameter")
     described = {parameter.name: parameter for parameter in parameters}
     return described | {key: Parameter(key, unit=unit) for key, unit in (units or {}).items()}

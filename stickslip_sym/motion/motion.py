@@ -2,8 +2,6 @@
 
 from enum import Enum
 
-__all__ = ["Motion"]
-
 
 class Motion(Enum):
     """What a mass does, in the end (`classify`, maps) or so far (`simulate`)."""

@@ -1,10 +1,96 @@
-"""Where a function of one quantity changes its sign."""
+"""Where functions of one quantity change their sign.
+
+The damping d(A) that a periodic orbit of amplitude A V needs lies above that of the oscillator where orbits grow
+in a round, and below where they shrink. So a limit cycle lies between two amplitudes where one grows and the other
+does not. Where both do the same, there is none between them if they do it by much more than their growth bends;
+else the range of amplitudes is halved, down to beside a fold.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
+import numpy as np
 from scipy.optimize import brentq
 
-__all__ = ["sign_changes"]
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
+
+_NEAREST, _LAST = 1e-3, 1 - 1e-6  # amplitudes over the belt's speed; a smaller cycle shows by the growth at rest
+_RANGES = 8  # of amplitude at first; graded towards the belt's speed, where laws are steep
+_SEARCHED = 2  # halvings of a range with a cycle in it, so that no pair of others hides there
+_MOST_HALVINGS = 8
+_BENT = 2.0  # times its second difference, by which a value is far from a level; a parabola comes no closer
+
+Value = Callable[[IntArray, FloatArray], FloatArray]
+"""A function of amplitude for each row: of the numbers of rows and the amplitudes over V."""
+
+
+@dataclass(frozen=True)
+class OrbitSigns:
+    """What slip orbits do at each level, arrays of shape (rows, levels).
+
+    - `cycle`, `stable`: whether there is a limit cycle in pure slip up to the belt's speed, and a stable one.
+    - `grows`: whether the orbits next to the belt's speed grow.
+    - `open`: row and level, and two amplitudes between which it is not known whether the value touches the level:
+      beside a fold.
+    """
+
+    cycle: BoolArray
+    stable: BoolArray
+    grows: BoolArray
+    open: list[tuple[int, int, float, float]]
+
+
+def orbit_signs(value: Value, levels: FloatArray, grows_at_rest: BoolArray) -> OrbitSigns:
+    """Return where a function of amplitude lies above levels and where below.
+
+    - `value`: the needed damping, or the growth in a round, or any quantity that grows with either.
+    - `levels`: the dampings that there are, or the growth 0, shape (rows, levels).
+    - `grows_at_rest`: whether the value lies above the level in the limit of small amplitudes.
+    """
+    count = len(levels)
+    places = np.arange(_RANGES + 1) / _RANGES
+    rows = np.repeat(np.arange(count), _RANGES + 1)
+    values = value(rows, amplitude(np.tile(places, count))).reshape(count, _RANGES + 1)
+    bends = np.abs(np.diff(values, n=2))
+    bends = np.maximum(bends[:, [0, *range(_RANGES - 1)]], bends[:, [*range(_RANGES - 1), _RANGES - 2]])
+    grows = values[:, :1] > levels
+    cycle = grows != grows_at_rest  # smaller than all that are looked at
+    stable = cycle & grows_at_rest
+    ranges = np.array([
+        np.tile(places[:-1], count), np.tile(places[1:], count),
+        values[:, :-1].ravel(), values[:, 1:].ravel(), bends.ravel(),
+    ])  # fmt: skip
+    row = np.repeat(np.arange(count), _RANGES)
+    for halvings in range(_MOST_HALVINGS + 1):
+        low, high, at_low, at_high, bend = ranges
+        least, most = np.minimum(at_low, at_high)[:, None], np.maximum(at_low, at_high)[:, None]
+        level, margin = levels[row], _BENT * bend[:, None]
+        inside = (least <= level) & (level <= most)
+        unsure = ~(inside | (level < least - margin) | (level > most + margin))
+        left = unsure.any(axis=1)
+        if halvings >= _SEARCHED:
+            np.logical_or.at(cycle, row, inside)
+            np.logical_or.at(stable, row, inside & (at_low > at_high)[:, None])
+        else:
+            left |= inside.any(axis=1)
+        if halvings == _MOST_HALVINGS or not left.any():
+            break
+        row, (low, high, at_low, at_high, _) = row[left], ranges[:, left]
+        middle = (low + high) / 2
+        at_middle = value(row, amplitude(middle))
+        bend = np.abs(at_low + at_high - 2 * at_middle)
+        ranges = np.hstack([[low, middle, at_low, at_middle, bend], [middle, high, at_middle, at_high, bend]])
+        row = np.tile(row, 2)
+    left_open = [
+        (int(row[i]), int(j), float(amplitude(low[i])), float(amplitude(high[i])))
+        for i, j in zip(*np.nonzero(unsure), strict=True)
+    ]
+    return OrbitSigns(cycle, stable, values[:, -1:] > levels, left_open)
+
+
+def amplitude(place: FloatArray) -> FloatArray:
+    """Return amplitudes over the belt's speed at places from 0 to 1."""
+    return np.asarray(_NEAREST + (_LAST - _NEAREST) * (1 - np.cos(np.pi * place)) / 2)
 
 
 def sign_changes(

@@ -25,8 +25,6 @@ from stickslip_sym.model.at_rest import Rising
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.steps import rise_at
 
-__all__ = ["FARTHEST", "FrictionTable", "Pieces", "Rise"]
-
 FARTHEST = 1e20
 """The slip speed in m/s at which a table ends at the latest: a motion that comes so far grows without bound."""
 

@@ -21,8 +21,6 @@ from stickslip_sym.core.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.motion.compiled import is_compiling
 
-__all__ = ["Progress", "Workers", "collect", "in_batches"]
-
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 Workers = int | Executor

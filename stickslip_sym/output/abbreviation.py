@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping
+from textwrap import fill
 
 import sympy as sp
 
@@ -9,8 +10,8 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.output.layout import LINE, displayed, width
 from stickslip_sym.output.notation import look, notation_of
 from stickslip_sym.output.printing import latex
-from stickslip_sym.output.tables import WIDTH, wrapped
-from stickslip_sym.output.text_printer import terms, text
+from stickslip_sym.output.tables import WIDTH
+from stickslip_sym.output.text_printer import text
 
 _LETTERS = "qphrwgz"
 _BLOCK = 40  # characters from which on what stands repeatedly gets a letter, roots always
@@ -52,27 +53,19 @@ def equation(
 
 
 def formula(left: str, expr: Expr) -> str:
-    """Return an equation as indented text: ``left = expr``; blanks and line ends mean nothing.
-
-    A long formula has a line for each term of its outermost sum, and more where a term is wider than a page.
-    """
+    """Return an equation as indented text: ``left = expr``, in a long one letters for what stands repeatedly."""
     if len(text(expr)) <= _LONG:
         return f"{_INDENT}{left} = {text(expr)}"
     expr, definitions = _with_letters(*_repeated(expr), {})
-    lines = _broken(left, expr) + (["where"] if definitions else [])
-    for symbol, value in definitions:
-        lines += _broken(symbol.name, value)
-    return "\n".join(f"{_INDENT}{line}" for line in lines)
+    where = [f"{_INDENT}where"] if definitions else []
+    return "\n".join([_wrapped(left, expr), *where, *(_wrapped(one.name, value) for one, value in definitions)])
 
 
-def _broken(left: str, expr: Expr) -> list[str]:
-    if len(whole := f"{left} = {text(expr)}") <= WIDTH - len(_INDENT):
-        return [whole]
-    lines = [f"{left} ="]
-    for term in terms(expr):
-        first, *rest = wrapped(term, WIDTH - 4 * len(_INDENT))
-        lines += [f"{_INDENT}{first}", *(f"{3 * _INDENT}{line}" for line in rest)]
-    return lines
+def _wrapped(left: str, expr: Expr) -> str:
+    return fill(
+        f"{left} = {text(expr)}", WIDTH, initial_indent=_INDENT, subsequent_indent=3 * _INDENT,
+        break_long_words=False, break_on_hyphens=False,
+    )  # fmt: skip
 
 
 def _repeated(expr: Expr) -> tuple[Expr, Definitions]:

@@ -20,7 +20,7 @@ from sympy.printing.latex import LatexPrinter
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import CONSTANTS, Constant, Function, row
 from stickslip_sym.output.notation import distinct_notation, latex_name, look
-from stickslip_sym.output.text_printer import Readable, decimal, factors, is_over_decimal, spellings
+from stickslip_sym.output.text_printer import Readable, decimal, is_over_decimal, spellings
 
 _SHORT_SUM = 30  # characters of LaTeX without braces and styles, of a sum that may stand on a fraction
 _SHORT = 48  # of one that may stand there alone, and that one pair of brackets holds in a line
@@ -163,7 +163,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Mul(self, expr: Expr) -> str:
         number, parts = sp.Integer(1), []
-        for factor in factors(expr):
+        for factor in expr.args:
             content, primitive = factor.primitive() if factor.is_Add else (factor, sp.S.One)
             if content.is_Rational and (content.is_Integer or not factor.is_Add):  # 2 (a - b), not 2 a - 2 b
                 number, factor = number * content, primitive

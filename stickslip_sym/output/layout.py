@@ -1,8 +1,7 @@
 r"""LaTeX set to a width: formulas broken into lines, and plain words with mathematics in them.
 
-A line breaks before a plus or a minus, at the outermost brackets where one fits; where a sum stands beside its
-fraction it may also break between the two. Widths are those of Computer Modern at 10 pt, estimated from
-above, so a formula that is broken here fits the text.
+A line breaks before a plus or a minus, at the outermost brackets where one fits. Widths are those of Computer
+Modern at 10 pt, estimated from above, so a formula that is broken here fits the text.
 """
 
 import re
@@ -35,20 +34,13 @@ _WITH_ARGUMENTS: dict[str, tuple[int, Callable[..., float]]] = {
     **dict.fromkeys("^_", (1, lambda script: 0.76 * script + 0.6)),
 }  # fmt: skip
 """How many arguments a command has, and its width from theirs."""
-_OPERATORS = frozenset({"", "+", "-", "=", "<", ">", ",", ";", r"\cdot", r"\,", r"\int"})
-"""What no sign of a product may follow; the operator of a derivative is taken for an integral."""
-_DIFFERENTIALS = (r"\mathrm", r"\partial")  # what a fraction begins with that is an operator
 _DEPTHS = {"(": 1, "[": 1, r"\{": 1, ")": -1, "]": -1, r"\}": -1}
 _FIXED = {r"\left": 1, r"\begin": 1, r"\right": -1, r"\end": -1}
 
 
 def width(latex: str) -> float:
     """Return the width of a formula in points, seldom too small."""
-    tokens, total, i = _TOKEN.findall(latex), 0.0, 0
-    while i < len(tokens):
-        part, i = _part(tokens, i)
-        total += part
-    return total
+    return _places(latex)[1]
 
 
 def _part(tokens: Sequence[str], i: int) -> tuple[float, int]:
@@ -118,7 +110,7 @@ def _broken(latex: str, first: float, later: float) -> list[str]:
         rows.append(latex[begin:position].rstrip())
         begin, done, line = position, before, later
     rows.append(latex[begin:])
-    return rows[:1] + [("{}" if row[0] in "+-" else r"{}\times ") + row for row in rows[1:]]
+    return rows[:1] + [f"{{}}{row}" for row in rows[1:]]
 
 
 def _places(latex: str) -> tuple[list[tuple[int, int, float]], float]:
@@ -127,22 +119,15 @@ def _places(latex: str) -> tuple[list[tuple[int, int, float]], float]:
     Never inside a group, or between \left and \right.
     """
     tokens = _TOKEN.findall(latex)
-    found, position, depth, fixed, total, i, before = [], 0, 0, 0, 0.0, 0, ""
+    found, position, depth, fixed, total, i = [], 0, 0, 0, 0.0, 0
     while i < len(tokens):
         token = tokens[i]
-        apart = not fixed and i > 0 and tokens[i - 1].isspace()
-        if apart and token in "+-" and tokens[i + 1].isspace():
-            found.append((position, 2 * depth, total))
-        elif apart and token in (r"\bigl", r"\biggl") and before not in _OPERATORS:
-            found.append((position, 2 * depth + 1, total))  # a product, rather than the sum inside
+        if token in "+-" and not fixed and i and tokens[i - 1].isspace() and tokens[i + 1].isspace():
+            found.append((position, depth, total))
         fixed += _FIXED.get(token, 0)
         depth += _DEPTHS.get(token, 0)
         part, following = _part(tokens, i)
         total += part
-        if token == r"\frac" and tokens[i + 2] in _DIFFERENTIALS:
-            before = r"\int"
-        elif not token.isspace() and not (before == r"\int" and token in "_^"):
-            before = token
         position += sum(map(len, tokens[i:following]))
         i = following
     return found, total

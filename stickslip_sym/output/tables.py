@@ -1,11 +1,9 @@
-"""Plain text tables, and lines of text, no wider than a page."""
+"""Plain text tables, no wider than a page, and durations."""
 
-import re
 import sys
 from collections.abc import Sequence
 
 WIDTH = 115  # characters of a line
-_FACTOR = re.compile(r"(?<!\*)(?=/|\*(?!\*))")  # where a long product may end a line: never inside **
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -25,19 +23,6 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     with console.capture() as captured:
         console.print(shown)
     return "\n".join(line.rstrip() for line in captured.get().splitlines())
-
-
-def wrapped(text: str, width: int) -> list[str]:
-    """Break a text at blanks, but not behind a sign; words that are longer than a line also before factors."""
-    lines: list[str] = []
-    for word in re.split(r"(?<![+-]) ", text):
-        for number, part in enumerate([word] if len(word) <= width else _FACTOR.split(word)):
-            joint = "" if number else " "
-            if lines and len(lines[-1]) + len(joint) + len(part) <= width:
-                lines[-1] += joint + part
-            else:
-                lines.append(part)
-    return lines
 
 
 def duration(seconds: float) -> str:

@@ -4,7 +4,7 @@ A sum starts with a positive term, and the derivative of a function of one varia
 given place, where SymPy prints ``Subs(Derivative(x(t), t), t, t_P)``.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
@@ -67,13 +67,7 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
         if is_decimal(number):
             shown = self.parenthesize(rest, PRECEDENCE["Mul"])
             return decimal(number) + (shown.removeprefix("1") if shown.startswith("1/") else f"*{shown}")
-        if not any(_is_number(factor) or factor.is_Mul for factor in expr.args[1:]):
-            return str(super()._print_Mul(expr))
-        # Of a * (1/2) and a / (1/2) that were not multiplied out SymPy makes a/1/2.
-        numbers, others = sp.sift(factors(expr), _is_number, binary=True)
-        number = sp.Mul(*(factor.doit() for factor in numbers))
-        parts = others if number == 1 and others else [number, *others]
-        return str(self._print(parts[0] if len(parts) == 1 else sp.Mul(*parts, evaluate=False)))
+        return str(super()._print_Mul(expr))
 
     def _print_Rational(self, expr: Expr) -> str:
         return decimal(expr) if is_decimal(expr) else str(super()._print_Rational(expr))
@@ -110,19 +104,6 @@ def is_over_decimal(number: Expr) -> bool:
     return not decimal(number) and is_decimal(1 / number) and len(decimal(1 / number)) < len(str(number))
 
 
-def _is_number(factor: Expr) -> bool:
-    return bool(factor.is_Rational or (factor.is_Pow and factor.base.is_Rational and factor.exp.is_Integer))
-
-
-def factors(product: Expr) -> Iterator[Expr]:
-    """Yield the factors of a product, and of products in it that were not multiplied out."""
-    for factor in product.args:
-        if factor.is_Mul:
-            yield from factors(factor)
-        else:
-            yield factor
-
-
 def spellings(expr: Expr, names: Iterable[str] = ()) -> dict[Expr, str]:
     """Return a name for each dummy of an expression: its own, with underscores where another symbol has that.
 
@@ -144,14 +125,3 @@ def text(expr: Expr) -> str:
     if getattr(expr, "is_Relational", False):
         return f"{text(expr.lhs)} {expr.rel_op.replace('==', '=')} {text(expr.rhs)}"
     return str(_Text(spellings(expr)).doprint(expr))
-
-
-def terms(expr: Expr) -> list[str]:
-    """Return the terms of a sum as `text` has them, from the second on with the sign and a blank before them."""
-    printer = _Text(spellings(expr))
-    found: list[str] = []
-    for term in printer._as_ordered_terms(expr):
-        shown = f"({printer.doprint(term)})" if term.is_Add and expr.is_Add else str(printer.doprint(term))
-        sign = ("- " if shown.startswith("-") else "+ ") if found else ""
-        found.append(f"{sign}{shown.removeprefix('-')}" if found else shown)
-    return found

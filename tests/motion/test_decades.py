@@ -15,7 +15,7 @@ POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 
 
 @pytest.mark.parametrize("m", [1e-12, 1e-8, 1e-4])
-def test_the_simulated_threshold_of_a_light_mass_is_within_its_error(m):
+def test_thresholds_of_light_masses_within_their_errors(m):
     """As m tends to 0 the threshold tends to a limit; the phase is stiff, with rates up to 2e6 a unit of time."""
     law = ss.laws.exponential.typical()
     rough = ss.pure_slip_damping(law, **POINT | {"m": m}, method="simulation", time_limit=60)
@@ -28,7 +28,7 @@ def test_the_simulated_threshold_of_a_light_mass_is_within_its_error(m):
 
 
 @pytest.mark.parametrize("name", ["exponential", "hyperbolic"])
-def test_thresholds_of_slow_belts_tend_to_the_slope_at_rest(name):
+def test_thresholds_of_slow_belts_tend_to_slopes(name):
     law = ss.laws.catalogue[name].typical()
     for V in np.logspace(-12, -7, 3):
         slope = -9.81 * law.slope(V)
@@ -37,7 +37,7 @@ def test_thresholds_of_slow_belts_tend_to_the_slope_at_rest(name):
             assert abs(found.value - slope) <= found.relative_error * abs(slope) + 1e-5 * abs(slope), (V, method)
 
 
-def test_a_cycle_too_small_to_be_found_is_named():
+def test_cycles_too_small_to_find_are_named():
     """mu' = -a + 3 b (v - V)^2 about rest: a cycle of amplitude A needs N (a - 3/4 b A^2); a kink is in reach."""
     rng = np.random.default_rng(7)
     for amplitude in 10 ** rng.uniform(-5, -3.5, 1):

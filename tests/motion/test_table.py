@@ -125,12 +125,6 @@ def test_table_ends_where_mu_does():
     assert FrictionTable.of(ss.FrictionLaw("0.3 + 0.1/(2 - v)")).end == pytest.approx(2.0, rel=1e-6)
 
 
-def test_equal_laws_share_a_table():
-    one, same = (ss.laws.exponential.typical() for _ in range(2))
-    assert FrictionTable.of(one) is FrictionTable.of(same)
-    assert FrictionTable.of(one) is not FrictionTable.of(ss.laws.exponential.typical(alpha=2.0))
-
-
 def test_what_cannot_be_tabulated_is_refused():
     with pytest.raises(ss.NotConverged, match="too rough"):
         FrictionTable.of(ss.FrictionLaw("0.5 + 0.1*sin(1000000*v)"))

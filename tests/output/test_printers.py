@@ -109,7 +109,7 @@ def test_a_printer_that_drops_brackets_is_caught(module, monkeypatch):
         monkeypatch.setattr(text_printer._Text, "parenthesize", lambda self, item, *_, **__: self._print(item))
     others = refused = 0
     with mpmath.workdps(DIGITS):
-        for number, (expr, point, expected) in enumerate(draws(0)):
+        for number, (expr, point, expected) in enumerate([*draws(0), *draws(1)]):
             names = notation(expr, number)
             if expr.has(*SEVERAL, sp.hyper) or any(not power.exp.is_number for power in expr.atoms(sp.Pow)):
                 continue  # misread, they would be towers of powers, or sums without an end
@@ -118,7 +118,7 @@ def test_a_printer_that_drops_brackets_is_caught(module, monkeypatch):
                     got = by_latex(printing.latex(expr, names, inline=True), expr, point, names)
                 else:
                     got = by_text(printing.text(expr), point)
-            except AssertionError:
+            except (AssertionError, TypeError):  # a complex number has no order
                 refused += 1
             else:
                 others += not agrees(got, expected)

@@ -10,8 +10,8 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
+from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.formula.exact import without_squares
 from stickslip_sym.model.terms import speed_scales
 
 EPSILON = 2.0**-52
@@ -62,11 +62,11 @@ def mean_slope(form, columns):
     names = [name for name, parameter in law.parameters.items() if parameter.symbol in law.expr.free_symbols]
     arguments = [v, *(law.parameters[name].symbol for name in names)]
     rest = [columns[name][:, None] for name in names]
-    slope = function_of(arguments, without_squares(law.slope_expr), "numpy")
+    slope = function_of(arguments, law.slope_expr, "numpy")
     V = columns["V"][:, None]
     with np.errstate(all="ignore"):
         if form.criterion.weight is None:
-            curvature = function_of(arguments, v * sp.diff(without_squares(law.slope_expr), v), "numpy")
+            curvature = function_of(arguments, without_squares(v * sp.diff(law.slope_expr, v)), "numpy")
             sizes = np.fmax(abs(slope(V, *rest)), abs(curvature(V, *rest))) + 0 * V
             return columns["N"] * np.nan_to_num(sizes[:, 0])
         x, w = np.polynomial.legendre.leggauss(POINTS)

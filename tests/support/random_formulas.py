@@ -153,25 +153,24 @@ class Draws:
         if depth == 0:
             return self.leaf()
         rng, inner = self.rng, lambda: self.expression(depth - 1)
-        loose = not self.plain and rng.random() < 0.15
         kind = rng.choices(
             ["sum", "product", "quotient", "power", "function", "kink", "special", "open"],
             [9, 4, 8, 4, 6, 1, 0 if self.plain else 2, 0 if self.plain else 0.4],
         )[0]
         if kind == "sum":
             terms = [inner() * rng.choice((1, 1, -1, 2)) for _ in range(rng.choice((2, 2, 3)))]
-            return sp.Add(*terms, evaluate=not loose)
+            return sp.Add(*terms)
         if kind == "product":
-            return sp.Mul(*(inner() for _ in range(rng.choice((2, 2, 3)))), evaluate=not loose)
+            return sp.Mul(*(inner() for _ in range(rng.choice((2, 2, 3)))))
         if kind == "quotient":
             below = inner()
             if below == 0:
                 raise Unfit
-            return sp.Mul(inner(), sp.Pow(below, -1, evaluate=not loose), evaluate=not loose)
+            return inner() / below
         if kind == "power":
             number = rng.choice((2, 3, -1, -2, *map(sp.Rational, ("1/2", "-1/2", "1/3", "-2/3", "3/2"))))
             exponent = rng.choice((number, number, inner()))
-            return sp.Pow(inner(), exponent, evaluate=not loose)
+            return sp.Pow(inner(), exponent)
         if kind == "function":
             return rng.choice(list(CODE if self.plain else ONE))(inner())
         if kind == "kink":

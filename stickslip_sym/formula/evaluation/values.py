@@ -25,9 +25,9 @@ from stickslip_sym.core.balls import (
     working_precision,
 )
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.exact import without_squares
 from stickslip_sym.model.expression.pieces import branch_from, jumps, places
 
 __all__ = ["BITS", "MeanSlope", "Unresolved", "Values", "mean_power", "radius_of", "reach_of", "slope_of"]

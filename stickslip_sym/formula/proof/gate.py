@@ -17,13 +17,14 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import ball, ball_value, working_precision
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import exact
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import Enclosure, average_ball, enclosure_of
-from stickslip_sym.formula.exact import to_ball, without_squares
+from stickslip_sym.formula.exact import to_ball
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.terms import shapes_of

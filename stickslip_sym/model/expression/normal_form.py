@@ -11,7 +11,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import fold, power
+from stickslip_sym.core.functions import fold, power, without_squares
 from stickslip_sym.model.expression.pieces import joined
 
 __all__ = ["normal_form"]
@@ -28,7 +28,7 @@ _OF_LOGARITHMS: dict[type[Expr], Callable[[Expr], Expr]] = {
 def normal_form(expr: Expr) -> Expr:
     """Return an expression of the same value, in one spelling.
 
-    - ``1/cosh(x)`` is sech(x), an even power of sech one of 1 - tanh(x)^2, and ``1/(exp(x) + exp(-x))`` sech(x)/2.
+    - ``1/cosh(x)`` is sech(x), 1 - tanh(x)^2 is sech(x)^2, and ``1/(exp(x) + exp(-x))`` sech(x)/2.
     - ``1/(b + a*exp(x))`` is (1 - tanh(y/2))/(2 b) with y = x + log(a/b).
     - ``a^x`` is exp(x*log(a)), and exp(p*log(x)) is x^p.
     - A product of an exponential and hyperbolic functions is a sum of exponentials.
@@ -36,7 +36,7 @@ def normal_form(expr: Expr) -> Expr:
     - ``1/(5*v + 5)`` is (1/5)/(v + 1).
     - No two kinks stand in one term.
     """
-    return joined(fold(expr, _rebuilt))
+    return joined(without_squares(fold(expr, _rebuilt)))
 
 
 def _rebuilt(node: Expr, parts: list[Expr]) -> Expr:
@@ -62,8 +62,6 @@ def _power(base: Expr, exponent: Expr) -> Expr:
         return sp.exp(exponent * sp.log(base)) if base.is_positive and not base.has(symbols.v) else base**exponent
     if base.func in _RECIPROCALS and exponent.is_negative:
         base, exponent = _RECIPROCALS[base.func](base.args[0]), -exponent
-    if isinstance(base, sp.sech) and exponent.is_Integer and exponent.is_even and exponent > 0:
-        return sp.expand((1 - sp.tanh(base.args[0]) ** 2) ** (exponent / 2))
     if base.is_Add and exponent.is_Integer and exponent < 0:
         if exponent >= -_MOST_EXPANDED and (reciprocal := _reciprocal_of_exponentials(base)) is not None:
             return reduce(lambda a, b: sp.expand(a * b), [reciprocal] * int(-exponent))

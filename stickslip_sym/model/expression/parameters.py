@@ -1,23 +1,19 @@
 """`Parameter`: a named number of a friction law, with its meaning, unit and typical value."""
 
 import keyword
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import SupportsFloat
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import fraction
+from stickslip_sym.core.numbers import fraction, require_type
 from stickslip_sym.model.expression.parsing import NAME, taken
 from stickslip_sym.model.expression.units import parse_unit
-from stickslip_sym.output import markup
-from stickslip_sym.output.notation import notation_of
 
-__all__ = ["Parameter", "parameter_table"]
+__all__ = ["Parameter"]
 
 _ARGUMENTS = frozenset({"self", "digits", "on_invalid"})
 
@@ -49,6 +45,8 @@ class Parameter:
 
     def __post_init__(self) -> None:
         _check_name(self.name)
+        require_type("meaning", self.meaning, str, "text")
+        require_type("positive", self.positive, bool, "True or False")
         if self.unit is not None:
             parse_unit(self.unit)
         if self.typical is not None and fraction(self.typical, self.name) < 0 and self.positive:
@@ -64,8 +62,7 @@ class Parameter:
 
 
 def _check_name(name: str) -> None:
-    if not isinstance(name, str):
-        raise InputError(f"the name of a parameter is text, got {type(name).__name__}")
+    require_type("the name of a parameter", name, str, "text")
     if not NAME.fullmatch(name) or keyword.iskeyword(name):
         raise InputError(f"{name[:45]!r} is not a usable parameter name: a letter, then letters, digits or '_'")
     if name in symbols.RESERVED:
@@ -80,19 +77,3 @@ def _check_name(name: str) -> None:
         )
     if name in taken():
         raise InputError(f"{name!r} is the name of a function or a constant; rename the parameter")
-
-
-def parameter_table(parameters: Mapping[str, Parameter], values: Mapping[str, SupportsFloat]) -> markup.Markup:
-    """Return the parameters of a law, with the values that they have, as HTML."""
-    names = notation_of(parameters)
-    rows = [
-        [
-            markup.formula(names[name]),
-            f"{float(values[name]):g}" if name in values else "",
-            parameter.typical or "",
-            parameter.unit or "",
-            parameter.meaning,
-        ]
-        for name, parameter in parameters.items()
-    ]
-    return markup.table(["parameter", "value", "typical", "unit", "meaning"], rows)

@@ -6,34 +6,33 @@ that is described, by its unit or as a `Parameter`, is what its description says
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import Any
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError, InputWarning
-from stickslip_sym.core.functions import NumberPower, fold, power, row
-from stickslip_sym.core.numbers import bits, exact
+from stickslip_sym.core.functions import fold, row
+from stickslip_sym.core.numbers import exact
 from stickslip_sym.model.expression.normal_form import normal_form
 from stickslip_sym.model.expression.parameters import Parameter
-from stickslip_sym.model.expression.parsing import KINKED, MAX_BITS, parse_expression
-from stickslip_sym.model.expression.pieces import bound_of, in_pieces
+from stickslip_sym.model.expression.parsing import parse_expression
+from stickslip_sym.output.printing import text
 
 __all__ = ["read_formula", "read_static"]
 
 _MAX_POWER_OF_V = 24
 _MAX_POWER_OF_SUM = 16
 _MAX_TERMS = 600
-_PLAIN = (sp.Add, sp.Mul, sp.Pow, sp.Number, sp.NumberSymbol, sp.Symbol, NumberPower)
+_MAX_FUNCTIONS = 6  # in each other: of a tower such as exp(exp(...)) no computer holds the value
 
 _CONSTANTS = {
     "e": "write exp(x) for a power of Euler's number, and exp(1) for the number",
     **dict.fromkeys(("exp1", "exp_1", "euler", "euler_e", "e_euler"), "write exp(1)"),
     **dict.fromkeys(("pi", "pii", "ppi", "pie", "py"), "write pi"),
-    **dict.fromkeys(("inf", "infinity", "infty", "oo", "nan"), "a law has finite numbers only"),
+    **dict.fromkeys(("inf", "infinity", "infty", "oo", "zoo", "nan"), "a law has finite numbers only"),
 }
 """Names of constants, in small letters, with what to do."""
 _SPEEDS = (
@@ -70,7 +69,7 @@ def read_formula(formula: str | float | Expr, table: dict[str, Parameter], *, co
     if isinstance(formula, str):
         expr = parse_expression(formula, symbol)
     elif isinstance(formula, sp.Expr):
-        expr = _rebuilt(formula, symbol)
+        expr = parse_expression(_text_of(formula), symbol)
     elif isinstance(formula, int | float) and not isinstance(formula, bool):
         expr = exact(formula, "the coefficient")
     else:
@@ -89,41 +88,15 @@ def read_static(static: str | float | Expr, table: dict[str, Parameter]) -> Expr
     return read
 
 
-def _rebuilt(expr: Expr, symbol: Callable[[str], Expr]) -> Expr:
-    """Return a SymPy expression on this package's symbols and kinks."""
-
-    def rebuilt(node: Expr, parts: list[Any]) -> Any:
-        """Return a node of rebuilt parts; of a condition, the bound that it is, None for everywhere."""
-        if node.is_Symbol:
-            return symbol(node.name)
-        if isinstance(node, sp.Float | sp.Rational):
-            number = sp.Rational(node)
-            if bits(number) > MAX_BITS:
-                raise InputError("a number in the formula has too many digits")
-            return number
-        if node is sp.true:
-            return None
-        if isinstance(node, sp.core.relational.Relational):
-            if (bound := bound_of(parts[0], node.rel_op, parts[1])) is None:
-                raise InputError(f"the pieces of a law end at v < place or v > place; got {node}")
-            return bound
-        if isinstance(node, sp.Piecewise):
-            *branches, (last, end) = zip(parts[::2], parts[1::2], strict=True)
-            if not (end is None or any(end.completes(bound) for _, bound in branches)):
-                raise InputError("the last piece of a law holds at all other speeds; its condition is True")
-            return in_pieces(branches, last)
-        if kinked := KINKED.get(type(node).__name__):
-            return kinked(*parts)
-        if isinstance(node, sp.erfc):
-            return 1 - sp.erf(*parts)
-        function = row(node)
-        if not (isinstance(node, _PLAIN) or (function is not None and function.in_laws)):
-            raise InputError(f"{type(node).__name__} is not allowed in a law: {str(node)[:60]}")
-        if node.is_Pow and len(parts) == 2:
-            return power(*parts)
-        return node.func(*parts) if parts else node
-
-    return fold(expr, rebuilt)
+def _text_of(expr: Expr) -> str:
+    """Return a SymPy expression as text that the parser reads; every name in it is that of a parameter, or v."""
+    for symbol in expr.free_symbols:
+        if symbol.name != "v":
+            Parameter(symbol.name)
+    try:
+        return text(expr.xreplace({number: sp.Rational(number) for number in expr.atoms(sp.Float)}))
+    except ValueError:  # Python prints no integer of over 4300 digits
+        raise InputError("a number in the formula has too many digits") from None
 
 
 # -- what later algebra can hold -------------------------------------------------------------------
@@ -143,10 +116,17 @@ def _check_value(expr: Expr) -> None:
             raise InputError(
                 f"{str(node)[:60]} is too high a power of a sum; at most (...)^{_MAX_POWER_OF_SUM} is supported"
             )
+    if fold(expr, _nested) > _MAX_FUNCTIONS:
+        raise InputError(f"more than {_MAX_FUNCTIONS} functions stand in each other; write a simpler formula")
     if fold(expr, _terms) > _MAX_TERMS:
         raise InputError(
             f"the formula has over {_MAX_TERMS} terms when its products are multiplied out; shorten it"
         )
+
+
+def _nested(node: Expr, parts: list[int]) -> int:
+    """Return how many functions stand in each other."""
+    return max(parts, default=0) + (row(node) is not None)
 
 
 def _terms(node: Expr, parts: list[int]) -> int:

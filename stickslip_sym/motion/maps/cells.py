@@ -33,9 +33,9 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.needed import FOUND, gap, needed
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
-from stickslip_sym.motion.regimes.orbit_signs import orbit_signs
 from stickslip_sym.motion.regimes.phase_plane import friction_far_out, rounds
 from stickslip_sym.motion.regimes.regime import regime
+from stickslip_sym.motion.roots import orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import slope_mean
 

@@ -2,41 +2,32 @@
 
 The damping that a slip orbit needs is a function d(A) of its highest velocity A V (`needed`), so the limit cycles
 are the roots of d(A) = c/sqrt(k m) in (0, 1]: all of them, also where d is not monotone. At a damping the gap of
-the halves of an orbit has the sign of d(A) - c/sqrt(k m), so d itself need not be known: the gap is computed at
-graded amplitudes, with its derivative by A; every change of sign, and every extremum between two of one sign, is
-followed.
+the halves of an orbit has the sign of d(A) - c/sqrt(k m), so d itself need not be known.
 """
 
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
+from scipy.optimize import minimize_scalar
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.needed import gap, halves, needed_ratio
-from stickslip_sym.motion.roots import sign_changes
+from stickslip_sym.motion.roots import amplitude, orbit_signs, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.output import markup
 
-__all__ = ["LimitCycle", "NeededDamping", "limit_cycles", "needed_damping"]
-
 _NEAREST = 1e-3  # lowest amplitude over the belt's speed that is looked at: a smaller cycle is not seen
-_AMPLITUDES = sorted(
-    {float(A) for A in _NEAREST + (1 - _NEAREST) * (1 - np.cos(np.linspace(0.0, math.pi, 33))) / 2}
-    | {1 - 10.0**-decade for decade in range(3, 7)}
-)  # graded towards the belt's speed, where laws are steep
 _RTOL = 1e-12  # tolerance of the steps
 _NEUTRAL = 3e-12  # gap below which an orbit is periodic within the errors of the steps
-_CLOSE = 1e-14  # tolerance of an amplitude over the belt's speed
+_CLOSE, _FOLD = 1e-14, 1e-9  # tolerances of an amplitude over the belt's speed, and of one at a fold
 _STRONGEST = 1e-300  # contraction of a round, or of one backward, that is distinguished from 0
 
 
@@ -113,14 +104,23 @@ class NeededDamping:
 
     def amplitudes(self, damping: float) -> FloatArray:
         """Return the amplitudes, over the belt speed, ascending, of all orbits with a damping over sqrt(k m)."""
-        gaps = {A: self.gap(A, damping) for A in _AMPLITUDES}
-        for (low, (f, df)), (high, (g, dg)) in pairwise(list(gaps.items())):
-            if f * g > 0 and df * f < 0 < dg * f:  # both lead towards 0: there is an extremum between
-                turn = brentq(lambda A: self.gap(A, damping)[1], low, high, xtol=_CLOSE)
-                gaps[turn] = self.gap(turn, damping)
+        gaps = dict[float, float]()
+
+        def gap(A: float) -> float:
+            gaps[A] = self.gap(A, damping)[0]
+            return gaps[A]
+
+        def clipped(_: IntArray, amplitudes: FloatArray) -> FloatArray:
+            return np.clip([gap(A) for A in amplitudes.tolist()], -1.0, 1.0)
+
+        found = orbit_signs(clipped, np.zeros((1, 1)), np.zeros((1, 1), dtype=bool))
+        for _, _, low, high in found.open:  # beside a fold: the gap may change its sign twice
+            sign = math.copysign(1.0, gap(low))
+            options = {"xatol": _FOLD}
+            minimize_scalar(lambda A, s=sign: s * gap(A), bounds=(low, high), method="bounded", options=options)
+        gap(1.0)
         nodes = sorted(gaps)
-        values = [gaps[A][0] for A in nodes]
-        return np.array(list(sign_changes(lambda A: self.gap(A, damping)[0], nodes, values, _CLOSE)))
+        return np.array(list(sign_changes(gap, nodes, [gaps[A] for A in nodes], _CLOSE)))
 
     @cached_property
     def folds(self) -> FloatArray:
@@ -129,7 +129,8 @@ class NeededDamping:
         def slope(A: float) -> float:
             return self.gap(A, self._one(A))[1]
 
-        return np.array(list(sign_changes(slope, _AMPLITUDES, [slope(A) for A in _AMPLITUDES], _CLOSE)))
+        nodes = amplitude(np.linspace(0, 1, 33)).tolist()
+        return np.array(list(sign_changes(slope, nodes, [slope(A) for A in nodes], _CLOSE)))
 
 
 def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:

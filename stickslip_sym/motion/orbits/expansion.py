@@ -23,8 +23,6 @@ from stickslip_sym.criteria.criterion import Criterion, harmonic, least_squares
 from stickslip_sym.model.at_rest import reals
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["Expansion", "Slope", "averages", "coefficients", "expand", "of_layer", "slopes", "values"]
-
 Slope = Callable[[FloatArray], FloatArray]
 """mu' at slip speeds."""
 _SMALLEST, _LARGEST = 16, 1024  # phases in half a period

@@ -24,8 +24,6 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.orbits.expansion import Slope, averages, coefficients, expand, of_layer, slopes, values
 
-__all__ = ["Orbits", "derivatives", "obstacle", "orbits"]
-
 _GRIDS = (32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)  # points a period
 _MOST_STEPS = 12  # of Newton's method on one grid
 _CLOSE = 1e-8  # a step of Newton's method after which the next would be rounding

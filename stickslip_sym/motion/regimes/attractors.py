@@ -9,8 +9,6 @@ from typing import Any, NamedTuple
 from stickslip_sym.core.aliases import BoolArray
 from stickslip_sym.motion.motion import Motion
 
-__all__ = ["ATTRACTORS", "AttractorKind", "Signs"]
-
 
 class Signs(NamedTuple):
     """What comparisons with the needed damping d(A) of slip orbits say of dampings c, as arrays.

@@ -24,8 +24,6 @@ from stickslip_sym.motion.simulation.simulate import read_initial_conditions
 from stickslip_sym.motion.slip import Slip
 from stickslip_sym.motion.steps import End
 
-__all__ = ["classify", "followed"]
-
 _MANY = (
     1000  # initial conditions, from which on finding the separatrices takes less time than following all of them
 )

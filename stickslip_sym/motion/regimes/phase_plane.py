@@ -24,8 +24,6 @@ from stickslip_sym.motion.simulation.cycle import StickSlipCycle, stick_slip_cyc
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import End
 
-__all__ = ["NEAR", "PhasePlane", "friction_far_out", "phase_plane", "rounds"]
-
 NEAR = 100
 """Tolerances within which an initial condition is on a separatrix, as far as integration can say."""
 _CLOSE = 1e-6  # slip speed over the belt's at a graze, below which its error is measured

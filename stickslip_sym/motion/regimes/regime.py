@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
-__all__ = ["Attractor", "Regime", "Rest", "by_side", "regime"]
-
 _ROUNDING = 1e-14  # of a damping coefficient's terms
 _SAME = 1e-12  # relative, of the belt's speed and a kink
 _SECONDS = 2.0  # of computation, for a curve that is a period of a motion

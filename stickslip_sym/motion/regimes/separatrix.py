@@ -5,7 +5,7 @@ orbit that just touches the belt's speed. All these curves lie below the belt's 
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -15,8 +15,6 @@ from scipy.interpolate import PPoly
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.slip import Dimensionless, Slip
-
-__all__ = ["Separatrix", "SeparatrixKind", "SlipCurve"]
 
 SeparatrixKind = Literal["limit cycle", "graze"]
 _SAMPLES = 257  # of a separatrix, in its public arrays
@@ -64,41 +62,31 @@ class SlipCurve:
         """The number of steps."""
         return float(self.w.x[-1])
 
-    @cached_property
-    def _monotone(self) -> FloatArray:
-        """Places between which w is monotone, and which no step passes."""
-        turns = self.w.derivative().roots(extrapolate=False)
-        return np.unique([*self.w.x, *turns[np.isfinite(turns)]])
-
-    def crossings(self, levels: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Return where the curve passes ascending slip speeds: the places of the levels, and the q there."""
-        ends = self.w(self._monotone)
-        low, high = np.searchsorted(levels, np.sort([ends[1:], ends[:-1]], axis=0))
-        part = np.repeat(np.arange(low.size), high - low)
-        index = np.arange(part.size) - np.repeat(np.cumsum(high - low) - high, high - low)
-        before, after, rises = self._monotone[part], self._monotone[part + 1], ends[part + 1] > ends[part]
-        for _ in range(_HALVINGS):
-            middle = (before + after) / 2
-            beyond = (self.w(middle) >= levels[index]) == rises
-            before, after = np.where(beyond, before, middle), np.where(beyond, middle, after)
-        return index, self.q((before + after) / 2)
-
     def surrounds(self, q: FloatArray, w: FloatArray, margin: float) -> IntArray:
         """Return 1 for points inside the curve, 0 for those outside, and -1 for those within a margin of it.
 
         What closes an orbit, on w = 0, counts as part of it.
         """
         levels, row = np.unique(w, return_inverse=True)
-        index, places = self.crossings(levels)
-        order = np.lexsort((places, index))
-        index, places = index[order], places[order]
-        column = np.arange(index.size) - np.searchsorted(index, index)
-        passed = np.full((levels.size, int(column.max(initial=0)) + 1), np.inf)
-        passed[index, column] = places
-        passed = passed[row.reshape(w.shape)]
-        near = np.abs(passed - q[..., None]) <= margin * (1 + np.abs(q[..., None]))
-        inside = (passed < q[..., None]).sum(axis=-1) % 2
-        return np.where(near.any(axis=-1), -1, inside)
+        row = row.reshape(w.shape)
+        heights = self.w(self.w.x)  # w is monotone in each step
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(heights)))) + 1
+        inside = np.zeros(np.broadcast_shapes(q.shape, w.shape), dtype=bool)
+        near = inside.copy()
+        for begin, end in pairwise([0, *turns.tolist(), heights.size - 1]):
+            low, high = np.sort(heights[[begin, end]])
+            passed = np.flatnonzero((low <= levels) & (levels < high))
+            before, after = np.full(passed.size, float(begin)), np.full(passed.size, float(end))
+            for _ in range(_HALVINGS):
+                middle = (before + after) / 2
+                beyond = (self.w(middle) >= levels[passed]) == (heights[end] > heights[begin])
+                before, after = np.where(beyond, before, middle), np.where(beyond, middle, after)
+            crossing = np.full(levels.size, np.inf)
+            crossing[passed] = self.q((before + after) / 2)
+            off = crossing[row] - q
+            inside ^= off < 0
+            near |= np.abs(off) <= margin * (1 + np.abs(q))
+        return np.where(near, -1, inside)
 
     def area_within(self, q: FloatArray, w: FloatArray) -> float:
         """Return the area inside the curve and a box, the integral of q dw, with q cut at the box (Green).

@@ -20,8 +20,6 @@ from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import End
 from stickslip_sym.output import markup
 
-__all__ = ["StickSlipCycle", "peak_velocity", "stick_slip_cycle"]
-
 
 @dataclass(frozen=True)
 class StickSlipCycle:

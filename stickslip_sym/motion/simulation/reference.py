@@ -16,8 +16,6 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectory
 
-__all__ = ["simulate_by_solve_ivp", "slip_by_solve_ivp"]
-
 _ROUNDING = 1e-12  # of the force at which static friction gives way
 _BESIDE = 1e-9  # of the belt's speed, by which slip begins off it: an event at the start itself ends a run
 _LEAST = 1e-2  # absolute tolerance in units of V and V/omega, over the relative one

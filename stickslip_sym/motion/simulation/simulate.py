@@ -26,8 +26,6 @@ from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, 
 from stickslip_sym.motion.slip import Dimensionless, Slip
 from stickslip_sym.motion.steps import End
 
-__all__ = ["read_initial_conditions", "simulate"]
-
 
 @overload
 def simulate(
@@ -144,9 +142,7 @@ def _one(
             side = 1 if q >= 0 else -1
         # Nothing depends on time itself: a slip from where one began before is that one again.
         slip = known.get((q, side)) if w == 0 else None
-        if deadline.is_late():
-            slip = Slip(End.LATE, 0.0, q, w, 0.0, 0.0, 0, (q, q, w, w), [])
-        elif slip is None or tau + slip.tau > horizon or steps + slip.taken > max_steps:
+        if slip is None or deadline.is_late() or tau + slip.tau > horizon or steps + slip.taken > max_steps:
             slip = system.slip(
                 q, w, side, level=1.0, horizon=horizon - tau, rtol=rtol, most=max_steps - steps, recorded=True
             )
@@ -160,7 +156,8 @@ def _one(
             (tau + since) / osc.omega, x_P + osc.length * places, osc.V * (1 - side * speeds)
         ])  # fmt: skip
         phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
-        stretches.append(Stretch(phase, samples, partial(_course, system, osc, x_P, rtol, slip, tau, side)))
+        course = partial(_course, system, osc, x_P, rtol, slip, tau, side) if slip.steps else None
+        stretches.append(Stretch(phase, samples, course))
         tau, q, w, steps = tau + slip.tau, slip.q, slip.w, steps + slip.taken
         if slip.end is not End.RETURN:
             outcome, note = _outcome_of(system, slip, rtol)
@@ -177,11 +174,8 @@ def _course(
 ) -> FloatArray:  # fmt: skip
     """Return the rows x and v at times within a slip that began at tau = begin."""
     tau = np.clip(t * osc.omega - begin, 0.0, slip.tau)
-    if slip.steps:
-        which = np.searchsorted([step.tau for step in slip.steps[1:]], tau, side="right")
-        q, w = system.states(slip.steps, which, tau, side, rtol)
-    else:
-        q, w = np.full(tau.shape, slip.q), np.full(tau.shape, slip.w)
+    which = np.searchsorted([step.tau for step in slip.steps[1:]], tau, side="right")
+    q, w = system.states(slip.steps, which, tau, side, rtol)
     return np.array([x_P + osc.length * q, osc.V * (1 - side * w)])
 
 

@@ -22,8 +22,6 @@ from stickslip_sym.output import drawing, files, markup
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Event", "EventKind", "Outcome", "Phase", "State", "Stretch", "Trajectories", "Trajectory"]
-
 _ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
 _SAME = 1e-6  # relative change of a swing in a round, up to which a motion repeats itself
 _STEPS = 100  # errors of a step that may add up in a round

@@ -82,7 +82,8 @@ def test_areas_of_circles_in_boxes():
     for _ in range(20):
         radius, begin = rng.uniform((0.05, 0), (0.99, 7))
         times = begin + np.cumsum([0.0, *rng.uniform(0.1, 0.4, 40)])
-        times = np.append(times[times < begin + 2 * np.pi], begin + 2 * np.pi)
+        extremes = np.pi * np.ceil([begin / np.pi, begin / np.pi + 1])  # of w, where steps end
+        times = np.unique([*times[times < begin + 2 * np.pi], *extremes, begin + 2 * np.pi])
         middle, half = (times[1:] + times[:-1]) / 2, np.diff(times) / 2
         t = middle[:, None] + half[:, None] * -np.cos(np.pi * np.arange(13) / 12)
         curve = SlipCurve.through(radius * np.array([np.sin(t), -np.cos(t)]) + [[[0]], [[1]]])

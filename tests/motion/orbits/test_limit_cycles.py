@@ -8,60 +8,12 @@ from operating_points import TWO, paper_oscillator
 from sweeps import sweep
 
 import stickslip_sym as ss
-from stickslip_sym import Phase
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import End
 
-CASES = [("exponential", 2.3, False), ("polynomial", 3.1, True)]
 
-
-def peaks(law, osc, v0, cycles):
-    """Return the highest velocity of each period, the mass starting at the equilibrium's place with v0."""
-    x0 = osc.N * law.mu(osc.V) / osc.k
-    motion = ss.simulate(law, osc, t_end=cycles * 2 * math.pi / osc.omega, x0=x0, v0=v0, rtol=1e-12)
-    top = np.flatnonzero((motion.v[1:-1] > motion.v[:-2]) & (motion.v[1:-1] >= motion.v[2:])) + 1
-    found = []
-    for i in top:  # the parabola through three samples of a maximum
-        t = osc.omega * (motion.t[i - 1 : i + 2] - motion.t[i])
-        if np.diff(t).min() > 1e-3:
-            fit = np.polyfit(t, motion.v[i - 1 : i + 2], 2)
-            found.append(fit[2] - fit[1] ** 2 / (4 * fit[0]))
-    return np.array(found)
-
-
-@pytest.mark.parametrize(("name", "c", "stable"), CASES)
-def test_motions_beside_a_cycle_go_where_its_stability_says(name, c, stable):
-    law, osc = ss.laws.catalogue[name].typical(), paper_oscillator(c)
-    (cycle,) = ss.limit_cycles(law, osc)
-    assert cycle.stable is stable
-    assert (cycle.floquet < 0) is stable
-    assert 0 < cycle.amplitude < osc.V
-    for side in (-1, 1):
-        found = peaks(law, osc, cycle.amplitude * (1 + 0.02 * side), 20 if stable else 5)
-        found = found[1:]  # after the start, off the cycle's phase
-        drift = float(side * (found[-1] - found[0]))
-        assert (drift < 0) is stable
-        # Samples of a maximum are coarse: only that it stays beside the cycle, on its side.
-        assert (side * (found - cycle.amplitude) > 0).all()
-
-
-def test_a_stable_cycle_is_the_end_of_a_long_simulation():
-    law, osc = ss.laws.polynomial.typical(), paper_oscillator(3.1)
-    (cycle,) = ss.limit_cycles(law, osc)
-    enough = 20 / abs(cycle.floquet)
-    motion = ss.simulate(law, osc, t_end=enough, x0=0.1, v0=0.0, rtol=1e-12)
-    assert Phase.STICK not in {event.begins for event in motion.events if event.t > enough / 2}
-    last = motion.t > enough - 1.5 * cycle.period
-    assert motion.v[last].max() == pytest.approx(cycle.amplitude, rel=2e-3)  # of coarse samples
-    # The rate at which a deviation dies, and the period, from the zeros of the velocity.
-    sign = np.flatnonzero((motion.v[:-1] < 0) & (motion.v[1:] >= 0))
-    share = -motion.v[sign] / (motion.v[sign + 1] - motion.v[sign])
-    zeros = motion.t[sign] + share * (motion.t[sign + 1] - motion.t[sign])
-    assert np.mean(np.diff(zeros)[-50:]) == pytest.approx(cycle.period, rel=1e-4)
-
-
-def test_the_floquet_exponent_is_the_slope_of_the_damping():
+def test_floquet_exponent_is_slope_of_needed_damping():
     """By the averaged equation dA/dt = A (need(A) - c)/(2 m), whose exponent at a cycle is A need'(A)/(2 m)."""
     law, osc = ss.laws.polynomial.typical(), paper_oscillator(3.25)
     (cycle,) = ss.limit_cycles(law, osc)
@@ -71,7 +23,7 @@ def test_the_floquet_exponent_is_the_slope_of_the_damping():
     assert cycle.floquet == pytest.approx(cycle.amplitude * slope / 2, rel=0.02)
 
 
-def test_every_cycle_of_a_law_whose_balance_is_not_monotone():
+def test_every_cycle_of_a_balance_not_monotone():
     harmonic = [9.81 * (0.3 + 6 * a**2 / 4 - 40 * a**4 / 8) for a in (0.0, 0.5)]
     assert harmonic == pytest.approx([2.943, 3.556125])
     numbers = {
@@ -80,15 +32,14 @@ def test_every_cycle_of_a_law_whose_balance_is_not_monotone():
     assert numbers == {2.9: [], 3.3: [False], 3.8: [False, True], 4.1: []}
     inner, outer = ss.limit_cycles(TWO, paper_oscillator(3.8))
     assert inner.amplitude < outer.amplitude
-    # A start between them comes to the outer, a start inside the inner one to rest.
-    assert (
-        peaks(TWO, paper_oscillator(3.8), (inner.amplitude + outer.amplitude) / 2, 60)[-1] > outer.amplitude * 0.98
-    )
-    assert peaks(TWO, paper_oscillator(3.8), inner.amplitude * 0.9, 60)[-1] < inner.amplitude * 0.5
+    # A motion between them grows, and one inside the inner one shrinks.
+    for v0, change in ((0.95 * outer.amplitude, 1), (0.9 * inner.amplitude, -1)):
+        motion = ss.simulate(TWO, paper_oscillator(3.8), t_end=10.0, x0=9.81 * 0.4 / 100, v0=v0)
+        assert np.sign(motion.change) == change
 
 
 @sweep("name", ["exponential", "polynomial"], "exponential")
-def test_cycles_live_between_the_hopf_point_and_the_threshold(name):
+def test_cycles_live_between_hopf_point_and_threshold(name):
     law = ss.laws.catalogue[name].typical()
     hopf = ss.pure_slip_damping(law, V=0.5, N=9.81, method="equilibrium").value
     graze = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-12).value
@@ -99,7 +50,7 @@ def test_cycles_live_between_the_hopf_point_and_the_threshold(name):
         assert ss.limit_cycles(law, paper_oscillator(hopf + part * (graze - hopf))) == ()
 
 
-def test_the_amplitude_of_the_polynomial_law_is_the_closed_one_where_friction_is_weak():
+def test_amplitude_for_weak_friction_is_closed():
     law, point = ss.laws.polynomial.typical(), {"N": 0.01, "k": 100.0, "V": 0.5}
     for part in (0.92, 0.96, 0.99):
         c = part * 0.01 * 0.45 * (1 - 0.25)
@@ -119,7 +70,7 @@ MEASURED = ss.FrictionLaw.from_samples([0, 0.2, 0.4, 0.6, 0.8, 1.2], [0.5, 0.47,
 
 
 @pytest.mark.parametrize("law", [KINKED, JUMPING, MEASURED, ss.FrictionLaw("0.5 - 0.4*v + 0.2*v^3", static="0.6")])
-def test_a_cycle_of_any_law_is_a_fixed_point_of_its_rounds(law):
+def test_cycles_are_fixed_points_of_their_rounds(law):
     """Kinked, jumping, measured and static; rounds beside it part as its exponent says, or merge by sliding."""
     c = float(needed_damping(law, paper_oscillator()).at(0.6)) * paper_oscillator().impedance
     for cycle in ss.limit_cycles(law, paper_oscillator(c)):

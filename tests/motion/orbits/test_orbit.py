@@ -150,7 +150,7 @@ def collocated(law, V, k, points, N=9.81):
 
 
 @sweep(("name", "V", "k"), POINTS, POINTS[0], POINTS[4], POINTS[7])
-def test_the_orbit_is_that_of_collocation_at_45_digits(name, V, k):
+def test_orbit_is_that_of_45_digit_collocation(name, V, k):
     law = ss.laws.catalogue[name].typical()
     with mpmath.workdps(DIGITS):
         reference = collocated(law, V, k, 81)

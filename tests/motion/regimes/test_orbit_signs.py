@@ -6,7 +6,7 @@ from numpy.polynomial import Chebyshev
 from operating_points import TWO, paper_oscillator
 
 import stickslip_sym as ss
-from stickslip_sym.motion.regimes.orbit_signs import orbit_signs
+from stickslip_sym.motion.roots import orbit_signs
 
 A = np.linspace(0, 1, 20_001)
 MARGIN = 1e-4  # of a level from an extremum, from which on it is decided by values
@@ -66,7 +66,7 @@ def test_what_is_not_known_stays_open():
 
 
 @pytest.mark.thorough
-def test_a_fold_of_limit_cycles_parts_the_cells_beside_it():
+def test_folds_part_the_cells_beside_them():
     """Columns by needed damping and lone cells by growth alike, down to 1e-6 of the fold."""
     fold = ss.basin_sweep(TWO, paper_oscillator(2.5), ("c", [3.9, 4.2]), x0=(-0.2, 0.2), v0=(-1, 1)).changes[0]
     assert fold.kind == "fold"

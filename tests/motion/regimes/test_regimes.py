@@ -45,7 +45,7 @@ def test_the_attractors_of_the_papers_laws(name, c, expected, separatrices):
     assert str(found).count("\n") == len(expected) - 1
 
 
-def test_both_sides_of_the_threshold_and_the_threshold_itself(law):
+def test_both_sides_of_the_threshold_and_itself(law):
     threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-13).value
     above = Motion.PURE_SLIP if law.name == "polynomial" else Motion.REST
     for step in (1e-3, 1e-9):
@@ -100,7 +100,7 @@ def test_classification_is_what_a_simulation_comes_to(law, c):
         (ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.38)"), 1.0),
     ],
 )  # fmt: skip
-def test_orbits_grow_and_shrink_between_limit_cycles_as_solve_ivp_has_it(law, c):
+def test_orbits_between_cycles_follow_solve_ivp(law, c):
     osc = paper_oscillator(c)
     cycles = ss.limit_cycles(law, osc)
 
@@ -131,7 +131,7 @@ def test_a_separatrix_parts_the_basins(law, c, kind):
             assert ss.classify(law, osc, x0=x, v0=v) is expected
 
 
-def test_weak_friction_does_not_hold_the_mass_and_it_overtakes_the_belt():
+def test_weak_friction_lets_the_mass_overtake():
     """Far below the threshold of a stiff oscillator there is no stick, but slip that is faster for a while."""
     law, osc = ss.laws.exponential.typical(), paper_oscillator(1.0, **WEAK)
     (cycle,) = (attractor for attractor in ss.regime(law, osc).attractors)
@@ -171,7 +171,7 @@ FALLING = "Piecewise((0.5 - 0.3*v, v < 0.5), 0.35 - 0.1*(v - 0.5))"
         ("Piecewise((0.3 - 0.1*v, v < 0.5), 0.4)", -1.0, True),  # holds it, whatever the damping
     ],
 )
-def test_rest_at_a_kink_or_a_jump_of_mu(formula, c, stable):
+def test_rest_at_kinks_and_jumps_of_mu(formula, c, stable):
     law, osc = ss.FrictionLaw(formula), paper_oscillator(c)
     rest = ss.regime(law, osc).rest
     assert (rest.stable, rest.rate < 0) == (stable, stable)
@@ -198,7 +198,7 @@ def test_rest_may_attract_on_one_side_only(formula, m, one_sided):
     assert (rest.stable, rest.one_sided) == (False, one_sided)
 
 
-def test_friction_below_zero_may_drive_a_motion_without_bound():
+def test_negative_friction_may_drive_motions_without_bound():
     law, osc = ss.FrictionLaw(FALLING), paper_oscillator(0.0)
     assert ss.classify(law, osc, x0=1e3) is Motion.UNBOUNDED
     assert ss.regime(law, osc).unbounded
@@ -216,13 +216,6 @@ def test_the_cycle_of_a_kinked_law_without_inertia():
     expected = math.log((100 * begin - 2.8449) / 0.2) / 100 + (begin - end) / 0.5
     assert ss.stick_slip_cycle(law, osc).period == pytest.approx(expected, rel=1e-5)
     assert ss.classify(law, osc) is Motion.STICK_SLIP
-
-
-def test_positive_damping_bounds_every_motion():
-    """Next to no mass, and rest right at a kink: it attracts from one side only, and that is said."""
-    law, osc = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.3)"), paper_oscillator(1.0, m=1e-9)
-    assert "one side" in ss.regime(law, osc).undecided[0]
-    assert ss.classify(law, osc, x0=0.3, v0=1.5) is Motion.UNDECIDED
 
 
 def test_rest_is_an_initial_condition_too(law):
@@ -244,16 +237,7 @@ def test_a_free_oscillator_is_neutral():
     assert ss.classify(ss.laws.exponential.typical(), osc, x0=0.01, v0=0.0) is Motion.PURE_SLIP
 
 
-def test_wrong_input(law):
-    with pytest.raises(ss.InputError, match="not finite"):
-        ss.classify(law, paper_oscillator(1.0), x0=np.nan)
-    with pytest.raises(ss.InputError, match="rtol"):
-        ss.regime(law, paper_oscillator(1.0), rtol=0)
-    with pytest.raises(ss.InputError, match="bind them first"):
-        ss.regime(ss.laws.exponential, paper_oscillator(1.0))
-
-
-def test_orbits_that_neither_grow_nor_shrink_are_separated_by_nothing():
+def test_neutral_orbits_are_separated_by_nothing():
     found = ss.regime(ss.FrictionLaw("0.3", static="0.35"), paper_oscillator(c=0.0))
     assert found.stick_slip is not None
     assert "slip orbits neither grow nor shrink" in found.undecided

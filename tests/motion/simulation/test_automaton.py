@@ -120,17 +120,8 @@ def test_a_time_limit_keeps_what_was_computed():
     assert motion.at(motion.t[-1] / 2).x < 1
 
 
-def test_a_motion_that_comes_to_rest_says_so():
-    law = ss.laws.exponential.typical()
-    osc = paper_oscillator(20.0)
-    motion = ss.simulate(law, osc, t_end=100.0)
-    assert motion.outcome is Outcome.AT_REST
-    assert motion.at(99.0).v == 0
-    assert motion.at(99.0).x == pytest.approx(osc.N * law.mu(osc.V) / osc.k, rel=1e-15)
-
-
 @pytest.mark.parametrize("c", [-50.0, -5.0])
-def test_a_motion_that_grows_for_ever_says_so_and_is_kept(c):
+def test_unbounded_motions_say_so_and_are_kept(c):
     """At c = -50 it creeps away from the belt, at c = -5 it swings ever farther; both as far as laws are known."""
     law, osc = ss.FrictionLaw("0.3"), paper_oscillator(c)
     motion = ss.simulate(law, osc, t_end=1e3)
@@ -143,12 +134,13 @@ def test_a_motion_that_grows_for_ever_says_so_and_is_kept(c):
     envelope = np.hypot(motion.v, motion.x * osc.omega)[late]
     assert np.log(envelope[-1] / envelope[0]) / np.ptp(motion.t[late]) == pytest.approx(rate, rel=0.02)
     assert ss.classify(law, osc) is ss.Motion.UNBOUNDED
+    assert ss.stick_slip_cycle(law, osc) is None
     assert ss.regime(law, osc).unbounded
     with pytest.raises(ss.InputError, match=r"grows without bound.*a larger c"):
         motion.at(1e3)
 
 
-def test_a_motion_that_comes_to_where_mu_has_no_value_is_kept():
+def test_motions_end_where_mu_has_no_value():
     motion = ss.simulate(ss.FrictionLaw("0.5*sqrt(1 - v)"), paper_oscillator(), t_end=10.0)
     assert motion.outcome is Outcome.UNDEFINED
     assert "beyond a slip speed of 2 V" in motion.note

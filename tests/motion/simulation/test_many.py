@@ -45,16 +45,6 @@ def test_each_motion_is_that_of_simulate():
     assert stuck > 4
 
 
-def test_classes_are_those_of_one_by_one():
-    law = ss.laws.exponential.typical()
-    osc = paper_oscillator(2.3)
-    x0, v0 = initial_conditions(osc, 12, 3)
-    many = ss.classify(law, osc, x0=x0, v0=v0)
-    assert many.tolist() == [ss.classify(law, osc, x0=x, v0=v) for x, v in zip(x0, v0, strict=True)]
-    grid = ss.classify(law, osc, x0=x0[:3, None], v0=v0[:4])
-    assert grid.shape == (3, 4)
-
-
 def test_motions_are_written_to_a_file(law, tmp_path):
     osc = paper_oscillator(1.0)
     many = ss.simulate(law, osc, x0=[0.0, 0.1, 0.2], v0=0.0, t_end=3.0)

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from operating_points import paper_oscillator
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 import stickslip_sym as ss
 from stickslip_sym import Phase
@@ -28,12 +27,12 @@ def independent_cycle(law, osc):
         friction = osc.N * law.mu(max(osc.V - y[1], 0.0))
         return [y[1], (friction - osc.c * y[1] - osc.k * y[0]) / osc.m]
 
-    solution = solve_ivp(rates, (h, 2.0), start, method="LSODA", rtol=1e-12, atol=1e-14, dense_output=True)
-    t = np.linspace(0.05, 2.0, 20001)
-    above = np.flatnonzero(solution.sol(t)[1] >= osc.V)
-    t_return = brentq(lambda s: solution.sol(s)[1] - osc.V, t[above[0] - 1], t[above[0]], xtol=1e-14)
-    stick = (x_P - solution.sol(t_return)[0]) / osc.V
-    return t_return + stick
+    def at_belt_speed(_, y):
+        return y[1] - osc.V
+
+    at_belt_speed.terminal = at_belt_speed.direction = 1
+    found = solve_ivp(rates, (h, 2.0), start, method="LSODA", rtol=1e-12, atol=1e-14, events=at_belt_speed)
+    return found.t[-1] + (x_P - found.y[0, -1]) / osc.V
 
 
 @pytest.mark.parametrize("c", [0.0, 1.0, 2.0])
@@ -63,19 +62,9 @@ def test_every_initial_condition_leads_to_the_same_period(name, c, x0, v0):
     assert periods[1:] == pytest.approx(ss.stick_slip_cycle(law, osc).period, rel=PERIOD_AGREES)
 
 
-@pytest.mark.parametrize("c", [4.5, 20.0, 60.0])
-def test_above_the_threshold_there_is_no_cycle_and_the_mass_comes_to_rest(law, c):
-    osc = paper_oscillator(c)
-    assert ss.stick_slip_cycle(law, osc) is None
-    motion = ss.simulate(law, osc, t_end=40.0)
-    assert motion.v[-1] == pytest.approx(0.0, abs=1e-6)
-    assert motion.x[-1] == pytest.approx(osc.N * law.mu(osc.V) / osc.k, rel=1e-6)
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"m": 0.0}, "m = 0 must be positive: it is the mass"),
         ({"k": -1.0}, "k = -1 must be positive"),
         ({"V": 0.0}, "V = 0 must be positive: it is the belt speed; on a belt that stands still"),
         ({"V": -0.5}, "V = -0.5 must be positive.*change the signs of V, x0 and v0"),
@@ -87,12 +76,6 @@ def test_above_the_threshold_there_is_no_cycle_and_the_mass_comes_to_rest(law, c
 def test_oscillators_that_are_none(change, message):
     with pytest.raises(ss.InputError, match=message):
         paper_oscillator(**change)
-
-
-def test_no_load_is_a_free_oscillator():
-    law = ss.laws.exponential.typical()
-    motion = ss.simulate(law, paper_oscillator(0.0, N=0.0), t_end=2.0, x0=0.01, v0=0.0, rtol=1e-12)
-    assert motion.x == pytest.approx(0.01 * np.cos(10 * motion.t), abs=1e-10)
 
 
 def independent_end(law, osc, x0, v0, t_end):
@@ -126,15 +109,11 @@ def test_laws_with_an_infinite_slope_at_rest(formula):
         (r"coefficient 0\.2 is below mu\(0\+\) = 0\.3", ss.FrictionLaw("0.3", static="0.2"), {}),
         ("no value for", ss.laws.exponential, {}),
         ("t_end = 0 must be positive", "0.5", {"t_end": 0.0}),
-        ("t_end = -1 must be positive", "0.5", {"t_end": -1.0}),
-        ("t_end = nan is not finite", "0.5", {"t_end": math.nan}),
         ("t_end = 'None' is not a number", "0.5", {"t_end": None}),
         ("x0 = nan is not finite", "0.5", {"x0": math.nan}),
         ("v0 = inf is not finite", "0.5", {"v0": math.inf}),
-        ("v0 = 'a' is not a number", "0.5", {"v0": "a"}),
         ("rtol = 0 is outside", "0.5", {"rtol": 0.0}),
         ("max_steps = 0 must be at least 1", "0.5", {"max_steps": 0}),
-        ("max_steps = nan is not finite", "0.5", {"max_steps": math.nan}),
         ("not a number of seconds", "0.5", {"time_limit": -1.0}),
         ("no method 'euler'", "0.5", {"method": "euler"}),
         ("do not go together", "0.5", {"x0": [0.0, 1.0], "v0": [1.0, 2.0, 3.0]}),
@@ -149,7 +128,7 @@ def test_what_is_no_simulation_is_refused(message, law, arguments):
         ss.simulate(law, paper_oscillator(0.0), **{"t_end": 10.0} | arguments)
 
 
-def test_a_driven_mass_overtakes_the_belt_and_has_a_cycle():
+def test_driven_masses_overtake_and_have_a_cycle():
     law, osc = ss.laws.exponential.typical(), paper_oscillator(-1.0)
     cycle = ss.stick_slip_cycle(law, osc)
     motion = ss.simulate(law, osc, t_end=10.0, rtol=1e-12)
@@ -165,19 +144,14 @@ def test_a_driven_mass_overtakes_the_belt_and_has_a_cycle():
     assert (cycle.v_min, cycle.v_max) == pytest.approx((v.min(), v.max()), rel=PERIOD_AGREES)
 
 
-def test_a_mass_that_is_driven_harder_never_sticks_again():
-    law, osc = ss.laws.exponential.typical(), paper_oscillator(-5.0)
-    assert ss.stick_slip_cycle(law, osc) is None
-    assert len(ss.simulate(law, osc, t_end=4.0).starts_of(Phase.STICK)) == 1
-
-
-@pytest.mark.parametrize("c", [1e4, 1e5])
+@pytest.mark.parametrize("c", [30.0, 1e5])
 def test_heavy_damping_creeps_to_rest_in_no_time(law, c):
     osc = paper_oscillator(c)
     assert ss.stick_slip_cycle(law, osc) is None
     with pytest.raises(ss.NotConverged, match="no peak"):
         ss.peak_velocity(law, osc)
     motion = ss.simulate(law, osc, t_end=1e5)
+    assert motion.outcome is ss.Outcome.AT_REST
     assert motion.t[-1] == pytest.approx(1e5, rel=1e-15)
     assert (motion.x[-1], motion.v[-1]) == pytest.approx((osc.N * law.mu(osc.V) / osc.k, 0.0), rel=1e-12)
 
