@@ -240,23 +240,19 @@ def test_a_document_names_its_limits(name):
 # -- numbers in a formula ----------------------------------------------------------------------------
 
 
-def grown(rng, depth):
-    """Write a formula whose numbers grow by powers and products."""
-    if depth == 0:
-        return rng.choice(["9", "1.7", "a", "(2*a)", "(a/3)", "1e-60", "7e50"])
-    inner = grown(rng, depth - 1)
-    return rng.choice([f"({inner})^{rng.randint(2, 64)}", f"({inner})^-{rng.randint(2, 64)}", f"({inner}*8^60/3)"])
-
-
 def test_no_number_in_a_formula_passes_its_limit():
+    """Numbers that grow by powers and products."""
     rng = random.Random(43)
     refused = 0
-    products = ["*".join([rng.choice(["9^60", "a*7^64", "8^-64"])] * n) for n in range(1, 40, 3)]
-    for formula in products + [grown(rng, rng.randint(1, 8)) for _ in range(60)]:
+    for _ in range(70):
+        formula = rng.choice(["9", "1.7", "a", "(2*a)", "(a/3)", "1e-60", "7e50"])
+        for _ in range(rng.randint(1, 8)):
+            power = rng.choice(["^{}", "^-{}", "*9^{}", "*a*7^{}", "*8^-{}/3"])
+            formula = f"({formula}){power.format(rng.randint(2, 64))}"
         try:
             expr = ss.FrictionLaw(f"v*{formula}").expr
         except ss.InputError as error:
             refused += "too large" in str(error)
             continue
         assert all(bits(number) <= 4096 for number in expr.atoms(sp.Rational)), formula
-    assert 10 < refused < 70
+    assert 10 < refused < 60
