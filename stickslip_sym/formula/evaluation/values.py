@@ -36,8 +36,9 @@ _PLACES = (0.3, 0.6, 0.9, 2.2, 17.0)  # r at which a closed form is checked, ove
 _SAME = 2.0**-40  # by which it agrees
 
 _NODES = 22  # in a panel
-_RESOLVED = 2.0**-34  # of the slope in a panel: its last two Legendre coefficients; the rule has twice the order
+_RESOLVED = 2.0**-31  # of the slope in a panel: its last two Legendre coefficients; the rule has twice the order
 _NEGLIGIBLE = 2.0**-72  # of the moment of |g'|: a panel that need not be resolved
+_NOISE = 8  # times the radius of a ball around the slope: where the slope cancels no panel is resolved better
 _HALVINGS = 10  # of a panel
 _EXPANDED, _EXPANSION = 3, 26  # a weight that is no polynomial is expanded this many octaves below r; its terms
 _CLOSE = 5  # octaves from r to the innermost panel, at least
@@ -216,19 +217,18 @@ class Values:
         """
         if not bool(low < high):
             return []
-        half = (high - low) / 2
+        half, (nodes, last) = (high - low) / 2, _legendre(BITS)
         slope = self._slope(place(low + half)[0])
-        samples, heights = [], []
-        for t, weight, _ in _legendre(BITS):
+        samples, heights, noise = [], [], 0.0
+        for t, weight in nodes:
             x, rate = place(low + (1 + t) * half)
-            height = slope(acb(x), False).real * rate
-            height = arb(0) if height.contains(0) else height.mid()  # a constant that cancels leaves a ball
-            heights.append(height)
+            ball = slope(acb(x), False).real * rate
+            height = arb(0) if ball.contains(0) else ball.mid()  # a constant that cancels leaves a ball
+            heights.append(float(height))
+            noise = max(noise, float(ball.rad()))
             samples.append((x.mid(), height * weight * half))
-        largest = max(map(abs, heights))
-        ends = [abs(sum((h * row[k] for h, (*_, row) in zip(heights, _legendre(BITS), strict=True)), arb(0)))
-                for k in (0, 1)]  # fmt: skip
-        if halvings is None or all(bool(end <= _RESOLVED * largest) for end in ends):
+        rest = np.abs(last @ heights).max()
+        if halvings is None or rest <= _RESOLVED * max(map(abs, heights)) + _NOISE * noise:
             return samples
         if bool(self._moment(samples) <= _NEGLIGIBLE * moment):
             return samples
@@ -247,18 +247,12 @@ def _itself(x: arb) -> tuple[arb, arb]:
 
 
 @lru_cache(maxsize=4)
-def _legendre(bits: int) -> list[tuple[arb, arb, list[arb]]]:
-    """Return each node, its weight, and its factors in the last two Legendre coefficients."""
+def _legendre(bits: int) -> tuple[list[tuple[arb, arb]], FloatArray]:
+    """Return nodes with their weights, and the matrix from values there to the last two Legendre coefficients."""
     del bits  # they are those of the working precision
     rule = [arb.legendre_p_root(_NODES, k, weight=True) for k in range(_NODES)]
-    return [
-        (
-            x.mid(),
-            weight.mid(),
-            [(n + arb(0.5)) * (weight * x.legendre_p(n)).mid() for n in (_NODES - 2, _NODES - 1)],
-        )
-        for x, weight in rule
-    ]
+    last = [[(n + 0.5) * float(weight * x.legendre_p(n)) for x, weight in rule] for n in (_NODES - 2, _NODES - 1)]
+    return [(x.mid(), weight.mid()) for x, weight in rule], np.array(last)
 
 
 def _weight(criterion: Criterion, p: arb) -> arb:
