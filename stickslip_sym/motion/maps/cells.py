@@ -159,9 +159,9 @@ class _Decider:
         self, loop: Callable[..., None], row: IntArray, A: FloatArray, *columns: FloatArray, rtol: float
     ) -> FloatArray:
         """Return what a loop finds of orbits, by oscillators' numbers and amplitudes over V."""
-        found, eta = np.full((row.size, 2), math.nan), self.eta[row]
+        eta = self.eta[row]
         push = eta * (self.table.static - self.table.onset)
-        self.system.spread(loop, (eta, push, A, *columns), (rtol,), (found,), few=0)
+        found = self.system.spread(loop, (eta, push, A, *columns), (rtol,), 2, few=0)
         check_time()
         return found
 
