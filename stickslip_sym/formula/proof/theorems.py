@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import Protocol
+from typing import TypeAlias
 
 import sympy as sp
 
@@ -24,11 +24,10 @@ __all__ = [
 ]
 
 
-class By(Protocol):
-    """A theorem applied to the left side of an equation; raises ValueError where it does not apply."""
+_INFINITE = (sp.zoo, sp.oo, sp.nan)
 
-    def __call__(self, expr: Expr) -> Expr:
-        """Return an expression equal to `expr`."""
+By: TypeAlias = Callable[[Expr], Expr]
+"""A theorem, applied to the left side of an equation, which stays equal; ValueError where it does not apply."""
 
 
 def _in_integrals_over(variable: Expr, expr: Expr, change: Callable[..., Expr]) -> Expr:
@@ -135,26 +134,25 @@ def _difference(primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr
 def value_at(primitive: Expr, x: Expr, place: Expr) -> Expr:
     """Return a primitive at a place, or its limit from above at 0 where powers outweigh logarithms."""
     value = primitive.subs(x, place)
-    if place == 0 and value.has(sp.zoo, sp.oo, sp.nan):
+    if place == 0 and value.has(*_INFINITE):
         value = sp.Add(*[_limit_of_term(term, x) for term in sp.Add.make_args(sp.expand(primitive))])
-    if value.has(sp.zoo, sp.oo, sp.nan):
+    if value.has(*_INFINITE):
         raise ValueError(f"{primitive} is not finite at {x} = {place}")
     return value
 
 
 def _limit_of_term(term: Expr, x: Expr) -> Expr:
     """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0."""
-    factors = [factor.as_base_exp() for factor in sp.Mul.make_args(term)]
-    logarithms = [
-        (base, n)
-        for base, n in factors
-        if isinstance(base, sp.log) and base.args[0].subs(x, 0) == 0 and n.is_Integer and n > 0
-    ]
+
+    def is_logarithm(factor: Expr) -> bool:
+        base, n = factor.as_base_exp()
+        return isinstance(base, sp.log) and base.args[0].subs(x, 0) == 0 and bool(n.is_Integer and n > 0)
+
+    logarithms, others = sp.sift(sp.Mul.make_args(term), is_logarithm, binary=True)
     if not logarithms:
         return term.subs(x, 0)
-    power = sp.Add(*[n for base, n in factors if base == x and not n.has(x)])
-    others = [base**n for base, n in factors if base != x and (base, n) not in logarithms]
-    vanishes = power.is_positive and not sp.Mul(*others).subs(x, 0).has(sp.zoo, sp.oo, sp.nan)
+    p = sp.Mul(*others).as_powers_dict()[x]
+    vanishes = p.is_positive and not p.has(x) and not (sp.Mul(*others) / x**p).subs(x, 0).has(*_INFINITE)
     return sp.Integer(0) if vanishes else sp.nan
 
 
