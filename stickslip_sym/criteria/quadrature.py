@@ -8,6 +8,7 @@ import heapq
 import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
+from typing import SupportsIndex
 
 import mpmath
 
@@ -15,7 +16,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import Number, exact, to_mpf
+from stickslip_sym.core.numbers import Number, exact, require_type, to_mpf
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -123,6 +124,7 @@ def read_operating_point(
         raise InputError(f"V = {float(speed):g} must be positive; at V = 0 there is nothing to integrate over")
     if force < 0:
         raise InputError(f"N = {float(force):g} must not be negative")
+    require_type("digits", digits, SupportsIndex, "a whole number")
     if not 1 <= digits <= MOST_DIGITS:
         raise InputError(f"digits = {digits} is outside 1 to {MOST_DIGITS}")
     law.require_speed(speed if criterion.weight is None else 2 * speed)

@@ -9,14 +9,6 @@ from forms import LAWS
 import stickslip_sym as ss
 from stickslip_sym.model.laws import as_law
 
-POINT = {"V": 0.3, "N": 20.0, "m": 2.0, "k": 500.0}
-
-
-@pytest.mark.parametrize("method", ["least_squares", "simulation"])
-def test_a_fitted_stribeck_law_is_answered(method):
-    law = ss.laws.stribeck.bind(mu_s="0.42", mu_m="0.12", v_s="0.0788816", delta="1.4144337")
-    assert ss.pure_slip_damping(law, **POINT, method=method).value == pytest.approx(7.27, abs=0.07)
-
 
 def test_a_law_is_given_by_name_or_formula():
     for given in (ss.laws.stribeck, "stribeck", " stribeck", ss.laws.stribeck.text, ss.laws.stribeck.expr):
@@ -37,8 +29,8 @@ CALLS = {
     "slope_average": lambda law: ss.slope_average(law)(V=0.5, N=9.81),
     "enclose": lambda law: float(ss.enclose(law, V=0.5, N=9.81, digits=15)),
     "quadrature": lambda law: float(ss.quadrature.damping(law, V=0.5, N=9.81, digits=15)),
-    "pure_slip_damping": lambda law: ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100).value,
-    "simulate": lambda law: float(ss.simulate(law, OSC, t_end=1.0).x[-1]),
+    "pure_slip_damping": lambda law: ss.pure_slip_damping(law, OSC, method="harmonic").value,
+    "simulate": lambda law: float(ss.simulate(law, OSC, t_end=0.1).x[-1]),
     "regime": lambda law: str(ss.regime(law, OSC)),
     "limit_cycles": lambda law: len(ss.limit_cycles(law, OSC)),
     "stick_slip_cycle": lambda law: ss.stick_slip_cycle(law, OSC).period,
@@ -64,9 +56,6 @@ def test_kinks_at_irrational_places(formula):
     assert abs(law.slope(low) - law.slope(high)) > 0.05
     exact = ss.enclose(law, V=1, N=1, digits=25)
     assert float(exact) == pytest.approx(float(ss.quadrature.damping(law, V=1, N=1, digits=20)), rel=1e-15)
-    if "Abs" in formula:  # the other does not brake at once
-        found = [ss.pure_slip_damping(law, V=1, N=1, m=1, k=10, method=m).value for m in ("simulation", "proof")]
-        assert found[0] == pytest.approx(found[1], rel=2e-3)
 
 
 def test_laws_that_differ_in_correlations_differ():

@@ -69,17 +69,17 @@ def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -
     return Plane(V, averages, *exact(V))
 
 
-def pictures(study: Study) -> Iterator[tuple[str, str, str, str]]:
-    """Yield name, data URI, alternative text and caption of each figure whose part could be computed.
+def pictures(study: Study) -> Iterator[tuple[str, str]]:
+    """Yield name and data URI of each figure whose part could be computed.
 
     Raises `InputError` if matplotlib is not installed.
     """
-    for name, (part, draw, alt, caption) in _PICTURES.items():
+    for name, (part, draw) in _PICTURES.items():
         if getattr(study, part) is not None:
             with styled():
                 figure, axes = new_figure(*_SIZE)
                 draw(axes[0, 0], study)
-                yield name, svg_uri(figure), alt, caption
+                yield name, svg_uri(figure)
 
 
 def _law(ax: Any, study: Study) -> None:
@@ -152,27 +152,9 @@ def _phase_plane(ax: Any, study: Study) -> None:
 
 
 _PICTURES = {
-    "law": (
-        "law", _law,
-        "Coefficient of friction over slip speed, with measured points and the 95 % band where there are any.",
-        "Friction law. The threshold depends on slip speeds from 0 to 2V only, or little more.",
-    ),
-    "plane": (
-        "plane", _plane,
-        "Thresholds of damping over belt speed, with regions of coexistence, and the operating point.",
-        "Damping over belt speed. Below the threshold a mass that sticks goes on sticking and slipping. "
-        "Hatched: between the threshold and the stability of the equilibrium (dashed) the initial condition "
-        "decides, or a limit cycle in pure slip attracts.",
-    ),
-    "time": (
-        "motion", _time,
-        "Velocity of the mass over time, from x = 0 with the belt's speed.",
-        "Motion from x = 0 with the belt’s speed. Thick lines are stick.",
-    ),
-    "phase": (
-        "regime", _phase_plane,
-        "Phase plane: velocity over displacement, with attractors and separatrices.",
-        "Phase plane. A separatrix parts the initial conditions that lead to different attractors.",
-    ),
-}  # fmt: skip
-"""By name: the part of a study that it shows, how it is drawn, its alternative text and its caption."""
+    "law": ("law", _law),
+    "plane": ("plane", _plane),
+    "time": ("motion", _time),
+    "phase": ("regime", _phase_plane),
+}
+"""By name: the part of a study that it shows, and how it is drawn; what it shows in words is in the template."""

@@ -1,7 +1,7 @@
 """`Measurements`: slip speeds, coefficients of friction and their standard deviations, from arrays or a file."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -212,8 +212,12 @@ def read_measurements(
     track = None if radius is None else fraction(radius, "radius")
     if track is not None and not 0 < track < 1000:
         raise InputError(f"radius = {float(track):g} m is that of no track; give it in m, like 0.03")
-    ends = zip(speeds or (None, None), (0.0, math.inf), strict=True)
-    low, high = (default if end is None else real("speeds", end) for end, default in ends)
+    if speeds is not None and not (isinstance(speeds, Sequence) and len(speeds) == 2):
+        raise InputError(f"speeds are two numbers, from and to, or None for no end; got {speeds!r}")
+    low, high = (
+        default if end is None else real("speeds", end)
+        for end, default in zip(speeds or (None, None), (0.0, math.inf), strict=True)
+    )
     if not 0 <= low < high:
         raise InputError(
             f"speeds from {low:g} to {high:g} m/s are no range; give the smaller first, both not below 0"
@@ -291,9 +295,11 @@ def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, list
         signs = np.sign(table.floats(load))
         down = 1.0 if signs.sum() >= 0 else -1.0
         table.require(signs == down, load, "a normal force is not 0, and has one sign", "without a normal force")
+    mu = down * table.numbers(friction, load)
+    small = np.abs(mu) <= _LARGEST_MU
     rule = f"a coefficient of friction is below {_LARGEST_MU:g}"
-    table.require(np.abs(table.numbers(friction, load)) <= _LARGEST_MU, friction, rule, "with abs(mu) above 5")
-    v, mu = table.numbers("v"), down * table.numbers(friction, load)
+    table.require(small, friction, rule, "with abs(mu) above 5")
+    v, mu = table.numbers("v"), mu[small]
     if (fast := np.abs(v) > _FASTEST).any() and not table.columns["v"].unit_text:
         row = int(np.argmax(fast))
         raise InputError(

@@ -6,7 +6,9 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from decimal import Decimal, localcontext
 from fractions import Fraction
+from itertools import repeat
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,7 +23,7 @@ __all__ = ["Table", "read_table"]
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
 """What separates columns, by preference: a comma may also be a decimal sign, and blanks may stand in a name."""
 MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
-_EXACTLY = 5000  # rows up to which decimals and units are computed exactly: more are averaged, or fitted
+_PRECISION = 40  # digits in which units are converted, beyond those of a double
 _LONGEST = 10_000  # characters of a line
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
@@ -62,13 +64,13 @@ class Table:
         return np.array(self.cells[quantity], dtype=np.float64)
 
     def numbers(self, quantity: str, per: str | None = None) -> FloatArray:
-        """Return a column in SI units, or its ratio to another, rounded but once where rows are few."""
+        """Return a column in SI units, or its ratio to another, rounded but once."""
         size = self.columns[quantity].size / (self.columns[per].size if per else 1)
-        if len(self.lines) > _EXACTLY:
-            return self.floats(quantity) * float(size) / (self.floats(per) if per else 1.0)
-        below = self.cells[per] if per else ["1"] * len(self.lines)
-        pairs = zip(map(Fraction, self.cells[quantity]), map(Fraction, below), strict=True)
-        return np.array([float(above * size / one) for above, one in pairs])
+        below = self.cells[per] if per else repeat("1", len(self.lines))
+        with localcontext(prec=_PRECISION):
+            factor = Decimal(size.numerator) / size.denominator
+            pairs = zip(map(Decimal, self.cells[quantity]), map(Decimal, below), strict=True)
+            return np.array([float(above * factor / one) for above, one in pairs])
 
     def place(self, row: int, quantity: str) -> str:
         """Return the file, the line and the column of a number."""
@@ -287,23 +289,27 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], count: int, separ
 
 def _decimal_sign(rows: Sequence[tuple[int, list[str]]], read: Sequence[int], name: str) -> str:
     """Return the decimal sign of the cells that are read, or refuse both signs, or one between thousands."""
-    cells = [(row[i], f"line {line}, column {i + 1}") for line, row in rows for i in read if i < len(row)]
-    for cell, place in cells:
-        thousands = _THOUSANDS.fullmatch(cell)
-        if thousands and not any(number.fullmatch(cell) for number in _NUMBERS.values()):
-            plain = cell.replace(thousands[1], "").replace(",", ".")
-            raise InputError(
-                f"{name}, {place}: {cell!r} has a sign between thousands; write it without, like {plain}"
-            )
-    signed = {sign: [(cell, place) for cell, place in cells if sign in cell and number.fullmatch(cell)]
-              for sign, number in _NUMBERS.items()}  # fmt: skip
-    shown = {sign: f"{found[0][0]!r} in {found[0][1]}" for sign, found in signed.items() if found}
+    shown, grouped = dict[str, str](), True
+    for line, row in rows:
+        for i in read:
+            cell = row[i] if i < len(row) else ""
+            sign = "," if "," in cell else "."
+            if _NUMBERS[sign].fullmatch(cell):
+                if sign in cell and sign not in shown:
+                    shown[sign] = f"{cell!r} in line {line}, column {i + 1}"
+                grouped = grouped and (sign == "." or _THREE_DIGITS.fullmatch(cell) is not None)
+            elif thousands := _THOUSANDS.fullmatch(cell):
+                plain = cell.replace(thousands[1], "").replace(",", ".")
+                raise InputError(
+                    f"{name}, line {line}, column {i + 1}: {cell!r} has a sign between thousands; "
+                    f"write it without, like {plain}"
+                )
     if len(shown) > 1:
         raise InputError(
             f"{name}: {shown['.']}, has a decimal point, and {shown[',']}, a comma; write one sign everywhere, "
             "and none between thousands"
         )
-    if "," in shown and all(_THREE_DIGITS.fullmatch(cell) for cell, _ in signed[","]):
+    if "," in shown and grouped:
         raise InputError(
             f"{name}: {shown[',']}, may be a thousand times as much, if the comma stands between thousands; write "
             "the number without a comma, or with a decimal point"

@@ -117,7 +117,7 @@ def with_fault(text, rng):
 
 
 @given(SEEDS)
-def test_a_table_in_any_dialect_is_read_to_the_same_numbers(folder, seed):
+def test_any_dialect_is_read_to_the_same_numbers(folder, seed):
     rng = np.random.default_rng(seed)
     text, meant, names, unit = random_table(rng)
     encoding = str(rng.choice(["utf-8", "utf-8-sig", "utf-16"]))
@@ -351,7 +351,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("text", REFUSED)
-def test_what_is_not_understood_is_refused_with_its_place(tmp_path, text):
+def test_other_tables_are_refused_with_the_place(tmp_path, text):
     with pytest.raises(ss.InputError, match=REFUSED[text]):
         ss.read_measurements(write(tmp_path, text))
 
