@@ -175,25 +175,21 @@ class Threshold:
     def __str__(self) -> str:
         if not np.size(self.value):
             return "0 thresholds"
-        return self._numbers + (f"; {_NOT_NEEDED}" if np.min(self.value) < 0 else "")
-
-    @property
-    def _numbers(self) -> str:
         error = self.relative_error
         worst = accuracy(None if error is None else float(np.max(error)))
         if np.ndim(self.value):
             low, high, names = np.min(self.value), np.max(self.value), ", ".join(np.unique(self.method))
-            return (
-                f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s "
-                f"({names}, relative error {worst}, {self.status})"
-            )
-        if self.theorem is not None:
-            return f"{self.enclosure} kg/s ({self.method}, relative error at most {worst}, PROVED)"
-        if self.budget is not None:
+            text = f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s "
+            text += f"({names}, relative error {worst}, {self.status})"
+        elif self.theorem is not None:
+            text = f"{self.enclosure} kg/s ({self.method}, relative error at most {worst}, PROVED)"
+        elif self.budget is not None:
             off = "unknown" if error is None else f"{error * abs(self.value):.0e}"
             value = with_error(self.value, self.budget.uncertainty)
-            return f"{value} kg/s (parameters) +/- {off} (method: {self.method})"
-        return f"{self.value:.10g} kg/s ({self.method}, relative error {worst}, {self.status})"
+            text = f"{value} kg/s (parameters) +/- {off} (method: {self.method})"
+        else:
+            text = f"{self.value:.10g} kg/s ({self.method}, relative error {worst}, {self.status})"
+        return text + (f"; {_NOT_NEEDED}" if np.min(self.value) < 0 else "")
 
     def __repr__(self) -> str:
         return f"Threshold: {self}"
@@ -203,11 +199,11 @@ class Threshold:
         error = np.broadcast_to(np.inf if self.relative_error is None else self.relative_error, value.shape)
         rows = []
         for index in markup.shortened(list(np.ndindex(value.shape))):
-            if index is None:
-                rows.append(["..."] * 5)
-                continue
-            said = (f"{value[index]:.10g}", str(method[index]), accuracy(float(error[index])), str(self.status))
-            rows.append([", ".join(map(str, index)), *said])
+            row = ["..."] * 5
+            if index is not None:
+                row = [", ".join(map(str, index)), f"{value[index]:.10g}", str(method[index])]
+                row += [accuracy(float(error[index])), str(self.status)]
+            rows.append(row)
         header = ["operating point", "c in kg/s", "method", "relative error", "status"]
         first = 0 if np.ndim(self.value) else 1
         return markup.table(header[first:], [row[first:] for row in rows], caption="pure-slip damping")

@@ -68,14 +68,8 @@ def random_table(rng):
     for i in range(count):
         way, v = pick([1, -1]) if both else 1, round(float(rng.uniform(0.001, 2)), 4)
         mu, load = round(0.5 - 0.15 * v + float(rng.uniform(-0.02, 0.02)), 4), round(float(rng.uniform(5, 50)), 2)
-        exact = {
-            "v": v,
-            "mu": mu,
-            "F_t": mu * load,
-            "F_n": load,
-            "sigma": round(float(rng.uniform(0.001, 0.1)), 4),
-        }
-        units = {name: Fraction(size[name][1]) if name in size else Fraction(1) for name in exact}
+        exact = {"v": v, "mu": mu, "F_t": mu * load, "F_n": load, "sigma": round(rng.uniform(0.001, 0.1), 4)}
+        units = {name: Fraction(size[name][1] if name in size else 1) for name in exact}
         texts = {name: f"{float(Fraction(value) * units[name]):.6g}" for name, value in exact.items()}
         value = {name: Fraction(text) / units[name] for name, text in texts.items()}
         meant.append((value["v"], value["F_t"] / value["F_n"] if forces else value["mu"], value["sigma"]))
