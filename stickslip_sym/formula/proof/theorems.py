@@ -8,9 +8,11 @@ from typing import TypeAlias
 
 import sympy as sp
 
+from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import Lerch, is_analytic
 from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
+from stickslip_sym.model.expression.pieces import pieces_of
 
 __all__ = [
     "Antiderivative",
@@ -65,27 +67,25 @@ class ChangeOfVariable:
 
 @dataclass(frozen=True)
 class PieceByPiece:
-    """Evaluate every integral over `variable`, its integrand given in pieces.
+    """Evaluate every integral over `variable` by a primitive of each piece of its integrand.
 
-    primitives[i] belongs to the piece between places i - 1 and i; with places, the first piece starts at 0. Which
-    pieces lie within the limits is left open: each end is taken at most as far as the upper limit.
+    An integrand in pieces is integrated from 0. Which pieces lie within the limits is left open: each end is taken
+    at most as far as the upper limit.
     """
 
     primitives: Sequence[Expr]
     variable: Expr
-    places: Sequence[Expr] = ()
 
     def __call__(self, expr: Expr) -> Expr:
         """Apply the fundamental theorem of calculus on each piece, after differentiating its primitive."""
 
         def evaluate(integrand: Expr, low: Expr, high: Expr) -> Expr:
-            if self.places and low != 0:
+            pieces, places = _pieces(integrand, self.variable)
+            if places and low != 0:
                 raise ValueError(f"the pieces start at 0, the integral at {low}")
-            pieces = _branches(integrand) if len(self.primitives) > 1 or self.places else [integrand]
-            ends = ends_of_pieces(self.places, high, low)
-            if not len(pieces) == len(self.primitives) == len(ends) - 1:
+            if len(pieces) != len(self.primitives):
                 raise ValueError(f"{len(self.primitives)} antiderivatives for {len(pieces)} pieces")
-            parts = zip(self.primitives, pieces, pairwise(ends), strict=True)
+            parts = zip(self.primitives, pieces, pairwise(ends_of_pieces(places, high, low)), strict=True)
             return sp.Add(
                 *[_difference(primitive, piece, self.variable, *ends) for primitive, piece, ends in parts]
             )
@@ -107,12 +107,17 @@ def ends_of_pieces(places: Sequence[Expr], high: Expr, low: Expr = sp.S.Zero) ->
     return [*ends, high]
 
 
-def _branches(integrand: Expr) -> list[Expr]:
-    nodes = integrand.atoms(sp.Piecewise)
-    if len(nodes) != 1:
-        raise ValueError(f"{len(nodes)} laws in pieces stand in one integrand")
-    (node,) = nodes
-    return [integrand.xreplace({node: branch}) for branch, _ in node.args]
+def _pieces(integrand: Expr, x: Expr) -> tuple[list[Expr], list[Expr]]:
+    """Return the pieces of an integrand and the places where they end, which do not move with x."""
+    if not all(node.args[-1].cond == sp.true for node in integrand.atoms(sp.Piecewise)):
+        raise ValueError(f"{integrand} is not known everywhere")
+    exchange = {x: symbols.v, symbols.v: x}
+    pieces, places = (
+        [part.xreplace(exchange) for part in parts] for parts in pieces_of(integrand.xreplace(exchange))
+    )
+    if any(place.has(x) for place in places):
+        raise ValueError(f"a piece of {integrand} does not end at one place")
+    return pieces, places
 
 
 def _difference(primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr) -> Expr:
