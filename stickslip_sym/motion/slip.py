@@ -17,7 +17,7 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.steps import SLIDING, End, entered, follow, rate_at, stepped
 from stickslip_sym.motion.table import FARTHEST, FrictionTable, Pieces, Rise
-from stickslip_sym.motion.workers import in_batches
+from stickslip_sym.motion.workers import collect
 
 
 class Step(NamedTuple):
@@ -303,14 +303,18 @@ class Dimensionless:
         run = compiled(loop) if fast else loop
         found = np.empty((len(columns[0]), width))
 
-        def carry_out(some: slice) -> None:
+        def carry_out(some: slice) -> bool:
             if some.start:
                 check_time()
             parts = [np.array(column[some], dtype=np.float64) for column in columns]
             given = parts if fast else [part.tolist() for part in parts]
             run(rise, *given, *arguments, wedge, found[some])
+            return True
 
-        in_batches(carry_out, len(found), batch, workers)
+        length = batch if fast else max(len(found), 1)  # plain Python looks at the time limit itself
+        parts = [slice(low, low + length) for low in range(0, len(found), length)]
+        if None in collect(carry_out, parts, workers=workers):
+            raise KeyboardInterrupt
         return found
 
     def unmeasured(self, w: float) -> InputError:
