@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip_sym.core.aliases import BoolArray, FloatArray
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NoThreshold
 from stickslip_sym.model.law import FrictionLaw
@@ -22,7 +22,10 @@ __all__ = ["Scan", "comes_to_rest", "comes_to_rest_smoothed", "pure_slip_by_bise
 _ITERATIONS = 3  # of the friction force in a Newmark step; it changes by 1e-4 relative in one
 _ROUND = 1.5 * 2 * math.pi  # time in 1/omega within which a slip comes back to the belt's speed, if it does
 _WIDEST = 1e3  # times sqrt(k m): no damping beyond is tried
-_PERIODS, _LAST = 80, 0.2  # natural periods of a run, and the part of it at the end that decides about rest
+_PERIODS, _LAST = (
+    80 * 2 * math.pi,
+    0.2,
+)  # time of a run in 1/omega, and the part at its end that decides about rest
 _QUIET = 0.1  # largest speed at rest, over the belt's
 _WIDTH = 0.01  # of the smoothed sign of the slip speed, over the belt's
 _LEAST = 1e-2  # absolute tolerance in units of V and V/omega, over the relative one
@@ -40,53 +43,37 @@ class Scan:
 
 
 def pure_slip_by_scan(law: FrictionLaw, osc: Oscillator, scan: Scan) -> float:
-    """Return the lowest damping of the scan at which the mass, once it slipped, does not come back to v_r = 0.
-
-    The motion starts from x = 0 at the belt's speed, sticks up to P, slips, and is followed for one natural period
-    and a half from there. One return decides: orbits in a plane do not cross, so a mass that misses the belt's
-    speed once misses it ever after.
-
-    Raises `NoThreshold` if no damping of the scan separates the two.
-    """
-    returns = _returns(law, osc, scan)
-    first_free = int(np.argmin(returns))
-    if returns[first_free:].any():
-        raise NoThreshold("no damping of the scan separates stick-slip from slip; scan another range")
-    return float(scan.dampings[first_free])
-
-
-def _returns(law: FrictionLaw, osc: Oscillator, scan: Scan) -> BoolArray:
-    m, k, V, N, mu_s = osc.m, osc.k, osc.V, osc.N, law.mu(0.0)
+    """Return the lowest damping at which the mass, once it slipped, does not come back to v_r = 0."""
+    m, k, V, hold = osc.m, osc.k, osc.V, law.mu(0.0) * osc.N
     c, h = scan.dampings, scan.step
     x, v, a = np.zeros_like(c), np.full_like(c, V), np.zeros_like(c)
-    away, returned = np.zeros(c.shape, dtype=bool), np.zeros(c.shape, dtype=bool)
+    away = returned = np.zeros(c.shape, dtype=bool)
     effective = m + c * h / 2 + k * h * h / 4  # average acceleration: gamma = 1/2, beta = 1/4
-    duration = mu_s * N / (k * V) + _ROUND / osc.omega
-    for _ in range(int(duration / h)):
+    for _ in range(int((hold / (k * V) + _ROUND / osc.omega) / h)):
         check_time()
-        stick = (np.abs(v - V) <= scan.band) & (np.abs(c * v + k * x) <= mu_s * N)
-        # A fast return may step over the band, so being above it counts too.
-        returned |= away & (v - V >= -scan.band)
-        away |= v - V < -scan.band
+        stick = (np.abs(v - V) <= scan.band) & (np.abs(c * v + k * x) <= hold)
+        # One return decides, as orbits in a plane do not cross; a fast one may step over the band.
+        returned = returned | (away & (v - V >= -scan.band))
+        away = away | (v - V < -scan.band)
         v_free, x_free = v + h / 2 * a, x + h * v + h * h / 4 * a
         v_new = v
         for _ in range(_ITERATIONS):
             relative = v_new - V
             # At v_r = 0 a mass that static friction cannot hold is dragged on by the belt.
-            force = np.where(relative > 0, -1.0, 1.0) * law.mu(np.abs(relative)) * N
+            force = np.where(relative > 0, -1.0, 1.0) * law.mu(np.abs(relative)) * osc.N
             a_new = (force - c * v_free - k * x_free) / effective
             v_new = v_free + h / 2 * a_new
         x = np.where(stick, x + h * V, x_free + h * h / 4 * a_new)
         v = np.where(stick, V, v_new)
         a = np.where(stick, 0.0, a_new)
-    return returned
+    first_free = int(np.argmin(returned))
+    if returned[first_free:].any():
+        raise NoThreshold("no damping of the scan separates stick-slip from slip; scan another range")
+    return float(scan.dampings[first_free])
 
 
 def pure_slip_by_bisection(law: FrictionLaw, osc: Oscillator, rtol: float) -> float:
-    """Return the damping above which the slip from P does not come back, to `rtol`, the tolerance of the runs.
-
-    Raises `NoThreshold` if the slip comes back at no damping, or at every one.
-    """
+    """Return the damping above which the slip from P does not come back, to `rtol`, that of the runs."""
 
     def comes_back(c: float) -> bool:
         check_time()
@@ -110,7 +97,7 @@ def pure_slip_by_bisection(law: FrictionLaw, osc: Oscillator, rtol: float) -> fl
 
 def comes_to_rest(law: FrictionLaw, osc: Oscillator, x0: float, v0: float, rtol: float) -> bool:
     """Return whether a motion comes to rest, by slip up to the belt's speed and stick in closed form."""
-    run = simulate_by_solve_ivp(law, osc, x0, v0, _PERIODS * 2 * math.pi / osc.omega, rtol, **_DEFAULTS)
+    run = simulate_by_solve_ivp(law, osc, x0, v0, _PERIODS / osc.omega, rtol, **_DEFAULTS)
     return _is_quiet(run.t, run.v, osc)
 
 
@@ -126,8 +113,8 @@ def comes_to_rest_smoothed(law: FrictionLaw, osc: Oscillator, x0: float, v0: flo
         friction = math.tanh(speed / (_WIDTH * osc.V)) * osc.N * (mu(abs(speed)) if speed else at_rest)
         return y[1], (friction - osc.c * y[1] - osc.k * y[0]) / osc.m
 
-    t_end, atol = _PERIODS * 2 * math.pi / osc.omega, _LEAST * rtol * np.array([osc.V / osc.omega, osc.V])
-    run = solve_ivp(rates, (0.0, t_end), (x0, v0), method="LSODA", rtol=rtol, atol=atol)
+    atol = _LEAST * rtol * np.array([osc.V / osc.omega, osc.V])
+    run = solve_ivp(rates, (0.0, _PERIODS / osc.omega), (x0, v0), method="LSODA", rtol=rtol, atol=atol)
     return _is_quiet(run.t, run.y[1], osc)
 
 

@@ -271,8 +271,7 @@ def _rationals(point: Mapping[Expr, Expr]) -> Callable[[Expr, list[Expr]], Expr]
 
 def chosen(expr: Expr, point: Point) -> Expr:
     """Return an expression with each kink replaced by what holds at a point; its other symbols stay."""
-    nodes = expr.atoms(sp.Piecewise, sp.Min, sp.Max)
-    return expr.xreplace({node: _decided(node, point) for node in nodes}) if nodes else expr
+    return expr.xreplace({node: _decided(node, point) for node in expr.atoms(sp.Piecewise, sp.Min, sp.Max)})
 
 
 def _decided(node: Expr, point: Point) -> Expr:

@@ -85,7 +85,7 @@ def real(name: str, value: Number) -> float:
 
 def require_type(name: str, value: object, required: type | UnionType, what: str) -> None:
     """Refuse an argument that is not of the required type."""
-    if not isinstance(value, required) or (isinstance(value, bool) and required is int):
+    if not isinstance(value, required):
         raise InputError(f"{name} is {what}, got {type(value).__name__}: {value!r:.60}")
 
 

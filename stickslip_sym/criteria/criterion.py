@@ -109,12 +109,10 @@ class Criterion:
 
     def from_ends(self, p: Expr, q: Expr) -> Expr:
         """Return w(s) in terms of p = 1 + s and q = 1 - s, symbols for numbers that do not cancel at the ends."""
-        s, m = symbols.s, sp.Dummy(positive=True)  # 1 - s^2
-        weight: Expr = self.weight
-        if sp.expand(weight.subs(s, -s) - weight) == 0:
-            even = sp.powdenest(weight.subs(s, sp.sqrt(1 - m)), force=True)
-            return (sp.factor(even) if even.is_polynomial(m) else even).subs(m, p * q)
-        content, factors = sp.factor_list(weight, s)
+        if not self.is_polynomial:
+            return 2 / sp.pi * sp.sqrt(p * q)
+        s = symbols.s
+        content, factors = sp.factor_list(self.weight, s)
         # In the middle s = (p - q)/2 cancels, to an absolute error of one unit.
         known = {1 + s: p, s - 1: -q}
         return content * sp.Mul(*[known.get(f, f.subs(s, (p - q) / 2)) ** power for f, power in factors])

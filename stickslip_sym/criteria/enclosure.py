@@ -116,9 +116,8 @@ def _truncated(value: Fraction, digits: int) -> str:
         return "0"
     with localcontext(Context(prec=digits, rounding=ROUND_DOWN, Emin=MIN_EMIN, Emax=MAX_EMAX)):
         number = Decimal(value.numerator) / Decimal(value.denominator)
-        number = number.quantize(Decimal(1).scaleb(number.adjusted() - digits + 1))
     if -5 <= number.adjusted() < digits:
-        return f"{number:f}"
+        return f"{number:.{digits - 1 - number.adjusted()}f}"
     return re.sub(r"e([+-])(\d)$", r"e\g<1>0\2", f"{number:.{digits - 1}e}")
 
 

@@ -8,6 +8,7 @@ import heapq
 import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
+from typing import SupportsIndex
 
 import mpmath
 
@@ -15,7 +16,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import Number, exact, to_mpf
+from stickslip_sym.core.numbers import Number, exact, require_type, to_mpf
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -105,7 +106,7 @@ def average(coefficient: Function, kinks: Sequence[Expr], criterion: Criterion, 
     mu = _real(coefficient)
     if criterion.weight is None:
         return _confirmed_slope(mu, speed, digits)
-    singular = _is_singular(coefficient)
+    singular = _is_singular(mu)
     if singular:
         _require_integrable(mu, criterion, speed)
     return _following_cancellation(
@@ -123,6 +124,7 @@ def read_operating_point(
         raise InputError(f"V = {float(speed):g} must be positive; at V = 0 there is nothing to integrate over")
     if force < 0:
         raise InputError(f"N = {float(force):g} must not be negative")
+    require_type("digits", digits, SupportsIndex, "a whole number")
     if not 1 <= digits <= MOST_DIGITS:
         raise InputError(f"digits = {digits} is outside 1 to {MOST_DIGITS}")
     law.require_speed(speed if criterion.weight is None else 2 * speed)
@@ -145,11 +147,12 @@ def _real(mu: Function) -> Function:
 
 
 def _is_singular(mu: Function) -> bool:
-    """Tell whether a coefficient has no finite value as it stands at v = 0, such as log(v) and v*log(v)."""
+    """Tell whether a guarded coefficient has no value as it stands at v = 0, such as log(v) and v*log(v)."""
     try:
-        return not mpmath.isfinite(mu(mpmath.mpf(0)))
-    except (ZeroDivisionError, ValueError):
+        mu(mpmath.mpf(0))
+    except InputError:
         return True
+    return False
 
 
 def _require_integrable(mu: Function, criterion: Criterion, speed: Expr) -> None:

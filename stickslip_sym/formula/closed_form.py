@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import sympy as sp
 
@@ -11,7 +11,7 @@ from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.deadline import time_limit as limit
 from stickslip_sym.core.errors import InputError, NoClosedForm, OutOfTime
-from stickslip_sym.core.numbers import Number, exact, suggestion
+from stickslip_sym.core.numbers import Number, exact, require_type, suggestion
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
 from stickslip_sym.criteria.criterion import Criterion, find
@@ -231,6 +231,7 @@ class ClosedForm:
         -------
         mpmath.mpf
         """
+        require_type("digits", digits, SupportsIndex, "a whole number")
         if not 1 <= digits <= 10_000:
             raise InputError(f"digits = {digits} is outside 1 to 10000")
         given = dict(self.law.values) | values

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.errors import NoClosedForm
+from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.core.functions import NumberPower
 from stickslip_sym.formula.closed_form import ClosedForm, derive
 from stickslip_sym.model.expression.parameters import Parameter
@@ -31,17 +31,18 @@ def lettered(form: ClosedForm) -> tuple[ClosedForm, dict[Expr, Expr]]:
     if law.curve is not None or max(map(_size, mixed), default=0) <= _READABLE:
         return form, {}
     long = sorted({_positive(number) for number in _numbers(law.expr)}, key=sp.default_sort_key)
-    letter = next(letter for letter in "aqphgzABC" if not any(name.startswith(letter) for name in law.parameters))
+    free = (letter for letter in "aqphgz" if not any(name.startswith(letter) for name in law.parameters))
+    letter = next(free, "number")
     given = [Parameter(f"{letter}_{count}") for count in range(1, len(long) + 1)]
     letters, written = dict[Expr, Expr](), dict[Expr, Expr]()
     for number, symbol in zip(long, (one.symbol for one in given), strict=True):
         inverse = number.is_Rational and is_over_decimal(number)
         letters[symbol] = 1 / number if inverse else number
         written |= {sign * number: sign * (1 / symbol if inverse else symbol) for sign in (1, -1)}
-    general = FrictionLaw(law.expr.xreplace(written), parameters=[*law.parameters.values(), *given])
     try:
+        general = FrictionLaw(law.expr.xreplace(written), parameters=[*law.parameters.values(), *given])
         return derive(general, form.criterion, search=False), letters
-    except NoClosedForm:
+    except (InputError, NoClosedForm):  # a number was needed to decide something
         return form, {}
 
 

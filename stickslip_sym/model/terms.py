@@ -222,8 +222,6 @@ def _constant(expr: Expr, names: dict[Expr, Expr]) -> Expr:
         return sp.exp(_constant(expr.exp, names))
     number, product = expr.as_coeff_Mul()
     powers = product.as_powers_dict()
-    if any(exponent.free_symbols for exponent in powers.values()):
-        return number * sp.Mul(*(_constant(base**exponent, names) for base, exponent in powers.items()))
     if all(exponent.is_Rational for exponent in powers.values()):
         ordered = sorted(powers, key=sp.default_sort_key)
         common = sp.gcd_list([powers[base] for base in ordered]) * sp.sign(powers[ordered[0]])

@@ -98,14 +98,9 @@ def _rendered(figure: "Figure", kind: str, dpi: int = 160, fonttype: str = "none
     return stream.getvalue()
 
 
-def svg(figure: "Figure") -> bytes:
-    """Return a figure as SVG for a page, its text as paths."""
-    return _rendered(figure, "svg", fonttype="path")
-
-
 def svg_uri(figure: "Figure") -> str:
-    """Return a figure as a data URI."""
-    return f"data:image/svg+xml;base64,{b64encode(svg(figure)).decode()}"
+    """Return a figure as a data URI, its text as paths."""
+    return f"data:image/svg+xml;base64,{b64encode(_rendered(figure, 'svg', fonttype='path')).decode()}"
 
 
 class Drawn:

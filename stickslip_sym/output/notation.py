@@ -51,23 +51,18 @@ def _base(word: str) -> str:
 
 def notation_of(names: Iterable[str], given: Mapping[str, str] | None = None) -> dict[str, str]:
     """Return the LaTeX of each name, what is given in its place; refuse two symbols that would look the same."""
-    given = {name: latex for name, latex in (given or {}).items() if latex is not None}
-    found: dict[str, str] = {}
+    names = set(names)
+    chosen = {name: latex for name in sorted(names) if (latex := (given or {}).get(name)) is not None}
+    for name, latex in chosen.items():
+        _check(name, latex)
+    found = distinct_notation(names - set(chosen), {}) | chosen
     looks: dict[str, str] = {}
-    for name in sorted(set(names)):
-        if name in given:
-            latex = given[name]
-            _check(name, latex)
-        else:
-            latex = latex_name(name)
-            if look(latex) in looks and looks[look(latex)] not in given:  # a1 beside a_1
-                latex = _spelled_out(name)
+    for name, latex in sorted(found.items()):
         other = looks.setdefault(look(latex), name)
         if other != name:
             raise InputError(
                 f"{other} and {name} would both be printed as {latex!r}; choose another symbol for one"
             )
-        found[name] = latex
     return found
 
 

@@ -1,11 +1,11 @@
-"""The share of starts that come to rest, by pyBasin beside ours: its time and its value.
+"""The share of initial conditions that come to rest, by pyBasin beside ours: its time and its value.
 
-Run ``python tests/benchmarks/measure_pybasin.py [COUNT] [PYTHON]``; 200 starts if no other count is given.
+Run ``python tests/benchmarks/measure_pybasin.py [COUNT] [PYTHON]``; 200 of them if no other count is given.
 
 pyBasin 0.2.0 needs Python 3.12 and PyTorch, so it is no dependency: PYTHON is the interpreter of an environment
 that has it, by default the one that runs this; without pyBasin there it is skipped. The system is the bistable one
-of its own friction case: m = k = N = 1, c = 0.1, V = 1.5, mu = 0.5 + 0.5 exp(-2 v), starts with x from -2 to 2 and
-v from 0 to 2. As there, the sign of the slip speed is smoothed, by tanh(50 v), a run takes 500 units of time with
+of its own friction case: m = k = N = 1, c = 0.1, V = 1.5, mu = 0.5 + 0.5 exp(-2 v), with x from -2 to 2 and v from
+0 to 2. As there, the sign of the slip speed is smoothed, by tanh(50 v), a run takes 500 units of time with
 tolerances 1e-8 and 1e-6, and its last fifth tells whether the mass is at rest, by the nearer of two runs whose
 fate is known.
 """
@@ -87,7 +87,7 @@ def main(count, python):
         print(f"skipped: {done.stderr.strip().splitlines()[-1]}")
         return
     peer, ours = json.loads(done.stdout.splitlines()[-1]), by_areas()
-    for name, (share, error, seconds, cpu) in ((f"pyBasin, {count} starts", peer), ("areas", ours)):
+    for name, (share, error, seconds, cpu) in ((f"pyBasin, {count} motions", peer), ("areas", ours)):
         print(f"{name:20} {share:.11f} +- {error:.1g} in {seconds:.3g} s, {cpu:.3g} s of the processor")
     off = abs(peer[0] - ours[0]) / peer[1]
     print(f"{peer[3] / ours[3]:.3g} times the time of the processor, and {off:.1f} of its standard errors off")

@@ -59,19 +59,3 @@ def test_a_fit_is_printed_drawn_and_fixed(tmp_path, run):
     assert "95 % intervals from the sum of squares" in out
     assert "delta =" not in out
     assert (tmp_path / "fit.svg").is_file()
-
-
-@pytest.mark.parametrize(
-    ("line", "message"),
-    [
-        ("--law exponental", "did you mean 'exponential'"),
-        ("--law linear -p beta=1", "no law that is fitted has a parameter 'beta'; leave -p beta=... out"),
-        ("--law linear --unit a=m", "--unit does nothing here"),
-        ("--law a*b*(1+v)", "do not tell a and b apart; fix one: -p "),
-    ],
-)
-def test_what_cannot_be_fitted_is_said_in_options(line, message, tmp_path, run):
-    (tmp_path / "a.csv").write_text(TEXT)
-    code, out, err = run("fit", "a.csv", *line.split())
-    assert (code, out) == (2, "")
-    assert message in err

@@ -64,25 +64,6 @@ def test_numbers_for_a_program(tmp_path, run):
     assert (tmp_path / "page.html").exists()
 
 
-@pytest.mark.parametrize(
-    ("line", "message"),
-    [
-        ("linear --fit a.csv --from-csv a.csv", "the measurements are given twice, by --fit and by --from-csv"),
-        ("--fit a.csv", "line 3, column 2, 'mu'"),
-        ("--from-csv a.csv", "line 3, column 2, 'mu'"),
-        ("--fit a.csv --static 0.7", "--static does nothing here"),
-        ("linear --column v=1", "--column does nothing here"),
-        ("linear -o page.txt", "--output page.txt: its ending is none of .html, .htm, .xhtml"),
-    ],
-)
-def test_what_cannot_be_studied_is_refused_before_anything_is_written(line, message, tmp_path, run):
-    (tmp_path / "a.csv").write_text("v,mu\n0.1,0.5\n0.2,n/a\n0.3,0.4\n0.4,0.3\n")
-    code, out, err = run("study", *line.split())
-    assert (code, out) == (2, "")
-    assert message in err
-    assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
-
-
 def test_without_a_browser_nothing_is_computed(tmp_path, run, monkeypatch):
     from stickslip_sym.output import browser
 
@@ -91,14 +72,3 @@ def test_without_a_browser_nothing_is_computed(tmp_path, run, monkeypatch):
     assert (code, out) == (2, "")
     assert "a PDF needs chromium or chrome" in err
     assert not list(tmp_path.iterdir())
-
-
-def test_pages_of_files_of_one_name_are_refused(tmp_path, run):
-    """One would be written over the other."""
-    (tmp_path / "q").mkdir()
-    for place in ("one.toml", "q/one.toml"):
-        (tmp_path / place).write_text("V = 0.5\n")
-    code, out, err = run("study", "exponential", "-c", "1", "--point", "one.toml", "--point", "q/one.toml")
-    assert (code, out) == (2, "")
-    assert "several files of values are called 'one'" in err
-    assert not list(tmp_path.glob("*.html"))

@@ -25,10 +25,6 @@ LAWS = {
 VALUES = {"mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0, "v_w": 0.7}
 
 
-def values_of(law):
-    return {name: VALUES[name] for name in law.parameters}
-
-
 @sweep(
     ("weight", "law"), [(weight, law) for weight in WEIGHTS for law in LAWS], ("asymmetric", "smooth"),
     ("not 0 at the ends", "smooth"), ("not 0 at the ends", "in pieces, with a jump"),
@@ -37,21 +33,18 @@ def values_of(law):
 def test_a_user_s_criterion_by_all_methods(weight, law):
     criterion = ss.criteria.Criterion("mine", WEIGHTS[weight], "nobody")
     law = ss.FrictionLaw(LAWS[law])
-    law = law.bind(**values_of(law))
-    ways = [ss.slope_average(law, criterion)]
-    if law.parameters:
-        form = ss.derive(law, criterion)
-        ways += [form, lambda **point: float(form.evaluate(20, **point))]
+    law = law.bind(**{name: VALUES[name] for name in law.parameters})
+    methods = [ss.slope_average(law, criterion)]
     if law.parameters:  # what has no rule has no branches to be written
-        namespace = {}
-        exec(ways[0].code("python"), namespace)
+        form, namespace = ss.derive(law, criterion), {}
+        exec(methods[0].code("python"), namespace)
         written = [name for name in inspect.signature(namespace["damping"]).parameters if name in VALUES]
-        ways.append(lambda V, N: namespace["damping"](V, N, *(VALUES[name] for name in written)))
+        methods += [form, lambda **point: float(form.evaluate(20, **point))]
+        methods.append(lambda V, N: namespace["damping"](V, N, *(VALUES[name] for name in written)))
     for V in (0.45, 3.0):
         expected = float(ss.quadrature.damping(law, criterion, V=V, N=2, digits=20))
         assert abs(expected) > 1e-3
-        for way in ways:
-            assert way(V=V, N=2.0) == pytest.approx(expected, rel=1e-12)
+        assert [method(V=V, N=2.0) for method in methods] == pytest.approx([expected] * len(methods), rel=1e-12)
 
 
 def test_random_weights_and_thin_layers():

@@ -9,6 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+import uncertainties
 
 import stickslip_sym as ss
 from stickslip_sym.model.negative import lowest
@@ -19,7 +20,6 @@ TEXT = "mu_m + (mu_s - mu_m)*exp(-alpha*v)"
 
 def test_speeds_broadcast(law):
     assert isinstance(law.mu(0.3), float)
-    assert law.mu(np.ones((7, 1))).shape == (7, 1)
     coulomb = ss.FrictionLaw("mu_k").bind(mu_k=0.3)
     assert coulomb.mu(np.zeros((2, 3))).tolist() == [[0.3] * 3] * 2
     assert coulomb.slope(np.zeros(2)).tolist() == [0.0, 0.0]
@@ -28,8 +28,7 @@ def test_speeds_broadcast(law):
 def test_bind_is_partial_and_leaves_the_law_alone():
     law = ss.FrictionLaw(TEXT)
     half = law.bind(mu_s=0.5)
-    assert half.missing == ["mu_m", "alpha"]
-    assert set(law.missing) == {"mu_m", "mu_s", "alpha"}
+    assert (half.missing, len(law.missing)) == (["mu_m", "alpha"], 3)
     full = half.bind(mu_m="0.2", alpha=Fraction(3))
     assert full.values == {"mu_s": sp.Rational(1, 2), "mu_m": sp.Rational(1, 5), "alpha": sp.Integer(3)}
 
@@ -58,6 +57,22 @@ REFUSED = [
     *(("is not a unit|a formula is text|the formula is empty", lambda unit=unit: ss.Parameter("a", unit=unit))
       for unit in ("sin(m)", "exp(1)*m", "exp(0)*m", "Abs(m)", "Max (m, m)", "m^pi", "pi*m", "m + m", "0", "m^m",
                    "2", "2*s/m", "", 3)),
+    *(("is (text|a mapping.*|an iterable.*|a Parameter|True or False), got", call) for call in (
+        lambda: ss.FrictionLaw("a*v", name=3), lambda: ss.FrictionLaw("a*v", source=[1]),
+        lambda: ss.FrictionLaw("a*v", validity=b"1"), lambda: ss.FrictionLaw("a*v", units=3),
+        lambda: ss.FrictionLaw("a*v", units=["a"]), lambda: ss.FrictionLaw("a*v", parameters=3),
+        lambda: ss.FrictionLaw("a*v", parameters=["a"]), lambda: ss.Parameter("a", meaning=3),
+        lambda: ss.Parameter("a", positive=1), lambda: ss.Parameter(3),
+    )),
+    ("no limit mu.0.. was found.*static=", lambda: ss.FrictionLaw("sin(1/v)*tan(1/v)").static_expr),
+    *(("digits is a whole number, got str: '3'", call) for call in (
+        lambda: ss.enclose(LAW.typical(), V=1, N=1, digits="3"),
+        lambda: ss.quadrature.damping(LAW.typical(), V=1, N=1, digits="3"),
+        lambda: ss.derive(LAW, "equilibrium").evaluate("3", V=1, N=1),
+    )),
+    ("cannot depend on v", lambda: LAW.with_static("mu_0 + v")),
+    ("'q' does not occur", lambda: LAW.with_static("mu_0", units={"q": "1"})),
+    ("'mu_s' has its description already", lambda: LAW.with_static("mu_s", units={"mu_s": "1"})),
     ("'furlong' is not a unit", lambda: ss.FrictionLaw(TEXT, units={"alpha": "s/furlong"})),
     ("'beta' does not occur", lambda: ss.FrictionLaw(TEXT, units={"beta": "1"})),
     ("typical value -1 of 'a' is negative", lambda: ss.Parameter("a", typical="-1")),
@@ -79,12 +94,9 @@ def test_what_is_no_value_no_speed_or_no_description_is_refused(message, call):
 def test_declared_signs_and_units_are_kept():
     free = ss.FrictionLaw("1 + b*v", parameters=[ss.Parameter("b", typical="-1", positive=False)])
     assert free.typical().mu(0.5) == 0.5
+    assert ss.laws.exponential.typical(mu_m=0).mu(0.0) == 0.5
     for unit in ("1", "m", "N*s^2/m^2", "m^(1/2)", "kg/(m*s)", "m^0.5"):
         assert ss.Parameter("a", unit=unit).unit == unit
-
-
-def test_zero_is_not_negative():
-    assert ss.laws.exponential.typical(mu_m=0).mu(0.0) == 0.5
 
 
 def test_what_a_law_holds_cannot_be_changed():
@@ -103,17 +115,13 @@ def test_what_a_law_holds_cannot_be_changed():
     ("formula", "mu", "slope"),
     [
         ("log(v)", -np.inf, np.inf), ("1/v", np.inf, -np.inf), ("sqrt(v)", 0, np.inf), ("v*log(v)", 0, -np.inf),
-        ("v^1.5", 0, 0), ("Piecewise((v, v < 1), (log(v - 1)))", 0, 1),
+        ("v^1.5", 0, 0), ("Piecewise((v, v < 1), (log(v - 1)))", 0, 1), ("Piecewise((2, v < 0), v)", 0, 1),
     ],
 )  # fmt: skip
 def test_limits_at_rest(formula, mu, slope):
     law = ss.FrictionLaw(formula)
     assert (law.mu(0.0), law.slope(0.0)) == (mu, slope)
     assert law.mu(np.array([0.0, 0.5]))[0] == mu
-
-
-def test_overflow_is_infinite_without_a_warning():
-    assert ss.FrictionLaw("exp(800*v)").mu([1.0, 0.0]).tolist() == [np.inf, 1.0]
 
 
 @pytest.mark.parametrize(
@@ -130,35 +138,21 @@ def test_no_value_is_an_error_that_names_the_speed(formula, values, speed):
         law.mu([speed, 2.0])
 
 
-def test_the_highest_powers():
-    assert ss.FrictionLaw("v^24 + (a + v)^16").bind(a=0).mu(1.0) == 2.0
-
-
 def test_laws_are_equal_if_formula_values_and_description_are():
     law = ss.FrictionLaw("a - b*v", name="linear").bind(a="0.5", b="0.1")
-    same = ss.FrictionLaw("a - b*v", name="linear").bind(a="0.5", b="0.1")
-    assert law == same
-    assert hash(law) == hash(same)
+    same = ss.FrictionLaw("a - b*v", name="linear").bind(b="0.1", a="0.5")
+    pairs = [uncertainties.correlated_values([0.5, 0.1], [[1e-4, r], [r, 1e-4]]) for r in (5e-5, 0.0)]
+    points = [0, 1, 2, 3], [0.5, 0.4, 0.3, 0.2]
     others = [
-        law.bind(b="0.2"),
-        ss.FrictionLaw("a - b*v").bind(a="0.5", b="0.1"),
-        ss.FrictionLaw("a - b*v", static="a"),
-    ]
-    assert len({law, same, *others}) == 4
-    v, mu = [0, 1, 2, 3], [0.5, 0.4, 0.3, 0.25]
-    measured, held = (ss.FrictionLaw.from_samples(v, mu, extrapolate=held) for held in (False, True))
-    assert measured != held
-    assert measured == ss.FrictionLaw.from_samples(v, mu)
+        law.bind(b="0.2"), law.with_static("a"), ss.FrictionLaw("a - b*v").bind(a="0.5", b="0.1"),
+        *(law.bind(a=a, b=b) for a, b in pairs),
+        *(ss.FrictionLaw.from_samples(*points, extrapolate=held) for held in (False, True)),
+    ]  # fmt: skip
+    assert (law, hash(law)) == (same, hash(same))
+    assert len({law, same, *others}) == 1 + len(others)
 
 
 # -- negative coefficients ---------------------------------------------------------------------------
-
-
-def test_a_negative_coefficient_is_said():
-    law = ss.FrictionLaw("a - b*v").bind(a="0.1", b="0.5")
-    with pytest.warns(ss.InputWarning, match=r"mu = -0\.4 is negative at the slip speed v = 1 m/s"):
-        ss.pure_slip_damping(law, V=0.5, N=1)
-    ss.pure_slip_damping(law, V=0.09, N=1)
 
 
 def test_the_lowest_coefficient_of_random_laws():
@@ -195,25 +189,12 @@ def test_the_static_coefficient_of_random_laws_in_pieces():
         assert bound.onset == pytest.approx(expected, abs=1e-7), text
 
 
-def test_a_place_that_is_bound_to_zero_parts_nothing():
-    law = ss.FrictionLaw("Piecewise((a, v < d), b)")
-    assert law.static_expr == law.parameters["a"].symbol
-    assert law.bind(a=0.3, b=0.2, d=0).onset == 0.2
-
-
-def test_a_limit_that_is_not_found_is_said():
-    with pytest.raises(ss.InputError, match=r"no limit mu\(0\+\) was found.*static=\.\.\."):
-        _ = ss.FrictionLaw("sin(1/v)*tan(1/v)").static_expr
-
-
-@pytest.mark.parametrize("name", ss.laws.catalogue)
-def test_a_catalogue_law_takes_a_static_coefficient(name):
-    plain = ss.laws.catalogue[name]
-    law = plain.typical().with_static("0.9")
-    assert law.static_expr == sp.Rational(9, 10)
-    assert (law.expr, law.values, law.name) == (plain.expr, plain.typical().values, name)
-    assert plain.static is None
-    assert law.with_static(None) == plain.typical()
+def test_every_law_takes_a_static_coefficient():
+    for name, plain in ss.laws.items():
+        law = plain.typical().with_static("0.9")
+        assert (law.static_value, plain.static) == (max(0.9, law.onset), None)
+        assert (law.expr, law.values, law.name) == (plain.expr, plain.typical().values, name)
+        assert law.with_static(None) == plain.typical()
 
 
 def test_a_static_coefficient_brings_and_takes_its_parameters():
@@ -222,29 +203,6 @@ def test_a_static_coefficient_brings_and_takes_its_parameters():
     assert law.parameters["mu_0"].unit == "1"
     assert law.with_static("mu_s").values == {}
     assert law.with_static(0.7).static_expr == sp.Rational(0.7)
-    for static, units, message in (
-        ("mu_0 + v", None, "cannot depend on v"),
-        ("mu_0", {"q": "1"}, "'q' does not occur"),
-        ("mu_s", {"mu_s": "1"}, "'mu_s' has its description already"),
-    ):
-        with pytest.raises(ss.InputError, match=message):
-            ss.laws.exponential.with_static(static, units=units)
-
-
-def test_measured_points_take_a_static_coefficient_and_keep_it(tmp_path):
-    law = (
-        ss.FrictionLaw.from_samples([0, 0.1, 0.2, 1.2], [0.5, 0.4, 0.35, 0.3]).with_static("mu_0").bind(mu_0="0.6")
-    )
-    ss.save(ss.derive(law, "equilibrium"), tmp_path / "form.json")
-    assert ss.load(tmp_path / "form.json").law == law
-    osc = ss.Oscillator(m=1.0, k=100.0, V=0.5, N=9.81)
-    assert osc.onset(law) == pytest.approx(0.6 * 9.81 / 100)
-
-
-def test_static_coefficient():
-    law = ss.FrictionLaw("mu_k", static="mu_0").bind(mu_k=0.3, mu_0=0.4)
-    assert law.static_value == 0.4
-    assert ss.laws.exponential.typical().static_value == 0.5
 
 
 def test_a_static_coefficient_needs_its_parameters_only_where_it_enters():
@@ -252,11 +210,9 @@ def test_a_static_coefficient_needs_its_parameters_only_where_it_enters():
     plain = ss.FrictionLaw(TEXT).bind(mu_s=0.5, mu_m=0.2, alpha=3)
     for value in (
         lambda law: law.mu(0.3), lambda law: law.onset, lambda law: float(ss.enclose(law, V=0.5, N=1, digits=12)),
-        lambda law: float(ss.quadrature.damping(law, V=0.5, N=1, digits=12)),
-        lambda law: ss.slope_average(law)(V=0.5, N=1), lambda law: ss.derive(law)(V=0.5, N=1),
+        lambda law: ss.derive(law)(V=0.5, N=1),
         lambda law: ss.pure_slip_damping(law, V=0.5, N=1, method="harmonic").value,
     ):  # fmt: skip
         assert value(law) == value(plain)
-    for entering in (lambda: law.static_value, lambda: ss.Oscillator(m=1, k=1, V=1, N=1).onset(law)):
-        with pytest.raises(ss.InputError, match=r"no value for mu_0, r; bind them first"):
-            entering()
+    with pytest.raises(ss.InputError, match=r"no value for mu_0, r; bind them first"):
+        ss.Oscillator(m=1, k=1, V=1, N=1).onset(law)

@@ -184,14 +184,16 @@ def test_lines_break_at_the_outermost_sum():
     assert layout.displayed("c", "a + b") == "\\begin{equation*}\n  c = a + b\n\\end{equation*}"
 
 
-def test_prose():
-    words = layout.prose("coefficient of v^3 at v = 0+, 5% & more, e.g. v_s/sqrt(2) < 1", {"v": "v", "v_s": "v_s"})
-    assert words == r"coefficient of $v^{3}$ at $v$ = $0^{+}$, 5\% \& more, e.g.~$v_s$/$\sqrt{2}$ $<$ 1"
-
-
-def test_prose_sets_signs_that_are_not_ascii():
-    said = layout.prose("Szabó – μ_α ≤ 10⁻³,\n\n v₀ → ∞", {})
-    assert said == r"Szabó – $\mu$\_$\alpha$ $\le$ 10$^{-}$$^{3}$, v$_{0}$ $\to$ $\infty$"
+@pytest.mark.parametrize(
+    ("text", "latex"),
+    [
+        ("coefficient of v^3 at v = 0+, 5% & more, e.g. v_s/sqrt(2) < 1",
+         r"coefficient of $v^{3}$ at $v$ = $0^{+}$, 5\% \& more, e.g.~$v_s$/$\sqrt{2}$ $<$ 1"),
+        ("Szabó – μ_α ≤ 10⁻³,\n x₀ → ∞", r"Szabó – $\mu$\_$\alpha$ $\le$ 10$^{-}$$^{3}$, x$_{0}$ $\to$ $\infty$"),
+    ],
+)  # fmt: skip
+def test_prose(text, latex):
+    assert layout.prose(text, {"v": "v", "v_s": "v_s"}) == latex
     with pytest.raises(ss.InputError, match="the character 'Ж' has no sign"):
         layout.prose("Жуков")
 

@@ -80,7 +80,7 @@ def by_text(shown, point):
 
 
 @batches
-def test_latex_and_text_say_what_they_are_printed_of(batch, monkeypatch):
+def test_latex_and_text_have_the_formulas_value(batch, monkeypatch):
     monkeypatch.setattr(layout, "LINE", NARROW)
     monkeypatch.setattr(abbreviation, "LINE", NARROW)
     with mpmath.workdps(DIGITS):
@@ -136,7 +136,7 @@ def test_a_printer_that_drops_brackets_is_caught(module, monkeypatch):
          r"\end{cases}} & \text{otherwise} \end{cases}", 9),
     ],
 )  # fmt: skip
-def test_the_reader_reads_empty_groups_and_cases_in_cases(latex, value):
+def test_reader_reads_empty_groups_and_nested_cases(latex, value):
     known = {"a": mpmath.mpf(2), "b": mpmath.mpf(3), "V": mpmath.mpf(5)}
     assert mpmath.almosteq(latex_reader.read(latex, known), value)
 
@@ -151,7 +151,7 @@ def test_the_reader_reads_empty_groups_and_cases_in_cases(latex, value):
         r"\int_{0}^{a} V \,\mathrm{d}V/2", r"\int_{0}^{a} V \,\mathrm{d}V b", r"\sqrt{V}^{2}", r"{a + b} V",
     ],
 )  # fmt: skip
-def test_the_reader_refuses_what_can_be_read_in_two_ways(latex):
+def test_reader_refuses_what_has_two_readings(latex):
     with pytest.raises(AssertionError):
         latex_reader.read(latex, {"a": mpmath.mpf(2), "b": mpmath.mpf(3), "V": mpmath.mpf(5)})
 

@@ -39,7 +39,7 @@ def read(text, header):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_every_cell_of_a_narrow_table_can_be_read_back(seed):
+def test_cells_of_a_table_are_read_back(seed):
     chance = random.Random(seed)
     header = ["row", *(f"h{number}" for number in range(chance.randint(1, 4)))]
     rows = [[str(row), *(cell(chance) for _ in header[1:])] for row in range(chance.randint(1, 5))]

@@ -32,3 +32,17 @@ def laws_in_pieces(rng, count):
         return ss.FrictionLaw(f"0.4 - {slope:.4f}*Abs(v - {place:.4f})", static="0.6")
 
     return [(measured, kinked, held, bent)[i % 4]() for i in range(count)]
+
+
+SMOOTH = [
+    "exponential", "polynomial", "hyperbolic", "gaussian", "lorentzian", "tanh", "brown_mcphee", "logarithmic",
+]  # fmt: skip
+
+
+def smooth_points(rng, count, **decades):
+    """Yield smooth laws of the catalogue, their parameters off by up to a quarter, and operating points."""
+    decades = {"V": (-1.3, 0), "N": (-1, 1.3), "m": (-1, 1), "k": (1.5, 4)} | decades
+    for number in range(count):
+        law = ss.laws.catalogue[SMOOTH[number % len(SMOOTH)]].typical()
+        law = law.bind(**{name: float(value) * 10 ** rng.uniform(-0.1, 0.1) for name, value in law.values.items()})
+        yield law, {name: 10 ** rng.uniform(*ends) for name, ends in decades.items()}

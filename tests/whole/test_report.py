@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from base64 import b64decode
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -23,7 +24,7 @@ from paper_checks.report import page as page_of
 from paper_checks.terminal import verdicts
 from stickslip_sym import InputError
 from stickslip_sym.comparison.trade import Row
-from stickslip_sym.output.drawing import svg
+from stickslip_sym.output.drawing import svg_uri
 from stickslip_sym.output.markup import element, prose
 from stickslip_sym.output.page.render import versions
 
@@ -181,7 +182,7 @@ def test_findings_survive_the_way_between_processes():
 def test_the_same_figure_is_the_same_file():
     pytest.importorskip("matplotlib")
     (figure,) = (figure for figure in FIGURES if figure.number == 10)
-    first, again = (svg(figure.draw()).decode() for _ in range(2))
+    first, again = (b64decode(svg_uri(figure.draw()).partition(",")[2]).decode() for _ in range(2))
     assert first == again
     hatched = re.findall(r'style="(fill: url\(#h[^"]*)"', first)
     assert len(hatched) >= 6  # three regions in two panels, and their legends

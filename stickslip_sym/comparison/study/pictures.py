@@ -34,11 +34,7 @@ _AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "ha
 
 @dataclass(frozen=True)
 class Plane:
-    """Thresholds over belt speed V in m/s, all else as at the operating point, in kg/s.
-
-    `averages` by slopes, by name, and the `exact` ones with their standard error `uncertainty`; NaN where there is
-    none.
-    """
+    """Averages by slopes and exact thresholds over belt speed, in kg/s; NaN where there is none."""
 
     V: FloatArray
     averages: Mapping[str, FloatArray]
@@ -47,13 +43,7 @@ class Plane:
 
 
 def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -> Plane:
-    """Return the thresholds from near rest to twice a belt speed, or as far as mu was measured.
-
-    - `law`: with all parameters bound; with their standard errors, where they have any.
-    - `given`: N, m and k.
-
-    Raises `InputError` where the law has no value, and `OutOfTime` when the time is up.
-    """
+    """Return the thresholds, for given N, m and k, up to twice a belt speed, or as far as mu was measured."""
     top = _WIDEST * speed if law.v_max is None else min(_WIDEST * speed, float(law.v_max) / 2)
     V = np.linspace(top / _POINTS, top, _POINTS)
     averages = {name: pure_slip_damping(law, V=V, N=given["N"], method=name).value for name in _AVERAGES}
@@ -69,17 +59,14 @@ def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -
     return Plane(V, averages, *exact(V))
 
 
-def pictures(study: Study) -> Iterator[tuple[str, str, str, str]]:
-    """Yield name, data URI, alternative text and caption of each figure whose part could be computed.
-
-    Raises `InputError` if matplotlib is not installed.
-    """
-    for name, (part, draw, alt, caption) in _PICTURES.items():
+def pictures(study: Study) -> Iterator[tuple[str, str]]:
+    """Yield name and data URI of each figure whose part could be computed."""
+    for name, (part, draw) in _PICTURES.items():
         if getattr(study, part) is not None:
             with styled():
                 figure, axes = new_figure(*_SIZE)
                 draw(axes[0, 0], study)
-                yield name, svg_uri(figure), alt, caption
+                yield name, svg_uri(figure)
 
 
 def _law(ax: Any, study: Study) -> None:
@@ -152,27 +139,9 @@ def _phase_plane(ax: Any, study: Study) -> None:
 
 
 _PICTURES = {
-    "law": (
-        "law", _law,
-        "Coefficient of friction over slip speed, with measured points and the 95 % band where there are any.",
-        "Friction law. The threshold depends on slip speeds from 0 to 2V only, or little more.",
-    ),
-    "plane": (
-        "plane", _plane,
-        "Thresholds of damping over belt speed, with regions of coexistence, and the operating point.",
-        "Damping over belt speed. Below the threshold a mass that sticks goes on sticking and slipping. "
-        "Hatched: between the threshold and the stability of the equilibrium (dashed) the initial condition "
-        "decides, or a limit cycle in pure slip attracts.",
-    ),
-    "time": (
-        "motion", _time,
-        "Velocity of the mass over time, from x = 0 with the belt's speed.",
-        "Motion from x = 0 with the belt’s speed. Thick lines are stick.",
-    ),
-    "phase": (
-        "regime", _phase_plane,
-        "Phase plane: velocity over displacement, with attractors and separatrices.",
-        "Phase plane. A separatrix parts the initial conditions that lead to different attractors.",
-    ),
-}  # fmt: skip
-"""By name: the part of a study that it shows, how it is drawn, its alternative text and its caption."""
+    "law": ("law", _law),
+    "plane": ("plane", _plane),
+    "time": ("motion", _time),
+    "phase": ("regime", _phase_plane),
+}
+"""By name: the part of a study that it shows, and how it is drawn; what it shows in words is in the template."""

@@ -50,7 +50,7 @@ def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Pr
         by: By | None = None
         whole = constant * value + (criterion.boundary(term) if criterion.is_polynomial else 0)
         if primitives and not value.has(sp.hyper):
-            by = PieceByPiece([constant * primitive for primitive in primitives], symbols.v, places)
+            by = PieceByPiece([constant * primitive for primitive in primitives], symbols.v)
         elif not places:
             by = AverageSeries(rest, criterion, constant, whole / constant)
         parts.append(Part(definition(term, criterion), whole, rule, by))

@@ -4,13 +4,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import Protocol
+from typing import TypeAlias
 
 import sympy as sp
 
+from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import Lerch, is_analytic
 from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
+from stickslip_sym.model.expression.pieces import pieces_of
 
 __all__ = [
     "Antiderivative",
@@ -24,11 +26,10 @@ __all__ = [
 ]
 
 
-class By(Protocol):
-    """A theorem applied to the left side of an equation; raises ValueError where it does not apply."""
+_INFINITE = (sp.zoo, sp.oo, sp.nan)
 
-    def __call__(self, expr: Expr) -> Expr:
-        """Return an expression equal to `expr`."""
+By: TypeAlias = Callable[[Expr], Expr]
+"""A theorem, applied to the left side of an equation, which stays equal; ValueError where it does not apply."""
 
 
 def _in_integrals_over(variable: Expr, expr: Expr, change: Callable[..., Expr]) -> Expr:
@@ -66,27 +67,25 @@ class ChangeOfVariable:
 
 @dataclass(frozen=True)
 class PieceByPiece:
-    """Evaluate every integral over `variable`, its integrand given in pieces.
+    """Evaluate every integral over `variable` by a primitive of each piece of its integrand.
 
-    primitives[i] belongs to the piece between places i - 1 and i; with places, the first piece starts at 0. Which
-    pieces lie within the limits is left open: each end is taken at most as far as the upper limit.
+    An integrand in pieces is integrated from 0. Which pieces lie within the limits is left open: each end is taken
+    at most as far as the upper limit.
     """
 
     primitives: Sequence[Expr]
     variable: Expr
-    places: Sequence[Expr] = ()
 
     def __call__(self, expr: Expr) -> Expr:
         """Apply the fundamental theorem of calculus on each piece, after differentiating its primitive."""
 
         def evaluate(integrand: Expr, low: Expr, high: Expr) -> Expr:
-            if self.places and low != 0:
+            pieces, places = _pieces(integrand, self.variable)
+            if places and low != 0:
                 raise ValueError(f"the pieces start at 0, the integral at {low}")
-            pieces = _branches(integrand) if len(self.primitives) > 1 or self.places else [integrand]
-            ends = ends_of_pieces(self.places, high, low)
-            if not len(pieces) == len(self.primitives) == len(ends) - 1:
+            if len(pieces) != len(self.primitives):
                 raise ValueError(f"{len(self.primitives)} antiderivatives for {len(pieces)} pieces")
-            parts = zip(self.primitives, pieces, pairwise(ends), strict=True)
+            parts = zip(self.primitives, pieces, pairwise(ends_of_pieces(places, high, low)), strict=True)
             return sp.Add(
                 *[_difference(primitive, piece, self.variable, *ends) for primitive, piece, ends in parts]
             )
@@ -108,12 +107,17 @@ def ends_of_pieces(places: Sequence[Expr], high: Expr, low: Expr = sp.S.Zero) ->
     return [*ends, high]
 
 
-def _branches(integrand: Expr) -> list[Expr]:
-    nodes = integrand.atoms(sp.Piecewise)
-    if len(nodes) != 1:
-        raise ValueError(f"{len(nodes)} laws in pieces stand in one integrand")
-    (node,) = nodes
-    return [integrand.xreplace({node: branch}) for branch, _ in node.args]
+def _pieces(integrand: Expr, x: Expr) -> tuple[list[Expr], list[Expr]]:
+    """Return the pieces of an integrand and the places where they end, which do not move with x."""
+    if not all(node.args[-1].cond == sp.true for node in integrand.atoms(sp.Piecewise)):
+        raise ValueError(f"{integrand} is not known everywhere")
+    exchange = {x: symbols.v, symbols.v: x}
+    pieces, places = (
+        [part.xreplace(exchange) for part in parts] for parts in pieces_of(integrand.xreplace(exchange))
+    )
+    if any(place.has(x) for place in places):
+        raise ValueError(f"a piece of {integrand} does not end at one place")
+    return pieces, places
 
 
 def _difference(primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr) -> Expr:
@@ -135,27 +139,35 @@ def _difference(primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr
 def value_at(primitive: Expr, x: Expr, place: Expr) -> Expr:
     """Return a primitive at a place, or its limit from above at 0 where powers outweigh logarithms."""
     value = primitive.subs(x, place)
-    if place == 0 and value.has(sp.zoo, sp.oo, sp.nan):
+    if place == 0 and value.has(*_INFINITE):
         value = sp.Add(*[_limit_of_term(term, x) for term in sp.Add.make_args(sp.expand(primitive))])
-    if value.has(sp.zoo, sp.oo, sp.nan):
+    if value.has(*_INFINITE):
         raise ValueError(f"{primitive} is not finite at {x} = {place}")
     return value
 
 
 def _limit_of_term(term: Expr, x: Expr) -> Expr:
-    """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0."""
-    factors = [factor.as_base_exp() for factor in sp.Mul.make_args(term)]
-    logarithms = [
-        (base, n)
-        for base, n in factors
-        if isinstance(base, sp.log) and base.args[0].subs(x, 0) == 0 and n.is_Integer and n > 0
-    ]
+    """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0, erf(log(x)) tends to -1."""
+    term = term.replace(
+        lambda node: isinstance(node, sp.erf) and _falls(node.args[0], x), lambda node: sp.S.NegativeOne
+    )
+
+    def is_logarithm(factor: Expr) -> bool:
+        base, n = factor.as_base_exp()
+        return isinstance(base, sp.log) and base.args[0].subs(x, 0) == 0 and bool(n.is_Integer and n > 0)
+
+    logarithms, others = sp.sift(sp.Mul.make_args(term), is_logarithm, binary=True)
     if not logarithms:
         return term.subs(x, 0)
-    power = sp.Add(*[n for base, n in factors if base == x and not n.has(x)])
-    others = [base**n for base, n in factors if base != x and (base, n) not in logarithms]
-    vanishes = power.is_positive and not sp.Mul(*others).subs(x, 0).has(sp.zoo, sp.oo, sp.nan)
+    p = sp.Mul(*others).as_powers_dict()[x]
+    vanishes = p.is_positive and not p.has(x) and not (sp.Mul(*others) / x**p).subs(x, 0).has(*_INFINITE)
     return sp.Integer(0) if vanishes else sp.nan
+
+
+def _falls(expr: Expr, x: Expr) -> bool:
+    """Whether an expression is a log(x) + b, a > 0."""
+    rate, rest = expr.coeff(sp.log(x)), sp.expand(expr).coeff(sp.log(x), 0)
+    return bool(rate.is_positive) and not rest.has(x)
 
 
 # -- where a formula is known to be continuous, analytic or positive --------------------------------

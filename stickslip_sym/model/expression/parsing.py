@@ -24,7 +24,7 @@ from stickslip_sym.core.functions import CONSTANTS, in_laws, power
 from stickslip_sym.core.numbers import bits, suggestion, within
 from stickslip_sym.model.expression.pieces import Bound, absolute, bound_of, in_pieces, larger, sign, smaller
 
-__all__ = ["KINKED", "MAX_BITS", "NAME", "parse_expression", "taken"]
+__all__ = ["KINKED", "NAME", "parse_expression", "taken"]
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 """What a name looks like: ASCII letters, digits and underscores, at most 40."""
@@ -86,7 +86,7 @@ _MAX_EXPONENT = 64
 _MAX_DIGITS = 60
 _MAX_ARGUMENT = 1_000_000
 _MAX_KINKS = 40
-MAX_BITS = 4096  # of a number that constant arithmetic may produce
+_MAX_BITS = 4096  # of a number that constant arithmetic may produce
 _MAX_ROOT_BITS = 256  # of a number that a root is taken of: SymPy looks for its factors
 _NOT_FINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
 
@@ -409,7 +409,7 @@ class _Parser:
             self.fail(token, f"a numeric exponent is real and at most {_MAX_EXPONENT} in size")
         if base == 0 and exponent.is_number and exponent.is_negative:
             self.fail(token, "division by zero")
-        if exponent.is_Integer and (bits(_coefficient(base)) - 1) * abs(exponent) > MAX_BITS:
+        if exponent.is_Integer and (bits(_coefficient(base)) - 1) * abs(exponent) > _MAX_BITS:
             self.fail(token, "a number in the formula grows too large")  # before it is computed
         if base.is_Rational and not exponent.is_Integer and bits(base) > _MAX_ROOT_BITS:
             self.fail(token, "a root is taken of a number with too many digits")
@@ -418,7 +418,7 @@ class _Parser:
     def _checked(self, token: _Token, result: Expr) -> Expr:
         if result in _NOT_FINITE:
             self.fail(token, "this part of the formula has no finite value")
-        if bits(_coefficient(result)) > MAX_BITS:
+        if bits(_coefficient(result)) > _MAX_BITS:
             self.fail(token, "a number in the formula grows too large")
         return result
 

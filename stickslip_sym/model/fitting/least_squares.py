@@ -52,14 +52,7 @@ def _compiled(
 
 
 class Problem:
-    """The least squares of a law and measurements: residuals are divided by sigma where it is known.
-
-    Positive parameters in which mu is not linear are varied as logarithms: their bound 0 is no law's value. Those
-    in which it is linear may be held at 0; the others are free.
-
-    - `names`: the parameters without a value, `positive` whether each is never negative, and `linear` whether mu
-      is linear in it, jointly with the others that are marked.
-    """
+    """The least squares of a law and measurements: residuals are divided by sigma where it is known."""
 
     def __init__(self, law: FrictionLaw, measured: Measurements) -> None:
         used = {name: p for name, p in law.parameters.items() if p.symbol in law.expr.free_symbols}
@@ -72,6 +65,7 @@ class Problem:
         self.positive = np.array([used[name].positive for name in self.names], dtype=bool)
         self.linear = np.array(linear, dtype=bool)
         self._units = [used[name].unit for name in self.names]
+        # Their bound 0 is no law's value: their logarithms are varied.
         self._logarithmic = self.positive & ~self.linear
         self._v, self._weights = np.maximum(measured.v, _AT_REST), measured.weights
         self._measured = self._weights * measured.mu
@@ -129,12 +123,7 @@ class Problem:
         return Minimum(p, chi_squared) if np.isfinite(chi_squared) else None
 
     def starts(self, count: int) -> list[FloatArray]:
-        """Return up to `count` starts that differ, the best first.
-
-        For some values of the others, the parameters in which mu is linear are the solution of a linear problem.
-        So only the others are tried, at random on the scale that their unit gives: a speed among the measured
-        speeds, an exponent about 1.
-        """
+        """Return up to `count` starts that differ, the best of random trials first."""
         rng = np.random.default_rng(_SEED)
         sought = np.flatnonzero(~self.linear)
         powers = [_power_of_speed(self._units[i]) for i in sought]

@@ -2,11 +2,12 @@
 
 import json
 import math
+import warnings
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,14 +27,11 @@ from stickslip_sym.output.tables import table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Averaged", "ByLaw", "Estimate", "Fit", "Fits"]
+__all__ = ["Averaged", "ByLaw", "Fit", "Fits"]
 
-_HEADS = ["parameter", "value", "95 % interval", "unit"]
-_COLUMNS = ["law", "AICc above", "weight", "sigma", "values", ""]
 _SEARCHED = 64.0  # half widths by standard errors, within which the end of an interval is sought
 _NEAR_REST = 0.1  # of V: slip speeds below it are a part of 0 to 2 V that does not matter
 _RATHER = 0.01  # Akaike weight of laws over which a quantity is averaged, over that of the best
-
 
 Rows = tuple[list[str], list[list[str]]]
 """A table: its header and its rows."""
@@ -139,8 +137,6 @@ class Fit(_Report):
     @cached_property
     def uncertain(self) -> dict[str, UFloat]:
         """The fitted parameters as correlated `uncertainties.UFloat`."""
-        import warnings
-
         from uncertainties import correlated_values
 
         with warnings.catch_warnings():
@@ -153,11 +149,12 @@ class Fit(_Report):
         low, high = float(self.measured.v[0]), float(self.measured.v[-1])
         beyond = [f"above {high:.3g} m/s"] if high * (1 + 1e-9) < 2 * V else []
         beyond += [f"below {low:.3g} m/s"] if low > _NEAR_REST * V else []
-        needed = f"thresholds take friction from 0 to 2 V = {2 * V:.3g} m/s"
-        said = (
-            f"extrapolated {' and '.join(beyond)}: {needed}, and it was measured from {low:.3g} to {high:.3g} m/s"
+        if not beyond:
+            return None
+        return (
+            f"extrapolated {' and '.join(beyond)}: thresholds take friction from 0 to 2 V = {2 * V:.3g} m/s, and "
+            f"it was measured from {low:.3g} to {high:.3g} m/s"
         )
-        return said if beyond else None
 
     def confidence(self, level: float = 0.95, *, profile: bool = False) -> dict[str, tuple[float, float]]:
         """Return an interval for each fitted parameter that holds the true value with a probability.
@@ -177,23 +174,23 @@ class Fit(_Report):
             If the level is not between 0 and 1.
         """
         quantile = self._quantile(level)
-        problem = Problem(self.free_law, self.measured) if profile else None
-        intervals = {}
-        for i, (name, value) in enumerate(self.values.items()):
-            half = quantile * self.standard_errors[name]
-            intervals[name] = value - half, value + half
-            if problem is not None and half > 0:
-                intervals[name] = self._end(problem, i, -half, quantile), self._end(problem, i, half, quantile)
-        return intervals
+        halves = [quantile * error for error in self.standard_errors.values()]
+        pairs = zip(self.values.items(), halves, strict=True)
+        if not profile:
+            return {name: (value - half, value + half) for (name, value), half in pairs}
+        problem = Problem(self.free_law, self.measured)
+        return {
+            name: (self._end(problem, i, -half, quantile), self._end(problem, i, half, quantile))
+            for i, ((name, _), half) in enumerate(pairs)
+        }
 
     def _end(self, problem: Problem, i: int, step: float, quantile: float) -> float:
-        """Return where in the direction of a step the sum of squares, least over the other values, has risen.
-
-        Where it does not, the end is infinite, or the bound 0 of a positive parameter.
-        """
+        """Return where the sum of squares, least over the other values, has risen; infinite, or 0, if nowhere."""
         from scipy.optimize import brentq
 
         p = np.array(list(self.values.values()))
+        if step == 0:
+            return float(p[i])
         variance = self.inflation if self.measured.sigma is not None else self.chi_squared / self.dof
 
         def risen(steps: float) -> float:
@@ -224,43 +221,39 @@ class Fit(_Report):
         return float(ndtri(above) if self.measured.sigma is not None else stdtrit(self.dof, above))
 
     def _parts(self) -> list[str | Rows]:
-        intervals = self.confidence()
-        rows = [
-            [name, text, "{:.4g} to {:.4g}".format(*intervals[name]), self.law.parameters[name].unit or ""]
-            for name, text in self._texts.items()
-        ]
+        rows = []
+        for name, (low, high) in self.confidence().items():
+            value = with_error(self.values[name], self.standard_errors[name])
+            rows.append([name, value, f"{low:.4g} to {high:.4g}", self.law.parameters[name].unit or ""])
         about = f"residual standard deviation {self.sigma:.3g}, AICc {self.aicc:.6g}, weight {self.weight:.2g}"
-        law = f"{self.name}: mu(v) = {self.law.text}" if self.law.name else f"mu(v) = {self.law.text}"
-        return [law, (_HEADS, rows), about, *(f"warning: {text}" for text in self.warnings)]
+        law = f"{f'{self.name}: ' if self.law.name else ''}mu(v) = {self.law.text}"
+        header = ["parameter", "value", "95 % interval", "unit"]
+        return [law, (header, rows), about, *(f"warning: {text}" for text in self.warnings)]
 
     def __repr__(self) -> str:
         return f"Fit: {self.name}, {self.values_in_words}"
 
     @property
-    def _texts(self) -> dict[str, str]:
-        errors = self.standard_errors
-        return {name: with_error(value, errors[name]) for name, value in self.values.items()}
-
-    @property
     def values_in_words(self) -> str:
         """The fitted parameters with their standard errors, in a line."""
-        return ", ".join(f"{name} = {text.replace(' ', '')}" for name, text in self._texts.items())
+        pairs = zip(self.values.items(), self.standard_errors.values(), strict=True)
+        return ", ".join(f"{name} = {with_error(value, error).replace(' ', '')}" for (name, value), error in pairs)
 
     def content(self) -> dict[str, object]:
         """Return all that the fit says as nested dictionaries and lists that JSON holds."""
-        intervals = self.confidence()
+        parameters = {
+            name: {
+                "value": self.values[name],
+                "standard_error": self.standard_errors[name],
+                "confidence_95": list(interval),
+                "unit": self.law.parameters[name].unit,
+            }
+            for name, interval in self.confidence().items()
+        }
         return {
             "law": self.name,
             "formula": self.law.text,
-            "parameters": {
-                name: {
-                    "value": value,
-                    "standard_error": self.standard_errors[name],
-                    "confidence_95": list(intervals[name]),
-                    "unit": self.law.parameters[name].unit,
-                }
-                for name, value in self.values.items()
-            },
+            "parameters": parameters,
             "covariance": self.covariance.tolist(),
             "sigma": self.sigma,
             "chi_squared": self.chi_squared,
@@ -281,18 +274,6 @@ class Fit(_Report):
         finish(below, xlabel=above.get_xlabel(), ylabel="residual")
         above.set_xlabel("")
         return figure
-
-
-class Estimate(Protocol):
-    """A quantity with its standard error, None if it has none, as a `Threshold` is one."""
-
-    @property
-    def value(self) -> Any:
-        """The quantity."""
-
-    @property
-    def uncertainty(self) -> Any:
-        """Its standard error."""
 
 
 @dataclass(frozen=True)
@@ -331,10 +312,15 @@ class Averaged:
 
     def above(self, value: float, standard_error: float = 0.0) -> float:
         """Return the probability that the quantity, normal for each law, is above a value with an error."""
-        weights, values, errors = np.array([(row.weight, row.value, row.standard_error) for row in self.rows]).T
+        from scipy.special import ndtr
+
+        weights, values, errors = _columns(self.rows)
         spreads = np.maximum(np.hypot(errors, standard_error), 1e-300)
-        chances = [math.erfc(x / math.sqrt(2)) / 2 for x in (value - values) / spreads]
-        return float(np.average(chances, weights=weights))
+        return float(np.average(ndtr((values - value) / spreads), weights=weights))
+
+
+def _columns(rows: Sequence[ByLaw]) -> FloatArray:
+    return np.array([(row.weight, row.value, row.standard_error) for row in rows]).T
 
 
 class Fits(_Report, Sequence[Fit]):
@@ -353,8 +339,8 @@ class Fits(_Report, Sequence[Fit]):
         ranked.sort(key=lambda fit: (fit.aicc, fit.chi_squared))
         least = ranked[0].aicc
         likelihoods = [math.exp((least - fit.aicc) / 2) if least < math.inf else 1.0 for fit in ranked]
-        shares = [likelihood / sum(likelihoods) for likelihood in likelihoods]
-        self._fits = tuple(replace(fit, weight=share) for fit, share in zip(ranked, shares, strict=True))
+        total = sum(likelihoods)
+        self._fits = tuple(replace(fit, weight=one / total) for fit, one in zip(ranked, likelihoods, strict=True))
         self.measured = measured
         self.rejected = dict(rejected)
 
@@ -363,14 +349,15 @@ class Fits(_Report, Sequence[Fit]):
         """The fit with the least AICc."""
         return self._fits[0]
 
-    def average(self, quantity: Callable[[FrictionLaw], Estimate]) -> Averaged:
+    def average(self, quantity: Callable[[FrictionLaw], Any]) -> Averaged:
         """Return a quantity by each law that may be meant, and its average by their weights.
 
         Parameters
         ----------
         quantity : callable
-            What a law with standard errors gives, as ``lambda law: pure_slip_damping(law, V=0.5, N=9.81)``. Laws
-            whose weight is below a hundredth of the best one's are left out.
+            What a law with standard errors gives, with a `value` and an `uncertainty`, which may be None, as
+            ``lambda law: pure_slip_damping(law, V=0.5, N=9.81)``. Laws whose weight is below a hundredth of the
+            best one's are left out.
 
         Raises
         ------
@@ -387,28 +374,23 @@ class Fits(_Report, Sequence[Fit]):
         >>> f"{averaged.value:.2f} +/- {averaged.standard_error:.3f}"
         '0.98 +/- 0.005'
         """
-        rows: list[ByLaw] = []
-        refused = {}
+        rows, refused = list[ByLaw](), dict[str, str]()
         for fit in self._fits:
             if fit.weight < _RATHER * self.best.weight:
                 continue
             try:
-                estimate = quantity(fit.law.bind(**fit.uncertain))
-                rows.append(ByLaw(fit.name, fit.weight, float(estimate.value), float(estimate.uncertainty or 0.0)))
+                found = quantity(fit.law.bind(**fit.uncertain))
+                rows.append(ByLaw(fit.name, fit.weight, float(found.value), float(found.uncertainty or 0.0)))
             except StickSlipError as error:
                 refused[fit.name] = str(error)
         if not rows:
             raise InputError(f"no law has it: {next(iter(refused.items()))}")
-        weights, values, errors = np.array([(row.weight, row.value, row.standard_error) for row in rows]).T
+        weights, values, errors = _columns(rows)
         mean = np.average(values, weights=weights)
         variance = np.average(errors**2 + (values - mean) ** 2, weights=weights)
         return Averaged(tuple(rows), refused, float(mean), float(np.sqrt(variance)))
 
-    @overload
-    def __getitem__(self, place: int | str) -> Fit: ...
-    @overload
-    def __getitem__(self, place: slice) -> Sequence[Fit]: ...
-    def __getitem__(self, place: int | str | slice) -> Fit | Sequence[Fit]:
+    def __getitem__(self, place: Any) -> Any:
         """Return a fit by its rank from 0, or by its law's name."""
         if isinstance(place, str):
             return lookup("fit of the law", place, {fit.name: fit for fit in self._fits})
@@ -418,16 +400,16 @@ class Fits(_Report, Sequence[Fit]):
         return len(self._fits)
 
     def _parts(self) -> list[str | Rows]:
-        rows = [
-            [
-                fit.name, f"{fit.aicc - self.best.aicc:.1f}" if math.isfinite(fit.aicc) else "-",
-                f"{fit.weight:.3f}", f"{fit.sigma:.3g}",
-                fit.values_in_words, f"{n} warning{'s' * (n > 1)}" if (n := len(fit.warnings)) else "",
-            ]
-            for fit in self._fits
-        ]  # fmt: skip
-        parts: list[str | Rows] = [str(self.measured), (_COLUMNS, rows)]
-        parts += [f"warning: {self.best.name}: {text}" for text in self.best.warnings]
+        rows = []
+        for fit in self._fits:
+            above = f"{fit.aicc - self.best.aicc:.1f}" if math.isfinite(fit.aicc) else "-"
+            warned = f"{n} warning{'s' * (n > 1)}" if (n := len(fit.warnings)) else ""
+            rows.append([fit.name, above, f"{fit.weight:.3f}", f"{fit.sigma:.3g}", fit.values_in_words, warned])
+        parts: list[str | Rows] = [
+            str(self.measured),
+            (["law", "AICc above", "weight", "sigma", "values", ""], rows),
+            *(f"warning: {self.best.name}: {text}" for text in self.best.warnings),
+        ]
         if self.rejected:
             parts.append((["not fitted", "because"], [[name, why] for name, why in self.rejected.items()]))
         return parts
@@ -440,11 +422,8 @@ class Fits(_Report, Sequence[Fit]):
 
     def content(self) -> dict[str, object]:
         """Return all that the fits say as nested dictionaries and lists that JSON holds."""
-        return {
-            "measured": self.measured.understood,
-            "fits": [fit.content() for fit in self._fits],
-            "not_fitted": self.rejected,
-        }
+        fits = [fit.content() for fit in self._fits]
+        return {"measured": self.measured.understood, "fits": fits, "not_fitted": self.rejected}
 
 
 def _aicc(fit: Fit, inflation: float) -> float:

@@ -1,7 +1,7 @@
 """`Measurements`: slip speeds, coefficients of friction and their standard deviations, from arrays or a file."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -212,8 +212,12 @@ def read_measurements(
     track = None if radius is None else fraction(radius, "radius")
     if track is not None and not 0 < track < 1000:
         raise InputError(f"radius = {float(track):g} m is that of no track; give it in m, like 0.03")
-    ends = zip(speeds or (None, None), (0.0, math.inf), strict=True)
-    low, high = (default if end is None else real("speeds", end) for end, default in ends)
+    if speeds is not None and not (isinstance(speeds, Sequence) and len(speeds) == 2):
+        raise InputError(f"speeds are two numbers, from and to, or None for no end; got {speeds!r}")
+    low, high = (
+        default if end is None else real("speeds", end)
+        for end, default in zip(speeds or (None, None), (0.0, math.inf), strict=True)
+    )
     if not 0 <= low < high:
         raise InputError(
             f"speeds from {low:g} to {high:g} m/s are no range; give the smaller first, both not below 0"
@@ -246,17 +250,14 @@ def read_measurements(
 
 
 def _outliers(y: FloatArray) -> BoolArray:
-    """Return which coefficients, at ascending speeds, are off a smooth curve through the others.
-
-    A row is held against the medians of the three rows on either side: mu is between them on any smooth curve, or
-    beyond by as much as neighbours differ. At the lowest speed friction may rise or fall steeply, as a static
-    coefficient does, and only a multiple of what follows is refused.
-    """
+    """Return which coefficients, at ascending speeds, are off a smooth curve through the others."""
     if len(y) < 2 * _BESIDE + 1:
         return np.zeros(len(y), dtype=bool)
     noise = _ROBUST * float(np.median(np.abs(y[1:-1] - (y[:-2] + y[2:]) / 2)))
     few = 1 + (_FEW_ROWS / len(y)) ** 2
     tolerance = _OUTLYING * few * max(noise, _RESOLUTION * float(np.median(np.abs(y))))
+    # mu is between the medians of the three rows on either side, or beyond by as much as neighbours differ; at the
+    # lowest speeds it may rise or fall steeply, and only a multiple of what follows is refused.
     trios = np.sort(np.lib.stride_tricks.sliding_window_view(y, _BESIDE), axis=1)
     middle, gaps = trios[:, 1], np.diff(trios, axis=1)
     i = np.arange(len(y))
@@ -271,16 +272,7 @@ def _outliers(y: FloatArray) -> BoolArray:
 
 
 def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, list[str]]:
-    """Return slip speeds in m/s, coefficients, their standard deviations, and what was done with signs.
-
-    Friction is against the motion, so with the speed its sign turns. Where speeds have both signs, or friction
-    has in so few rows that it is noise, each value keeps its sign against the motion: magnitudes would push the
-    mean of small forces up. Where friction has both signs and speeds have not, rows are of both directions of a
-    stroke, and magnitudes are taken.
-
-    Raises `InputError` if the signs of speed and friction do not go together, a normal force or a standard
-    deviation is not above 0, a coefficient is beyond 5, or a speed without unit above 100 m/s.
-    """
+    """Return slip speeds in m/s, coefficients, their standard deviations, and what was done with signs."""
     friction, load = ("F_t", "F_n") if "F_t" in table.cells else ("mu", None)
     deviation = next((key for key in ("sigma_mu", "sigma_F_t") if key in table.cells), None)
     if deviation is not None:
@@ -291,9 +283,11 @@ def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, list
         signs = np.sign(table.floats(load))
         down = 1.0 if signs.sum() >= 0 else -1.0
         table.require(signs == down, load, "a normal force is not 0, and has one sign", "without a normal force")
+    mu = down * table.numbers(friction, load)
+    small = np.abs(mu) <= _LARGEST_MU
     rule = f"a coefficient of friction is below {_LARGEST_MU:g}"
-    table.require(np.abs(table.numbers(friction, load)) <= _LARGEST_MU, friction, rule, "with abs(mu) above 5")
-    v, mu = table.numbers("v"), down * table.numbers(friction, load)
+    table.require(small, friction, rule, "with abs(mu) above 5")
+    v, mu = table.numbers("v"), mu[small]
     if (fast := np.abs(v) > _FASTEST).any() and not table.columns["v"].unit_text:
         row = int(np.argmax(fast))
         raise InputError(
@@ -307,6 +301,7 @@ def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, list
 
 def _turns(table: Table, v: FloatArray, mu: FloatArray, friction: str) -> tuple[FloatArray, list[str]]:
     """Return what each coefficient is multiplied by, 1 or -1, and what to say of it."""
+    # With the speed friction turns its sign. Signs that are noise stay: magnitudes would push small means up.
     v_sign, sign = np.sign(v), np.sign(mu)
     reverses = bool((v_sign < 0).any() and (v_sign > 0).any())
     notes = ["both signs of speed folded"] if reverses else []

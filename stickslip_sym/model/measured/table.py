@@ -6,7 +6,9 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from decimal import Decimal, localcontext
 from fractions import Fraction
+from itertools import repeat
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,7 +23,7 @@ __all__ = ["Table", "read_table"]
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
 """What separates columns, by preference: a comma may also be a decimal sign, and blanks may stand in a name."""
 MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
-_EXACTLY = 5000  # rows up to which decimals and units are computed exactly: more are averaged, or fitted
+_PRECISION = 40  # digits in which units are converted, beyond those of a double
 _LONGEST = 10_000  # characters of a line
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
@@ -40,14 +42,7 @@ _FAULTY = "mend the row, begin it with #, or leave out rows like it: leave_out=T
 
 @dataclass
 class Table:
-    """The numbers of a file's columns that are read. Rows that are no measurements are refused, or left out.
-
-    - `name`: of the file, for messages.
-    - `columns`: by quantity, and `unread`, the names of the others.
-    - `leave_out`: whether rows that are no measurements are left out and counted; else the first is refused.
-    - `lines`, `cells`: the line of the file, from 1, of each row, and its cells with a decimal point, by quantity.
-    - `faults`: the lines left out, by the reason.
-    """
+    """The cells of the columns that are read, with the lines they stand in; other rows are refused or counted."""
 
     name: str
     columns: dict[str, Column]
@@ -62,13 +57,13 @@ class Table:
         return np.array(self.cells[quantity], dtype=np.float64)
 
     def numbers(self, quantity: str, per: str | None = None) -> FloatArray:
-        """Return a column in SI units, or its ratio to another, rounded but once where rows are few."""
+        """Return a column in SI units, or its ratio to another, rounded but once."""
         size = self.columns[quantity].size / (self.columns[per].size if per else 1)
-        if len(self.lines) > _EXACTLY:
-            return self.floats(quantity) * float(size) / (self.floats(per) if per else 1.0)
-        below = self.cells[per] if per else ["1"] * len(self.lines)
-        pairs = zip(map(Fraction, self.cells[quantity]), map(Fraction, below), strict=True)
-        return np.array([float(above * size / one) for above, one in pairs])
+        below = self.cells[per] if per else repeat("1", len(self.lines))
+        with localcontext(prec=_PRECISION):
+            factor = Decimal(size.numerator) / size.denominator
+            pairs = zip(map(Decimal, self.cells[quantity]), map(Decimal, below), strict=True)
+            return np.array([float(above * factor / one) for above, one in pairs])
 
     def place(self, row: int, quantity: str) -> str:
         """Return the file, the line and the column of a number."""
@@ -106,11 +101,7 @@ class _Line(NamedTuple):
 
 
 def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | None, *, leave_out: bool) -> Table:
-    """Return the columns of a text file that hold measurements, chosen as `choose_columns` does.
-
-    Raises `InputError`, with line and column, if the file cannot be read, its header is not understood, or a row
-    is no measurement.
-    """
+    """Return the columns of a text file that hold measurements, or refuse it with line and column."""
     name = repr(str(path))
     lines = _text(path).splitlines()
     for number, line in enumerate(lines, 1):
@@ -147,11 +138,12 @@ def _text(path: Path) -> str:
         raise InputError(f"cannot read {str(path)!r}: {getattr(error, 'strerror', None) or error}") from None
     if kind := _WORKBOOKS.get(content[:4]):
         raise InputError(f"{str(path)!r} is a workbook ({kind}), not a text file; save the sheet as CSV")
-    encodings = ["utf-8-sig", "cp1252"]  # the second as older instruments write the micro sign
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         encodings = ["utf-16"]
     elif b"\0" in content:  # in UTF-16 every other byte of plain text is null
         encodings = [f"utf-16-{end}" for end, i in (("le", 1), ("be", 0)) if not any(content[i:400:2])]
+    else:  # the second as older instruments write the micro sign
+        encodings = ["utf-8-sig", "cp1252"]
     for encoding in encodings:
         with suppress(UnicodeDecodeError):
             return content.decode(encoding, "replace" if encoding == "cp1252" else "strict")
@@ -200,12 +192,7 @@ def _separator(lines: Sequence[_Line]) -> str:
 
 
 def _header(lines: Sequence[_Line], separator: str, name: str, *, unnamed: bool) -> tuple[int, list[Column], str]:
-    """Return the line from which on there are numbers, the names of the columns, and where these stand.
-
-    The header is the last row above the numbers that names a speed and friction, else the last that has a name
-    for each column; units may stand in the row below it. Without names, there are two columns, or as many as
-    there are where columns may be `unnamed`.
-    """
+    """Return the line of the first numbers, the columns by their header and units, and where it stands."""
     numbers = [_names(line.text, separator) for line in lines if not line.comment]
     widths = Counter(len(cells) for cells in numbers if sum(map(_is_number, cells)) > 1)
     width = widths.most_common(1)[0][0] if widths else 0
@@ -287,23 +274,27 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], count: int, separ
 
 def _decimal_sign(rows: Sequence[tuple[int, list[str]]], read: Sequence[int], name: str) -> str:
     """Return the decimal sign of the cells that are read, or refuse both signs, or one between thousands."""
-    cells = [(row[i], f"line {line}, column {i + 1}") for line, row in rows for i in read if i < len(row)]
-    for cell, place in cells:
-        thousands = _THOUSANDS.fullmatch(cell)
-        if thousands and not any(number.fullmatch(cell) for number in _NUMBERS.values()):
-            plain = cell.replace(thousands[1], "").replace(",", ".")
-            raise InputError(
-                f"{name}, {place}: {cell!r} has a sign between thousands; write it without, like {plain}"
-            )
-    signed = {sign: [(cell, place) for cell, place in cells if sign in cell and number.fullmatch(cell)]
-              for sign, number in _NUMBERS.items()}  # fmt: skip
-    shown = {sign: f"{found[0][0]!r} in {found[0][1]}" for sign, found in signed.items() if found}
+    shown, grouped = dict[str, str](), True
+    for line, row in rows:
+        for i in read:
+            cell = row[i] if i < len(row) else ""
+            sign = "," if "," in cell else "."
+            if _NUMBERS[sign].fullmatch(cell):
+                if sign in cell and sign not in shown:
+                    shown[sign] = f"{cell!r} in line {line}, column {i + 1}"
+                grouped = grouped and (sign == "." or _THREE_DIGITS.fullmatch(cell) is not None)
+            elif thousands := _THOUSANDS.fullmatch(cell):
+                plain = cell.replace(thousands[1], "").replace(",", ".")
+                raise InputError(
+                    f"{name}, line {line}, column {i + 1}: {cell!r} has a sign between thousands; "
+                    f"write it without, like {plain}"
+                )
     if len(shown) > 1:
         raise InputError(
             f"{name}: {shown['.']}, has a decimal point, and {shown[',']}, a comma; write one sign everywhere, "
             "and none between thousands"
         )
-    if "," in shown and all(_THREE_DIGITS.fullmatch(cell) for cell, _ in signed[","]):
+    if "," in shown and grouped:
         raise InputError(
             f"{name}: {shown[',']}, may be a thousand times as much, if the comma stands between thousands; write "
             "the number without a comma, or with a decimal point"
@@ -312,10 +303,7 @@ def _decimal_sign(rows: Sequence[tuple[int, list[str]]], read: Sequence[int], na
 
 
 def _stand_ins(values: FloatArray, cells: Sequence[str]) -> BoolArray:
-    """Return where a number stands for none: an overflow, or digits 9 like 9999 beyond twice every other number.
-
-    Below 0, like -999, they stand for none too where no other number of that sign is of like size.
-    """
+    """Return where a number stands for none: an overflow, or nines like 9999 or -999 beyond all others."""
     nines = np.array([_NINES.fullmatch(cell) is not None for cell in cells], dtype=bool)
     others = values[~nines]
     for i in np.flatnonzero(nines):

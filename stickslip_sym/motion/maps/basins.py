@@ -245,7 +245,7 @@ def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, floa
     whole = float(q[1] - q[0]) * (v0[1] - v0[0]) / osc.V
 
     def areas(separatrices: Sequence[Separatrix]) -> dict[Motion, float]:
-        inside = [0.0, *(one.curve.area_within(q, w) / whole for one in separatrices), 1.0]
+        inside = [0.0, *(float(one.curve.area_within(q, w)) / whole for one in separatrices), 1.0]
         shares = dict.fromkeys(found.basins or (), 0.0)
         for motion, (low, high) in zip(found.basins or (), pairwise(inside), strict=True):
             shares[motion] += high - low

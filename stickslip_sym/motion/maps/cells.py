@@ -47,9 +47,8 @@ CURVES = {
 }
 """The thresholds of an operating point: their names in legends, and how they are drawn."""
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
-_NEEDED = 1e-11  # tolerance of the steps with which needed dampings are found
-_SIGN = 1e-8  # tolerance of the steps by which the sign of a gap is found, where it is not next to 0
-_UNSURE = 100.0  # tolerances: gap of which steps do not tell the sign
+_STEPS = 1e-11  # tolerance of the steps of orbits
+_UNSURE = 1e-9  # gap of which they do not tell the sign
 _FOLD = 1e-7  # amplitude to which a fold is found; the damping there is known to its square
 _FINER = 1e-2  # tolerance of the motions of single cells over that of thresholds
 _TIGHTEST = 1e-13
@@ -152,16 +151,14 @@ class _Decider:
         self.N = np.array([[osc.N] for osc in self.oscillators])
         at_kink = any(abs(kink / V - 1) <= _KNOWN for kink in self.table.kinks)
         self.equilibrium = -self.N * (math.nan if at_kink else float(law.slope(V))) / self.ratio
-        found = self._orbits(_needed_all, np.arange(len(self.eta)), np.ones(len(self.eta)), rtol=_NEEDED)
+        found = self._orbits(_needed_all, np.arange(len(self.eta)), np.ones(len(self.eta)))
         self.exact, self.error = found[:, :1], found[:, 1:]
 
-    def _orbits(
-        self, loop: Callable[..., None], row: IntArray, A: FloatArray, *columns: FloatArray, rtol: float
-    ) -> FloatArray:
+    def _orbits(self, loop: Callable[..., None], row: IntArray, A: FloatArray, *columns: FloatArray) -> FloatArray:
         """Return what a loop finds of orbits, by oscillators' numbers and amplitudes over V."""
         eta = self.eta[row]
         push = eta * (self.table.static - self.table.onset)
-        found = self.system.spread(loop, (eta, push, A, *columns), (rtol,), 2, few=0)
+        found = self.system.spread(loop, (eta, push, A, *columns), (_STEPS,), 2, few=0)
         check_time()
         return found
 
@@ -211,7 +208,7 @@ class _Decider:
         sticks = (begin <= 0) & (begin >= -2 * static)
 
         def ends(cells: tuple[IntArray, ...], q: FloatArray) -> FloatArray:
-            return rounds(self.system, q, _SIGN, eta=self.eta[cells[0]], zeta=zeta[cells], few=0)
+            return rounds(self.system, q, _STEPS, eta=self.eta[cells[0]], zeta=zeta[cells], few=0)
 
         held, known = np.zeros(zeta.shape, dtype=bool), ~returns & (zeta >= 0)
         cells = np.nonzero(returns & (sticks | (static == 0)))
@@ -255,18 +252,13 @@ class _Decider:
         return cycle, stable
 
     def _needed(self, row: IntArray, A: FloatArray) -> FloatArray:
-        found: FloatArray = self._orbits(_needed_all, row, A, rtol=_NEEDED)[:, 0]
-        return found
+        return np.asarray(self._orbits(_needed_all, row, A)[:, 0])
 
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""
-        found, unsure = np.zeros(cell.size), np.ones(cell.size, dtype=bool)
-        for rtol in (_SIGN, _NEEDED):
-            some = cell[unsure]
-            rows = some // self.zeta.shape[1]
-            found[unsure] = self._orbits(_gaps_all, rows, A[unsure], self.zeta.ravel()[some], rtol=rtol)[:, 0]
-            unsure = np.abs(found) < _UNSURE * rtol
-        return np.where(unsure, math.nan, np.clip(found, -1.0, 1.0))
+        rows, zeta = cell // self.zeta.shape[1], self.zeta.ravel()[cell]
+        found = self._orbits(_gaps_all, rows, A, zeta)[:, 0]
+        return np.where(np.abs(found) < _UNSURE, math.nan, np.clip(found, -1.0, 1.0))
 
     def _beside_fold(self, i: int, zeta: float, low: float, high: float) -> tuple[bool, float]:
         """Tell whether the needed damping passes a given one between two amplitudes, and how near it comes."""

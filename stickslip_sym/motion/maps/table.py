@@ -115,12 +115,11 @@ class Table(drawing.Drawn):
             If the file cannot be written.
         """
         grid = np.meshgrid(*(axis.values for axis in self.axes))
-        places = {axis.name: values for axis, values in zip(self.axes, grid, strict=True)}
-        columns = {name: np.broadcast_to(column, grid[0].shape) for name, column in self.columns.items()}
-        numbers = {
-            name: column.astype(int) if column.dtype == bool else column for name, column in columns.items()
-        }
-        files.write_csv(Path(path), places | numbers)
+        columns = {axis.name: values for axis, values in zip(self.axes, grid, strict=True)}
+        for name, column in self.columns.items():
+            numbers = column.astype(int) if column.dtype == bool else column
+            columns[name] = np.broadcast_to(numbers, grid[0].shape)
+        files.write_csv(Path(path), columns)
 
     def to_npz(self, path: str | Path) -> None:
         """Write plain arrays, which ``numpy.load`` reads with ``allow_pickle=False``.

@@ -48,11 +48,11 @@ _STEPPED = 1e-12, 1e-6  # tolerances of the steps of a gap
 _STRONG, _STIFF = 30.0, 1e-9  # eta from which a gap is stiff, and the tolerance there
 _FINER, _TIGHTEST = 1e-3, 1e-12  # of rtol, the relative error of a threshold at a root; and the smallest
 _CLOSE = 1e-9  # tolerance of a root, relative, which a Newton step with the exact slope then refines
+_DIP = 1e-5  # relative distance from an extremum of the threshold at which it is taken
 _BESIDE = 1e-4  # relative distance at which an absolute error is taken where the threshold is 0
 _NEWTON = 1e-6  # relative size of that step, up to which it is the last
 _NEWTON_STEPS = 4
 _ROUNDING = float(4 * np.finfo(np.float64).eps)  # relative, of a root
-_DIGITS = 20  # of the coefficients of a polynomial law
 _HALVINGS = 8  # bisections of an interval of the grid, for the last value at which mu is known at all speeds
 
 
@@ -272,27 +272,23 @@ class _Search:
     # -- where to look -----------------------------------------------------------------------------
 
     def _grid(self, within: Sequence[float] | None) -> FloatArray:
-        """Return the values at which the excess is sampled, ascending."""
-        if within is None and self.is_quantity:
-            return self._where_friction_matters()
-        if within is not None and len(within) > 2:
-            return np.array(within)
+        """Return the values at which the excess is sampled, ascending.
+
+        Of a quantity all for an average, else where friction is neither weak nor very strong, and where the
+        harmonic average, the limit for weak friction, comes close to c.
+        """
         if within is not None:
+            if len(within) > 2:
+                return np.array(within)
             low, high = (real("within", end) for end in within)
             if not (low * high > 0 and low < high):
                 raise InputError(f"within = ({low:g}, {high:g}) must be two numbers of one sign, ascending")
-        else:
-            value = self.law.values.get(self.of, self.law.parameters[self.of].typical)
-            if value is None or float(value) == 0:
+            return _spaced(low, high)
+        if not self.is_quantity:
+            value = float(self.law.values.get(self.of, self.law.parameters[self.of].typical or 0))
+            if value == 0:
                 raise InputError(f"where to look for {self.of} is not known; give within=(low, high)")
-            low, high = sorted(float(value) * factor for factor in (1 / _AROUND, _AROUND))
-        return _spaced(low, high)
-
-    def _where_friction_matters(self) -> FloatArray:
-        """Return all values for an average, else where friction is neither weak nor very strong.
-
-        And where the harmonic average comes close to c, the limit for weak friction.
-        """
+            return _spaced(*sorted((value / _AROUND, value * _AROUND)))
         low, high = _WHOLE
         if self.of == "V" and self.law.v_max is not None:
             high = _SHARE * float(self.law.v_max)
@@ -341,7 +337,10 @@ class _Search:
             before, here, after = nodes[low], nodes[middle], nodes[high]
             if before * here > 0 < here * after and abs(here) < min(abs(before), abs(after)):
                 sign = math.copysign(1.0, here)
-                dip = minimize_scalar(lambda x, sign=sign: sign * value(x), bounds=(low, high), method="bounded")
+                dip = minimize_scalar(
+                    lambda x, sign=sign: sign * value(x), bounds=(low, high), method="bounded",
+                    options={"xatol": _DIP * max(abs(low), abs(high))},
+                )  # fmt: skip
                 if dip.fun < 0:
                     nodes[float(dip.x)] = sign * float(dip.fun)
         places = sorted(nodes)
@@ -358,10 +357,7 @@ class _Search:
         elif self.of == "V" and law.expr.is_polynomial(symbols.v):
             # mu = sum of g_n v^n gives c = -N sum of n g_n <(1 + s)^(n-1)> V^(n-1).
             terms = sp.Poly(sp.diff(law.expr, symbols.v), symbols.v).all_coeffs()[::-1]
-            coefficients = [
-                -N * float(g.evalf(_DIGITS, subs=law.point)) * float(criterion.mean_power(n))
-                for n, g in enumerate(terms)
-            ]
+            coefficients = [-N * law.number(g) * float(criterion.mean_power(n)) for n, g in enumerate(terms)]
         elif self.of in law.parameters and law.expr.is_polynomial(symbol := law.parameters[self.of].symbol):
             part, coefficients = law.bind(**{self.of: 0}), []
             while not coefficients or part.expr.has(symbol):  # Taylor's expansion at 0 ends

@@ -54,10 +54,6 @@ class Computed:
     theorems: "Mapping[int, Theorem]" = field(default_factory=dict)
 
 
-Cost = float | Callable[[OperatingPoints], FloatArray]
-Changes = Callable[[OperatingPoints, FloatArray], Mapping[str, FloatArray]]
-
-
 @dataclass(frozen=True)
 class Method:
     """How a threshold is computed, and what that needs and costs.
@@ -86,8 +82,8 @@ class Method:
     name: str
     compute: Callable[[OperatingPoints, float], Computed]
     converges: bool = True
-    sensitivity: Changes | None = None
-    cost: Cost = 100.0
+    sensitivity: Callable[[OperatingPoints, FloatArray], Mapping[str, FloatArray]] | None = None
+    cost: float | Callable[[OperatingPoints], FloatArray] = 100.0
     criterion: Criterion | None = None
     smooth: bool = False
     tightest: float = 1e-13

@@ -20,14 +20,14 @@ from functools import partial
 from itertools import pairwise
 
 import sympy as sp
-from flint import acb, arb
+from flint import acb
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.balls import ball, ball_function, ball_value, working_precision
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
 from stickslip_sym.core.functions import is_analytic
-from stickslip_sym.criteria.enclosure import Enclosure
+from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
 from stickslip_sym.model.expression.pieces import branch_from, jumps
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, Undecided, transit
@@ -225,12 +225,7 @@ class Search:
         if len(lowest) < 2 or lowest[0][2] == lowest[1][2]:
             return None
         (_, x, w), (_, x_2, w_2) = lowest[:2]
-        return x - (x_2 - x) * _fraction(w / (w_2 - w))
-
-
-def _fraction(value: arb) -> Fraction:
-    mantissa, exponent = value.mid().man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+        return x - (x_2 - x) * enclosure_of((w / (w_2 - w)).mid()).mid
 
 
 def _rounded(x: Fraction, width: Fraction) -> Fraction:

@@ -18,15 +18,11 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import table
 
-_PART = 0.1  # of the parameters' standard error, that of the method
-_LARGEST = 0.1  # relative error of a method, however little is known of the parameters
+_PART = 0.1  # of the parameters' standard error, that of the method; and its largest relative error
 _CORRELATED = 1e-9  # a coefficient of correlation below is rounding
 _FAR = np.sqrt(3.0)  # standard errors; the outer nodes of the Gauss rule of three for normal errors
 _SUFFICES = 0.1  # of the first order's standard error, by which the second order's may differ
-_HIDDEN = 1e-12  # of a threshold, a standard error that is rounding
-_RANK = 1e-12  # of the largest eigenvalue of the correlations, below which one is 0
-
-Gradient = Callable[..., Mapping[str, FloatArray]]
+_ROUNDING = 1e-12  # of a threshold, a standard error; and of the largest eigenvalue of correlations, another
 
 
 @dataclass(frozen=True)
@@ -174,14 +170,14 @@ def deserved_tolerance(points: OperatingPoints) -> float:
     by = dict.fromkeys(errors.names, nothing) | average_changes(harmonic, points, nothing)
     with np.errstate(all="ignore"):
         relative = Budget.of(errors, by, (len(points),)).uncertainty / np.abs(points.N * by["N"])
-    return min(_PART * float(np.nan_to_num(relative, nan=0.0).min()), _LARGEST)
+    return _PART * min(float(np.nan_to_num(relative, nan=0.0).min()), 1.0)
 
 
 # -- second order ----------------------------------------------------------------------------------
 
 
 def second_order_ratio(
-    points: OperatingPoints, value: FloatArray, gradient: Gradient, errors: Errors
+    points: OperatingPoints, value: FloatArray, gradient: Callable[..., Mapping[str, FloatArray]], errors: Errors
 ) -> tuple[FloatArray, str]:
     """Return the standard error of thresholds to second order over that to first, and why it is not known.
 
@@ -208,7 +204,11 @@ def second_order_ratio(
 
 
 def _ratios(
-    points: OperatingPoints, value: FloatArray, gradient: Gradient, names: Sequence[str], covariance: FloatArray
+    points: OperatingPoints,
+    value: FloatArray,
+    gradient: Callable[..., Mapping[str, FloatArray]],
+    names: Sequence[str],
+    covariance: FloatArray,
 ) -> FloatArray:
     L = _axes(covariance)
 
@@ -224,7 +224,7 @@ def _ratios(
         h, t = (up - down) / (2 * _FAR), (up + down - 2 * a) / _FAR**2
         second = np.maximum(first + (h**2).sum(axis=(0, 1)) / 2 + (a * t).sum(axis=(0, 1)), 0.0)
     with np.errstate(all="ignore"):
-        return np.where(second > (_HIDDEN * value) ** 2, np.sqrt(second / first), 1.0)
+        return np.where(second > (_ROUNDING * value) ** 2, np.sqrt(second / first), 1.0)
 
 
 def _axes(covariance: FloatArray) -> FloatArray:
@@ -232,7 +232,7 @@ def _axes(covariance: FloatArray) -> FloatArray:
     size = np.sqrt(np.diagonal(covariance))
     unit = np.where(size > 0, size, 1.0)
     eigenvalues, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
-    kept = eigenvalues > _RANK * eigenvalues.max(initial=0.0)
+    kept = eigenvalues > _ROUNDING * eigenvalues.max(initial=0.0)
     return np.asarray(unit[:, None] * vectors[:, kept] * np.sqrt(eigenvalues[kept]))
 
 

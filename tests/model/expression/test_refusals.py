@@ -3,6 +3,7 @@
 import itertools
 import warnings
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,10 +21,10 @@ REFUSED = [
     ("v^2 + __class__", 7, "'__class__' is not a usable name"),
     ("a^2*(lambda: v)", 6, "write the formula alone, in v"),
     ("a^2*(v if a else v)", 8, "write Piecewise"),
+    ("sin(" * 7 + "v" + ")" * 7, None, "more than 6 functions stand in each other"),
     ("v := 2", 3, "the character ':'"),
     ("f'{v}'", 2, 'the character "\'"'),
     ("expp(v)", 1, "there is no function 'expp' .did you mean 'exp'"),
-    ("absv(v)", 1, "did you mean 'abs'"),
     ("exp(v, a)", 1, "exp takes one argument"),
     ("exp", 1, "exp is a function"),
     ("v % 2", 3, "the character '%'"),
@@ -33,8 +34,6 @@ REFUSED = [
     ("v^2 + 1/0", 9, "division by zero"),
     ("v^65", 3, "at most 64"),
     ("0x10*v", 1, "'0x10' is not a decimal"),
-    ("1_0*v", 1, "'1_0' is not a decimal"),
-    ("2j*v", 1, "'2j' is not a decimal"),
     ("(v", 1, "cannot be read"),
     ("v == 2", 3, "a comparison is no number"),
     ("0.3 - 0,2*v", 8, "write 0.2"),
@@ -44,38 +43,27 @@ REFUSED = [
     ("True*v", 1, "'True' is not a usable name"),
     ("1 + log10(v)", 5, r"write log\(x\)/log\(10\)"),
     ("Piecewise((1, v < v), 2)", 1, "places of a Piecewise are parameters or numbers"),
-    ("1 + Piecewise((1, v < 2*v - a), 2)", 5, "places of a Piecewise are parameters or numbers"),
     ("Piecewise((1, v != a), 2)", 17, "the character '!'"),
     ("Piecewise((1, 2*v <= a), 2)", 11, "a law in pieces is written"),
     ("Piecewise((1, x < a), 2)", 15, "'x' is taken"),
-    ("Piecewise((1, v == a), 2)", 11, "a law in pieces is written"),
     ("Piecewise((1, v < a), (2, v > b))", 23, "the last one may end in True"),
     ("Piecewise((1, True), (2, v < b))", 11, "only the last one may end in True"),
     ("Piecewise((1, v <= 0), 2)", 1, "a piece holds at v = 0 alone.*static="),
-    ("1 - Piecewise((1, v > 0), 2)", 5, "a piece holds at v = 0 alone.*static="),
     ("Piecewise((1, 0 < v < a), 2)", 11, "a law in pieces is written"),
-    ("Piecewise((1, v < a, 3), 2)", 11, "a law in pieces is written"),
     ("Piecewise((1, v < a))", 11, "a law in pieces is written"),
     ("Piecewise((1, v < a), (2, v < b))", 23, "a law in pieces is written"),
     ("Piecewise((1, v < a), 1, 2)", 23, "a law in pieces is written"),
     ("Piecewise()", 11, "a law in pieces is written"),
-    ("Piecewise(v)", 11, "a law in pieces is written"),
-    ("Piecewise", 1, "Piecewise is a function"),
     ("Piecewise((1, v < sqrt(-2)), 2)", 1, "places of a Piecewise are real"),
     ("Piecewise((1, v < log(0)), 2)", 19, "no finite value"),
     ("a + |v - b", 5, "a bar without its partner"),
-    ("a + v|", 6, "a bar without its partner"),
     ("|(v - a|)", 8, "a bar without its partner"),
     ("a + v*|v - Q|^x", 15, "'x' is taken"),
     ("sign(a - b)", 1, "sign.* of parameters alone"),
     ("Abs(sin(Abs(a - b)))", 1, "unknown order stand in each other"),
     ("*".join(f"Abs(v - {x})" for x in "abdfghl"), None, "more than 6 parameters of unknown order"),
     ("Min(v)", 1, "Min takes two arguments or more"),
-    ("Max()", 1, "Max takes two arguments or more"),
-    ("Abs(v, a)", 1, "Abs takes one argument"),
-    ("Abs", 1, "Abs is a function"),
     ("2*Abs(v^2 - v)", 3, "differ by a linear function of v"),
-    ("Max(a*v, b*v - 1)", 1, "differ by a linear function of v"),
     ("Max(a, b, d, i, f, g, h)", 1, "more than 6 parameters of unknown order"),
     ("+".join(f"Abs(v - {i})" for i in range(1, 60)), None, "more than 40 arguments in all"),
     ("(v < a)", 4, "a comparison is no number"),
@@ -87,10 +75,8 @@ REFUSED = [
     ("(a+b+d+q+f+g+v)^64", None, "too high a power of a sum; at most"),
     ("(1 + v)^-17", None, "too high a power of a sum; at most"),
     ("a*v^40*exp(p*v)", None, r"v\*\*40 is too high a power of v; at most v\^24"),
-    ("v^20*v^5", None, "too high a power of v"),
     ("exp(25*log(v))", None, "too high a power of v"),
     ("(a+b+d+q+f+g+v)^16", None, "over 600 terms"),
-    ("((1 + v)^16 + a)^16", None, "over 600 terms"),
     ("(-1)^(1/3)*v", None, "is not real: only whole powers"),
     ("sqrt(-v)", None, "not finite and real"),
     ("exp(1e999*v)", 5, "'1e999' is not a decimal number"),
@@ -111,7 +97,8 @@ def test_a_refusal_points_at_its_character(text, position, message):
         sp.Piecewise((a, v > 0), (b, True)), sp.Piecewise((a, v <= 0), (b, True)), sp.Piecewise((a, v < 1)),
         sp.Piecewise((a, a < 1), (b, True)), sp.Piecewise((a, (v < 1) | (a < 2)), (b, True)),
         sp.Piecewise((a, v < 2 * v - b), (b, True)), sp.Abs(v**2 - v), sp.Heaviside(v - 1), sp.sign(a - b) + v,
-        sp.Function("f")(v), v * sp.I, sp.Symbol("__import__('os')") * v, sp.Symbol("a; b") + 1,
+        sp.Symbol("a*b") * v, sp.Symbol("pi") * v, sp.Function("f")(v), v * sp.I, sp.Symbol("a; b") + 1,
+        sp.Symbol("__import__('os')") * v,
         sp.Symbol("lambda") * v, sp.Integral(v, v), sp.zoo * v, sp.Integer(10) ** 6000 * v,
     ],
 )  # fmt: skip
@@ -161,11 +148,7 @@ WORST = {
     "nested sines of numbers": "sin(1+" * 59 + "pi" + ")" * 59,
     "nested Abs": "Abs(sin(" * 29 + "a" + "))" * 29,
     "roots of long numbers": "+".join(f"(1e7{i % 10}-{i})^(1/{i + 2})" for i in range(1, 90)),
-    "equal pieces": "Piecewise(" + "".join(f"(v, v < {x})," for x in LETTERS[:40]) + "1)",
     "many pieces": "Piecewise(" + "".join(f"({x}*v, v < {x}*{i})," for i, x in enumerate(LETTERS[:40], 1)) + "1)",
-    "many pieces from above": "Piecewise("
-    + "".join(f"({x}*v, v > {40 - i}),({i} + v, v <= {i}*a)," for i, x in enumerate(LETTERS[:20]))
-    + "1)",
     "unordered pieces from above": "Piecewise(" + "".join(f"({x}*v, v > {x})," for x in LETTERS[:40]) + "1)",
     "a high power in Abs": "Abs(" + "*".join(f"(v+{x})^64" for x in LETTERS[:150]) + ")",
     "a product of sums": "*".join("(" + "+".join(LETTERS[i : i + 30]) + ")" for i in range(0, 270, 30)),
@@ -173,7 +156,7 @@ WORST = {
 }
 
 
-@sweep("name", list(WORST), "a long sum in Abs", "nested Abs", "many pieces from above", "a tower",
+@sweep("name", list(WORST), "a long sum in Abs", "nested Abs", "many pieces", "a tower",
        "a product of sums")  # fmt: skip
 def test_the_worst_texts_do_not_hang(name):
     assert len(WORST[name]) <= 2000
@@ -181,33 +164,21 @@ def test_the_worst_texts_do_not_hang(name):
         ss.FrictionLaw(WORST[name])
 
 
-ALPHABET = "vab0123456789.+-*/^() e,_xplog<=>\n"
 TOKENS = st.sampled_from(
     [*"vab102+-*/^(),<| ", "0.5", "1e3", "pi", "**", "<=", "·", "np."]
     + [f"{name}(" for name in ("exp", "log", "sqrt", "sech", "Abs", "Min", "Max", "Piecewise", "Piecewise(")]
 )
-
-
-def _larger_formulas(parts):
-    pair = st.tuples(parts, parts)
-    return st.one_of(
-        st.tuples(parts, st.sampled_from("+-*/^"), parts).map(lambda t: f"({t[0]}){t[1]}({t[2]})"),
-        st.tuples(st.sampled_from(["-", "+", "exp", "log", "sqrt", "sin", "tanh", "Abs"]), parts).map(
-            lambda t: f"{t[0]}({t[1]})"
-        ),
-        st.tuples(st.sampled_from(["Min", "Max"]), pair).map(lambda t: f"{t[0]}({t[1][0]}, {t[1][1]})"),
-        st.tuples(parts, st.sampled_from(["a", "1", "b/2", "log(a)", "v"]), parts).map(
-            lambda t: f"Piecewise(({t[0]}, v < {t[1]}), {t[2]})"
-        ),
-    )
-
-
+SHAPES = [
+    *(f"({{0}}){sign}({{1}})" for sign in "+-*/^"), "Min({0}, {1})", "Max({0}, {1})",
+    *(f"{name}({{0}})" for name in ("-", "exp", "log", "tanh", "Abs")),
+    *(f"Piecewise(({{0}}, v < {place}), {{1}})" for place in ("a", "1", "b/2", "log(a)", "v")),
+]  # fmt: skip
 FORMULAS = st.recursive(
-    st.sampled_from(["v", "v", "a", "b", "2", "0", "0.3", "pi"]), _larger_formulas, max_leaves=8
+    st.sampled_from(["v", "v", "a", "b", "2", "0", "0.3", "pi"]),
+    lambda parts: st.builds(str.format, st.sampled_from(SHAPES), parts, parts),
+    max_leaves=8,
 ).map(lambda text: f"{text} + 0*v")
-TEXTS = st.one_of(
-    st.text(ALPHABET, max_size=40), st.text(max_size=30), st.lists(TOKENS, max_size=25).map("".join), FORMULAS
-)
+TEXTS = st.one_of(st.text(max_size=30), st.lists(TOKENS, max_size=25).map("".join), FORMULAS)
 
 
 @given(TEXTS)
@@ -224,9 +195,8 @@ def test_any_text_gives_a_law_with_values_or_an_input_error(text):
 
 # -- names that are no parameters ------------------------------------------------------------------
 
-CONSTANTS = ["e", "E", "exp1", "Pi", "PI", "pI", "E_", "I", "inf", "INF", "oo", "nan", "NaN", "euler", "pi_"]
-SPEED = ["v_r", "vr", "vel", "speed", "velocity", "v_rel", "vrel", "slip_speed", "Speed", "veloctiy", "sped", "vv",
-         "v_slip", "xdot", "speeed", "velocitty", "v_", "v1"]  # fmt: skip
+CONSTANTS = ["E", "exp1", "pI", "E_", "I", "INF", "nan", "euler"]
+SPEED = ["v_r", "vel", "vrel", "Speed", "veloctiy", "sped", "vv", "v_slip", "xdot", "v_", "v1"]
 TEMPLATES = ["mu_s - a*{0}", "mu_m + (mu_s - mu_m)*exp(-alpha*{0})", "mu_s - b*log(1 + {0}/v_c)", "a/(1 + {0}^2)",
              "Min(a*{0}, mu_s)", "a + b*{0} + d*{0}^3"]  # fmt: skip
 
@@ -268,49 +238,35 @@ def test_no_misspelling_passes_in_silence():
 
 
 def test_a_constant_law_says_that_it_is_one():
-    for formula in ("mu_0", "0.3", 0.3, "mu_0 - b + 0*v"):
-        assert ss.FrictionLaw(formula).slope_expr == 0
     assert ss.FrictionLaw("mu_0 - b", units={"mu_0": "1", "b": "1"}).slope_expr == 0
     with pytest.warns(ss.InputWarning, match=r"no v.*its parameters: mu_0, b\."):
         ss.FrictionLaw("mu_0 - b")
 
 
 def test_reference_speeds_stand_beside_v():
-    for name in ("v_0", "v_s", "v_c", "v_ref", "v1", "V_0", "vs", "v_w"):
+    for name in ("v_0", "v_c", "v_ref", "v1", "V_0", "vs"):
         assert name in ss.FrictionLaw(f"mu_0 - b*log(1 + v/{name})").parameters
     with pytest.warns(ss.InputWarning, match="'v_r' is taken for a parameter"):
         ss.FrictionLaw("mu_0 - b*log(1 + v/v_r)")
-    assert ss.FrictionLaw("mu_0 - b*log(1 + v/v_r)", units={"v_r": "m/s"}).missing == ["v_r", "mu_0", "b"]
 
 
 @pytest.mark.parametrize("name", ["V", "N", "m", "k", "c", "x", "t", "self", "digits", "on_invalid"])
 def test_names_of_quantities_and_arguments_are_taken(name):
     with pytest.raises(ss.InputError, match=f"'{name}' is (taken: it is the|an argument of functions)"):
         ss.FrictionLaw(f"1 + {name}*v")
+    assert ss.FrictionLaw(f"1 + {name}_1*v").missing == [f"{name}_1"]
 
 
-def test_names_of_functions_and_the_speed_are_no_parameters():
+def test_names_of_functions_are_no_parameters():
     for name in ("ln", "erfc", "sign", "abs", "log10", "coth"):
         with pytest.raises(ss.InputError, match="function"):
             ss.Parameter(name)
-    with pytest.raises(ss.InputError, match="'v' is taken"):
-        ss.Parameter("v")
-    with pytest.raises(ss.InputError, match="the name of a parameter is text, got int"):
-        ss.Parameter(3)
-
-
-@pytest.mark.parametrize("name", ["u", "s", "theta", "xi", "a", "b", "y", "q", "w"])
-def test_names_that_derivations_use_inside_are_free(name):
-    law = ss.FrictionLaw(f"mu_0 + {name}*v", parameters=[ss.Parameter(name, positive=False)])
-    assert law.bind(mu_0=1, **{name: -2}).mu([0.0, 0.25]).tolist() == [1.0, 0.5]
 
 
 # -- units -------------------------------------------------------------------------------------------
 
 UNITS = [
-    ("mu_m + (mu_s - mu_m)*exp(-v/v_s)", {"v_s": "m/s"}, {"v_s": "s/m"}),
     ("mu_m + (mu_s - mu_m)*exp(-(v/v_s)^p)", {"v_s": "m/s"}, {"v_s": "s/m"}),
-    ("mu_s - b*v", {"b": "s/m"}, {"b": "m/s"}),
     ("mu_s - a*v^p/w^p", {"a": "1", "w": "m/s"}, {"a": "1", "w": "m"}),
     ("mu_s + b*Abs(v - v_0)", {"b": "s/m", "v_0": "m/s"}, {"v_0": "s/m"}),
     ("Piecewise((mu_s, v < v_0), mu_s - b*(v - v_0))", {"b": "s/m"}, {"mu_s": "m"}),
@@ -328,12 +284,10 @@ def test_units_of_parameters_fit_the_formula(text, right, wrong):
 
 def test_units_of_the_catalogue_fit():
     for name, law in ss.laws.items():
-        units = {key: parameter.unit for key, parameter in law.parameters.items()}
         assert ss.FrictionLaw(law.text, parameters=law.parameters.values()).expr == law.expr, name
-        if name in ("rational", "brown_mcphee", "simscape"):
-            continue  # their numbers may carry units
-        for key in units:  # and no other does
-            described = [ss.Parameter(k, unit=u if k != key else f"kg*{u}", positive=law.parameters[k].positive)
-                         for k, u in units.items()]  # fmt: skip
-            with pytest.raises(ss.InputError, match="the units do not fit"):
-                ss.FrictionLaw(law.text, parameters=described)
+        if name not in ("rational", "brown_mcphee", "simscape"):  # whose numbers may carry units
+            for key in law.parameters:  # and no other does
+                described = [replace(known, unit=f"kg*{known.unit}" if known.name == key else known.unit)
+                             for known in law.parameters.values()]  # fmt: skip
+                with pytest.raises(ss.InputError, match="the units do not fit"):
+                    ss.FrictionLaw(law.text, parameters=described)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from operating_points import laws_in_pieces
+from operating_points import laws_in_pieces, smooth_points
 from sweeps import sweep
 
 import stickslip_sym as ss
@@ -14,24 +14,11 @@ from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
-SIX = ["exponential", "polynomial", "hyperbolic", "gaussian", "lorentzian", "tanh"]
 
 
 @pytest.fixture(scope="module")
 def exponential():
     return ss.laws.exponential.typical()
-
-
-def random_points(count):
-    """Yield seeded laws, operating points and tolerances; of friction over three decades."""
-    rng = np.random.default_rng(20160428)
-    for number in range(count):
-        law = ss.laws.catalogue[SIX[number % len(SIX)]].typical()
-        others = {name: float(value) for name, value in law.values.items() if name not in ("mu_s", "mu_m")}
-        others = {name: value * 10 ** rng.uniform(-0.3, 0.3) for name, value in others.items()}
-        law = law.bind(**others, mu_s=rng.uniform(0.35, 0.9), mu_m=rng.uniform(0.05, 0.3))
-        ranges = {"V": (-1.5, 0), "N": (-1, 2), "m": (-2, 2), "k": (1, 5)}
-        yield law, {name: 10 ** rng.uniform(*ends) for name, ends in ranges.items()}, 10 ** rng.uniform(-8, -0.3)
 
 
 def points_of_every_kind(count):
@@ -93,8 +80,9 @@ def test_what_has_no_digits_left_is_proved():
 
 def test_auto_gives_the_first_good_value():
     """Asked one by one in the order of their costs, no method before it knows its error to be within rtol."""
-    last = Counter()
-    for law, numbers, rtol in random_points(18):
+    last, rng = Counter(), np.random.default_rng(20160428)
+    for law, numbers in smooth_points(rng, 24, V=(-1.5, 0), N=(-1, 2), m=(-2, 2), k=(1, 5)):
+        rtol = 10 ** rng.uniform(-8, -0.3)
         points = OperatingPoints.of(law, **numbers)
         found = ss.pure_slip_damping(law, **numbers, rtol=rtol)
 

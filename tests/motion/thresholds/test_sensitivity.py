@@ -6,33 +6,19 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from operating_points import SMOOTH, smooth_points
 from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.motion.thresholds.methods import Computed, Method
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
-SMOOTH = [
-    "exponential", "polynomial", "hyperbolic", "gaussian", "lorentzian", "tanh", "brown_mcphee", "logarithmic",
-]  # fmt: skip
 KINK = "Piecewise((mu_s - a*v, v < v_1), (mu_s - a*v_1 + b*(v - v_1), True))"
 JUMPS = {
     "down": "Piecewise((mu_s - a*v, v < v_1), (mu_s - a*v_1 - d + b*(v - v_1), True))",
     "up": "Piecewise((mu_s - 2*a*v, v < v_1), (mu_s - 2*a*v_1 + d - b*(v - v_1), True))",
 }
 POINTS = [0, 0.05, 0.1, 0.21, 0.43, 1.03, 2.0], [0.50, 0.44, 0.40, 0.34, 0.29, 0.27, 0.26]
-
-
-def random_points(count, seed):
-    """Yield seeded laws and operating points, some with weak friction and some with strong."""
-    rng = np.random.default_rng(seed)
-    for number in range(count):
-        law = ss.laws.catalogue[SMOOTH[number % len(SMOOTH)]].typical()
-        law = law.bind(**{name: float(value) * 10 ** rng.uniform(-0.1, 0.1) for name, value in law.values.items()})
-        yield law, {name: 10 ** rng.uniform(*ends) for name, ends in RANGES.items()}
-
-
-RANGES = {"V": (-1.3, 0), "N": (-1, 1.3), "m": (-1, 1), "k": (1.5, 4)}
 
 
 def value_of(law, point, name):
@@ -66,7 +52,7 @@ def error_along(law, point, method, seed, step, rtol=1e-12):
 @sweep("count", [6, 100], 6)
 def test_orbit_against_differences(count):
     """Of 100 the worst was off by 3e-13."""
-    for law, point in random_points(count, 3):
+    for law, point in smooth_points(np.random.default_rng(3), count):
         try:
             assert error_along(law, point, "orbit", 6, 4e-3) < 1e-8, (law, point)
         except ss.NotConverged:  # too strong a friction for the orbit
@@ -122,7 +108,7 @@ def test_eulers_identities(method):
     """N c_N + m c_m + k c_k = c, m c_m = k c_k, and all with a speed in its unit adds to 0, N as one."""
     # The first call of a law makes its function.
     count = 3 if method in ("least_squares", "harmonic") else len(SMOOTH)
-    for law, point in random_points(count, 5):
+    for law, point in smooth_points(np.random.default_rng(5), count):
         try:
             found = ss.pure_slip_damping(law, **point, method=method, rtol=1e-10 if method != "orbit" else 1e-12)
         except ss.NotConverged:
