@@ -1,7 +1,6 @@
 """The least squares of a friction law and measurements, by SciPy's `least_squares` with exact derivatives."""
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,20 +36,6 @@ class Minimum(NamedTuple):
     chi_squared: float
 
 
-@lru_cache(maxsize=128)
-def _compiled(
-    expr: Expr, free: tuple[Expr, ...], known: tuple[Expr, ...]
-) -> tuple[Callable[..., Any], Callable[..., Any], list[bool]]:
-    """Return a formula and its derivatives as functions of arrays, and in which symbols it is jointly linear."""
-    slopes = [sp.diff(expr, symbol) for symbol in free]
-    linear: list[Expr] = []
-    for symbol, slope in zip(free, slopes, strict=True):
-        if not slope.has(symbol, *linear):
-            linear.append(symbol)
-    value, derivatives = (function_of([symbols.v, *free, *known], rows, "numpy") for rows in ([expr], slopes))
-    return value, derivatives, [symbol in linear for symbol in free]
-
-
 class Problem:
     """The least squares of a law and measurements: residuals are divided by sigma where it is known."""
 
@@ -58,12 +43,18 @@ class Problem:
         used = {name: p for name, p in law.parameters.items() if p.symbol in law.expr.free_symbols}
         self.names = tuple(name for name in used if name not in law.values)
         known = tuple(name for name in used if name in law.values)
-        self._value, self._derivatives, linear = _compiled(
-            law.expr, *(tuple(used[name].symbol for name in names) for names in (self.names, known))
+        free, bound = ([used[name].symbol for name in names] for names in (self.names, known))
+        slopes = [sp.diff(law.expr, symbol) for symbol in free]
+        self._value, self._derivatives = (
+            function_of([symbols.v, *free, *bound], rows, "numpy") for rows in ([law.expr], slopes)
         )
+        linear: list[Expr] = []  # jointly: each with those before it
+        for symbol, slope in zip(free, slopes, strict=True):
+            if not slope.has(symbol, *linear):
+                linear.append(symbol)
         self._known = [float(law.values[name]) for name in known]
         self.positive = np.array([used[name].positive for name in self.names], dtype=bool)
-        self.linear = np.array(linear, dtype=bool)
+        self.linear = np.array([symbol in linear for symbol in free], dtype=bool)
         self._units = [used[name].unit for name in self.names]
         # Their bound 0 is no law's value: their logarithms are varied.
         self._logarithmic = self.positive & ~self.linear
