@@ -128,11 +128,10 @@ def _with_scale(constant: Expr, rest: Expr, scale: Expr) -> Term:
         polynomial = sp.Poly(profile, symbols.v)
         content, monic = polynomial.monic().as_expr().as_content_primitive()
         coefficient, profile = coefficient * polynomial.LC() * content, monic
-    number, profile = profile.as_coeff_Mul() if not profile.has(sp.Piecewise) else (sp.Integer(1), profile)
     meanings: dict[Expr, Expr] = {}
     profile = _without_parameters(profile, meanings)
     shapes = {symbol: meaning for meaning, symbol in meanings.items()}
-    return Term(sp.factor(constant * coefficient * number), scale, profile, shapes)
+    return Term(sp.factor(constant * coefficient), scale, profile, shapes)
 
 
 def _at_scale(rest: Expr, scale: Expr) -> Expr:

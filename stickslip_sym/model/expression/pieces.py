@@ -6,6 +6,7 @@ functions) knows one kind of kink only, one in a term, and knows exactly where i
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -146,7 +147,14 @@ def branch_from(expr: Expr, values: Mapping[Expr, Expr], start: Expr) -> Expr:
     `values` are those of the parameters, whose symbols stay. Conditions read v < place, so the piece that holds at
     the speed holds above.
     """
-    return chosen(expr, {**values, symbols.v: start}) if expr.has(sp.Piecewise) else expr
+    if not expr.has(sp.Piecewise):
+        return expr
+    return _branch(expr, frozenset({**values, symbols.v: start}.items()))
+
+
+@lru_cache(maxsize=1024)  # enclosures take each piece of a law of many again and again
+def _branch(expr: Expr, point: frozenset[tuple[Expr, Expr]]) -> Expr:
+    return chosen(expr, dict(point))
 
 
 # -- conditions ------------------------------------------------------------------------------------
