@@ -195,13 +195,8 @@ class Dimensionless:
         return (self.acceleration(0.0, low) - self.acceleration(0.0, high)) / (high - low)
 
     def turn(self, w: float) -> float:
-        """Return the displacement q at which w' = 0 for a mass slower than the belt."""
+        """Return the displacement q at which w' = 0 for a mass slower than the belt; at rest with w = 1."""
         return -self.acceleration(0.0, w)
-
-    @property
-    def rest(self) -> tuple[float, float]:
-        """The equilibrium (q, w): the mass stands still, and the belt slips under it."""
-        return self.turn(1.0), 1.0
 
     def sticks(self, q: Any) -> Any:
         """Whether static friction holds the mass at a displacement, or at many: |c V + k x| <= mu_static N."""
