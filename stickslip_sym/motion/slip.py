@@ -17,7 +17,7 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.steps import SLIDING, End, entered, follow, rate_at, stepped
 from stickslip_sym.motion.table import FARTHEST, FrictionTable, Pieces, Rise
-from stickslip_sym.motion.workers import in_batches
+from stickslip_sym.motion.workers import collect
 
 
 class Step(NamedTuple):
@@ -195,13 +195,8 @@ class Dimensionless:
         return (self.acceleration(0.0, low) - self.acceleration(0.0, high)) / (high - low)
 
     def turn(self, w: float) -> float:
-        """Return the displacement q at which w' = 0 for a mass slower than the belt."""
+        """Return the displacement q at which w' = 0 for a mass slower than the belt; at rest with w = 1."""
         return -self.acceleration(0.0, w)
-
-    @property
-    def rest(self) -> tuple[float, float]:
-        """The equilibrium (q, w): the mass stands still, and the belt slips under it."""
-        return self.turn(1.0), 1.0
 
     def sticks(self, q: Any) -> Any:
         """Whether static friction holds the mass at a displacement, or at many: |c V + k x| <= mu_static N."""
@@ -303,14 +298,18 @@ class Dimensionless:
         run = compiled(loop) if fast else loop
         found = np.empty((len(columns[0]), width))
 
-        def carry_out(some: slice) -> None:
+        def carry_out(some: slice) -> bool:
             if some.start:
                 check_time()
             parts = [np.array(column[some], dtype=np.float64) for column in columns]
             given = parts if fast else [part.tolist() for part in parts]
             run(rise, *given, *arguments, wedge, found[some])
+            return True
 
-        in_batches(carry_out, len(found), batch, workers)
+        length = batch if fast else max(len(found), 1)  # plain Python looks at the time limit itself
+        parts = [slice(low, low + length) for low in range(0, len(found), length)]
+        if None in collect(carry_out, parts, workers=workers):
+            raise KeyboardInterrupt
         return found
 
     def unmeasured(self, w: float) -> InputError:
