@@ -9,6 +9,13 @@ import stickslip_sym as ss
 from stickslip_sym.model.laws import as_law
 
 
+@pytest.mark.parametrize("method", ["least_squares", "simulation"])
+def test_a_fitted_stribeck_law_is_answered(method):
+    law = ss.laws.stribeck.bind(mu_s="0.42", mu_m="0.12", v_s="0.0788816", delta="1.4144337")
+    found = ss.pure_slip_damping(law, V=0.3, N=20.0, m=2.0, k=500.0, method=method)
+    assert found.value == pytest.approx(7.27, abs=0.07)
+
+
 def test_a_law_is_given_by_name_or_formula():
     for given in (ss.laws.stribeck, "stribeck", " stribeck", ss.laws.stribeck.text, ss.laws.stribeck.expr):
         assert as_law(given).text == ss.laws["stribeck"].text
@@ -55,6 +62,9 @@ def test_kinks_at_irrational_places(formula):
     assert abs(law.slope(low) - law.slope(high)) > 0.05
     exact = ss.enclose(law, V=1, N=1, digits=25)
     assert float(exact) == pytest.approx(float(ss.quadrature.damping(law, V=1, N=1, digits=20)), rel=1e-15)
+    if "Abs" in formula:  # the other does not brake at once
+        found = [ss.pure_slip_damping(law, V=1, N=1, m=1, k=10, method=m).value for m in ("simulation", "proof")]
+        assert found[0] == pytest.approx(found[1], rel=2e-3)
 
 
 @pytest.mark.parametrize(

@@ -79,6 +79,13 @@ def test_its_criteria_are_exact_closed_forms(law, form, criterion):
         assert form(V=float(V), N=9.81) == pytest.approx(float(exact), rel=1e-12)
 
 
+def test_a_wrong_curve_has_another_criterion(law):
+    """The agreement above would be worth nothing if a thousandth in one point did not show."""
+    changed = ss.FrictionLaw.from_samples(SPEEDS, [*COEFFICIENTS[:3], "0.341", *COEFFICIENTS[4:]])
+    values = [float(ss.quadrature.damping(one, V="0.3", N=1, digits=15)) for one in (law, changed)]
+    assert abs(values[0] - values[1]) > 1e-5 * abs(values[0])
+
+
 def test_speeds_beyond_the_last_are_refused(law, form):
     refusal = r"measured up to v = 1\.2 m/s, and its value at 1\.3 m/s is needed"
     for call in (
