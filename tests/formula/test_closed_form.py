@@ -98,7 +98,7 @@ def test_values_are_those_of_the_definition(text, criterion):
         values = {name: f"{10 ** rng.uniform(-1, 1):.4g}" for name in form.arguments}
         place = {"V": values.pop("V"), "N": values.pop("N")}
         bound = form.law.bind(**values)
-        if text == "-v*log(v)":  # infinite at rest: no enclosure
+        if "*log(v" in text:  # infinite at rest: no enclosure
             expected = float(ss.quadrature.damping(bound, criterion, **place, digits=20))
         else:
             expected = float(ss.enclose(bound, criterion, **place, digits=18).mid)
