@@ -104,7 +104,7 @@ def compare(
     law: FrictionLaw | str,
     osc: Oscillator | None = None,
     *,
-    methods: Sequence[str] | None = None,
+    methods: str | Sequence[str] | None = None,
     rtol: float = 1e-10,
     time_limit: float | None = None,
     **point: Quantity,
@@ -117,7 +117,7 @@ def compare(
         With all parameters bound.
     osc : Oscillator, optional
         The operating point; its damping does not matter.
-    methods : sequence of str, optional
+    methods : str or sequence of str, optional
         Names of methods; all that can be used if not given.
     rtol : float, optional
         Relative error that is asked of methods that can be made more accurate.
@@ -160,6 +160,8 @@ def compare(
         raise InputError(f"an operating point has V, N, m and k, not {', '.join(unknown)}")
     if methods is None:
         methods = [name for name, method in every_method().items() if "m" in point or not method.oscillator]
+    elif isinstance(methods, str) or not isinstance(methods, Sequence):
+        methods = [methods]
     for name in methods:
         find_method(name)
     with limited(time_limit):  # refuses what is no time: below, an error is a method's answer

@@ -32,15 +32,13 @@ _STIFFER = 1e4  # times the stiffness: N/(V sqrt(k m)) falls to a hundredth, whe
 _SHOWN, _DIGITS = 1e-11, 12  # relative error of the threshold in the table, and digits of it: the last may be off
 _RTOL = 1e-6  # of the thresholds that a difference is explained by
 _FEWEST = 5  # points of which one may be left out
+# Midpoints of phi in v = V(1 - cos(phi)), where all weights are smooth.
 _ANGLES = (np.arange(2**15) + 0.5) * np.pi / 2**15
 
 
 @dataclass(frozen=True)
 class Check:
-    """One row of the table: a value in kg/s with the digits that it has, or why there is none.
-
-    The difference is relative to the first method that has a value; None where there is no number.
-    """
+    """One row: a value in kg/s, its relative difference from the first row's; or, without that, words."""
 
     method: str
     value: str
@@ -51,11 +49,7 @@ class Check:
 def crosscheck(
     law: FrictionLaw, criterion: Criterion, point: Mapping[str, Number], form: ClosedForm | None, digits: int = 50
 ) -> list[Check]:
-    """Compute a closed form, if there is one, the quadrature of its definition, and the simulated threshold.
-
-    The law has all parameters bound; the point is V, N, m and k in SI units. A value of measured points has the
-    digits that its standard error leaves. Where criterion and threshold differ much, the reasons come below.
-    """
+    """Compute a criterion in closed form and by quadrature, and the simulated threshold, and why they differ."""
     numbers = {name: float(exact(value, name)) for name, value in point.items()}
     at = {name: point[name] for name in "VN"}
     methods: dict[str, Callable[[], Mpf | float]] = {}
@@ -141,11 +135,7 @@ def differences(
 
 
 def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float:
-    """Return the standard error of a criterion of measured points, in kg/s: the jackknife over the points.
-
-    Each point but the first and the last is left out in turn. The averages are by a midpoint rule in phi with
-    v = V(1 - cos(phi)), where all weights are smooth. It is 0 for fewer than five points, and for a formula.
-    """
+    """Return the standard error of a criterion of measured points, in kg/s, by the jackknife; 0 for a formula."""
     if law.curve is None:
         return 0.0
     end = law.curve.end

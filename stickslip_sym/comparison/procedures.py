@@ -43,14 +43,7 @@ class Scan:
 
 
 def pure_slip_by_scan(law: FrictionLaw, osc: Oscillator, scan: Scan) -> float:
-    """Return the lowest damping of the scan at which the mass, once it slipped, does not come back to v_r = 0.
-
-    The motion starts from x = 0 at the belt's speed, sticks up to P, slips, and is followed for one natural period
-    and a half from there. One return decides: orbits in a plane do not cross, so a mass that misses the belt's
-    speed once misses it ever after.
-
-    Raises `NoThreshold` if no damping of the scan separates the two.
-    """
+    """Return the lowest damping at which the mass, once it slipped, does not come back to v_r = 0."""
     m, k, V, hold = osc.m, osc.k, osc.V, law.mu(0.0) * osc.N
     c, h = scan.dampings, scan.step
     x, v, a = np.zeros_like(c), np.full_like(c, V), np.zeros_like(c)
@@ -59,7 +52,7 @@ def pure_slip_by_scan(law: FrictionLaw, osc: Oscillator, scan: Scan) -> float:
     for _ in range(int((hold / (k * V) + _ROUND / osc.omega) / h)):
         check_time()
         stick = (np.abs(v - V) <= scan.band) & (np.abs(c * v + k * x) <= hold)
-        # A fast return may step over the band, so being above it counts too.
+        # One return decides, as orbits in a plane do not cross; a fast one may step over the band.
         returned = returned | (away & (v - V >= -scan.band))
         away = away | (v - V < -scan.band)
         v_free, x_free = v + h / 2 * a, x + h * v + h * h / 4 * a
@@ -80,10 +73,7 @@ def pure_slip_by_scan(law: FrictionLaw, osc: Oscillator, scan: Scan) -> float:
 
 
 def pure_slip_by_bisection(law: FrictionLaw, osc: Oscillator, rtol: float) -> float:
-    """Return the damping above which the slip from P does not come back, to `rtol`, the tolerance of the runs.
-
-    Raises `NoThreshold` if the slip comes back at no damping, or at every one.
-    """
+    """Return the damping above which the slip from P does not come back, to `rtol`, that of the runs."""
 
     def comes_back(c: float) -> bool:
         check_time()

@@ -29,7 +29,7 @@ from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import Number, exact, suggestion
+from stickslip_sym.core.numbers import Number, exact, lookup
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.closed_form import ClosedForm, derive
@@ -129,12 +129,10 @@ def tradeoff(
     """
     law = as_law(law)
     kinds = [of] if isinstance(of, str) else list(of) if isinstance(of, Sequence) else []
-    known = ", ".join(KINDS)
     if not kinds:
-        raise InputError(f"of = {of!r} names nothing to measure; there are: {known}")
+        raise InputError(f"of = {of!r} names nothing to measure; known: {', '.join(KINDS)}")
     for kind in kinds:
-        if kind not in KINDS:
-            raise InputError(f"there is no trade of {kind!r}{suggestion(kind, list(KINDS))}; there are: {known}")
+        lookup("trade of", kind, dict.fromkeys(KINDS))
     if law.missing:
         raise InputError(f"the law has no value for {', '.join(law.missing)}; bind it first")
     chosen = find(criterion)
@@ -175,10 +173,7 @@ class Candidate:
 def _measured(
     candidates: Iterable[Candidate], judge: Callable[[Candidate, Any], tuple[float, Further]]
 ) -> tuple[Row, ...]:
-    """Measure every candidate; `judge` gives the relative error of its result, and what else is known.
-
-    A candidate that fails, or is left when time is up, has no number.
-    """
+    """Measure every candidate; `judge` gives the relative error of its result, and what else is known."""
     rows = []
     for one in candidates:
         times: list[float] = []
@@ -267,11 +262,7 @@ def _gauss_rule(integrand: Callable[[FloatArray], FloatArray], n: int) -> Callab
 
 
 def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
-    """Measure the methods for a threshold, held against the grazing orbit to 1e-11.
-
-    They are the package's, with their largest errors over `SPEEDS`; and at the operating point only the paper's
-    scan of Newmark runs up to twice the threshold, and bisection by ``scipy.integrate.solve_ivp``.
-    """
+    """Measure every method for a threshold, the paper's scan and SciPy, against the grazing orbit to 1e-11."""
 
     def by(name: str, V: float = point["V"]) -> Threshold:
         """Return the threshold by a method; averages of slopes are not made to look for their error."""
@@ -323,14 +314,7 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
 def _basin(
     law: FrictionLaw, point: Mapping[str, float], c: float | None, x0: Ends | None, v0: Ends | None
 ) -> Trade:
-    """Measure the methods for the share of a box of initial conditions that come to rest, held against its area.
-
-    They are the area inside the separatrices, and seeded samples, decided by the package or by SciPy. The error of
-    a sample is the root of the sum of two squares: of the standard error of its size, and of the share that is
-    wrong of these very initial conditions.
-
-    Raises `InputError` where geometry does not settle the basins, or no motion comes to rest.
-    """
+    """Measure the methods for the share of initial conditions that come to rest, against its area."""
     osc = Oscillator(c=_between_thresholds(law, point) if c is None else c, **point)
     reach = _REACH * osc.V
     x0, v0 = x0 or (-reach / osc.omega, reach / osc.omega), v0 or (0.0, reach)
@@ -364,6 +348,7 @@ def _basin(
             share = float(result.share[Motion.REST].value)
             return float(right.error / right.value), {"share": share, "standard error": 0.0}
         share, spread = float(np.mean(result)), math.sqrt(right.value * (1 - right.value) / len(result))
+        # The sample's own error is that of its size, and the share that is wrong of these very initial conditions.
         wrong = share - float(np.mean(truth[: len(result)]))
         return math.hypot(wrong, spread) / right.value, {"share": share, "standard error": spread}
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import exact
+from stickslip_sym.core.numbers import exact, require_type
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.law import FrictionLaw, Parameter
 from stickslip_sym.model.samples import SampledCurve
@@ -39,11 +39,8 @@ def law_out(law: FrictionLaw) -> dict[str, object]:
 def law_in(content: dict[str, Any]) -> FrictionLaw:
     """Return the law that `law_out` wrote; other content is refused by one error of Python or another."""
     about, static = {key: content[key] for key in _ABOUT}, content["static"]
-    if any(not isinstance(value, str | None) for value in (*about.values(), static)):
-        raise InputError("the name, source, validity and static coefficient of a law are texts")
+    require_type("static", static, str | None, "text")
     parameters = [Parameter(**described) for described in content["parameters"]]
-    if any(type(parameter.positive) is not bool for parameter in parameters):
-        raise InputError("a parameter is positive or not")
     if "places" in content:
         curve = SampledCurve(
             tuple(exact(place, "a place") for place in content["places"]),
@@ -53,8 +50,7 @@ def law_in(content: dict[str, Any]) -> FrictionLaw:
         law = FrictionLaw.from_curve(curve, **about)
         law = law if static is None else law.with_static(static, parameters=parameters)
     else:
-        if not isinstance(content["formula"], str):
-            raise InputError("a formula in a file is text")
+        require_type("formula", content["formula"], str, "text")
         law = FrictionLaw(content["formula"], static=static, parameters=parameters, **about)
     law = law.bind(**content["values"])
     if "errors" in content:

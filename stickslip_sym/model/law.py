@@ -480,12 +480,12 @@ class FrictionLaw:
         static = None if self.static is None else printing.text(self.static)
         about = {"static coefficient": static, "validity": self.validity, "source": self.source}
         notes = [f"{kind}: {text}" for kind, text in about.items() if text]
-        names = notation_of(self.parameters)
+        names = notation_of(self._parameters)
+        values = {key: f"{float(value):g}" for key, value in self._values.items()}
         rows = [
-            [markup.formula(names[key]), f"{float(self._values[key]):g}" if key in self._values else "",
-             parameter.typical or "", parameter.unit or "", parameter.meaning]
-            for key, parameter in self._parameters.items()
-        ]  # fmt: skip
+            [markup.formula(names[key]), values.get(key, ""), of.typical or "", of.unit or "", of.meaning]
+            for key, of in self._parameters.items()
+        ]
         table = [markup.table(["parameter", "value", "typical", "unit", "meaning"], rows)] if rows else []
         return markup.block(self.name or "friction law", head, *table, *notes)
 

@@ -50,13 +50,11 @@ class Oscillator:
             name = field.name
             value = real(name, getattr(self, name))
             object.__setattr__(self, name, value)
-            meaning = symbols.QUANTITIES[name].meaning
-            if name == "V" and value <= 0:
-                raise InputError(f"V = {value:g} must be positive: it is the belt speed; {_NO_BELT[value < 0]}")
-            if name in ("m", "k") and value <= 0:
-                raise InputError(f"{name} = {value:g} must be positive: it is the {meaning}")
-            if name == "N" and value < 0:
-                raise InputError(f"N = {value:g} must not be negative: it is the {meaning}")
+            required = {"N": "not be negative", "c": ""}.get(name, "be positive")
+            if required and (value < 0 or (value == 0 and name != "N")):
+                advice = f"; {_NO_BELT[value < 0]}" if name == "V" else ""
+                meaning = symbols.QUANTITIES[name].meaning
+                raise InputError(f"{name} = {value:g} must {required}: it is the {meaning}{advice}")
 
     @property
     def omega(self) -> float:

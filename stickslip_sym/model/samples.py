@@ -10,7 +10,7 @@ import warnings
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -103,18 +103,18 @@ class SampledCurve:
         if backend != "mpmath":
             polynomials: Callable[[Any], Any] = self._polynomials.derivative() if derivative else self._polynomials
             return polynomials
+        rows = [[j * cubic[j] for j in (3, 2, 1)] if derivative else cubic[::-1] for cubic in self.cubics]
+
+        @lru_cache
+        def rounded(precision: int) -> tuple[list[Mpf], list[list[Mpf]]]:
+            return [to_mpf(place) for place in self.places], [[to_mpf(number) for number in row] for row in rows]
 
         def at_precision(v: Mpf) -> Mpf:
-            piece = max(bisect_right(self.places, v, key=to_mpf) - 1, 0)
-            polynomial, distance = self._exact[derivative][piece], v - to_mpf(self.places[piece])
-            return mpmath.polyval([to_mpf(number) for number in polynomial], distance)
+            places, coefficients = rounded(mpmath.mp.prec)
+            piece = max(bisect_right(places, v) - 1, 0)
+            return mpmath.polyval(coefficients[piece], v - places[piece])
 
         return at_precision
-
-    @cached_property
-    def _exact(self) -> tuple[list[tuple[Rational, ...]], list[tuple[Rational, ...]]]:
-        """The cubics and their derivatives, the highest power first."""
-        return [cubic[::-1] for cubic in self.cubics], [(3 * d, 2 * c, b) for _, b, c, d in self.cubics]
 
     @cached_property
     def rises(self) -> list[tuple[float, Callable[[Any], Any]]]:

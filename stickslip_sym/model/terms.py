@@ -128,11 +128,10 @@ def _with_scale(constant: Expr, rest: Expr, scale: Expr) -> Term:
         polynomial = sp.Poly(profile, symbols.v)
         content, monic = polynomial.monic().as_expr().as_content_primitive()
         coefficient, profile = coefficient * polynomial.LC() * content, monic
-    number, profile = profile.as_coeff_Mul() if not profile.has(sp.Piecewise) else (sp.Integer(1), profile)
     meanings: dict[Expr, Expr] = {}
     profile = _without_parameters(profile, meanings)
     shapes = {symbol: meaning for meaning, symbol in meanings.items()}
-    return Term(sp.factor(constant * coefficient * number), scale, profile, shapes)
+    return Term(sp.factor(constant * coefficient), scale, profile, shapes)
 
 
 def _at_scale(rest: Expr, scale: Expr) -> Expr:
@@ -222,8 +221,6 @@ def _constant(expr: Expr, names: dict[Expr, Expr]) -> Expr:
         return sp.exp(_constant(expr.exp, names))
     number, product = expr.as_coeff_Mul()
     powers = product.as_powers_dict()
-    if any(exponent.free_symbols for exponent in powers.values()):
-        return number * sp.Mul(*(_constant(base**exponent, names) for base, exponent in powers.items()))
     if all(exponent.is_Rational for exponent in powers.values()):
         ordered = sorted(powers, key=sp.default_sort_key)
         common = sp.gcd_list([powers[base] for base in ordered]) * sp.sign(powers[ordered[0]])

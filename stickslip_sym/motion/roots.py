@@ -7,7 +7,7 @@ else the range of amplitudes is halved, down to beside a fold.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -24,8 +24,7 @@ Value = Callable[[IntArray, FloatArray], FloatArray]
 """A function of amplitude for each row: of the numbers of rows and the amplitudes over V."""
 
 
-@dataclass(frozen=True)
-class OrbitSigns:
+class OrbitSigns(NamedTuple):
     """What slip orbits do at each level, arrays of shape (rows, levels).
 
     - `cycle`, `stable`: whether there is a limit cycle in pure slip up to the belt's speed, and a stable one.

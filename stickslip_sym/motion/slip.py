@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
-from stickslip_sym.core.deadline import check_time, is_late
+from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.steps import SLIDING, End, entered, follow, rate_at, stepped
 from stickslip_sym.motion.table import FARTHEST, FrictionTable, Pieces, Rise
-from stickslip_sym.motion.workers import in_batches
+from stickslip_sym.motion.workers import collect
 
 
 class Step(NamedTuple):
@@ -195,13 +195,8 @@ class Dimensionless:
         return (self.acceleration(0.0, low) - self.acceleration(0.0, high)) / (high - low)
 
     def turn(self, w: float) -> float:
-        """Return the displacement q at which w' = 0 for a mass slower than the belt."""
+        """Return the displacement q at which w' = 0 for a mass slower than the belt; at rest with w = 1."""
         return -self.acceleration(0.0, w)
-
-    @property
-    def rest(self) -> tuple[float, float]:
-        """The equilibrium (q, w): the mass stands still, and the belt slips under it."""
-        return self.turn(1.0), 1.0
 
     def sticks(self, q: Any) -> Any:
         """Whether static friction holds the mass at a displacement, or at many: |c V + k x| <= mu_static N."""
@@ -268,10 +263,8 @@ class Dimensionless:
         push = np.multiply(etas, np.multiply(side, self.table.static) - self.table.onset)
         end_tau = self.horizon if horizon is None else horizon
         columns = np.broadcast_arrays(etas, zetas, push, side, q, w, end_tau, most)
-        found = np.full((q.size, 11), float(End.LATE))
-        self.spread(_follow_all, columns, (rtol, int(until), level), (found,), few=few, workers=workers)
-        if (found[:, 0] == End.LATE).any():
-            check_time()
+        found = self.spread(_follow_all, columns, (rtol, int(until), level), 11, few=few, workers=workers)
+        check_time()
         return Slips._make((*found[:, :7].T, found[:, 7:]))
 
     def states(
@@ -282,34 +275,42 @@ class Dimensionless:
         - `which`: the number of the step for each time.
         """
         begin, q, w, rate, _, segment, kind = np.array(steps, dtype=np.float64)[which].T
-        found = np.empty((len(tau), 2))
         system = self.eta, self.push(side), float(side), 2.0 * self.zeta
         columns = begin, q, w, rate, segment, kind, tau
-        self.spread(_states, columns, (system, rtol), (found,), few=_FEW_STATES, batch=len(tau))
-        return found[:, 0], found[:, 1]
+        q, w = self.spread(_states, columns, (system, rtol), 2, few=_FEW_STATES, batch=len(tau)).T
+        return q, w
 
     def spread(
         self, loop: Callable[..., None], columns: Sequence[FloatArray], arguments: tuple[Any, ...],
-        found: Sequence[FloatArray | IntArray], *, few: int = _FEW, batch: int = _BATCH, workers: int = 1,
-    ) -> None:  # fmt: skip
+        width: int, *, few: int = _FEW, batch: int = _BATCH, workers: int = 1,
+    ) -> FloatArray:  # fmt: skip
         """Carry out a loop over many motions, compiled where numba is there and they are more than a few.
 
         The loop gets the rise, columns with an entry for each motion, arguments, a wedge that is not wanted, and
-        arrays for its results. When the time of a `time_limit` is up, the batches that are left are not begun.
+        rows of a width for its results, which are returned.
+
+        Raises `OutOfTime` when the time of a `time_limit` is up before a batch after the first.
         """
         fast = is_compiling() and len(columns[0]) > few
         rise = self.table.at(self.V, arrays=fast)
         shifts = np.zeros(len(rise.jumps))
         wedge = False, 0.0, (0.0, 0.0, 0.0, rise.pieces, shifts)
         run = compiled(loop) if fast else loop
+        found = np.empty((len(columns[0]), width))
 
-        def carry_out(some: slice) -> None:
-            if not is_late():
-                parts = [np.array(column[some], dtype=np.float64) for column in columns]
-                given = parts if fast else [part.tolist() for part in parts]
-                run(rise, *given, *arguments, wedge, *(part[some] for part in found))
+        def carry_out(some: slice) -> bool:
+            if some.start:
+                check_time()
+            parts = [np.array(column[some], dtype=np.float64) for column in columns]
+            given = parts if fast else [part.tolist() for part in parts]
+            run(rise, *given, *arguments, wedge, found[some])
+            return True
 
-        in_batches(carry_out, len(columns[0]), batch, workers)
+        length = batch if fast else max(len(found), 1)  # plain Python looks at the time limit itself
+        parts = [slice(low, low + length) for low in range(0, len(found), length)]
+        if None in collect(carry_out, parts, workers=workers):
+            raise KeyboardInterrupt
+        return found
 
     def unmeasured(self, w: float) -> InputError:
         """Return the refusal of a slip speed beyond the last measured one."""

@@ -106,6 +106,7 @@ class FrictionTable:
     firsts: tuple[int, ...] = field(repr=False)
 
     @staticmethod
+    @lru_cache(maxsize=256)
     def of(law: FrictionLaw, upto: float | None = None) -> "FrictionTable":
         """Return the table of a law, made once for equal laws.
 
@@ -115,7 +116,22 @@ class FrictionTable:
         Raises `InputError` if a parameter has no value, mu(0+) or mu beside it is not finite, or the static
           coefficient is below mu(0+).
         """
-        return _table(law, upto)
+        onset, static = law.onset, law.static_value
+        reach = math.inf if law.v_max is None else float(law.v_max)
+        farthest = FARTHEST if upto is None else upto
+        segments = [(start, rising) for start, rising in law.rises() if start < farthest]
+        ends = [*(start for start, _ in segments[1:]), min(reach, farthest)]
+        parts, kinks, firsts, end = list[FloatArray](), list[float](), [0], 0.0
+        with np.errstate(all="ignore"):
+            for (start, rising), high in zip(segments, ends, strict=True):
+                part, end = _segment(rising, onset, start, high, upto is not None)
+                if len(part):
+                    parts.append(part)
+                    firsts.append(firsts[-1] + len(part))
+                    kinks.append(start)
+                if end < high:
+                    break
+        return FrictionTable(onset, static, tuple(kinks[1:]), reach, end, np.concatenate(parts), tuple(firsts))
 
     def rise(self, v: float) -> float:
         """Return mu(v) - mu(0+) at a slip speed in m/s within the table."""
@@ -154,26 +170,6 @@ def _in_units(table: FrictionTable, V: float, arrays: bool) -> Rise:
     return Rise(
         list(map(tuple, pieces.tolist())), levels.tolist(), firsts.tolist(), table.jumps.tolist(), steepest
     )
-
-
-@lru_cache(maxsize=256)
-def _table(law: FrictionLaw, upto: float | None) -> FrictionTable:
-    onset, static = law.onset, law.static_value
-    reach = math.inf if law.v_max is None else float(law.v_max)
-    farthest = FARTHEST if upto is None else upto
-    segments = [(start, rising) for start, rising in law.rises() if start < farthest]
-    ends = [*(start for start, _ in segments[1:]), min(reach, farthest)]
-    parts, kinks, firsts, end = list[FloatArray](), list[float](), [0], 0.0
-    with np.errstate(all="ignore"):
-        for (start, rising), high in zip(segments, ends, strict=True):
-            part, end = _segment(rising, onset, start, high, upto is not None)
-            if len(part):
-                parts.append(part)
-                firsts.append(firsts[-1] + len(part))
-                kinks.append(start)
-            if end < high:
-                break
-    return FrictionTable(onset, static, tuple(kinks[1:]), reach, end, np.concatenate(parts), tuple(firsts))
 
 
 def _segment(

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, nullcontext
-from contextvars import copy_context
 from functools import partial
 from multiprocessing import get_context
 from typing import TypeVar
@@ -67,22 +66,6 @@ def _until(end: float, function: Callable[[Task], Result], task: Task) -> Result
     """Carry out a task with the time until a given one, in seconds of the clock that all processes have."""
     with time_limit(min(max(end - time.time(), 0.0), LONGEST)):
         return function(task)
-
-
-def in_batches(batch: Callable[[slice], None], size: int, length: int, workers: int) -> None:
-    """Carry out a compiled loop over so many items in batches of a length, by so many threads.
-
-    Raises `InputError` for unusable workers.
-    """
-    parts = [slice(low, low + length) for low in range(0, size, length)]
-    count = min(_count(workers), len(parts))
-    if count < 2 or not is_compiling():
-        for part in parts:
-            batch(part)
-        return
-    contexts = [copy_context() for _ in parts]  # each thread has the time limit of this call
-    with ThreadPoolExecutor(count) as threads:
-        list(threads.map(lambda context, part: context.run(batch, part), contexts, parts))
 
 
 def _results(

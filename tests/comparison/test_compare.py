@@ -45,7 +45,8 @@ def test_compare_without_an_oscillator_has_averages_only():
         ({}, "wanted once"),
         ({"osc": ss.Oscillator(c=0.0, **POINT), "V": 1.0}, "wanted once"),
         ({"V": 1.0, "N": 1.0, "c": 1.0}, "V, N, m and k, not c"),
-        ({**POINT, "methods": ["orbits"]}, "did you mean 'orbit'"),
+        ({**POINT, "methods": "orbits"}, "did you mean 'orbit'"),
+        ({**POINT, "methods": 3}, "there is no method '3'"),
     ],
 )
 def test_compare_refuses_what_is_no_operating_point(given, words):

@@ -11,7 +11,6 @@ from pages import XHTML, browse, check_well_formed, require_browser
 import stickslip_sym as ss
 from stickslip_sym.comparison.study import study as studies
 from stickslip_sym.model.measured.measurements import Measurements
-from stickslip_sym.output import browser
 
 PARTS = ["headline", "verdict", "thresholds", "law", "sensitivities", "margins", "formulas", "assumed", "versions"]
 FIGURES = ["figure-law", "figure-plane", "figure-time", "figure-phase"]
@@ -279,14 +278,6 @@ def test_parts_that_take_too_long_are_named(monkeypatch):
     assert "There is no threshold here" in text
 
 
-def test_motions_beyond_the_measured_speeds_are_refused_once(tmp_path):
-    (tmp_path / "disc.csv").write_text("v,mu\n0,0.5\n0.3,0.4\n0.6,0.32\n1.02,0.3\n")
-    law = ss.FrictionLaw.from_csv(tmp_path / "disc.csv")
-    study = ss.study(law, ss.Oscillator(m=1, k=100, c=0.1, V=0.5, N=9.81))
-    assert study.regime is None
-    assert str(study).count("the law is measured up to") == 1
-
-
 def test_without_friction_no_change_reaches_the_threshold(monkeypatch):
     study = ss.study(ss.laws.linear.typical(), ss.Oscillator(m=1, k=100, c=0, V=0.5, N=0))
     page = drawn_without(study, monkeypatch)
@@ -294,10 +285,3 @@ def test_without_friction_no_change_reaches_the_threshold(monkeypatch):
     assert "smallest change" not in str(study)
     assert "inf" not in str(study) + page
     assert 'id="nearest"' not in page
-
-
-def test_without_a_browser_printing_is_refused(monkeypatch, tmp_path):
-    monkeypatch.setattr(browser.shutil, "which", lambda name: None)
-    with pytest.raises(ss.InputError, match="none is on the path; open the page in any browser"):
-        studied(0).print(tmp_path / "study.pdf")
-    assert not list(tmp_path.iterdir())

@@ -53,12 +53,12 @@ def test_errors_and_times_of_a_criterion(measured):
     [
         (ss.laws.exponential, {}, "no value for mu_s, mu_m, alpha"),
         (ss.laws.exponential.typical(mu_s="0.2"), {"of": "criterion"}, "the criterion is 0"),
-        (LAW, {"of": ["criterion", "basins"]}, r"no trade of 'basins' \(did you mean 'basin'\?\); there"),
+        (LAW, {"of": ["criterion", "basins"]}, r"no trade of 'basins' \(did you mean 'basin'\?\); known"),
         (LAW, {"criterion": "harmonics"}, "no criterion 'harmonics'"),
         (LAW, {"of": "basin", "c": 1.0}, "no initial condition comes to rest in this box"),
         (ss.laws.polynomial.typical(), {"of": "basin"}, "rest and stick-slip coexist at no damping; give c"),
         (ss.laws.polynomial.typical(), {"of": "threshold", "V": 0.95}, "nothing has a relative error"),
-        *((LAW, {"of": of}, "names nothing to measure; there are: criterion, threshold, basin")
+        *((LAW, {"of": of}, "names nothing to measure; known: criterion, threshold, basin")
           for of in ((), None, 3)),
         (LAW, {"of": "threshold", "time_limit": 0}, "time"),
     ],

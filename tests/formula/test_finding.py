@@ -1,5 +1,7 @@
 """Every rule of integration by itself, with random numbers in it: right by quadrature, and proved."""
 
+import random
+
 import mpmath
 import numpy as np
 import pytest
@@ -125,6 +127,26 @@ def test_averages_of_pieces():
     got = function_of([V], found, "mpmath")(mpmath.mpf("0.8"))
     assert got == pytest.approx(float(2 * expected / (mpmath.pi * 0.8)), abs=1e-9)
     assert average_of_pieces([1 / u, u], [sp.Integer(0), sp.Float(1), 2 * V], u, V) is None
+
+
+def test_a_value_of_a_free_exponent_is_no_exact_power():
+    """SymPy would factor integers without end, deaf to time limits."""
+    form = ss.derive("v^p*exp(-v)", "harmonic")
+    assert form.verdict.status is ss.Status.CHECKED
+    exact = ss.quadrature.damping(form.law.bind(p="1.3"), "harmonic", V="0.7", N=2, digits=15)
+    assert form(V=0.7, N=2, p=1.3) == pytest.approx(float(exact), rel=1e-12)
+
+
+def test_a_gaussian_of_a_logarithm_is_proved():
+    form = ss.derive("b*exp(-h^2*log(v/w)^2)", search=False)
+    assert form.verdict.status is ss.Status.PROVED
+    rng = random.Random(3)
+    for _ in range(4):
+        values = {"b": 0.4, "h": rng.uniform(0.4, 2), "w": 10 ** rng.uniform(-1, 1)}
+        place = {"V": values["w"] * 10 ** rng.uniform(-1, 1), "N": 2.0}
+        exact = float(ss.quadrature.damping(form.law.bind(**values), **place, digits=15))
+        assert form(**place, **values) == pytest.approx(exact, rel=1e-12)
+        assert float(form.evaluate(15, **place, **values)) == pytest.approx(exact, rel=1e-14)
 
 
 # -- proofs of averages ------------------------------------------------------------------------------

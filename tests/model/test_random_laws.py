@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import formulas, laws, operating_points
+from strategies import formulas, laws
 
 import stickslip_sym as ss
 from stickslip_sym.model.content import law_in, law_out, text_of_law
@@ -18,6 +18,7 @@ SPEEDS = np.array([1e-13, 1e-9, 1e-3, 0.05, 0.3, 1.0, 2.7])
 
 @given(laws(static=True))
 def test_a_law_is_kept_whole_as_text(law):
+    assert law.mu(1e-12) == pytest.approx(law.onset, abs=1e-3)
     again = law_in(json.loads(text_of_law(law)))
     assert again == law
     assert again.mu(SPEEDS) == pytest.approx(law.mu(SPEEDS), rel=1e-14)
@@ -42,23 +43,6 @@ def test_rises_and_slopes_are_those_of_the_coefficient(law):
         assert rise == pytest.approx(float(exact), rel=1e-12, abs=1e-17)
         if not any(abs(float(kink) / v - 1) < 1e-9 for kink in law.kinks()):
             assert law.slope(v) == pytest.approx(float(slope), rel=1e-9, abs=1e-12)
-
-
-@given(laws(), operating_points())
-def test_an_enclosure_holds_the_quadrature(law, osc):
-    point = {"V": osc.V, "N": osc.N}
-    enclosure = ss.enclose(law, digits=15, **point)
-    by_quadrature = float(ss.quadrature.damping(law, digits=15, **point))
-    scale = osc.N * abs(float(law.mu(2 * osc.V)) - law.onset) / osc.V
-    assert float(enclosure) == pytest.approx(by_quadrature, rel=1e-12, abs=1e-13 * scale)
-
-
-@given(laws(kinks=False), operating_points())
-def test_a_slope_average_is_what_is_enclosed(law, osc):
-    called, enclosure = ss.slope_average(law)(V=osc.V, N=osc.N), ss.enclose(law, V=osc.V, N=osc.N, digits=15)
-    scale = osc.N * abs(float(law.mu(2 * osc.V)) - law.onset) / osc.V
-    assert called == pytest.approx(float(enclosure), rel=1e-11, abs=1e-13 * scale)
-    assert law.mu(1e-12) == pytest.approx(law.onset, abs=1e-3)
 
 
 @given(formulas(), st.sampled_from([" ", "  ", "\n"]))

@@ -79,16 +79,12 @@ def test_its_criteria_are_exact_closed_forms(law, form, criterion):
         assert form(V=float(V), N=9.81) == pytest.approx(float(exact), rel=1e-12)
 
 
-def test_half_the_last_speed_is_as_fast_as_a_criterion_goes(law, form):
-    assert np.isfinite(form(V=0.6, N=1.0))
+def test_speeds_beyond_the_last_are_refused(law, form):
     refusal = r"measured up to v = 1\.2 m/s, and its value at 1\.3 m/s is needed"
     for call in (
-        lambda: form(V=[0.1, 0.65], N=1.0),
-        lambda: form.evaluate(V="0.65", N=1),
-        lambda: ss.quadrature.damping(law, V="0.65", N=1),
-        lambda: law.mu(1.3),
-        lambda: law.slope([0.1, 1.3]),
-    ):
+        lambda: form(V=[0.1, 0.65], N=1.0), lambda: form.evaluate(V="0.65", N=1),
+        lambda: ss.quadrature.damping(law, V="0.65", N=1), lambda: law.slope([0.1, 1.3]),
+    ):  # fmt: skip
         with pytest.raises(ss.InputError, match=refusal):
             call()
 
@@ -128,7 +124,6 @@ def test_extrapolation_holds_the_first_and_the_last_coefficient():
         ([0, 1, 2, 3], [1, None, 1, 1], "mu of point 2 = None is not a finite real number"),
         ([0.1, 1, 2, 3], [1, 1, 1, 1], "the first speed is 0.1 m/s.*extrapolate=True"),
         (range(MOST + 1), range(MOST + 1), "61 points were given.*fit a law.*or average them over bins"),
-        (["0", "1e-300", "1", "2"], [1, 1, 1, 1], "speeds are from 1e-20 to 1e20 m/s, or 0"),
         ("0123", "1111", "v is a sequence of numbers, got str"),
     ],
 )
@@ -157,11 +152,10 @@ def test_too_many_rows_are_refused_before_they_are_read(tmp_path, monkeypatch):
         ss.FrictionLaw.from_csv(path)
 
 
-@sweep("criterion", ["equilibrium", "least_squares", "harmonic"], "equilibrium", "least_squares")
-def test_a_constant_stretch_is_exactly_zero(criterion):
+def test_a_constant_stretch_is_exactly_zero():
     """Where the criterion is 0, no number of digits tells it from a small value: the pieces do."""
     law = ss.FrictionLaw.from_samples(["0", "0.5", "0.6", "2"], ["0.5", "0.5", "0.3", "0.3"])
-    form = ss.derive(law, criterion)
+    form = ss.derive(law)
     assert form.evaluate(30, V="0.2", N=2) == 0
     assert str(form(V=0.2, N=2.0)) == "0.0"
-    assert float(form.evaluate(30, V="0.27", N=2)) != 0 or criterion == "equilibrium"
+    assert float(form.evaluate(30, V="0.27", N=2)) != 0

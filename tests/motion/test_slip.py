@@ -125,19 +125,12 @@ def test_steps_record_the_slip():
             assert step.tau + step.length == pytest.approx(after.tau, rel=1e-14)
             times = step.tau + step.length * np.array([0.2, 0.5, 0.8, 1.0])
             q, w = system.states(slip.steps, np.full(4, number), times, side, RTOL)
+            if number == 0:  # many are compiled
+                many = system.states(slip.steps, np.zeros(2000, dtype=int), np.tile(times, 500), side, RTOL)
+                assert np.array(many)[:, -4:] == pytest.approx(np.array([q, w]), rel=1e-13, abs=1e-13)
             assert (q[-1], w[-1]) == pytest.approx((after.q, after.w), rel=1e-7, abs=1e-7)
             ordered = np.diff([step.w, *w])
             assert (ordered > -1e-9).all() or (ordered < 1e-9).all()
-
-
-def test_many_states_are_the_same_compiled():
-    system = Dimensionless(2.0, 0.05, FrictionTable.of(ss.laws.exponential.typical()), 0.5)
-    slip = system.slip(0.0, 0.0, recorded=True)
-    times = np.linspace(0, slip.tau, 3000)
-    which = np.searchsorted([step.tau for step in slip.steps], times, side="right") - 1
-    many = system.states(slip.steps, which, times, 1, 1e-12)
-    few = system.states(slip.steps, which[::50], times[::50], 1, 1e-12)
-    assert np.array(many)[:, ::50] == pytest.approx(np.array(few), rel=1e-13, abs=1e-13)
 
 
 @pytest.mark.parametrize("kind", ["exponential", "kinked", "falls", "rises", "steep"])

@@ -34,11 +34,7 @@ _AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "ha
 
 @dataclass(frozen=True)
 class Plane:
-    """Thresholds over belt speed V in m/s, all else as at the operating point, in kg/s.
-
-    `averages` by slopes, by name, and the `exact` ones with their standard error `uncertainty`; NaN where there is
-    none.
-    """
+    """Averages by slopes and exact thresholds over belt speed, in kg/s; NaN where there is none."""
 
     V: FloatArray
     averages: Mapping[str, FloatArray]
@@ -47,13 +43,7 @@ class Plane:
 
 
 def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -> Plane:
-    """Return the thresholds from near rest to twice a belt speed, or as far as mu was measured.
-
-    - `law`: with all parameters bound; with their standard errors, where they have any.
-    - `given`: N, m and k.
-
-    Raises `InputError` where the law has no value, and `OutOfTime` when the time is up.
-    """
+    """Return the thresholds, for given N, m and k, up to twice a belt speed, or as far as mu was measured."""
     top = _WIDEST * speed if law.v_max is None else min(_WIDEST * speed, float(law.v_max) / 2)
     V = np.linspace(top / _POINTS, top, _POINTS)
     averages = {name: pure_slip_damping(law, V=V, N=given["N"], method=name).value for name in _AVERAGES}
@@ -70,10 +60,7 @@ def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -
 
 
 def pictures(study: Study) -> Iterator[tuple[str, str]]:
-    """Yield name and data URI of each figure whose part could be computed.
-
-    Raises `InputError` if matplotlib is not installed.
-    """
+    """Yield name and data URI of each figure whose part could be computed."""
     for name, (part, draw) in _PICTURES.items():
         if getattr(study, part) is not None:
             with styled():

@@ -1,23 +1,24 @@
 """How the branches of an average are made: once for a profile, from values in ball arithmetic alone.
 
-- A power series for small r, with an exponential taken out where every term of g has it.
+- For small and for large r a power of r times a polynomial in r or 1/r, or in a root of it; for small r with an
+  exponential taken out, and where it has to be beside others times log(r) or powers of r.
 - The closed form, from where on a dense comparison with balls says that it does not cancel.
 - Polynomials in panels for what lies between.
-- A series in 1/r for large r, beside one times log(r) or powers of r, or the leading term beyond all scales.
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
 
 import numpy as np
 import sympy as sp
-from flint import arb, arb_mat, arb_poly, arb_series, fmpq
+from flint import acb, arb, arb_mat, arb_poly
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import rational, working_precision
+from stickslip_sym.core.balls import ball_value, rational, working_precision
+from stickslip_sym.core.functions import row
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import average_ball
@@ -27,8 +28,6 @@ from stickslip_sym.formula.evaluation.values import (
     MeanSlope,
     Unresolved,
     Values,
-    mean_power,
-    radius_of,
     slope_of,
 )
 from stickslip_sym.formula.proof.gate import kinks_of
@@ -37,28 +36,19 @@ from stickslip_sym.formula.proof.proving import Verdict
 __all__ = ["branches_of", "compared"]
 
 _EPSILON = 2.0**-52
-_NEGLIGIBLE = 2.0**-57  # of a value: what a series may leave out
-_CONDITION = 1.5  # of a series: the sum of its terms' sizes over the size of the sum
-_BEGINNING, _BEYOND = 2.75, 3.5  # of eps <|g'|>, by which a formula may differ from balls
+_NEGLIGIBLE = 2.0**-57  # of a value: what a polynomial may leave out
+_CONDITION = 1.5  # of a polynomial: the sum of its terms' sizes over the size of the sum
+_UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
 _WRITTEN = 16  # of the same, by which what is written as code may differ from the definition
-_TERMS = 30  # of a series, at most
 
-_LOW, _HIGH = -30, 60  # binary exponents of r between which a profile is followed
-_WHERE = (2.0**_HIGH, 2.0 ** (5 * _HIGH))  # r at which the power of r is measured by which F goes
-_FAR = (0, 140, 400)  # binary orders beyond these, where a leading term is read off
-_LEADING = 4 * _EPSILON  # by which the leading term may differ from the value at the farthest of them
-_POWERS = [k / 2 for k in range(-12, 9)]  # that are tried for it, beside those of the profile
-_STEEP = 1e-6  # of a measured power of r, to the next half one
-
-_SERIES_BITS = 300  # for coefficients of power series, before they cancel
-_INSIDE = 0.25  # of the radius of convergence, up to which a series is tried
-_SERIES_ENDS = 2.0 ** np.arange(-6, 3.01, 0.125)
-_FRACTIONAL, _FRACTIONAL_END = 16, 0.125  # powers of v^e, and the r up to which such a series is tried
-
-_FIT_NODES = 31  # of a polynomial that is then written in as few terms as it takes
-_TAILS = (3, 4, 5, 6, 7, 9, 11)  # binary exponents of the r from where a series in 1/r is tried
-_LARGEST_ROOT = 4  # of r, in which a series is tried too
-_PLAIN_TERMS, _OTHER_TERMS = 18, 8  # of the polynomials of a tail, where one of them is times another function
+_HIGH = 60  # binary exponent of r up to which a profile is followed
+_WHERE = (60, 300)  # binary exponents at which the power of r is read off by which F goes
+_POWERS = [sp.Rational(k, 2) for k in range(-12, 17)]  # that are tried for it, beside those of the profile
+_STRAIGHT, _LEVEL = 1e-6, 1e-4  # F over the right power of r is linear in log(r); with no slope it is constant
+_ENDS = {1: (11, 9, 7, 6, 5, 4, 3), -1: (-9, -6, -4, -3, -2, -1, 0, 1)}
+"""Binary exponents of the r from where, or up to where, one polynomial is tried."""
+_FIT_NODES, _TERMS = 27, 23  # of a polynomial that is then written in as few terms as it takes
+_LARGEST_ROOT = 4  # of r, in which a polynomial is tried too
 
 _NODES = 19  # of a panel
 _SMOOTH = 0.5 * _EPSILON  # of <|g'|>: the last coefficients of a panel
@@ -67,10 +57,8 @@ _PANELS = 4000  # at most
 _HALVINGS = 12  # of a panel that is not smooth
 _NEAR_KINK = 1.25  # times r at a kink: up to there the panel's variable is the square root
 
-_CLOSE = 4  # octaves from where a closed form begins, in which it is compared at more points
-_COARSE, _FINE = 2, 16  # points in an octave at which a closed form is compared: far out, and where it begins
-_MODERATE = 8  # binary exponent of r up to which 8 points are compared
-_ELEMENTARY = (sp.exp, sp.log, sp.atan, sp.asinh)  # of which a formula costs less than a polynomial
+_POINTS = 16  # in an octave, at which a closed form is compared; from 2^_MODERATE on 2
+_MODERATE = 8
 
 
 @lru_cache(maxsize=256)
@@ -118,275 +106,221 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
     return Verdict(Status.CHECKED, "each branch agrees with an enclosure of the definition")
 
 
+_Fit = Callable[[float], tuple[float, Branch] | None]
+"""From an r up to or from where a branch is tried to that r and the branch; None where it does not hold."""
+
+_Terms = tuple[tuple[Expr | None, int], ...]
+"""Functions, None for 1, and the number of terms of the polynomial that stands before each."""
+
+
 class _Builder:
-    """Makes the branches of one average; each kind with the r where it begins or ends."""
+    """Makes the branches of one average: both ends first, then the closed form, then a table of what is left."""
 
     def __init__(self, profile: Expr, criterion: Criterion, closed: Expr | None, point: dict[Expr, Expr]) -> None:
         self.profile, self.criterion, self.point = profile, criterion, point
         self.values = Values(profile, criterion, closed, point)
         self.local = criterion.weight is None
-        self.closed = closed
+        self.closed = closed if not (self.values.kinks or point) else None
         if self.local:
             self.closed = -slope_of(self.values.last_piece).subs(symbols.v, symbols.V).xreplace(point)
         # Each r beyond which a kink counts, as a float, and what it is exactly: a root grows from there.
         self.corners = {float(r): r for r in (kink / (1 if self.local else 2) for kink in self.values.kinks)}
-        exponents = {node.exp.xreplace(point) for node in profile.atoms(sp.Pow) if node.base == symbols.v}
-        fractional = [e for e in exponents if not e.is_Integer]
+        powers = [node for node in profile.atoms(sp.Pow) if node.base.has(symbols.v)]
+        exponents = {node.exp.xreplace(point) for node in powers}
+        self.roots = sorted({int(e.q) for e in exponents if e.is_Rational and 2 < e.q <= _LARGEST_ROOT})
         # The e of v^e if v occurs, apart from whole powers, in that way only.
+        fractional = [
+            e for e in {node.exp.xreplace(point) for node in powers if node.base == symbols.v} if not e.is_Integer
+        ]
         self.exponent = fractional[0] if len(fractional) == 1 else None
         self.panels = 0
 
     def build(self) -> Branches | None:
         """Return the branches in order, or None."""
-        slope = sp.diff(self.profile, symbols.v)
-        if not self.profile.has(symbols.v):
-            return Branches((0.0,), (Sum.constant(0.0),))
-        if not self.corners and slope.is_polynomial(symbols.v):
-            return self._polynomial(sp.degree(slope, symbols.v))
-        if self.profile.is_Pow and self.profile.base == symbols.v and self.exponent is not None:
-            e = rational(self.exponent)
-            value = -arb(e) * mean_power(self.criterion, e - 1)
-            return Branches((0.0,), (Sum.constant(float(value), float(self.exponent) - 1),))
-        if self.values.reach < np.inf and self.local:
+        if (whole := self._powers_alone()) is not None:
+            return whole
+        reach = self.values.reach
+        if reach < math.inf and self.local:
             return Branches((0.0,), (Sum(0.0, 1.0, ((self.closed, (1.0,)),)),))
-        outer = self._outer()
-        first = (self._series(outer[0][0]) or self._leading(2.0**_LOW, -1)) if outer else None
+        last = (
+            ((1 - _BEFORE_THE_END) * reach / 2, Sum.constant(math.nan)) if reach < math.inf else self._end(1, 0.0)
+        )
+        direct = self._direct(last[0] if last else 2.0**_HIGH) if reach == math.inf else None
+        outer = [pair for pair in (direct, last) if pair is not None]
+        first = self._end(-1, outer[0][0]) if outer else None
         if first is None:
             return None
-        (opened, branch), closed = first, outer[0][0]
+        (opened, branch), stop = first, outer[0][0]
         pairs: list[tuple[float, Branch]] = [(0.0, branch)]
-        if opened < closed:
-            if (table := self._table(opened, closed)) is None:
+        if opened < stop:
+            if (table := self._table(opened, stop)) is None:
                 return None
             pairs.append((opened, table))
-        starts, branches = zip(*pairs, *((max(start, opened), branch) for start, branch in outer), strict=True)
+        starts, branches = zip(*pairs, *outer, strict=True)
         return Branches(starts, branches)
 
-    def _polynomial(self, degree: int) -> Branches:
-        """Sum the moments; for large r the same polynomial in 1/r."""
-        slopes = self.values.taylor(degree + 1)
-        assert slopes is not None
-        coefficients = [float(-g * mean_power(self.criterion, fmpq(k))) for k, g in enumerate(slopes)]
-        low = next(k for k, c in enumerate(coefficients) if c != 0)
-        used = coefficients[low:]
-        step = 2 if not any(used[1::2]) else 1
-        small = Sum(float(low), float(step), ((None, tuple(used[::step])),))
-        large = Sum(float(degree), -float(step), ((None, tuple(used[::-1][::step])),))
-        return Branches((0.0, 1.0), (small, large)) if len(used) > 1 else Branches((0.0,), (small,))
-
-    def _outer(self) -> list[tuple[float, Branch]]:
-        """Return the branches for large r, each with the r where it begins."""
-        if self.values.reach < np.inf:
-            return [((1 - _BEFORE_THE_END) * self.values.reach / 2, Sum.constant(math.nan))]
-        last = self._tail() or self._leading(2.0**_HIGH, 1)
-        direct = self._direct(last[0] if last else 2.0**_HIGH)
-        return [pair for pair in (direct, last) if pair is not None]
-
-    # -- small r ---------------------------------------------------------------------------------
-
-    def _series(self, closed: float) -> tuple[float, Branch] | None:
-        """Expand F around r = 0, at most up to where other branches begin; return where that ends, and it."""
-        decay = self._decay()
-        with working_precision(_SERIES_BITS, 2 * _TERMS):
-            slopes = self.values.taylor(2 * _TERMS)
-            if slopes is None:
-                return self._fractional_series(closed)
-            means = [-c * mean_power(self.criterion, fmpq(k)) for k, c in enumerate(slopes)]
-            series = arb_series(means, prec=2 * _TERMS) * arb_series([0, arb(decay)], prec=2 * _TERMS).exp()
-            coefficients = [series[k] for k in range(2 * _TERMS)]
-        function = sp.exp(-sp.Float(decay) * symbols.V) if decay else None
-        return self._short_series(coefficients, 0.0, 1.0, function, min(closed, _INSIDE * self.values.radius))
-
-    def _decay(self) -> float:
-        """Return the rate k if every term of g' has a factor exp(-k v), else 0."""
-        rates = set()
+    def _powers_alone(self) -> Branches | None:
+        """Return the average of a sum of whole powers of v, or of one power, by the moments of the weight."""
+        terms: dict[Expr, float] = {}
         for term in sp.Add.make_args(sp.expand(sp.diff(self.profile, symbols.v))):
-            exponents = [factor.args[0] for factor in sp.Mul.make_args(term) if isinstance(factor, sp.exp)]
-            rate = -sp.Add(*exponents).coeff(symbols.v)
-            rates.add(float(rate) if rate.is_number and rate.is_positive else 0.0)
-        return min(rates)
-
-    def _short_series(
-        self, coefficients: list[arb], power: float, step: float, function: Expr | None, end: float
-    ) -> tuple[float, Branch] | None:
-        """Return f(r) r^p sum_k c_k r^(q k) in as few terms as it takes, and the r up to which it is good."""
-        # What may be 0 is: the balls are small beside every coefficient that matters.
-        coefficients = [arb(0) if c.contains(0) else c for c in coefficients]
-        low = next((k for k, c in enumerate(coefficients) if c != 0), None)
-        if low is None:
+            coefficient, power = term.as_independent(symbols.v, as_Add=False)
+            base, exponent = power.as_base_exp()
+            if base not in (1, symbols.v):
+                return None
+            exponent = (exponent if base == symbols.v else sp.S.Zero).xreplace(self.point)
+            terms[exponent] = float(-coefficient.xreplace(self.point) * self.criterion.mean_power(exponent))
+        low, high = min(terms), max(terms)
+        if low == high:
+            return Branches((0.0,), (Sum.constant(terms[low], float(low)),))
+        if not all(exponent.is_Integer for exponent in terms):
             return None
-        used, end = coefficients[low:], min([end, *self.corners])
-        z = _SERIES_ENDS[2 ** (1 / 8) * end >= _SERIES_ENDS] ** step
-        parts = np.array([float(c) for c in used]) * z[:, None] ** np.arange(len(used))
-        total, sizes = np.abs(parts.sum(axis=1)), np.abs(parts)
-        good = sizes.sum(axis=1) <= _CONDITION * total
-        good &= sizes[:, _TERMS:].sum(axis=1) <= _NEGLIGIBLE * total
-        count = z.size if good.all() else int(good.argmin())
-        if count == 0:
+        step = math.gcd(*(int(e - low) for e in terms))
+        used = tuple(terms.get(e, 0.0) for e in range(low, high + 1, step))
+        small, large = (
+            Sum(float(low), float(step), ((None, used),)),
+            Sum(float(high), -float(step), ((None, used[::-1]),)),
+        )
+        return Branches((0.0, 1.0), (small, large))
+
+    # -- the ends ----------------------------------------------------------------------------------
+
+    def _end(self, side: int, stop: float) -> tuple[float, Branch] | None:
+        """Fit F for all small r, side -1, or for all large ones; return up to or from where, and the branch.
+
+        It is a power of r times a polynomial in r or 1/r, or in a root of it, or several such beside each other.
+        """
+        asymptote = self._asymptote(side)
+        if asymptote is None:
             return None
-        stride = 2 if step == 1 and not any(used[1::2]) else 1
-        short = _shortest(arb_poly(used[::stride]), float(z[count - 1]) ** stride, _TERMS)
-        branch = Sum(power + low * step, step * stride, ((function, short),))
-        return min([float(_SERIES_ENDS[count - 1]), *self.corners]), branch
-
-    def _fractional_series(self, closed: float) -> tuple[float, Branch] | None:
-        """The same for a profile with one power v^e that is not whole."""
-        rows = (
-            None if self.exponent is None
-            else self.values.taylor_in_powers(self.exponent, _FRACTIONAL, 2 * _TERMS)
-        )  # fmt: skip
-        if rows is None:
-            return None
-        e = rational(self.exponent)
-        means = [
-            [-c * (k * e + j) * mean_power(self.criterion, k * e + j - 1) if k or j else arb(0)
-             for j, c in enumerate(row)]
-            for k, row in enumerate(rows)
-        ]  # fmt: skip
-        if len(means[0]) == 1:
-            coefficients = [row[0] for row in means]
-            end = min(closed, _INSIDE * radius_of(coefficients) ** (1 / float(e)))
-            return self._short_series(coefficients[1:], float(e) - 1, float(e), None, end)
-        end = min(_FRACTIONAL_END, *(_INSIDE * radius_of(row) for row in means))
-        while end > 2.0**_LOW and abs(float(means[-1][0]) * end ** (float(e) * (len(means) - 1))) > _NEGLIGIBLE:
-            end /= 2
-        parts = []
-        for k, row in enumerate(means):
-            # Of k = 0 the constant of g has no slope; r^(k e - 1) stands before the others.
-            kept = row[1:] if k == 0 else row
-            count = 1 + max((n for n, c in enumerate(kept) if abs(float(c)) * end**n > _NEGLIGIBLE), default=0)
-            function = None if k == 0 else symbols.V ** sp.Float(float(k * e) - 1)
-            parts.append((function, tuple(float(c) for c in kept[:count])))
-        return end, Sum(0.0, 1.0, tuple(parts))
-
-    # -- large r ---------------------------------------------------------------------------------
-
-    def _tail(self) -> tuple[float, Branch] | None:
-        """Fit F for large r by a power of r times polynomials."""
-        # Two powers that are close part from each other farther out.
-        power = next((p for r in _WHERE if (p := self._power(r)) is not None), None)
-        if power is None:
-            leading = self._leading(2.0**_HIGH, 1)
-            return self._mixed_tail(leading[1].power) if leading and len(leading[1].parts) > 1 else None
-        return self._plain_tail(power) or self._mixed_tail(power)
-
-    def _starts(self) -> list[float]:
-        return [2.0**exponent * max([1.0, *self.corners]) for exponent in _TAILS]
-
-    def _plain_tail(self, power: float) -> tuple[float, Branch] | None:
-        """Fit r^-power F for large r by a polynomial in 1/r, or in one of its roots."""
-        exponents = {node.exp.xreplace(self.point) for node in self.profile.atoms(sp.Pow)}
-        roots = {int(e.q) for e in exponents if e.is_Rational and 2 < e.q <= _LARGEST_ROOT}
-        for root in (1, 2, *sorted(roots)):
-            for near in self._starts() if root == 1 else self._starts()[2::2]:
-                start = near ** max(1.0, root / 2)
-
-                def scaled(z: arb, root: int = root) -> arb:
-                    return self.values(z**-root) * z ** arb(root * power)
-
-                try:
-                    coefficients = _shortest(scaled, start ** (-1 / root), _FIT_NODES - 5)
-                except ArithmeticError:
-                    continue
-                sizes = np.abs(coefficients) * start ** (-np.arange(len(coefficients)) / root)
-                if sizes.sum() <= _CONDITION * abs(np.dot(np.sign(coefficients), sizes)):
-                    return start, Sum(power, -1 / root, ((None, coefficients),))
+        power, logarithm = asymptote
+        steps = [sp.Rational(1, root) for root in (1, 2, *self.roots)]
+        fits: list[tuple[Expr, _Fit]] = [
+            (step, partial(self._mixed, side, power, step, parts))
+            for step in steps[:2]
+            for parts in self._mixtures(side, power, logarithm)
+        ]
+        if not logarithm:
+            steps += [self.exponent] if side < 0 and self.exponent is not None else []
+            plain = [(step, function) for step in steps for function in self._decays(side)]
+            fits = [(step, partial(self._plain, side, power, step, f)) for step, f in plain] + fits
+        bound = min if side < 0 else max
+        corner, edge = bound([1.0, *self.corners]), bound([stop, *self.corners])
+        for step, fit in fits:
+            ends = [corner * 2.0 ** (exponent * max(1.0, 0.5 / float(step))) for exponent in _ENDS[side]]
+            if (pair := _farthest([bound(end, edge) for end in ends], fit)) is not None:
+                return pair
         return None
 
-    def _mixed_tail(self, power: float) -> tuple[float, Branch] | None:
-        """Fit r^-power F by two polynomials in 1/r or its root, one times log(r), through values at nodes."""
-        counts = ((None, _PLAIN_TERMS), (sp.log(symbols.V), _OTHER_TERMS))
-        nodes = [(1 + t) / 2 for t in _chebyshev(_PLAIN_TERMS + _OTHER_TERMS).nodes]  # of (start/r)^(1/root)
-        for root, start in [*((1, start) for start in self._starts()[:5]), *((2, r) for r in self._starts()[5:])]:
-            speeds = [arb(start) / x**root for x in nodes]
-            rows = [
-                [factor * x**k for f, count in counts for factor in [arb(1) if f is None else r.log()]
-                 for k in range(count)]
-                for x, r in zip(nodes, speeds, strict=True)
-            ]  # fmt: skip
-            values = [[self.values(r) * r ** arb(-power)] for r in speeds]
-            try:
-                solution = iter(arb_mat(rows).solve(arb_mat(values)).entries())
-            except (ZeroDivisionError, ValueError):
+    def _asymptote(self, side: int) -> tuple[Expr, bool] | None:
+        """Return the power of r by which F goes at an end, and whether it is times log(r) too."""
+        powers = _POWERS
+        if self.exponent is not None:
+            powers = [*_POWERS, *(sign * self.exponent - n for sign in (1, -1) for n in (1, 2))]
+        for exponent in _WHERE:
+            r = [arb(2) ** (side * exponent + k) for k in (0, 1, 2)]
+            values = [self.values(x) for x in r]
+            if all(value == 0 for value in values):
+                return sp.S.Zero, False
+            if any(value.contains(0) or not value.is_finite() for value in values):
                 continue
-            branch = Sum(
-                power,
-                -1.0 / root,
-                tuple(
-                    (f, tuple(float(next(solution)) * start ** (k / root) for k in range(count)))
-                    for f, count in counts
-                ),
-            )
-            octaves = np.concatenate([np.arange(0, 4, 1 / 3), np.arange(4, _HIGH - np.log2(start), 4)])
-            if self._agreed(branch, start * 2.0**octaves, _BEYOND) == start:
-                return start, branch
+            for power in powers:
+                y = [value * x ** -arb(rational(power)) for value, x in zip(values, r, strict=True)]
+                rises = [float((b - a) / y[0]) for a, b in pairwise(y)]
+                if abs(rises[1] - rises[0]) < _STRAIGHT:
+                    return power, abs(rises[0]) > _LEVEL
         return None
 
-    def _power(self, r: float) -> float | None:
-        """Return the power of r by which F goes far out; None if there is a logarithm too."""
-        values = [float(self.values(arb(factor * r))) for factor in (1.0, 2.0, 4.0)]
-        if not (np.isfinite(values).all() and (min(values) > 0 or max(values) < 0)):
+    def _decays(self, side: int) -> list[Expr | None]:
+        """Return what may stand before a polynomial for small r: an exponential, or nothing."""
+        rates = [
+            -node.exp.coeff(symbols.v) for node in self.profile.atoms(sp.exp) if node.exp.is_polynomial(symbols.v)
+        ]
+        rates = [float(rate) for rate in rates if rate.is_number and rate.is_positive]
+        return [sp.exp(-sp.Float(min(rates)) * symbols.V), None] if side < 0 and rates else [None]
+
+    def _plain(
+        self, side: int, power: Expr, step: Expr, function: Expr | None, end: float
+    ) -> tuple[float, Branch] | None:
+        """Fit F by r^power f(r) P(z), z = r^step or r^-step, up to or from where r is `end`."""
+        exponent, last = -side * step, arb(end) ** arb(rational(-side * step))
+
+        def scaled(z: arb) -> arb:
+            r = z ** arb(rational(1 / exponent))
+            before = r ** arb(rational(power))
+            return self.values(r) / (before if function is None else before * _at(function, r))
+
+        coefficients = _shortest(scaled, last)
+        if coefficients is None:
             return None
-        powers = [np.log2(b / a) for a, b in pairwise(values)]
-        power = min(self._powers(), key=lambda p: abs(p - powers[0]))
-        return power if max(abs(p - power) for p in powers) < _STEEP else None
-
-    def _powers(self) -> list[float]:
-        if self.exponent is None:
-            return _POWERS
-        return [*_POWERS, *(sign * float(self.exponent) - n for sign in (1, -1) for n in (1, 2))]
-
-    def _leading(self, place: float, side: int) -> tuple[float, Sum] | None:
-        """Return a place, and the leading term beyond it, at smaller r or at larger ones."""
-        r = [arb(place * 2.0 ** (side * order)) for order in _FAR]
-        values = [self.values(x) for x in r]
-        if all(value == 0 for value in values):
-            return place, Sum.constant(0.0)
-        if not all(value.is_finite() and not value.contains(0) for value in values):
+        sizes = np.abs(coefficients) * float(last) ** np.arange(len(coefficients))
+        if not sizes.sum() <= _CONDITION * abs(np.dot(np.sign(coefficients), sizes)):
             return None
-        logs = [x.log() for x in r]
-        for power in self._powers():
-            y = [value * x ** arb(-power) for value, x in zip(values, r, strict=True)]
-            slope = (y[1] - y[0]) / (logs[1] - logs[0])
-            constant = y[0] - slope * logs[0]
-            if bool(abs(constant + slope * logs[2] - y[2]) <= _LEADING * abs(y[2])):
-                if bool(abs(slope * logs[2]) < _LEADING * abs(y[2])):
-                    return place, Sum.constant(float(y[0]), power)
-                parts = ((None, (float(constant),)), (sp.log(symbols.V), (float(slope),)))
-                return place, Sum(power, 1.0, parts)
-        return None
+        stride = 2 if (sizes[1::2] <= _NEGLIGIBLE**2 * sizes.max()).all() else 1
+        parts = ((function, tuple(coefficients[::stride])),)
+        return end, Sum(float(power), float(exponent) * stride, parts)
 
-    # -- what lies between -----------------------------------------------------------------------
+    def _mixtures(self, side: int, power: Expr, logarithm: bool) -> Sequence[_Terms]:
+        """Return functions that may stand beside each other, and the number of terms of their polynomials."""
+        V, e = symbols.V, self.exponent
+        beside_logarithm: list[_Terms] = [((None, 18), (sp.log(V), 8))]
+        if e is None or logarithm:
+            return beside_logarithm
+        if side < 0:
+            return [*beside_logarithm, ((None, 10), (V**e, 7), (V ** (2 * e), 5), (V ** (3 * e), 4))]
+        # Far out there are powers of the slope there, and of the weight near v = 0.
+        offsets = {(other - power) % 1 for other in (e - 1, -e - 1, -1 - self.criterion.order_at_rest)} - {0}
+        return [*beside_logarithm, *(((None, 13), (V ** (offset - 1), 13)) for offset in offsets)]
+
+    def _mixed(self, side: int, power: Expr, step: Expr, terms: _Terms, end: float) -> tuple[float, Branch] | None:
+        """Fit F by r^power times a sum of functions times polynomials, through values at nodes."""
+        exponent, last = -side * step, arb(end) ** arb(rational(-side * step))
+        nodes = [(1 + t) / 2 for t in _chebyshev(sum(count for _, count in terms)).nodes]  # of z over the last one
+        speeds = [(x * last) ** arb(rational(1 / exponent)) for x in nodes]
+        rows = [
+            [factor * x**k for f, count in terms for factor in [_at(f, r)] for k in range(count)]
+            for x, r in zip(nodes, speeds, strict=True)
+        ]
+        values = [[self.values(r) * r ** -arb(rational(power))] for r in speeds]
+        try:
+            solution = iter(arb_mat(rows).solve(arb_mat(values)).entries())
+        except (ZeroDivisionError, ValueError):
+            return None
+        parts = tuple((f, tuple(float(next(solution) / last**k) for k in range(count))) for f, count in terms)
+        branch = Sum(float(power), float(exponent), parts)
+        # At the last nodes it is not as good as beyond them.
+        octaves = np.concatenate([np.arange(2, 6, 1 / 3), np.arange(6, _HIGH, 4)])
+        r = end * 2.0 ** (side * octaves)
+        return (
+            (float(r[0]), branch)
+            if self._agreed(branch, r, abs(sp.Rational(float(power)) - power)) == r.size
+            else None
+        )
+
+    # -- what lies between -------------------------------------------------------------------------
 
     def _direct(self, stop: float) -> tuple[float, Branch] | None:
         """Take the closed form, from where on it agrees with balls; None if it does nowhere below `stop`."""
-        if not self.closed or ((self.point or self.corners) and not self.local) or self.closed.has(sp.I):
+        if not self.closed or self.closed.has(sp.I):
             return None
-        if not self.local and not all(isinstance(f, _ELEMENTARY) for f in self.closed.atoms(sp.Function)):
+        if not self.local and not all(_is_fast(function) for function in self.closed.atoms(sp.Function)):
             return None
         branch = _as_sum(self.closed)
         if branch is None:
             return None
-        top, moderate = np.log2(stop), min(float(_MODERATE), np.log2(stop))
-        octaves = np.concatenate([np.arange(-4, moderate, 1 / 8), np.arange(moderate, top, 1 / _COARSE)])
-        start = self._agreed(branch, 2.0**octaves, _BEYOND)
-        if start is None:
-            return None
-        begin = np.log2(start)
-        start = self._agreed(branch, 2.0 ** np.arange(begin, min(begin + _CLOSE, top), 1 / _FINE), _BEGINNING)
-        return None if start is None or start >= stop else (start, branch)
+        octaves = np.arange(-4, np.log2(stop), 1 / _POINTS)
+        r = 2.0 ** octaves[(octaves < _MODERATE) | (octaves % 0.5 == 0)][::-1]
+        count = self._agreed(branch, r)
+        return (float(r[count - 1]), branch) if count else None
 
-    def _agreed(self, branch: Sum, r: FloatArray, units: float) -> float | None:
-        """Return the least of some r, ascending, from where on a branch agrees with balls; None if nowhere."""
+    def _agreed(self, branch: Sum, r: FloatArray, rounded: float = 0.0) -> int:
+        """Return at how many of some r, from the first on, a branch agrees with balls, its power being rounded."""
         with np.errstate(all="ignore"):
             values = np.asarray(value_of(branch, r))
-        sizes = self.values.mean_slope(r)
-        start = None
-        for x, value, size in zip(r[::-1], values[::-1], sizes[::-1], strict=True):
-            if not abs(float(self.values(arb(float(x))) - arb(float(value)))) <= units * _EPSILON * size:
-                break
-            start = float(x)
-        return start
+        allowed = (_UNITS * _EPSILON + float(rounded) * np.abs(np.log(r))) * self.values.mean_slope(r)
+        for i, (x, value, most) in enumerate(zip(r, values, allowed, strict=True)):
+            if not abs(float(self.values(arb(float(x))) - arb(float(value)))) <= most:
+                return i
+        return r.size
 
     def _table(self, start: float, stop: float) -> Table | None:
         """Fit F by a polynomial in each of some panels, as many as it takes; None where that is too many."""
@@ -422,6 +356,28 @@ class _Builder:
         )  # fmt: skip
 
 
+def _is_fast(function: Expr) -> bool:
+    known = row(function)
+    return known is not None and (known.python or "").startswith("np.")
+
+
+def _at(function: Expr | None, r: arb) -> arb:
+    return arb(1) if function is None else ball_value(function, {symbols.V: acb(r)}).real
+
+
+def _farthest(ends: Sequence[float], fit: _Fit) -> tuple[float, Branch] | None:
+    """Return the last of some fits that holds, by bisection; None where the first one does not."""
+    best, high = fit(ends[0]), len(ends)
+    low = 0
+    while best is not None and high - low > 1:
+        middle = (low + high) // 2
+        if (pair := fit(ends[middle])) is None:
+            high = middle
+        else:
+            best, low = pair, middle
+    return best
+
+
 class _Chebyshev:
     """Polynomials through values at Chebyshev nodes, in balls."""
 
@@ -449,26 +405,20 @@ def _chebyshev(n: int) -> _Chebyshev:
     return _Chebyshev(n)
 
 
-def _shortest(function: Callable[[arb], arb], end: float, most: int) -> tuple[float, ...]:
-    """Return the polynomial in z, in as few terms as possible, that equals a function on [0, end] in floats.
-
-    Raises
-    ------
-    ArithmeticError
-        If `most` terms are not enough.
-    """
+def _shortest(function: Callable[[arb], arb], end: arb) -> list[float] | None:
+    """Return the polynomial in z, in as few terms as possible, that equals a function on [0, end] in floats."""
     machine = _chebyshev(_FIT_NODES)
-    values = [function((1 + t) / 2 * arb(end)) for t in machine.nodes]
+    values = [function((1 + t) / 2 * end) for t in machine.nodes]
     if not all(value.is_finite() for value in values):
-        raise ArithmeticError("a value is not finite")
+        return None
     coefficients = machine.coefficients(values)
     least = min(abs(float(value)) for value in values) * _NEGLIGIBLE
     rest = np.cumsum([abs(float(c)) for c in coefficients[::-1]])[::-1]
-    kept = max(int((rest >= least).sum()), 2)
-    if kept > most:
-        raise ArithmeticError("too many terms")
-    in_z = machine.monomials(coefficients[:kept])(arb_poly([-1, 2 / arb(end)]))
-    return tuple(float(in_z[k]) for k in range(kept))
+    kept = max(int((rest >= least).sum()), 1)
+    if kept > _TERMS:
+        return None
+    in_z = machine.monomials(coefficients[:kept])(arb_poly([-1, 2 / end]))
+    return [float(in_z[k]) for k in range(kept)]
 
 
 def _as_sum(closed: Expr) -> Sum | None:

@@ -1,60 +1,68 @@
 """The average F(r) = -<g'(r(1 + s))>_w of a profile g(x), to some twenty digits more than a float has.
 
 From the closed form in ball arithmetic where there is one, else by a Gauss rule in the same arithmetic. Its
-panels halve towards x = 0, so that all scales are met, and are split at kinks. In the outer half 1 - s = u^2,
-for there a weight may vanish like a square root; in the innermost one 1 + s is a power of u too, for the slope may
-be x^q. Beside it: the mean size of the slope, and the speed at which a profile ends.
+panels double from x = 0, so that all scales are met, and halve until the slope is resolved in each; what they hold
+below x = r is computed once for all r. Beside it: the mean size of the slope, and the speed at which a profile
+ends.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 import sympy as sp
-from flint import acb, arb, arb_poly, arb_series, ctx, fmpq
+from flint import acb, arb, arb_poly
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import (
-    BallFunction,
-    ball_function,
-    ball_value,
-    rational,
-    series_function,
-    working_precision,
-)
+from stickslip_sym.core.balls import BallFunction, ball_function, ball_value, rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.expression.pieces import branch_from, jumps, places
 
-__all__ = ["BITS", "MeanSlope", "Unresolved", "Values", "mean_power", "radius_of", "reach_of", "slope_of"]
+__all__ = ["BITS", "MeanSlope", "Unresolved", "Values", "reach_of", "slope_of"]
 
 BITS = 110
 """The working precision of values."""
 
-_PRECISIONS = (BITS, 3 * BITS, 9 * BITS)  # in which the closed form is tried
 _ENOUGH = 70  # bits of relative accuracy that a value of the closed form needs
-_NODES = 22  # in a panel no longer than its distance to x = 0: they give 2^-110
-_DEEPEST = 1200  # panels towards x = 0
-_COUNTED = 36  # coefficients by which a radius of convergence is judged
-_FAR = 64.0  # a radius that is as good as infinite
-_INSIDE = 0.25  # of the radius of convergence: a panel of that length from x = 0 is the innermost
-_PLACES, _SHARES = (0.375, 2.2, 17.0), (0.2, 0.5, 0.8)  # r at which a closed form is checked; shares of its range
-_SAME = 2.0**-40  # by which it agrees: the rule may not resolve a narrow transition to the last bit
-_LONGEST = 0.5  # such a panel: there the other end of a weight is far enough away
-_CLOSE, _STEEP = 2.0**-5, 8  # without a power series: the innermost panel, where p is this power of the variable
-_SPLITS = (1, 2, 4, 8, 16, 32)  # parts of a panel that are tried, for profiles with a narrow transition
-_PROBES = (20, *(k / 4 for k in range(-12, 8)), 4, 7)
-"""Binary exponents of the r at which that is judged: a wave for ever is met first; a transition lies anywhere in
-the panels of one octave."""
-_AGREED = 2.0**-62  # of two numbers of parts
+_PLACES = (0.3, 0.6, 0.9, 2.2, 17.0)  # r at which a closed form is checked, over 1 or the largest one
+_SAME = 2.0**-40  # by which it agrees
+
+_NODES = 22  # in a panel
+_RESOLVED = 2.0**-31  # of the slope in a panel: its last two Legendre coefficients; the rule has twice the order
+_NEGLIGIBLE = 2.0**-72  # of the moment of |g'|: a panel that need not be resolved
+_NOISE = 8  # times the radius of a ball around the slope: where the slope cancels no panel is resolved better
+_HALVINGS = 10  # of a panel
+_EXPANDED, _EXPANSION = 3, 26  # a weight that is no polynomial is expanded this many octaves below r; its terms
+_CLOSE = 5  # octaves from r to the innermost panel, at least
+_DEEPEST = -40  # octaves below that of the lowest kink, or below 1, where the innermost panel is looked for
+_LARGEST_ORDER = 16
+
+Samples = list[tuple[arb, arb]]
+"""Places x, and g'(x) dx there."""
+Map = Callable[[arb], tuple[arb, arb]]
+"""From a variable u to x and dx/du."""
+
+
+@dataclass(frozen=True)
+class _Panel:
+    """Samples up to an end, the moment of all below it, and what they add to an average in powers of end/r."""
+
+    samples: Samples
+    end: arb
+    moment: arb
+    average: arb_poly
 
 
 class Unresolved(ArithmeticError):
-    """No number of parts gives the values of an average: its profile waves for ever."""
+    """No number of panels gives the values of an average: its profile waves for ever."""
 
 
 class Values:
@@ -80,74 +88,34 @@ class Values:
         self, profile: Expr, criterion: Criterion, closed: Expr | None, point: Mapping[Expr, Expr]
     ) -> None:
         self.profile, self.criterion, self.point = profile, criterion, point
-        ends = [ball_value(place, point).real for place in places(profile)]
-        self.kinks = sorted((end for end in ends if bool(end > 0)), key=float)
+        self.kinks = sorted((end for end in _reals(places(profile), point) if bool(end > 0)), key=float)
         inner = [sp.Rational(float(low + high) / 2) for low, high in pairwise([arb(0), *self.kinks])]
         outer = sp.Rational(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
-        self._pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
-        self.last_piece = self._pieces[-1]
-        self._slopes = [ball_function(slope_of(piece), symbols.v, point) for piece in self._pieces]
-        self._jumps = [
-            (ball_value(place, point).real, ball_value(height, point).real) for place, height in jumps(profile)
-        ]
+        pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
+        self.last_piece = pieces[-1]
+        self._slopes = [ball_function(slope_of(piece), symbols.v, point) for piece in pieces]
+        self._jumps = [_reals(jump, point) for jump in jumps(profile)]
         mean_slope, shapes = MeanSlope(profile, criterion, list(point)), [float(value) for value in point.values()]
         self.mean_slope: Callable[[FloatArray], FloatArray] = lambda r: mean_slope(r, *shapes)
         self.reach = reach_of(profile, point)
-        self.radius = self._radius()
-        self._inner, self._order = (min(_INSIDE * self.radius, _LONGEST), 2) if self.radius else (_CLOSE, _STEEP)
-        self._split: int | None = None
-        self._formulas: dict[int, BallFunction] = {}
-        self._closed = closed
+        # In the innermost panel x is this power of the variable, for the slope may be a power of x.
+        exponents = [node.exp.xreplace(dict(point)) for node in profile.atoms(sp.Pow) if node.base.has(symbols.v)]
+        order = 2 * math.lcm(*(int(e.q) if e.is_Rational else _LARGEST_ORDER for e in exponents))
+        self._order = min(order, _LARGEST_ORDER)
+        self._panels: dict[tuple[bool, int], _Panel] = {}
+        self._close = max(_CLOSE, self._order)
+        highest = min([-self._close, *(math.frexp(float(kink))[1] - 1 for kink in self.kinks)])
+        tried = range(highest, highest + _DEEPEST, -_CLOSE)
+        self._first = next((octave for octave in tried if self._is_innermost(octave)), tried[-1])
+        self._formula: BallFunction | None = None
         if closed is not None:
-            tried = _PLACES if self.reach == np.inf else [share * self.reach / 2 for share in _SHARES]
-            with working_precision(BITS):
-                pairs = [(value, self._by_rule(r)) for r in map(arb, tried) if (value := self._by_formula(r))]
-            if not all(bool(abs(value - right) <= _SAME * abs(value)) for value, right in pairs):
-                self._closed = None
-
-    # -- power series ------------------------------------------------------------------------------
-
-    def _radius(self) -> float:
-        """Return the radius of convergence of g' at x = 0; 0 where it has no power series."""
-        coefficients = self.taylor(_COUNTED)
-        if coefficients is None:
-            return 0.0
-        return min(radius_of(coefficients), _FAR)
-
-    def taylor(self, count: int) -> list[arb] | None:
-        """Return the coefficients of the slope g' in powers of x, or None."""
-        return self._expanded(slope_of(self._pieces[0]), count)
-
-    def taylor_in_powers(self, exponent: Expr, most: int, count: int) -> list[list[arb]] | None:
-        """Return the coefficients g_kj of g = sum g_kj v^(k exponent + j), or None where there are none.
-
-        At most `most` powers k, and `count` powers j: one of each where v occurs in the power only.
-        """
-        powers = [node for node in self._pieces[0].atoms(sp.Pow) if node.base == symbols.v]
-        z = sp.Dummy(positive=True)
-        expr = self._pieces[0].xreplace(dict.fromkeys(powers, z))
-        if not expr.has(symbols.v):
-            series = self._expanded(expr.xreplace({z: symbols.v}), count)
-            return None if series is None else [[c] for c in series]
-        rows = []
-        for k in range(most):
-            row = self._expanded((expr / sp.factorial(k)).subs(z, 0), count)
-            if row is None:
-                return None
-            rows.append(row)
-            expr = sp.diff(expr, z)
-        return rows
-
-    def _expanded(self, expr: Expr, count: int) -> list[arb] | None:
-        try:
-            with working_precision(ctx.prec, count):
-                series = series_function(expr, symbols.v, self.point)(arb_series([0, 1], prec=count))
-        except (ValueError, ZeroDivisionError, InputError):
-            return None
-        coefficients = [series[k] for k in range(count)]
-        return coefficients if all(c.is_finite() for c in coefficients) else None
-
-    # -- values ------------------------------------------------------------------------------------
+            with suppress(InputError):  # a special function that has no balls; the rule has no need of it
+                self._formula = ball_function(closed, symbols.V, point)
+        for share in _PLACES:
+            r = arb(share * min(self.reach / 40, 1.0))
+            value = self._by_formula(r)
+            if value is not None and not bool(abs(value - self._by_rule(r)) <= _SAME * abs(value)):
+                self._formula = None
 
     def __call__(self, r: arb) -> arb:
         """Return F(r).
@@ -156,149 +124,149 @@ class Values:
         ------
         Unresolved
         """
-        value = self._by_formula(r) if self._closed is not None else None
+        value = self._by_formula(r)
         return self._by_rule(r) if value is None else value
 
     def _by_formula(self, r: arb) -> arb | None:
-        """Return the closed form's value, with more bits where it cancels; None where that does not help."""
-        for bits in _PRECISIONS:
-            with working_precision(bits):
-                try:
-                    if bits not in self._formulas:
-                        self._formulas[bits] = ball_function(self._closed, symbols.V, self.point)
-                    whole = self._formulas[bits](acb(r), False)
-                except InputError:  # a special function that has no balls; the rule has no need of it
-                    return None
-                except (ValueError, ZeroDivisionError):
-                    continue
-                value = whole.real
-                if value.is_finite() and whole.imag.contains(0) and value.rel_accuracy_bits() >= _ENOUGH:
-                    return value
-        return None
+        """Return the closed form's value; None where it cancels."""
+        if self._formula is None:
+            return None
+        try:
+            whole = self._formula(acb(r), False)
+        except (ValueError, ZeroDivisionError):
+            return None
+        known = whole.is_finite() and whole.imag.contains(0) and whole.real.rel_accuracy_bits() >= _ENOUGH
+        return whole.real if known else None
 
     def _by_rule(self, r: arb) -> arb:
         if self.criterion.weight is None:
-            piece = sum(1 for kink in self.kinks if bool(kink < r))
-            return -self._slopes[piece](acb(r), False).real
-        if self._split is None:
-            self._split = self._parts()
-        return self._averaged(r, self._split)
-
-    def _parts(self) -> int:
-        """Return into how many parts each panel is cut: the least with which twice as many agree, at all probes.
-
-        They agree beside <|g'|> too, for F may vanish there.
-        """
-        probes = [arb(3).sqrt() * arb(2) ** k for k in _PROBES]
-        if self.reach < np.inf:
-            probes = [arb(share * self.reach / 2) for share in _SHARES]
-        splits = iter(pairwise(_SPLITS))
-        split, finer = next(splits)
-        for r in probes:
-            while not self._agree(r, split, finer):
-                if (step := next(splits, None)) is None:
-                    raise Unresolved(f"{self.profile} is not resolved at r = {float(r):g}")
-                split, finer = step
-        return split
-
-    def _agree(self, r: arb, split: int, finer: int) -> bool:
-        rough, fine = self._averaged(r, split), self._averaged(r, finer)
-        size = max(abs(float(fine)), float(self.mean_slope(np.array([float(r)]))[0]))
-        return abs(float(fine - rough)) <= _AGREED * size
-
-    def _averaged(self, r: arb, split: int) -> arb:
-        total = arb(0)
-        ends = [arb(0), *(kink / r for kink in self.kinks if bool(kink < 2 * r)), arb(2)]
-        for slope, (low, high) in zip(self._slopes, pairwise(ends), strict=False):
-            for left, right in _panels(low, high, arb(self._inner) * min(1 / r, arb(1))):
-                for p, weight in _nodes(self.criterion, left, right, split, self._order):
-                    total += weight * slope(acb(r * p), False).real
+            return -self._slope(r)(acb(r), False).real
+        last = math.frexp(float(r))[1] - 1  # the octave of r
+        first = min(last - self._close, self._first)
+        panels = [self._panel(True, first, arb(0))]
+        for octave in range(first, last):
+            panels.append(self._panel(False, octave, panels[-1].moment))
+        moment = panels[-1].moment
+        samples = self._between(_itself, arb(2) ** last, r, self._inside(arb(2) ** last, r), moment)
+        # A weight may end like a square root: x = r (2 - u^2).
+        roots = [(2 - kink / r).sqrt() for kink in reversed(self._inside(r, 2 * r))]
+        samples += self._between(lambda u: (r * (2 - u * u), 2 * r * u), arb(0), arb(1), roots, moment)
+        far = len(panels) if self.criterion.is_polynomial else max(len(panels) - _EXPANDED, 0)
+        samples += [pair for panel in panels[far:] for pair in panel.samples]
+        total = sum((product * _weight(self.criterion, x / r) for x, product in samples), arb(0))
+        for panel in panels[:far]:
+            p = panel.end / r
+            total += panel.average(p) * (arb(1) if self.criterion.is_polynomial else p.sqrt())
         for place, height in self._jumps:
             if bool(place > 0) and bool(place < 2 * r):
-                total += height * _weight(self.criterion, place / r, 2 - place / r) / r
-        return -total
+                total += height * _weight(self.criterion, place / r)
+        return -total / r
+
+    def _slope(self, x: arb) -> BallFunction:
+        return self._slopes[sum(1 for kink in self.kinks if bool(kink < x))]
+
+    def _inside(self, low: arb, high: arb) -> list[arb]:
+        return [kink for kink in self.kinks if bool(kink > low) and bool(kink < high)]
+
+    def _panel(self, innermost: bool, octave: int, moment: arb) -> "_Panel":
+        """Return the panel up to 2^octave, or from there to twice that."""
+        key = innermost, octave
+        if key not in self._panels:
+            low = arb(2) ** octave
+            if innermost:
+                samples, end = self._innermost(octave, None), low
+            else:
+                samples, end = self._between(_itself, low, 2 * low, self._inside(low, 2 * low), moment), 2 * low
+            coefficients, powers = [], [product for _, product in samples]
+            if not self.criterion.is_polynomial:
+                powers = [product * (x / end).sqrt() for x, product in samples]
+            for c in _in_powers(self.criterion):
+                coefficients.append(c * sum(powers, arb(0)))
+                powers = [power * x / end for power, (x, _) in zip(powers, samples, strict=True)]
+            average = arb_poly(coefficients)
+            self._panels[key] = _Panel(samples, end, moment + self._moment(samples), average)
+        return self._panels[key]
+
+    def _innermost(self, octave: int, halvings: int | None) -> Samples:
+        end, order = arb(2) ** octave, self._order
+        place: Map = lambda u: (end * u**order, order * end * u ** (order - 1))  # noqa: E731
+        return self._samples(place, arb(0), arb(1), arb(0), halvings)
+
+    def _is_innermost(self, octave: int) -> bool:
+        """Return whether the slope is resolved by one panel from 0 to 2^octave."""
+        try:
+            return bool(self._innermost(octave, 0))
+        except Unresolved:
+            return False
+
+    def _moment(self, samples: Samples) -> arb:
+        """Return what |g'| contributes to an average over all that is larger."""
+        power = max(1, math.ceil(self.criterion.order_at_rest))
+        return sum((x**power * abs(product) for x, product in samples), arb(0))
+
+    def _between(self, place: Map, low: arb, high: arb, inside: Sequence[arb], moment: arb) -> Samples:
+        panels = pairwise([low, *inside, high])
+        return [pair for panel in panels for pair in self._samples(place, *panel, moment, _HALVINGS)]
+
+    def _samples(self, place: Map, low: arb, high: arb, moment: arb, halvings: int | None) -> Samples:
+        """Return samples in a panel of u, or in its halves where the slope is not resolved; None for none.
+
+        Raises
+        ------
+        Unresolved
+        """
+        if not bool(low < high):
+            return []
+        half, (nodes, last) = (high - low) / 2, _legendre(BITS)
+        slope = self._slope(place(low + half)[0])
+        samples, heights, noise = [], [], 0.0
+        for t, weight in nodes:
+            x, rate = place(low + (1 + t) * half)
+            ball = slope(acb(x), False).real * rate
+            height = arb(0) if ball.contains(0) else ball.mid()  # a constant that cancels leaves a ball
+            heights.append(float(height))
+            noise = max(noise, float(ball.rad()))
+            samples.append((x.mid(), height * weight * half))
+        rest = np.abs(last @ heights).max()
+        if halvings is None or rest <= _RESOLVED * max(map(abs, heights)) + _NOISE * noise:
+            return samples
+        if bool(self._moment(samples) <= _NEGLIGIBLE * moment):
+            return samples
+        if halvings == 0:
+            raise Unresolved(f"{self.profile} is not resolved at v = {float(samples[0][0]):g}")
+        parts = ((low, low + half), (low + half, high))
+        return [pair for part in parts for pair in self._samples(place, *part, moment, halvings - 1)]
 
 
-def _panels(low: arb, high: arb, inner: arb) -> Iterator[tuple[arb, arb]]:
-    """Part an interval into panels no longer than their distance to 0, from the right to the left.
+def _reals(exprs: Iterable[Expr], point: Mapping[Expr, Expr]) -> list[arb]:
+    return [ball_value(expr, point).real for expr in exprs]
 
-    What lies below `inner` is one panel.
-    """
-    for _ in range(_DEEPEST):
-        middle = high / 2
-        if not bool(middle > low) or bool(high < inner):
-            break
-        yield middle, high
-        high = middle
-    yield low, high
+
+def _itself(x: arb) -> tuple[arb, arb]:
+    return x, arb(1)
 
 
 @lru_cache(maxsize=4)
-def _legendre(n: int, bits: int) -> list[tuple[arb, arb]]:
+def _legendre(bits: int) -> tuple[list[tuple[arb, arb]], FloatArray]:
+    """Return nodes with their weights, and the matrix from values there to the last two Legendre coefficients."""
     del bits  # they are those of the working precision
-    rule = [arb.legendre_p_root(n, k, weight=True) for k in range(n)]
-    return [((1 + x.mid()) / 2, weight.mid() / 2) for x, weight in rule]
+    rule = [arb.legendre_p_root(_NODES, k, weight=True) for k in range(_NODES)]
+    last = [[(n + 0.5) * float(weight * x.legendre_p(n)) for x, weight in rule] for n in (_NODES - 2, _NODES - 1)]
+    return [(x.mid(), weight.mid()) for x, weight in rule], np.array(last)
 
 
-def _nodes(criterion: Criterion, left: arb, right: arb, split: int, order: int) -> list[tuple[arb, arb]]:
-    """Return p = 1 + s and w(s) ds at the nodes of a panel."""
-    ends = (tuple(int(part) for part in end.mid().man_exp()) for end in (left, right))
-    return _rule(criterion, *ends, split, order)
-
-
-@lru_cache(maxsize=4096)
-def _rule(
-    criterion: Criterion, left: tuple[int, int], right: tuple[int, int], split: int, order: int
-) -> list[tuple[arb, arb]]:
-    a, b = arb(left), arb(right)
-    innermost, outer = bool(a == 0), bool(b > 1)
-    if innermost:  # p = b u^order
-        right_end, b = b, arb(1)
-    elif outer:  # 2 - p = u^2
-        a, b = (2 - b).sqrt(), (2 - a).sqrt()
-    length = (b - a) / split
-    pairs = []
-    for part in range(split):
-        for x, weight in _legendre(_NODES, BITS):
-            u = a + (part + x) * length
-            p, q, factor = u, 2 - u, arb(1)
-            if innermost:
-                p = right_end * u**order
-                q, factor = 2 - p, right_end * order * u ** (order - 1)
-            elif outer:
-                p, q, factor = 2 - u * u, u * u, 2 * u
-            pairs.append((p.mid(), (weight * length * factor * _weight(criterion, p, q)).mid()))
-    return pairs
-
-
-def _weight(criterion: Criterion, p: arb, q: arb) -> arb:
-    """Return w(s) for p = 1 + s and q = 1 - s."""
-    return _shifted(criterion)(p) if criterion.is_polynomial else 2 * (p * q).sqrt() / arb.pi()
+def _weight(criterion: Criterion, p: arb) -> arb:
+    """Return w(s) for p = 1 + s."""
+    return _in_powers(criterion)(p) if criterion.is_polynomial else 2 * (p * (2 - p)).sqrt() / arb.pi()
 
 
 @lru_cache(maxsize=16)
-def _shifted(criterion: Criterion) -> arb_poly:
-    """Return a weight that is a polynomial in powers of p = 1 + s."""
-    return arb_poly([arb(rational(c)) for c in reversed(criterion.from_rest.all_coeffs())])
-
-
-def radius_of(coefficients: Sequence[arb]) -> float:
-    """Return the radius of convergence of a power series, by the root test on its last third."""
-    first = 2 * len(coefficients) // 3
-    rate = max(float(abs(c).upper()) ** (1 / k) for k, c in enumerate(coefficients[first:], first))
-    return 1 / rate if rate else np.inf
-
-
-def mean_power(criterion: Criterion, exponent: fmpq) -> arb:
-    """Return <(1 + s)^exponent>_w, for any exponent for which it exists."""
-    if criterion.weight is None:
-        return arb(1)
-    a = arb(exponent)
+def _in_powers(criterion: Criterion) -> arb_poly:
+    """Return the weight in powers of p = 1 + s; one that is no polynomial over sqrt(p), for small p."""
     if criterion.is_polynomial:
-        weight = _shifted(criterion)
-        return sum((weight[k] * arb(2) ** (a + k + 1) / (a + k + 1) for k in range(len(weight))), arb(0))
-    half = arb(1) / 2
-    return 2 / arb.pi() * arb(2) ** (a + 2) * (a + 1 + half).gamma() * (1 + half).gamma() / (a + 3).gamma()
+        return arb_poly([arb(rational(c)) for c in reversed(criterion.from_rest.all_coeffs())])
+    return arb_poly([2 / arb.pi() * arb(2).sqrt() * arb(rational(sp.binomial(sp.S.Half, k) / (-2) ** k))
+                     for k in range(_EXPANSION)])  # fmt: skip
 
 
 def slope_of(profile: Expr) -> Expr:

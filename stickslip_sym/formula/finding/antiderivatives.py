@@ -186,6 +186,20 @@ def _gaussian(polynomial: Expr, node: Expr, quadratic: list[Expr], u: Expr) -> E
     return sp.exp(c + a * middle**2) * integral.subs(x, root * (u - middle))
 
 
+def _lognormal(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n exp(-a log(u)^2 + b log(u) + c), a > 0: a Gaussian of log(u)."""
+    x = sp.Dummy("x", real=True)
+    quadratic = coefficients(sp.expand_log(node.exp).subs(sp.log(u), x), x)
+    if len(quadratic) != 3 or any(part.has(u) for part in quadratic) or not quadratic[0].is_negative:
+        return None
+    (a, b, c), total = (-quadratic[0], *quadratic[1:]), sp.Integer(0)
+    for (n,), front in sp.Poly(polynomial, u).terms():
+        rate = n + 1 + b
+        bell = sp.erf(sp.sqrt(a) * sp.log(u) - rate / (2 * sp.sqrt(a)))
+        total += front * sp.exp(c + rate**2 / (4 * a)) * sp.sqrt(sp.pi / a) / 2 * bell
+    return total
+
+
 def _stretched(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate u^q exp(-(u/w)^d), d and q symbolic: lower incomplete gamma functions."""
     match = as_stretched(factors, u)
@@ -310,6 +324,7 @@ _RULES = (
     Rule("power", (sp.Pow,), _power),
     Rule("square root of a quadratic", (sp.Pow,), _root),
     Rule("Gaussian", (sp.exp,), _gaussian, degree=2),
+    Rule("Gaussian of a logarithm", (sp.exp,), _lognormal),
     Rule("incomplete gamma", None, _stretched),
     Rule("Lerch transcendent", (sp.exp, sp.tanh), _exponential_tanh),
     Rule("exponential integral", None, _exponential_over_linear),

@@ -55,6 +55,7 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
     """
     rng = random.Random(_GATE_SEED)
     exponents = {node.exp for node in profile.atoms(sp.Pow)}
+    exponents |= {symbol for node in profile.atoms(sp.exp) if node.has(sp.log) for symbol in node.free_symbols}
     compared, enclosed = 0, True
     for _ in range(_MOST_DRAWS):
         check_time()

@@ -42,6 +42,7 @@ _PRECISIONS = (98, 196, 392, 784)  # bits, from 30 digits, at which a formula is
 _ENOUGH = 83  # bits of a value, 25 digits, that are enough
 _QUADRATURE_DIGITS = 60  # next to an end, a root's integral below the rounding of x is below 1e-30
 _DEGREES = (7, 8)  # of the tanh-sinh rule: it halves its step so many times
+_DEGREE_OF_SIZE = 4  # of the rule that tells how large an integrand is
 _LOST = 30  # digits that count as rounding
 _NEAR_BITS = 400  # for the integrand there
 _NEAR = tuple(sp.Rational(1, 10**k) for k in (12, 24))  # of the way to a place where the integrand may be infinite
@@ -146,22 +147,22 @@ def _at_points(sides: Mapping[str, Expr], judge: Callable[..., str | bool]) -> t
     holds, obstacles = 0, ""
     for point in _points(*sides.values()):
         values: list[tuple[Mpf, Mpf]] = []
-        failed = ""
+        judged: str | bool = False
         for name, side in sides.items():
             try:
                 values.append(certain_value(side, point))
             except NotFinite as failure:
-                failed = f"{name} is not finite, {failure},"
+                judged = f"{name} is not finite, {failure},"
                 break
             except NotConverged as failure:
                 obstacles += f"; {failure}"
         if len(values) == len(sides):
             with mpmath.workdps(2 * _QUADRATURE_DIGITS):
                 judged = judge(*values)
-            failed, holds = (judged, holds) if isinstance(judged, str) else ("", holds + judged)
-        if failed:
+        if isinstance(judged, str):
             where = ", ".join(_word(key, value) for key, value in point.items())
-            return Verdict(Status.REFUTED, f"{failed} at {where}", point), holds, obstacles
+            return Verdict(Status.REFUTED, f"{judged} at {where}", point), holds, obstacles
+        holds += judged
     return None, holds, obstacles
 
 
@@ -274,7 +275,7 @@ def _integral(integral: Expr) -> tuple[Mpf, Mpf]:
 
         try:
             rough, fine = (mpmath.quad(inside, nodes, maxdegree=degree) for degree in _DEGREES)
-            size = mpmath.quad(lambda place: abs(inside(place)), nodes, maxdegree=_DEGREES[0])
+            size = mpmath.quad(lambda place: abs(inside(place)), nodes, maxdegree=_DEGREE_OF_SIZE)
         except (ZeroDivisionError, ValueError):
             raise NotConverged("the integrand has no value somewhere") from None
         return fine, 2 * abs(fine - rough) + abs(size) * mpmath.mpf(10) ** (_LOST - _QUADRATURE_DIGITS)

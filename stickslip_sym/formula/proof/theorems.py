@@ -147,7 +147,10 @@ def value_at(primitive: Expr, x: Expr, place: Expr) -> Expr:
 
 
 def _limit_of_term(term: Expr, x: Expr) -> Expr:
-    """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0."""
+    """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0, erf(log(x)) tends to -1."""
+    term = term.replace(
+        lambda node: isinstance(node, sp.erf) and _falls(node.args[0], x), lambda node: sp.S.NegativeOne
+    )
 
     def is_logarithm(factor: Expr) -> bool:
         base, n = factor.as_base_exp()
@@ -159,6 +162,12 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
     p = sp.Mul(*others).as_powers_dict()[x]
     vanishes = p.is_positive and not p.has(x) and not (sp.Mul(*others) / x**p).subs(x, 0).has(*_INFINITE)
     return sp.Integer(0) if vanishes else sp.nan
+
+
+def _falls(expr: Expr, x: Expr) -> bool:
+    """Whether an expression is a log(x) + b, a > 0."""
+    rate, rest = expr.coeff(sp.log(x)), sp.expand(expr).coeff(sp.log(x), 0)
+    return bool(rate.is_positive) and not rest.has(x)
 
 
 # -- where a formula is known to be continuous, analytic or positive --------------------------------

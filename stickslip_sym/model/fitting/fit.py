@@ -129,12 +129,7 @@ def _laws(given: str | FrictionLaw | Iterable[str | FrictionLaw] | None) -> dict
 
 
 def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
-    """Return the fit of a law's free parameters, or refuse one that these measurements do not determine.
-
-    Residuals are divided by sigma where it is known; the covariance is then f times (J^T J)^-1, and else s^2 times
-    it, where s^2 = sum of squares / (n/f - k). J holds the exact derivatives of the residuals to the k free
-    parameters, and f = (1 + r)/(1 - r) is 1 where the noise has no correlation r from row to row.
-    """
+    """Return the fit of a law's free parameters, or refuse one that these measurements do not determine."""
     problem = Problem(law, measured)
     names, count, k = problem.names, len(measured), len(problem.names)
     if k == 0:
@@ -203,10 +198,7 @@ def _best(law: FrictionLaw, problem: Problem, measured: Measurements) -> Minimum
 
 
 def _order(law: FrictionLaw, problem: Problem, p: FloatArray) -> list[int]:
-    """Return the order of the values in which like terms stand as their typical values do.
-
-    Where two parameters can change places, each with its amplitude, two minima are one: a fast and a slow drop.
-    """
+    """Return the order of values that can change places in which they stand as the typical ones do."""
     order = list(range(len(p)))
     parameters = [law.parameters[name] for name in problem.names]
     typical = [float(one.typical or i) for i, one in enumerate(parameters)]
@@ -223,16 +215,14 @@ def _order(law: FrictionLaw, problem: Problem, p: FloatArray) -> list[int]:
 
 
 def _correlation(residuals: FloatArray, measured: Measurements, k: int) -> float:
-    """Return the correlation of residuals from row to row of the file, 0 where white noise would show as much.
-
-    The k parameters follow part of the noise, and make it seem less correlated by about (k + 3 r)/n.
-    """
+    """Return the correlation of residuals from row to row of the file, 0 where white noise would show as much."""
     count = len(residuals)
     rounding = _ROUNDING * np.max(np.abs(measured.weights * measured.mu))
     if measured.order is None or count <= _FEWEST or np.max(np.abs(residuals)) <= rounding:
         return 0.0
     e = residuals[np.argsort(measured.order)]
     lagged = float(np.sum(e[1:] * e[:-1]) / np.sum(e**2))
+    # The k parameters follow part of the noise, which so seems less correlated by about (k + 3 r)/n.
     corrected, deviation = (lagged * count + k) / (count - 3), np.sqrt(count) / (count - 3)
     return 0.0 if corrected <= _CORRELATED * deviation else min(corrected, _MOST_CORRELATED)
 

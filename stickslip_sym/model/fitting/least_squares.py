@@ -1,7 +1,6 @@
 """The least squares of a friction law and measurements, by SciPy's `least_squares` with exact derivatives."""
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,41 +36,27 @@ class Minimum(NamedTuple):
     chi_squared: float
 
 
-@lru_cache(maxsize=128)
-def _compiled(
-    expr: Expr, free: tuple[Expr, ...], known: tuple[Expr, ...]
-) -> tuple[Callable[..., Any], Callable[..., Any], list[bool]]:
-    """Return a formula and its derivatives as functions of arrays, and in which symbols it is jointly linear."""
-    slopes = [sp.diff(expr, symbol) for symbol in free]
-    linear: list[Expr] = []
-    for symbol, slope in zip(free, slopes, strict=True):
-        if not slope.has(symbol, *linear):
-            linear.append(symbol)
-    value, derivatives = (function_of([symbols.v, *free, *known], rows, "numpy") for rows in ([expr], slopes))
-    return value, derivatives, [symbol in linear for symbol in free]
-
-
 class Problem:
-    """The least squares of a law and measurements: residuals are divided by sigma where it is known.
-
-    Positive parameters in which mu is not linear are varied as logarithms: their bound 0 is no law's value. Those
-    in which it is linear may be held at 0; the others are free.
-
-    - `names`: the parameters without a value, `positive` whether each is never negative, and `linear` whether mu
-      is linear in it, jointly with the others that are marked.
-    """
+    """The least squares of a law and measurements: residuals are divided by sigma where it is known."""
 
     def __init__(self, law: FrictionLaw, measured: Measurements) -> None:
         used = {name: p for name, p in law.parameters.items() if p.symbol in law.expr.free_symbols}
         self.names = tuple(name for name in used if name not in law.values)
         known = tuple(name for name in used if name in law.values)
-        self._value, self._derivatives, linear = _compiled(
-            law.expr, *(tuple(used[name].symbol for name in names) for names in (self.names, known))
+        free, bound = ([used[name].symbol for name in names] for names in (self.names, known))
+        slopes = [sp.diff(law.expr, symbol) for symbol in free]
+        self._value, self._derivatives = (
+            function_of([symbols.v, *free, *bound], rows, "numpy") for rows in ([law.expr], slopes)
         )
+        linear: list[Expr] = []  # jointly: each with those before it
+        for symbol, slope in zip(free, slopes, strict=True):
+            if not slope.has(symbol, *linear):
+                linear.append(symbol)
         self._known = [float(law.values[name]) for name in known]
         self.positive = np.array([used[name].positive for name in self.names], dtype=bool)
-        self.linear = np.array(linear, dtype=bool)
+        self.linear = np.array([symbol in linear for symbol in free], dtype=bool)
         self._units = [used[name].unit for name in self.names]
+        # Their bound 0 is no law's value: their logarithms are varied.
         self._logarithmic = self.positive & ~self.linear
         self._v, self._weights = np.maximum(measured.v, _AT_REST), measured.weights
         self._measured = self._weights * measured.mu
@@ -129,12 +114,7 @@ class Problem:
         return Minimum(p, chi_squared) if np.isfinite(chi_squared) else None
 
     def starts(self, count: int) -> list[FloatArray]:
-        """Return up to `count` starts that differ, the best first.
-
-        For some values of the others, the parameters in which mu is linear are the solution of a linear problem.
-        So only the others are tried, at random on the scale that their unit gives: a speed among the measured
-        speeds, an exponent about 1.
-        """
+        """Return up to `count` starts that differ, the best of random trials first."""
         rng = np.random.default_rng(_SEED)
         sought = np.flatnonzero(~self.linear)
         powers = [_power_of_speed(self._units[i]) for i in sought]

@@ -185,10 +185,7 @@ class Fit(_Report):
         }
 
     def _end(self, problem: Problem, i: int, step: float, quantile: float) -> float:
-        """Return where in the direction of a step the sum of squares, least over the other values, has risen.
-
-        Where it does not, the end is infinite, or the bound 0 of a positive parameter.
-        """
+        """Return where the sum of squares, least over the other values, has risen; infinite, or 0, if nowhere."""
         from scipy.optimize import brentq
 
         p = np.array(list(self.values.values()))

@@ -133,13 +133,7 @@ def _name_and_unit(text: str) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Column:
-    """A column by its header.
-
-    - `text`: as written, and `name`, without its unit.
-    - `meanings`: what it may hold, of `KINDS`; empty where the name is not understood.
-    - `unit_text`: the unit as written; empty where there is none.
-    - `position`: from 0, and `size`, that of the unit in SI units, of one that is read.
-    """
+    """A column by its header: its name and unit as written, what it may hold, and where it stands, from 0."""
 
     text: str
     name: str
@@ -190,15 +184,7 @@ def _refuse(where: str, *rules: tuple[object, str]) -> None:
 def choose_columns(
     headers: Sequence[Column], line: str, chosen: Mapping[str, str | int], radius: Fraction | None
 ) -> dict[str, Column]:
-    """Return which column holds which quantity.
-
-    - `line`: the file and the line of the header, for messages.
-    - `chosen`: columns by quantity that the user names, each by its name or its number from 1.
-    - `radius`: of the track in m, which makes a speed of a rotational speed.
-
-    Raises `InputError` where a quantity is missing, named twice, ambiguous, or in a unit that is not known or not
-    its own; where a unit is a rotational speed's and there is no radius, or there is a radius for nothing.
-    """
+    """Return which column holds which quantity: those the user chose, and those that are understood."""
     headers = list(headers)
     for quantity, text in chosen.items():
         _choose(headers, line, quantity, str(text).strip())

@@ -250,17 +250,14 @@ def read_measurements(
 
 
 def _outliers(y: FloatArray) -> BoolArray:
-    """Return which coefficients, at ascending speeds, are off a smooth curve through the others.
-
-    A row is held against the medians of the three rows on either side: mu is between them on any smooth curve, or
-    beyond by as much as neighbours differ. At the lowest speed friction may rise or fall steeply, as a static
-    coefficient does, and only a multiple of what follows is refused.
-    """
+    """Return which coefficients, at ascending speeds, are off a smooth curve through the others."""
     if len(y) < 2 * _BESIDE + 1:
         return np.zeros(len(y), dtype=bool)
     noise = _ROBUST * float(np.median(np.abs(y[1:-1] - (y[:-2] + y[2:]) / 2)))
     few = 1 + (_FEW_ROWS / len(y)) ** 2
     tolerance = _OUTLYING * few * max(noise, _RESOLUTION * float(np.median(np.abs(y))))
+    # mu is between the medians of the three rows on either side, or beyond by as much as neighbours differ; at the
+    # lowest speeds it may rise or fall steeply, and only a multiple of what follows is refused.
     trios = np.sort(np.lib.stride_tricks.sliding_window_view(y, _BESIDE), axis=1)
     middle, gaps = trios[:, 1], np.diff(trios, axis=1)
     i = np.arange(len(y))
@@ -275,16 +272,7 @@ def _outliers(y: FloatArray) -> BoolArray:
 
 
 def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, list[str]]:
-    """Return slip speeds in m/s, coefficients, their standard deviations, and what was done with signs.
-
-    Friction is against the motion, so with the speed its sign turns. Where speeds have both signs, or friction
-    has in so few rows that it is noise, each value keeps its sign against the motion: magnitudes would push the
-    mean of small forces up. Where friction has both signs and speeds have not, rows are of both directions of a
-    stroke, and magnitudes are taken.
-
-    Raises `InputError` if the signs of speed and friction do not go together, a normal force or a standard
-    deviation is not above 0, a coefficient is beyond 5, or a speed without unit above 100 m/s.
-    """
+    """Return slip speeds in m/s, coefficients, their standard deviations, and what was done with signs."""
     friction, load = ("F_t", "F_n") if "F_t" in table.cells else ("mu", None)
     deviation = next((key for key in ("sigma_mu", "sigma_F_t") if key in table.cells), None)
     if deviation is not None:
@@ -313,6 +301,7 @@ def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, list
 
 def _turns(table: Table, v: FloatArray, mu: FloatArray, friction: str) -> tuple[FloatArray, list[str]]:
     """Return what each coefficient is multiplied by, 1 or -1, and what to say of it."""
+    # With the speed friction turns its sign. Signs that are noise stay: magnitudes would push small means up.
     v_sign, sign = np.sign(v), np.sign(mu)
     reverses = bool((v_sign < 0).any() and (v_sign > 0).any())
     notes = ["both signs of speed folded"] if reverses else []

@@ -42,14 +42,7 @@ _FAULTY = "mend the row, begin it with #, or leave out rows like it: leave_out=T
 
 @dataclass
 class Table:
-    """The numbers of a file's columns that are read. Rows that are no measurements are refused, or left out.
-
-    - `name`: of the file, for messages.
-    - `columns`: by quantity, and `unread`, the names of the others.
-    - `leave_out`: whether rows that are no measurements are left out and counted; else the first is refused.
-    - `lines`, `cells`: the line of the file, from 1, of each row, and its cells with a decimal point, by quantity.
-    - `faults`: the lines left out, by the reason.
-    """
+    """The cells of the columns that are read, with the lines they stand in; other rows are refused or counted."""
 
     name: str
     columns: dict[str, Column]
@@ -108,11 +101,7 @@ class _Line(NamedTuple):
 
 
 def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | None, *, leave_out: bool) -> Table:
-    """Return the columns of a text file that hold measurements, chosen as `choose_columns` does.
-
-    Raises `InputError`, with line and column, if the file cannot be read, its header is not understood, or a row
-    is no measurement.
-    """
+    """Return the columns of a text file that hold measurements, or refuse it with line and column."""
     name = repr(str(path))
     lines = _text(path).splitlines()
     for number, line in enumerate(lines, 1):
@@ -149,11 +138,12 @@ def _text(path: Path) -> str:
         raise InputError(f"cannot read {str(path)!r}: {getattr(error, 'strerror', None) or error}") from None
     if kind := _WORKBOOKS.get(content[:4]):
         raise InputError(f"{str(path)!r} is a workbook ({kind}), not a text file; save the sheet as CSV")
-    encodings = ["utf-8-sig", "cp1252"]  # the second as older instruments write the micro sign
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         encodings = ["utf-16"]
     elif b"\0" in content:  # in UTF-16 every other byte of plain text is null
         encodings = [f"utf-16-{end}" for end, i in (("le", 1), ("be", 0)) if not any(content[i:400:2])]
+    else:  # the second as older instruments write the micro sign
+        encodings = ["utf-8-sig", "cp1252"]
     for encoding in encodings:
         with suppress(UnicodeDecodeError):
             return content.decode(encoding, "replace" if encoding == "cp1252" else "strict")
@@ -202,12 +192,7 @@ def _separator(lines: Sequence[_Line]) -> str:
 
 
 def _header(lines: Sequence[_Line], separator: str, name: str, *, unnamed: bool) -> tuple[int, list[Column], str]:
-    """Return the line from which on there are numbers, the names of the columns, and where these stand.
-
-    The header is the last row above the numbers that names a speed and friction, else the last that has a name
-    for each column; units may stand in the row below it. Without names, there are two columns, or as many as
-    there are where columns may be `unnamed`.
-    """
+    """Return the line of the first numbers, the columns by their header and units, and where it stands."""
     numbers = [_names(line.text, separator) for line in lines if not line.comment]
     widths = Counter(len(cells) for cells in numbers if sum(map(_is_number, cells)) > 1)
     width = widths.most_common(1)[0][0] if widths else 0
@@ -318,10 +303,7 @@ def _decimal_sign(rows: Sequence[tuple[int, list[str]]], read: Sequence[int], na
 
 
 def _stand_ins(values: FloatArray, cells: Sequence[str]) -> BoolArray:
-    """Return where a number stands for none: an overflow, or digits 9 like 9999 beyond twice every other number.
-
-    Below 0, like -999, they stand for none too where no other number of that sign is of like size.
-    """
+    """Return where a number stands for none: an overflow, or nines like 9999 or -999 beyond all others."""
     nines = np.array([_NINES.fullmatch(cell) is not None for cell in cells], dtype=bool)
     others = values[~nines]
     for i in np.flatnonzero(nines):

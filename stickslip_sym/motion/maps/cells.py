@@ -156,9 +156,9 @@ class _Decider:
 
     def _orbits(self, loop: Callable[..., None], row: IntArray, A: FloatArray, *columns: FloatArray) -> FloatArray:
         """Return what a loop finds of orbits, by oscillators' numbers and amplitudes over V."""
-        found, eta = np.full((row.size, 2), math.nan), self.eta[row]
+        eta = self.eta[row]
         push = eta * (self.table.static - self.table.onset)
-        self.system.spread(loop, (eta, push, A, *columns), (_STEPS,), (found,), few=0)
+        found = self.system.spread(loop, (eta, push, A, *columns), (_STEPS,), 2, few=0)
         check_time()
         return found
 

@@ -134,9 +134,8 @@ def followed(
             except StickSlipError as error:
                 found[rows] = error
 
-    rest_q, rest_w = system.rest
-    near = NEAR * rtol
-    at_rest = (side > 0) & (np.abs(w - rest_w) <= near) & (np.abs(q - rest_q) <= near * max(1.0, abs(rest_q)))
+    rest, near = system.turn(1.0), NEAR * rtol
+    at_rest = (side > 0) & (np.abs(w - 1) <= near) & (np.abs(q - rest) <= near * max(1.0, abs(rest)))
     decide(np.flatnonzero(at_rest), lambda: plane.at_rest)
     left = np.flatnonzero(~at_rest)
     while left.size:

@@ -20,7 +20,7 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles, needed_damping
 from stickslip_sym.motion.regimes.separatrix import Separatrix, SlipCurve
-from stickslip_sym.motion.simulation.cycle import StickSlipCycle, stick_slip_cycle
+from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import End
 
@@ -52,20 +52,13 @@ class PhasePlane:
     def height(self) -> float:
         """The first minimum of the slip speed, over V, after P: 0 where integration cannot tell its sign.
 
-        Where the mass returns it is -w'^2/2, which continues the minimum through 0 with its value and its slope,
-        and -infinity where the mass moves away for ever; where it creeps to rest it is 1. It counts as 0 up to the
-        tolerance, and where a tolerance ten times wider changes it by half of itself or more.
+        That is up to the tolerance, and where a tolerance ten times wider changes it by half of itself or more.
         """
-        height = self._least_after(0.0, 0.0, self.rtol)
+        height = first_minimum(self.system, 0.0, 0.0, self.rtol)
         if abs(height) > _CLOSE:
             return height
-        lost = abs(self._least_after(0.0, 0.0, 10 * self.rtol) - height) >= abs(height) / 2
+        lost = abs(first_minimum(self.system, 0.0, 0.0, 10 * self.rtol) - height) >= abs(height) / 2
         return 0.0 if lost or abs(height) <= self.rtol else height
-
-    def _least_after(self, q: float, w: float, rtol: float) -> float:
-        slip = self.system.slip(q, w, until=End.MINIMUM, rtol=rtol)
-        least = {End.RETURN: -(slip.rate**2) / 2, End.OUTSIDE: -math.inf, End.MINIMUM: slip.w}
-        return least.get(slip.end, 1.0)
 
     # -- periodic motions --------------------------------------------------------------------------
 
@@ -96,10 +89,10 @@ class PhasePlane:
         """
         system = self.system
         turn = system.turn(0.0)
-        if 1 - (self._least_after(turn, 0.0, self.rtol) if turn else self.height) <= _NEAREST:
+        if 1 - (first_minimum(system, turn, 0.0, self.rtol) if turn else self.height) <= _NEAREST:
             return -1
         nearest = system.turn(1 - _NEAREST), 1 - _NEAREST
-        return int(system.decay(1.0) <= 0 and self._least_after(*nearest, self.rtol) <= 0)
+        return int(system.decay(1.0) <= 0 and first_minimum(system, *nearest, self.rtol) <= 0)
 
     @cached_property
     def stick_slip(self) -> StickSlipCycle | None:

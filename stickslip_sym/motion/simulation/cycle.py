@@ -8,6 +8,7 @@ slip does not end in stick either, the motion lies outside its first round from 
 slips on both sides of the belt's speed.
 """
 
+import math
 from dataclasses import dataclass, fields
 
 from stickslip_sym.core import deadline
@@ -140,16 +141,23 @@ def peak_velocity(law: FrictionLaw | str, osc: Oscillator, *, rtol: float = 1e-1
     >>> [round(ss.peak_velocity(law, ss.Oscillator(m=1, k=100, c=c, V=0.5, N=9.81)), 6) for c in (2.5, 2.7)]
     [0.513853, 0.475376]
     """
-    law = as_law(law)
-    system = Dimensionless.of(law, osc)
-    slip = system.slip(0.0, 0.0, until=End.MINIMUM, rtol=read_rtol(rtol))
-    if slip.end is End.RETURN:
-        return osc.V * (1 + slip.rate**2 / 2)
-    if slip.end is End.MINIMUM:
-        return osc.V * (1 - slip.w)
-    if slip.end is End.OUTSIDE:
+    height = first_minimum(Dimensionless.of(as_law(law), osc), 0.0, 0.0, read_rtol(rtol))
+    if math.isinf(height):
         raise NotConverged("the velocity has no peak after the slip from P, it falls for ever; try a larger c")
-    raise NotConverged(
-        f"the velocity has no peak after the slip from P, the mass creeps to rest: the damping ratio is "
-        f"{osc.zeta:g}; try a smaller c"
-    )
+    if height == 1:
+        raise NotConverged(
+            f"the velocity has no peak after the slip from P, the mass creeps to rest: the damping ratio is "
+            f"{osc.zeta:g}; try a smaller c"
+        )
+    return osc.V * (1 - height)
+
+
+def first_minimum(system: Dimensionless, q: float, w: float, rtol: float) -> float:
+    """Return the first minimum of the slip speed, over V, after a state below the belt's speed.
+
+    Where the mass returns it is -w'^2/2, which continues the minimum through 0 with its value and its slope, and
+    -infinity where the mass moves away for ever; where it creeps to rest it is 1.
+    """
+    slip = system.slip(q, w, until=End.MINIMUM, rtol=rtol)
+    least = {End.RETURN: -(slip.rate**2) / 2, End.OUTSIDE: -math.inf, End.MINIMUM: slip.w}
+    return least.get(slip.end, 1.0)

@@ -184,7 +184,7 @@ def _at_rest(system: Dimensionless, osc: Oscillator, x_P: float, w: float, x: fl
 
     A jump of mu holds the mass wherever it is.
     """
-    return x if w == 1 and 1.0 in system.rise.levels else x_P + osc.length * system.rest[0]
+    return x if w == 1 and 1.0 in system.rise.levels else x_P + osc.length * system.turn(1.0)
 
 
 _OUTCOMES = {End.REST: Outcome.AT_REST, End.STEPS: Outcome.STEP_LIMIT, End.LATE: Outcome.TIME_LIMIT}

@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 
 from stickslip_sym.core.aliases import FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import read_array
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.motion import Motion
@@ -270,10 +271,7 @@ class Trajectory:
         InputError
             For a time that is no number, or before the start, or after the end of what was computed.
         """
-        try:
-            times = np.asarray(t, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise InputError(f"t = {str(t)[:60]!r} is not a time in s; give a float or an array") from None
+        times = read_array("t", t, finite=False)
         first, last = float(self.t[0]), float(self.t[-1])
         slack = _ROUNDING * (last - first)
         wrong = ~((times >= first - slack) & (times <= last + slack))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray, Rows
-from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.errors import InputError, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.uncertain import with_error
@@ -94,9 +95,19 @@ class Threshold:
         InputError
             For a method of one's own without derivatives.
         """
-        with deadline.time_limit(self.time_limit):
+        with self._limited():
             columns = self._gradient(self.points)
         return {name: shaped(column, self.points.shape) for name, column in columns.items()}
+
+    @contextmanager
+    def _limited(self) -> Iterator[None]:
+        """Apply the time limit to what is computed of a threshold that is known."""
+        try:
+            with deadline.time_limit(self.time_limit):
+                yield
+        except OutOfTime as stop:
+            known = f"c = {self.value:.10g} kg/s" if np.ndim(self.value) == 0 else "of all points"
+            raise OutOfTime(f"{stop}; the threshold itself is known, {known}") from None
 
     def _gradient(self, points: OperatingPoints, rows: Rows = slice(None)) -> dict[str, FloatArray]:
         """Return dc/dname at points that stand for some rows, each by the method that gave the threshold there."""
@@ -136,7 +147,7 @@ class Threshold:
         errors, reason = standard_errors(self.points), ""
         ratio: FloatArray = np.ones(len(self.points))
         if self.budget is not None and errors is not None:
-            with deadline.time_limit(self.time_limit):
+            with self._limited():
                 ratio, reason = second_order_ratio(self.points, np.ravel(self.value), self._gradient, errors)
         return shaped(ratio, self.points.shape), reason
 
@@ -175,17 +186,20 @@ class Threshold:
     def __str__(self) -> str:
         if not np.size(self.value):
             return "0 thresholds"
-        error = self.relative_error
+        error, budget = self.relative_error, None
         worst = accuracy(None if error is None else float(np.max(error)))
+        if np.ndim(self.value) == 0 and self.theorem is None:
+            with suppress(OutOfTime):
+                budget = self.budget
         if np.ndim(self.value):
             low, high, names = np.min(self.value), np.max(self.value), ", ".join(np.unique(self.method))
             text = f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s "
             text += f"({names}, relative error {worst}, {self.status})"
         elif self.theorem is not None:
             text = f"{self.enclosure} kg/s ({self.method}, relative error at most {worst}, PROVED)"
-        elif self.budget is not None:
+        elif budget is not None:
             off = "unknown" if error is None else f"{error * abs(self.value):.0e}"
-            value = with_error(self.value, self.budget.uncertainty)
+            value = with_error(self.value, budget.uncertainty)
             text = f"{value} kg/s (parameters) +/- {off} (method: {self.method})"
         else:
             text = f"{self.value:.10g} kg/s ({self.method}, relative error {worst}, {self.status})"

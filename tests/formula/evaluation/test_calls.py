@@ -38,11 +38,9 @@ def test_types_in_float64_out(form, dtype):
 def test_memory_layouts(form):
     V = np.linspace(0.01, 9, 24).reshape(4, 6)
     expected = form(V=V, N=1.0)
-    read_only = V.copy()
-    read_only.setflags(write=False)
-    for other in (np.asfortranarray(V), read_only, np.repeat(V, 2, axis=1)[:, ::2]):
+    V.setflags(write=False)
+    for other in (V, np.asfortranarray(V), np.repeat(V, 2, axis=1)[:, ::2], V[::-1, ::-1][::-1, ::-1]):
         assert np.array_equal(form(V=other, N=1.0), expected)
-    assert np.array_equal(form(V=V[::-1, ::2], N=1.0), expected[::-1, ::2])
 
 
 @pytest.mark.parametrize(
@@ -121,23 +119,16 @@ def test_an_array_of_shapes_is_taken_apart():
 
 # -- blocks ------------------------------------------------------------------------------------------
 
-LAWS = [
-    "exponential", "polynomial", "gaussian", "hyperbolic", "arctangent", "rational", "logarithmic",
-    "two_exponentials",
-]  # fmt: skip
-
 
 @pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
-@sweep("name", LAWS, 0, 4, 7)
+@sweep("name", ["exponential", "polynomial", "gaussian", "hyperbolic", "arctangent", "rational", "logarithmic",
+                "two_exponentials"], 0, 4, 7)  # fmt: skip
 def test_neighbours_change_nothing(name, criterion):
-    rng = np.random.default_rng(LAWS.index(name))
+    rng = np.random.default_rng(5)
     average = ss.slope_average(ss.laws.catalogue[name].typical(), criterion)
     for share in (0.02, 0.5, 0.98):  # of low speeds in a block
-        V = np.where(rng.random(500) < share, 10 ** rng.uniform(-4, -1, 500), 10 ** rng.uniform(-0.5, 3, 500))
-        together = average(V=V, N=9.81)
-        alone = np.concatenate([average(V=part, N=9.81) for part in np.split(V, 50)])
-        assert (together == alone).all()
-        assert all(average(V=float(one), N=9.81) == value for one, value in zip(V[:100], together, strict=False))
+        V = np.where(rng.random(200) < share, 10 ** rng.uniform(-4, -1, 200), 10 ** rng.uniform(-0.5, 3, 200))
+        assert average(V=V, N=9.81).tolist() == [average(V=float(one), N=9.81) for one in V]
 
 
 def test_blocks_join_without_a_seam_and_in_little_memory():

@@ -3,6 +3,7 @@
 import itertools
 import warnings
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -163,33 +164,21 @@ def test_the_worst_texts_do_not_hang(name):
         ss.FrictionLaw(WORST[name])
 
 
-ALPHABET = "vab0123456789.+-*/^() e,_xplog<=>\n"
 TOKENS = st.sampled_from(
     [*"vab102+-*/^(),<| ", "0.5", "1e3", "pi", "**", "<=", "·", "np."]
     + [f"{name}(" for name in ("exp", "log", "sqrt", "sech", "Abs", "Min", "Max", "Piecewise", "Piecewise(")]
 )
-
-
-def _larger_formulas(parts):
-    pair = st.tuples(parts, parts)
-    return st.one_of(
-        st.tuples(parts, st.sampled_from("+-*/^"), parts).map(lambda t: f"({t[0]}){t[1]}({t[2]})"),
-        st.tuples(st.sampled_from(["-", "+", "exp", "log", "sqrt", "sin", "tanh", "Abs"]), parts).map(
-            lambda t: f"{t[0]}({t[1]})"
-        ),
-        st.tuples(st.sampled_from(["Min", "Max"]), pair).map(lambda t: f"{t[0]}({t[1][0]}, {t[1][1]})"),
-        st.tuples(parts, st.sampled_from(["a", "1", "b/2", "log(a)", "v"]), parts).map(
-            lambda t: f"Piecewise(({t[0]}, v < {t[1]}), {t[2]})"
-        ),
-    )
-
-
+SHAPES = [
+    *(f"({{0}}){sign}({{1}})" for sign in "+-*/^"), "Min({0}, {1})", "Max({0}, {1})",
+    *(f"{name}({{0}})" for name in ("-", "exp", "log", "tanh", "Abs")),
+    *(f"Piecewise(({{0}}, v < {place}), {{1}})" for place in ("a", "1", "b/2", "log(a)", "v")),
+]  # fmt: skip
 FORMULAS = st.recursive(
-    st.sampled_from(["v", "v", "a", "b", "2", "0", "0.3", "pi"]), _larger_formulas, max_leaves=8
+    st.sampled_from(["v", "v", "a", "b", "2", "0", "0.3", "pi"]),
+    lambda parts: st.builds(str.format, st.sampled_from(SHAPES), parts, parts),
+    max_leaves=8,
 ).map(lambda text: f"{text} + 0*v")
-TEXTS = st.one_of(
-    st.text(ALPHABET, max_size=40), st.text(max_size=30), st.lists(TOKENS, max_size=25).map("".join), FORMULAS
-)
+TEXTS = st.one_of(st.text(max_size=30), st.lists(TOKENS, max_size=25).map("".join), FORMULAS)
 
 
 @given(TEXTS)
@@ -277,9 +266,7 @@ def test_names_of_functions_are_no_parameters():
 # -- units -------------------------------------------------------------------------------------------
 
 UNITS = [
-    ("mu_m + (mu_s - mu_m)*exp(-v/v_s)", {"v_s": "m/s"}, {"v_s": "s/m"}),
     ("mu_m + (mu_s - mu_m)*exp(-(v/v_s)^p)", {"v_s": "m/s"}, {"v_s": "s/m"}),
-    ("mu_s - b*v", {"b": "s/m"}, {"b": "m/s"}),
     ("mu_s - a*v^p/w^p", {"a": "1", "w": "m/s"}, {"a": "1", "w": "m"}),
     ("mu_s + b*Abs(v - v_0)", {"b": "s/m", "v_0": "m/s"}, {"v_0": "s/m"}),
     ("Piecewise((mu_s, v < v_0), mu_s - b*(v - v_0))", {"b": "s/m"}, {"mu_s": "m"}),
@@ -297,12 +284,10 @@ def test_units_of_parameters_fit_the_formula(text, right, wrong):
 
 def test_units_of_the_catalogue_fit():
     for name, law in ss.laws.items():
-        units = {key: parameter.unit for key, parameter in law.parameters.items()}
         assert ss.FrictionLaw(law.text, parameters=law.parameters.values()).expr == law.expr, name
-        if name in ("rational", "brown_mcphee", "simscape"):
-            continue  # their numbers may carry units
-        for key in units:  # and no other does
-            described = [ss.Parameter(k, unit=u if k != key else f"kg*{u}", positive=law.parameters[k].positive)
-                         for k, u in units.items()]  # fmt: skip
-            with pytest.raises(ss.InputError, match="the units do not fit"):
-                ss.FrictionLaw(law.text, parameters=described)
+        if name not in ("rational", "brown_mcphee", "simscape"):  # whose numbers may carry units
+            for key in law.parameters:  # and no other does
+                described = [replace(known, unit=f"kg*{known.unit}" if known.name == key else known.unit)
+                             for known in law.parameters.values()]  # fmt: skip
+                with pytest.raises(ss.InputError, match="the units do not fit"):
+                    ss.FrictionLaw(law.text, parameters=described)

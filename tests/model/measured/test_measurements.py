@@ -68,14 +68,8 @@ def random_table(rng):
     for i in range(count):
         way, v = pick([1, -1]) if both else 1, round(float(rng.uniform(0.001, 2)), 4)
         mu, load = round(0.5 - 0.15 * v + float(rng.uniform(-0.02, 0.02)), 4), round(float(rng.uniform(5, 50)), 2)
-        exact = {
-            "v": v,
-            "mu": mu,
-            "F_t": mu * load,
-            "F_n": load,
-            "sigma": round(float(rng.uniform(0.001, 0.1)), 4),
-        }
-        units = {name: Fraction(size[name][1]) if name in size else Fraction(1) for name in exact}
+        exact = {"v": v, "mu": mu, "F_t": mu * load, "F_n": load, "sigma": round(rng.uniform(0.001, 0.1), 4)}
+        units = {name: Fraction(size[name][1] if name in size else 1) for name in exact}
         texts = {name: f"{float(Fraction(value) * units[name]):.6g}" for name, value in exact.items()}
         value = {name: Fraction(text) / units[name] for name, text in texts.items()}
         meant.append((value["v"], value["F_t"] / value["F_n"] if forces else value["mu"], value["sigma"]))
@@ -242,11 +236,11 @@ def test_columns_are_named_by_the_user(tmp_path):
             ss.read_measurements(file, **change)
 
 
-def test_other_files_are_named_as_what_they_are(tmp_path):
-    for start, kind in ((b"PK\x03\x04", "workbook .*.xlsx"), (b"\xd0\xcf\x11\xe0", "workbook .*.xls")):
-        (tmp_path / "a.xlsx").write_bytes(start + bytes(40))
-        with pytest.raises(ss.InputError, match=kind):
-            ss.read_measurements(tmp_path / "a.xlsx")
+@pytest.mark.parametrize(("start", "kind"), [(b"PK\x03\x04", ".xlsx"), (b"\xd0\xcf\x11\xe0", ".xls")])
+def test_a_workbook_is_named_as_one(tmp_path, start, kind):
+    (tmp_path / "a.csv").write_bytes(start + bytes(40))
+    with pytest.raises(ss.InputError, match=f"workbook .{kind}"):
+        ss.read_measurements(tmp_path / "a.csv")
 
 
 @pytest.mark.parametrize("swap", [("F_n [N]", "F_t [N]"), ("F_t [mN]", "F_t [N]"), ("v [m/s]", "v [mm/s]")])
@@ -310,7 +304,6 @@ REFUSED = {
     "v [N],mu\n1,2\n": "column 1.*'N' is no unit of a speed",
     "n (rpm),mu\n1,2\n": r"'rpm' is no unit of a pure number, like 1 or -; .*columns={'v': 'n \(rpm\)'}",
     "v,mu\n1,2\0\n": "is not a text file of columns: it holds null bytes",
-    "v,mu [%]\n1,2\n": "column 2.*the unit '%' is not known here; write one of a pure number",
     "V,mu\n1,2\n": r"column 1, 'V': a speed without a unit; write v \[m/s\]",
     "v,mu,COF\n1,2,3\n": "line 1, column 3, 'COF': column 2, 'mu', is mu too",
     "v,friction\n1,2\n": "column 2, 'friction': this may be mu or F_t; name the column, like columns={'mu': 'fric",
@@ -329,19 +322,15 @@ REFUSED = {
     "t,v,mu\n1,0.1,0.4\n2,0.2,0.4\nMean,0.15,0.4\n": "line 4, column 1: a finite number is needed.*'Mean'",
     "time,force\n1,2\n": "line 1: no column is the slip speed; not understood: 'time', 'force'",
     "0,1,2\n1,2,3\n": "line 1: got '0,1,2', 3 columns",
-    "nan,0.5\n1,0.4\n": "line 1: got 'nan,0.5'",
     "0.1 0.5 7\n0.2 0.4 7\n": "line 1: got '0.1 0.5 7', 3 columns, parted by blanks",
-    "v\n0.1\n0.2\n": "line 1: got 'v', 1 column; a table begins",
     "v mu\n0.1 0.5 7\n": "line 1: 'v mu' has 2 columns, parted by blanks, and the rows have 3; part names of more",
     "v,mu\n" + "[" * 300_000: "line 2: it has 300000 characters; a row is a line of its own",
     "v,mu\n# note\n0,0.5\n1,0.4x\n": "line 4, column 2, 'mu': a finite number is needed.*got '0.4x'",
-    "v,mu\n0,0.5\n1,\n": "line 3, column 2, 'mu': a finite number is needed, like 0.35; got ''",
     "v,mu,t\n0,0.5,1\n1\n": "line 3, column 1: the row has 1 column, and",
     "v,mu\n0,05,0,3\n": "line 2.*the row has 4 columns, and the header 2.*part the columns by semicolons",
     "v;mu\n0,5;0,4\n1;0.3\n": "'0.3' in line 3, column 2, has a decimal point, and '0,5' in line 2, column 1",
     'v,mu\n0,0.5\n1,"0.4\n2,0.3\n': "line 3, column 2, 'mu': a finite number is needed.*got '\"0.4'",
     "v,mu\n0,__import__('os')\n": "line 2, column 2, 'mu': a finite number is needed",
-    "v,mu\n0,1_0\n": "a finite number is needed, like 0.35; got '1_0'",
     "v,mu,sigma\n0,0.5,0.1\n1,0.4,0\n": "line 3, column 3: a standard deviation is above 0; got sigma_mu = 0",
     FORCES + "1,2,10\n2,3,0\n": "line 3, column 3: a normal force is not 0, and has one sign; got F_n = 0",
     FORCES + "1,2,10\n2,3,10\n3,3,-10\n": "line 4, column 3.*got F_n = -10",

@@ -62,7 +62,7 @@ def test_at_refuses_other_times(motion, t):
 
 
 def test_at_refuses_what_is_no_time(motion):
-    with pytest.raises(ss.InputError, match="t = 'soon' is not a time in s"):
+    with pytest.raises(ss.InputError, match="t = 'soon' is not a number"):
         motion.at("soon")
     assert motion.at(3.0) == motion.at(np.nextafter(3.0, 4))
 

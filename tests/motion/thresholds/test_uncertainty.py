@@ -150,8 +150,9 @@ def test_a_time_limit_binds_what_is_asked_later():
     found = ss.pure_slip_damping(correlated(), **POINT, method="simulation", time_limit=60)
     late = replace(found, time_limit=1e-9)
     for quantity in ("sensitivity", "budget", "uncertainty", "nonlinearity"):
-        with pytest.raises(ss.OutOfTime):
+        with pytest.raises(ss.OutOfTime, match=r"the threshold itself is known, c = 2\.57"):
             getattr(late, quantity)
+    assert "(simulation, relative error" in str(late)
     assert found.uncertainty > 0
 
 
