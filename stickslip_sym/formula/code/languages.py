@@ -13,50 +13,26 @@ _HERE = Path(__file__).parent
 class Language:
     """A language: its words, and its page of text.
 
-    Attributes
-    ----------
-    name : str
-        Of its column in the table of functions.
-    description : str
-        What a file in it is.
-    file : Path
-        The page: sections that begin with "@@ section", with $fields.
-    prefixes : tuple of str
-        An argument's name cannot begin with one of them, and cannot be one of the page's words.
-    argument : str
-        An argument inside a term, with {} for its number; the first one has the number `first`.
-    declared : str
-        An argument in the head of a function.
-    power : str
-        The power of two numbers.
-    extremes : tuple of str
-        Of two numbers: the larger one, the smaller one.
-    comment : str
-        What a line of a comment begins with.
-    next_line, next_row : str
-        Between numbers that stand on two lines, and between the rows of a table.
-    never : tuple of str
-        What a comment may not hold.
-    main_first : bool
-        Whether the functions that are called from outside stand before what they use.
+    The page is sections that begin with "@@ section", with $fields. An argument's name begins with none of
+    `prefixes`, and is none of the page's words.
     """
 
-    name: str
+    name: str  # of its column in the table of functions
     description: str
     file: Path
     prefixes: tuple[str, ...] = ()
-    argument: str = "a[{}]"
-    first: int = 0
-    declared: str = "{}"
+    argument: str = "a[{}]"  # inside a term, with {} for its number
+    first: int = 0  # number of an argument
+    declared: str = "{}"  # an argument in the head of a function
     power: str = "pow({}, {})"
     nan: str = "NAN"
     infinity: str = "HUGE_VAL"
-    extremes: tuple[str, str] = ("fmax", "fmin")
-    comment: str = ""
-    next_line: str = ",\n    "
-    next_row: str = ",\n    "
-    never: tuple[str, ...] = ()
-    main_first: bool = False
+    extremes: tuple[str, str] = ("fmax", "fmin")  # of two numbers
+    comment: str = ""  # what a line of a comment begins with
+    next_line: str = ",\n    "  # between numbers that stand on two lines
+    next_row: str = ",\n    "  # between the rows of a table
+    never: tuple[str, ...] = ()  # in a comment
+    main_first: bool = False  # the functions that are called from outside stand before what they use
 
     @cached_property
     def page(self) -> dict[str, str]:

@@ -110,14 +110,11 @@ class _Printer(Printer):  # type: ignore[misc]  # SymPy is untyped
         return self._language.power.format(self._print(expr.base), self._print(expr.exp))
 
     def _print_Max(self, expr: Expr) -> str:
-        return self._of_pairs(self._language.extremes[0], expr)
+        function = self._language.extremes[isinstance(expr, sp.Min)]
+        text: str = reduce(lambda left, right: f"{function}({left}, {right})", map(self._print, expr.args))
+        return text
 
-    def _print_Min(self, expr: Expr) -> str:
-        return self._of_pairs(self._language.extremes[1], expr)
-
-    def _of_pairs(self, function: str, expr: Expr) -> str:
-        texts: list[str] = [self._print(argument) for argument in expr.args]
-        return reduce(lambda left, right: f"{function}({left}, {right})", texts)
+    _print_Min = _print_Max  # noqa: N815  # as SymPy calls it
 
     def _in_brackets(self, expr: Expr) -> str:
         text = self._print(expr)
@@ -198,10 +195,8 @@ class _Writer:
         reach = (
             math.inf if law.v_max is None else float(law.v_max) / (1 if average.criterion.weight is None else 2)
         )
-        terms, verdicts = [], []
-        for i, term in enumerate(average.evaluator.terms):
-            terms.append(f"{name}_term_{i}(a)")
-            verdicts.append(self._add_term(f"{name}_term_{i}", term, point, texts, law))
+        terms = {f"{name}_term_{i}": term for i, term in enumerate(average.evaluator.terms)}
+        verdicts = [self._add_term(key, term, point, texts, law) for key, term in terms.items()]
         arguments = [self._argument(key) for key in free]
         self.names.append(name)
         order, constant = list(Status), Verdict(Status.PROVED, "a constant law has no slope")
@@ -213,7 +208,8 @@ class _Writer:
                 name=name,
                 arguments=", ".join(arguments),
                 declared=", ".join(language.declared.format(argument) for argument in arguments),
-                total=" + ".join(terms) or f"0.0*{language.argument.format(language.first)}",
+                total=" + ".join(f"{key}(a)" for key in terms)
+                or f"0.0*{language.argument.format(language.first)}",
                 flags="".join("1" if symbol.is_nonnegative else "0" for symbol in free.values()),
                 fastest=_number(reach, language),
             )
@@ -256,8 +252,7 @@ class _Writer:
                 cases="".join(cases).rstrip("\n"),
             )
         )
-        exact = dict(zip(term.average.shapes, map(sp.Rational, shapes), strict=True))
-        return compared(branches, term.average.profile, term.average.criterion, exact)
+        return compared(branches, term.average.profile, term.average.criterion, term.exact_shapes(shapes))
 
     def _case(self, name: str, start: float, end: float, branch: Branch) -> str:
         """Return the statements that compute g and the power between two ratios; write the table, if it is one."""

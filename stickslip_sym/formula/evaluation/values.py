@@ -40,7 +40,7 @@ _RESOLVED = 2.0**-31  # of the slope in a panel: its last two Legendre coefficie
 _NEGLIGIBLE = 2.0**-72  # of the moment of |g'|: a panel that need not be resolved
 _NOISE = 8  # times the radius of a ball around the slope: where the slope cancels no panel is resolved better
 _HALVINGS = 10  # of a panel
-_EXPANDED, _EXPANSION = 3, 26  # a weight that is no polynomial is expanded this many octaves below r; its terms
+_EXPANDED, _EXPANSION = 2, 28  # a weight that is no polynomial is expanded this many octaves below r; its terms
 _CLOSE = 5  # octaves from r to the innermost panel, at least
 _DEEPEST = -40  # octaves below that of the lowest kink, or below 1, where the innermost panel is looked for
 _LARGEST_ORDER = 16
@@ -153,13 +153,14 @@ class Values:
         samples += self._between(lambda u: (r * (2 - u * u), 2 * r * u), arb(0), arb(1), roots, moment)
         far = len(panels) if self.criterion.is_polynomial else max(len(panels) - _EXPANDED, 0)
         samples += [pair for panel in panels[far:] for pair in panel.samples]
-        total = sum((product * _weight(self.criterion, x / r) for x, product in samples), arb(0))
+        weight = _weight(self.criterion)
+        total = sum((product * weight(x / r) for x, product in samples), arb(0))
         for panel in panels[:far]:
             p = panel.end / r
             total += panel.average(p) * (arb(1) if self.criterion.is_polynomial else p.sqrt())
         for place, height in self._jumps:
             if bool(place > 0) and bool(place < 2 * r):
-                total += height * _weight(self.criterion, place / r)
+                total += height * weight(place / r)
         return -total / r
 
     def _slope(self, x: arb) -> BallFunction:
@@ -255,9 +256,12 @@ def _legendre(bits: int) -> tuple[list[tuple[arb, arb]], FloatArray]:
     return [(x.mid(), weight.mid()) for x, weight in rule], np.array(last)
 
 
-def _weight(criterion: Criterion, p: arb) -> arb:
-    """Return w(s) for p = 1 + s."""
-    return _in_powers(criterion)(p) if criterion.is_polynomial else 2 * (p * (2 - p)).sqrt() / arb.pi()
+def _weight(criterion: Criterion) -> Callable[[arb], arb]:
+    """Return w(s) as a function of p = 1 + s."""
+    if criterion.is_polynomial:
+        return _in_powers(criterion)
+    square = 4 / arb.pi() ** 2
+    return lambda p: (square * p * (2 - p)).sqrt()
 
 
 @lru_cache(maxsize=16)
