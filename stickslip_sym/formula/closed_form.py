@@ -185,19 +185,14 @@ class ClosedForm:
     @cached_property
     def average(self) -> SlopeAverage:
         """The criterion over arrays, with its branches; what is written as code."""
-        exactly = partial(exact_value, self._uncancelled, self._slope, digits=17)
-        return SlopeAverage(self.law, self.criterion, exactly, terms=self.terms)
+        return SlopeAverage(self.law, self.criterion, partial(self._exactly, digits=17), terms=self.terms)
 
     @cached_property
-    def _slope(self) -> Expr:
-        return sp.Add(*[sp.diff(term.expr, v) for term in self.terms])
-
-    @cached_property
-    def _uncancelled(self) -> Expr:
-        """The formula; the slope itself where it is the criterion, for there 1 - tanh^2 is still to be seen."""
-        if self.criterion.weight is None and self.expr.has(sp.tanh):
-            return -N * self._slope.subs(v, V)
-        return self.expr
+    def _exactly(self) -> partial[Mpf]:
+        """The value of the formula; of the slope itself where it is the criterion: there 1 - tanh^2 is seen."""
+        slope = sp.Add(*[sp.diff(term.expr, v) for term in self.terms])
+        local = self.criterion.weight is None
+        return partial(exact_value, -N * slope.subs(v, V) if local else self.expr, slope)
 
     def __call__(self, *, on_invalid: OnInvalid = "raise", **values: "ArrayLike") -> Any:
         """Return the damping coefficient in kg/s, broadcast over all arguments, as a `SlopeAverage` does.
@@ -240,7 +235,7 @@ class ClosedForm:
         for name, symbol in self.arguments.items():
             if symbol.is_nonnegative and point[symbol] < 0:
                 raise InputError(f"{name} = {float(point[symbol]):g} must not be negative")
-        return exact_value(self._uncancelled, self._slope, point, digits)
+        return self._exactly(point, digits)
 
     def latex(self, symbols: Mapping[str, str] | None = None) -> str:
         r"""Return the criterion as a LaTeX equation, ``c = ...``.

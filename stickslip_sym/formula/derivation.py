@@ -89,10 +89,6 @@ class Derivation:
         self.steps.append(Step(operation, reason, statement, prove_equal(lhs, rhs, by), label))
         return rhs
 
-    def judged(self, operation: str, reason: str, statement: Expr, verdict: Verdict) -> None:
-        """Add a step whose verdict was computed elsewhere."""
-        self.steps.append(Step(operation, reason, statement, verdict))
-
     def positive(self, operation: str, reason: str, expr: Expr, *, label: str = "") -> None:
         """Add the step expr > 0, and prove or refute it."""
         statement = sp.Gt(expr, 0, evaluate=False)

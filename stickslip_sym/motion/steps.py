@@ -301,9 +301,14 @@ def _located(
     - `sign`: of w - level, or of w', before.
     """
     side, turns = system[2], math.isnan(level)
-    # Newton's method in a bracket, from where a straight line through both ends is 0.
+    # Newton's method in a bracket, from where the inverse of the value is 0, as a cubic through both ends.
     begin, end = (r, r_h) if turns else (w - level, w_h - level)
-    length = h * begin / (begin - end) if begin * end < 0.0 else 0.5 * h
+    by, by_end = (_bend(law, system, w, r), _bend(law, system, w_h, r_h)) if turns else (r, r_h)
+    part = begin / (begin - end) if begin * end < 0.0 else 0.5
+    length = h * part
+    if by * by_end > 0.0:
+        length *= part * (3.0 - 2.0 * part)
+        length += (end - begin) * part * (1.0 - part) * ((1.0 - part) / by - part / by_end)
     low, high = 0.0, h
     q_now, w_now, r_now, D_now, error = q, w, r, 0.0, 0.0
     guesses = 0

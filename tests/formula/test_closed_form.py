@@ -70,25 +70,47 @@ def test_agrees_with_the_definition_to_45_digits(name, criterion, operating_poin
                 assert abs(got - expected) <= abs(expected) * mpmath.mpf(10) ** -AGREED_DIGITS
 
 
-RANDOM = [
+LAWS = [
     "a*exp(-p*v) + b*exp(-q*v)", "a*v^6*exp(-p*v)", "a/(1 + v/p) + b*v^2", "a*exp(-(v/p)^2) + b*tanh(v/q)",
-    "a*exp(-p*(v + q))", "a*exp(-(p + q)*v)", "exp(-v)*exp(-p*v)", "(a + b*v)^3*exp(-p*(v + q))", "a*v^p",
+    "a*exp(-p*(v + q))", "a*exp(-(p + q)*v)", "exp(-v)*exp(-p*v)", "(a + b*v)^3*exp(-p*(v + q))", "a*v^delta",
     "0.2 + 0.1*exp(-v/0.003) + 0.1*exp(-v/100)", "a*sqrt(v)", "1/(v + p)^2", "mu_0 + a*exp(-v/p) + b*v*exp(-v/q)",
-    "-v*log(v)", "mu_0 + (a - b)*log(v/v_0)", "Piecewise((f_0, v < v_w), f_w + (f_0 - f_w)*v_w/v)",
-    "mu_0 + d*log(1 + v^2/w^2)",
+    "-v*log(v)", "mu_0 + (a - b)*log(v/v_0)", "Piecewise((f_0, v < v_w), (f_w + (f_0 - f_w)*v_w/v, True))",
+    "mu_0 + d*log(1 + v^2/w^2)", "(1 + a*v)/(1 + b*v + d*v^2)", "log(1 + v/a)/(1 + v/b)", "a/(1 + (v/w)^3)",
+    "a/(1 + (v/w)^4)", "a/(1 + (v/w)^delta)", "a*(1 + (v/w)^8)^(-1/8)", "Min(Max(a - b*v, 0), 1)",
+    "Max(b, a*exp(-v/w))", "Max(b, a - v/w)", "Max(b, a - v^2)", "Max(b, w*log(1 + v/a))", "Abs(v - a + b)",
+    "Min(3*v + a, v + b)",
 ]  # fmt: skip
+HARMONIC = ["b*log(1 + v/a)^2", "Piecewise((a, v < b), (d + (a - d)*b/v, True))", "a/sqrt(1 + (v/w)^2)"]
+CHECKED = {"a/(1 + (v/w)^delta)", HARMONIC[1]}  # the others are proved
 
 
-@sweep("text", RANDOM, 0, 1, 6, 7, 10, 13, 15, 16)
-def test_a_call_keeps_its_promise_for_random_parameters(text):
-    form = ss.derive(ss.FrictionLaw(text))
-    assert form.verdict.status is ss.Status.PROVED
-    rng = np.random.default_rng(5)
-    columns = {name: 10 ** rng.uniform(-3, 3, 20) for name in form.arguments if name != "p"}
-    if "p" in form.arguments:
-        columns["p"] = 10 ** rng.uniform(*((-0.5, 0.7) if "^p" in text else (-3, 3)), 20)
-    exact = [float(form.evaluate(20, **{name: column[i] for name, column in columns.items()})) for i in range(20)]
-    assert form(**columns) == pytest.approx(exact, rel=FLOAT_ERROR)
+@sweep(
+    ("text", "criterion"),
+    [*((text, "least_squares") for text in LAWS), *((text, "harmonic") for text in HARMONIC)],
+    0, 1, 6, 10, 13, 15, 16, 17, 18, 20, 21, 23, 24, 25, 28, 29, 30, 31, 32,
+)  # fmt: skip
+def test_values_are_those_of_the_definition(text, criterion):
+    """For random parameters over two decades, a call over six; kinks may lie below rest."""
+    form = ss.derive(text, criterion, search=False)
+    assert form.verdict.status is (ss.Status.CHECKED if text in CHECKED else ss.Status.PROVED)
+    rng = random.Random(7)
+    for _ in range(6):
+        values = {name: f"{10 ** rng.uniform(-1, 1):.4g}" for name in form.arguments}
+        place = {"V": values.pop("V"), "N": values.pop("N")}
+        bound = form.law.bind(**values)
+        if "*log(v" in text:  # infinite at rest: no enclosure
+            expected = float(ss.quadrature.damping(bound, criterion, **place, digits=20))
+        else:
+            expected = float(ss.enclose(bound, criterion, **place, digits=18).mid)
+        assert float(form.evaluate(20, **place, **values)) == pytest.approx(expected, rel=1e-14, abs=1e-15)
+        floats = {name: float(value) for name, value in (place | values).items()}
+        assert form(**floats) == pytest.approx(expected, rel=FLOAT_ERROR, abs=1e-15)
+    for _ in range(12):
+        wide = {
+            name: 10 ** (rng.uniform(-0.5, 0.7) if name == "delta" else rng.uniform(-3, 3))
+            for name in form.arguments
+        }
+        assert form(**wide) == pytest.approx(float(form.evaluate(20, **wide)), rel=FLOAT_ERROR)
 
 
 @pytest.mark.parametrize(
@@ -105,24 +127,6 @@ def test_forms_that_are_known(text, criterion, expected):
     form = ss.derive(ss.FrictionLaw(text), criterion)
     wanted = sp.sympify(expected, locals={str(x): x for x in form.arguments.values()})
     assert sp.simplify(sp.expand_log(form.expr - wanted)) == 0
-
-
-@pytest.mark.parametrize(
-    ("text", "status"),
-    [
-        ("mu_m + d/(1 + (v/w)^3)", ss.Status.PROVED),
-        ("mu_m + d/(1 + (v/w)^4)", ss.Status.PROVED),
-        ("mu_m + d/(1 + (v/w)^delta)", ss.Status.CHECKED),
-        pytest.param("mu_m + d*(1 + (v/w)^8)^(-1/8)", ss.Status.PROVED, marks=pytest.mark.thorough),
-    ],
-)
-def test_powers_of_a_sum_have_closed_forms_and_all_digits(text, status):
-    form = ss.derive(ss.FrictionLaw(text))
-    assert form.verdict.status is status
-    values = {"mu_m": 0.2, "d": 0.3, "w": 0.4, "delta": 1.7, "N": 9.81}
-    values = {name: value for name, value in values.items() if name in form.arguments}
-    for V in (1e-9, 0.25, 0.28, 0.3, 0.35, 0.4, 5.0, 1e6):  # the transition is at V = w/2 to w
-        assert form(V=V, **values) == pytest.approx(float(form.evaluate(20, V=V, **values)), rel=1e-14)
 
 
 ENDING = ["mu_s + d*log(1 - v/v_c)", "mu_s + d*v*log(1 - v/v_c)", "mu_s + d*sqrt(1 - v/v_c)"]

@@ -58,16 +58,12 @@ def _power_moment(p: Expr, V: Expr) -> Expr:
     return factor * p * sp.gamma(p + _HALF) / sp.gamma(p + 2)
 
 
-def _moments(polynomial: Expr, u: Expr, V: Expr) -> Expr:
-    return sp.Add(*[c * _power_moment(sp.Integer(n), V) for (n,), c in sp.Poly(polynomial, u).terms()])
-
-
 def _rational(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average residues at the roots of factors of degree 1 and 2, real for complex roots too."""
     parts = partial_fractions(polynomial * factors, u)
     if parts is None:
         return None
-    total = _moments(parts[0], u, V)
+    total = sp.Add(*[c * _power_moment(sp.Integer(n), V) for (n,), c in sp.Poly(parts[0], u).terms()])
     for numerator, (_, *b, c), power in parts[1]:
         A, B = sp.Poly(numerator, u).nth(1), sp.Poly(numerator, u).nth(0)
         if not b:
@@ -183,10 +179,6 @@ def _average_of_series(q: Expr, upper: list[Expr], lower: list[Expr], z: Expr, d
         above += [(p + _HALF + i) / a for i in range(a)] + [p / a + 1]
         below = [(x + first + i) / b for x in [*lower, sp.Integer(1)] for i in range(b)]
         below += [(p + 2 + i) / a for i in range(a)] + [p / a]
-        for parameter in list(above):
-            if parameter in below:
-                above.remove(parameter)
-                below.remove(parameter)
         ratio = sp.Mul(*[sp.rf(x, first) for x in upper], *[1 / sp.rf(x, first) for x in lower])
         argument = z**b * (2 * V) ** a * sp.Integer(b) ** (b * (len(upper) - len(lower) - 1))
         total += ratio * z**first / sp.factorial(first) * _power_moment(p, V) * sp.hyper(above, below, argument)

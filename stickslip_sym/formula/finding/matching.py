@@ -117,20 +117,17 @@ def partial_fractions(rest: Expr, u: Expr) -> tuple[Expr, list[tuple[Expr, list[
         base, power = varying.as_base_exp()
         lead, *others = coefficients(base, u)
         monic = [sp.Integer(1), *(sp.cancel(c / lead) for c in others)]
-        if not power.is_Integer or not _is_positive(monic):
+        match monic[1:]:  # known to be positive for all u > 0; u itself, as in a piece of a law
+            case [c]:
+                positive = c == 0 or c.is_positive
+            case [b, c]:
+                positive = c.is_positive and (b.is_nonnegative or minus_discriminant(b, c).is_positive)
+            case _:
+                positive = False
+        if not (power.is_Integer and positive):
             return None
         fractions.append((numerator / (constant * lead**power), monic, int(power)))
     return polynomial, fractions
-
-
-def _is_positive(monic: list[Expr]) -> bool:
-    """Tell whether a monic polynomial of degree 1 or 2 is known to be positive for all u > 0."""
-    match monic[1:]:
-        case [c]:
-            return c == 0 or bool(c.is_positive)  # u itself: as in a piece of a law
-        case [b, c]:
-            return bool(c.is_positive and (b.is_nonnegative or minus_discriminant(b, c).is_positive))
-    return False
 
 
 def minus_discriminant(b: Expr, c: Expr) -> Expr:
