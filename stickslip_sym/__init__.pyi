@@ -22,9 +22,9 @@ from .formula.export import export_latex as export_latex
 from .formula.files import load as load
 from .formula.files import save as save
 from .formula.slope_average import slope_average as slope_average
+from .model.expression.parameters import Parameter as Parameter
 from .model.fitting.fit import fit as fit
 from .model.law import FrictionLaw as FrictionLaw
-from .model.law import Parameter as Parameter
 from .model.laws import laws as laws
 from .model.measured.measurements import read_measurements as read_measurements
 from .model.oscillator import Oscillator as Oscillator

@@ -18,8 +18,6 @@ from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_dampi
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import duration, table
 
-__all__ = ["HEADER", "Answer", "Comparison", "compare", "timed"]
-
 Quantity = float | str | UFloat
 """A quantity of an operating point in SI units, perhaps with a standard error."""
 Result = TypeVar("Result")

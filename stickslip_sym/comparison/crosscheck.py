@@ -24,8 +24,6 @@ from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.tables import duration, table
 
-__all__ = ["Check", "crosscheck", "differences", "report", "scatter"]
-
 _WIDTH = 100  # characters of a line of text
 _LARGE = 0.05  # relative difference of two values from which on its reason is named
 _STIFFER = 1e4  # times the stiffness: N/(V sqrt(k m)) falls to a hundredth, where friction is weak

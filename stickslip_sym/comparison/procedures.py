@@ -17,8 +17,6 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp, slip_by_solve_ivp
 
-__all__ = ["Scan", "comes_to_rest", "comes_to_rest_smoothed", "pure_slip_by_bisection", "pure_slip_by_scan"]
-
 _ITERATIONS = 3  # of the friction force in a Newmark step; it changes by 1e-4 relative in one
 _ROUND = 1.5 * 2 * math.pi  # time in 1/omega within which a slip comes back to the belt's speed, if it does
 _WIDEST = 1e3  # times sqrt(k m): no damping beyond is tried

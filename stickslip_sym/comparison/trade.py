@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Row", "Trade", "Tradeoff"]
-
 _WIDTH, _HEIGHT = 7.2, 3.5  # inches, of a panel of the picture
 _SMALLEST = 1e-51  # error of a method whose own is less
 _TITLE = 95  # characters of a line above a panel

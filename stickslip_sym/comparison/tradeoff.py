@@ -46,8 +46,6 @@ from stickslip_sym.motion.regimes.regime import by_side
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 
-__all__ = ["KINDS", "SPEEDS", "tradeoff"]
-
 KINDS = ("criterion", "threshold", "basin")
 Ends = tuple[float, float]
 Further = Mapping[str, float | str]

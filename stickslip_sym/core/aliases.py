@@ -8,11 +8,6 @@ if TYPE_CHECKING:
     import sympy as sp
     from numpy.typing import NDArray
 
-__all__ = [
-    "BoolArray", "ComplexArray", "Expr", "FloatArray", "IntArray", "Mpf", "Numbers", "ObjectArray", "Rational",
-    "Rows",
-]  # fmt: skip
-
 if TYPE_CHECKING:
     Expr: TypeAlias = sp.Basic
     """A SymPy expression, or a relation between two."""

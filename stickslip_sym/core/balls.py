@@ -21,11 +21,6 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, Function, fold, row
 
-__all__ = [
-    "BallFunction", "ball", "ball_function", "ball_value", "chosen", "number_at", "rational", "series_function",
-    "working_precision",
-]  # fmt: skip
-
 Z = TypeVar("Z", acb, arb_series)
 BallFunction = Callable[[acb, bool], acb]
 """A function of a ball; the flag asks for a ball that is not finite where it is not analytic."""

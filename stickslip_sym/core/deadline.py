@@ -13,8 +13,6 @@ from contextvars import ContextVar
 from stickslip_sym.core.errors import InputError, OutOfTime
 from stickslip_sym.core.numbers import real
 
-__all__ = ["LONGEST", "check_time", "time_left", "time_limit"]
-
 LONGEST = 86_400.0  # seconds, a day
 _end: ContextVar[float] = ContextVar("end of the time limit, of _now", default=math.inf)
 _uncounted = 0.0  # seconds that count in no limit

@@ -1,10 +1,5 @@
 """The exceptions of the package: each message says what was got, what was required and what to try."""
 
-__all__ = [
-    "NO_RESULT", "InputError", "InputWarning", "NoClosedForm", "NoThreshold", "NotConverged", "OutOfTime",
-    "StickSlipError",
-]  # fmt: skip
-
 
 class StickSlipError(Exception):
     """Base of every error that this package raises on purpose."""

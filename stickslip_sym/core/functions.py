@@ -18,11 +18,6 @@ from sympy.printing.printer import Printer
 from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.numbers import to_mpf
 
-__all__ = [
-    "CONSTANTS", "FUNCTIONS", "Constant", "Function", "Lerch", "NumberPower", "arguments", "fold",
-    "in_laws", "is_analytic", "lerch", "power", "row", "without_squares",
-]  # fmt: skip
-
 T = TypeVar("T")
 
 

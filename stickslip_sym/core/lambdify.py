@@ -14,8 +14,6 @@ import sympy as sp
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import lerch
 
-__all__ = ["Backend", "function_of"]
-
 Backend = Literal["numpy", "math", "mpmath"]
 
 _MODULES: dict[Backend, list[Any]] = {

@@ -28,11 +28,6 @@ from stickslip_sym.core.errors import InputError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-__all__ = [
-    "Number", "bits", "exact", "fraction", "lookup", "read_array", "read_rtol", "real", "require_type",
-    "suggestion", "to_mpf", "within",
-]  # fmt: skip
-
 T = TypeVar("T")
 Number = int | float | str | Fraction | Decimal | SupportsFloat
 

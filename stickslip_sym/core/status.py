@@ -3,8 +3,6 @@
 from collections.abc import Iterable
 from enum import Enum
 
-__all__ = ["Status"]
-
 
 class Status(Enum):
     """What a statement rests on; the members stand in order, the strongest first.

@@ -10,11 +10,6 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 
-__all__ = [
-    "QUANTITIES", "RESERVED", "N", "Quantity", "V", "a", "b", "c", "k", "m", "mu", "s", "t", "theta", "u", "v",
-    "x",
-]  # fmt: skip
-
 
 @dataclass(frozen=True)
 class Quantity:

@@ -12,8 +12,6 @@ from typing import Any, Protocol, runtime_checkable
 
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["UFloat", "separated", "split", "spread", "with_error"]
-
 _WITH_ERROR = re.compile(r"\+/-|±|\(")
 _CORRELATION_DIGITS = 9  # of correlations that count as equal: files keep them to rounding
 _EXAMPLES = "write it like 0.50+/-0.02 or 0.50(2)"

@@ -16,8 +16,6 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import lookup
 
-__all__ = ["Criterion", "catalogue", "equilibrium", "find", "harmonic", "least_squares"]
-
 
 @dataclass(frozen=True, eq=False)
 class Criterion:

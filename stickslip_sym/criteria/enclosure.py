@@ -28,8 +28,6 @@ from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 
-__all__ = ["Enclosure", "average_ball", "enclose", "enclosure_of"]
-
 _BITS = math.log2(10)  # per digit
 _GUARD = 30  # bits beyond the digits that are asked for, against rounding
 _MOST_LOST = 1400  # bits of cancellation that are followed, some 400 digits

@@ -29,8 +29,6 @@ from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import shapes_of
 from stickslip_sym.output import printing
 
-__all__ = ["Average", "average_of"]
-
 
 class Average:
     """F(V; shapes) = -<g'(V (1 + s); shapes)>_w of a profile g(v; shapes)."""

@@ -25,7 +25,8 @@ from stickslip_sym.formula.proof.gate import GATE_POINTS
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.slope_average import OnInvalid, SlopeAverage
 from stickslip_sym.formula.tidy import tidy
-from stickslip_sym.model.law import FrictionLaw, Parameter
+from stickslip_sym.model.expression.parameters import Parameter
+from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.terms import Term, shapes_of
 from stickslip_sym.output import markup, printing
@@ -34,8 +35,6 @@ from stickslip_sym.output.notation import check_known, notation_of
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-
-__all__ = ["ClosedForm", "derive"]
 
 _SEARCHING = 2.0  # seconds of the processor for SymPy: what it finds at all, it finds in that time
 _REMEDY = (

@@ -16,8 +16,6 @@ from stickslip_sym.output.abbreviation import equation
 from stickslip_sym.output.layout import prose
 from stickslip_sym.output.notation import distinct_notation, notation_of
 
-__all__ = ["Derivation", "Step"]
-
 _LONGEST = 200  # characters of a result in a line of text
 
 

@@ -21,8 +21,6 @@ from stickslip_sym.core.functions import arguments, without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 
-__all__ = ["exact_value", "formula_ball", "from_mpmath", "in_mpmath", "to_ball", "to_digits"]
-
 _GUARD = 40  # bits beyond those that are asked for
 _MOST_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
 _PATIENCE = (

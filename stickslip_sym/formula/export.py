@@ -24,8 +24,6 @@ from stickslip_sym.output.abbreviation import equation
 from stickslip_sym.output.layout import LINE, displayed, key, prose, width
 from stickslip_sym.output.notation import check_known, notation_of
 
-__all__ = ["criterion_latex", "export_code", "export_latex"]
-
 _PREAMBLE = r"""\documentclass[10pt]{article}
 \usepackage[T1]{fontenc}
 \usepackage{lmodern}

@@ -31,8 +31,6 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import files, printing
 
-__all__ = ["load", "save", "text_of"]
-
 _FORMAT, _VERSION = "stickslip_sym", 2
 _LARGEST = 20_000_000  # bytes of a file
 _BROKEN = (KeyError, TypeError, ValueError, AttributeError, IndexError)

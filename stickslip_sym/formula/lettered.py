@@ -12,8 +12,6 @@ from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output.text_printer import is_decimal, is_over_decimal
 
-__all__ = ["lettered"]
-
 _READABLE = 10**5
 """An integer, or a denominator, that is larger was multiplied together from the numbers of a law."""
 _AT_A_GLANCE = 100

@@ -21,8 +21,6 @@ from stickslip_sym.formula.finding import search
 from stickslip_sym.formula.tidy import tidy
 from stickslip_sym.model.terms import Term
 
-__all__ = ["Limits", "limits_of"]
-
 _SECONDS = 2.0  # that SymPy may take for a profile where no rule serves
 
 

@@ -24,8 +24,6 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.terms import Term
 from stickslip_sym.output import printing
 
-__all__ = ["OnInvalid", "SlopeAverage", "slope_average"]
-
 OnInvalid = Literal["raise", "nan"]
 
 _BLOCK = 16384  # elements: the arrays of a block stay in the processor's cache

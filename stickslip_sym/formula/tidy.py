@@ -8,8 +8,6 @@ from sympy.core.random import rng
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.formula.proof.normal_form import plain
 
-__all__ = ["tidy"]
-
 _LARGEST = 1500  # operations of an expression that is still factored
 _MOST_FUNCTIONS = 12  # in it, each a variable of the polynomial to factor
 

@@ -13,8 +13,6 @@ from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["Zeros", "zeros"]
-
 _SPEEDS = 10.0 ** np.linspace(-12, 12, 385)  # belt speeds in m/s between which a sign is looked at
 _ROOT = float(4 * np.finfo(np.float64).eps)
 

@@ -22,8 +22,6 @@ from stickslip_sym.core.lambdify import Backend, function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.model.expression.pieces import branch_from, kinked
 
-__all__ = ["Rising", "function_at", "gain", "limit_at_rest", "reals", "rises_of", "symbolic_limit_at_rest"]
-
 Rising = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) of an array of slip speeds in m/s, NaN where mu has no value."""
 

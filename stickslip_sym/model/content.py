@@ -11,11 +11,10 @@ import numpy as np
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact, require_type
 from stickslip_sym.core.uncertain import UFloat
-from stickslip_sym.model.law import FrictionLaw, Parameter
+from stickslip_sym.model.expression.parameters import Parameter
+from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.output.printing import text
-
-__all__ = ["law_in", "law_out", "text_of_law"]
 
 _ABOUT = ("name", "source", "validity")
 

@@ -32,8 +32,6 @@ from stickslip_sym.output.notation import notation_of
 if TYPE_CHECKING:
     from stickslip_sym.model.measured.measurements import Measurements
 
-__all__ = ["FrictionLaw", "Parameter"]
-
 _ROUNDING = 1e-12  # of a static coefficient that is mu(0+), relative
 
 

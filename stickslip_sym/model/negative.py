@@ -7,8 +7,6 @@ import numpy as np
 from stickslip_sym.core.errors import InputWarning
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["lowest", "warn_where_negative"]
-
 _NEAREST = 1e-9  # first speed over the last: at 0 itself the logarithm of rate and state has no value
 _GRID = np.unique([*np.geomspace(_NEAREST, 1, 100), *np.linspace(0, 1, 201)[1:]])  # speeds over the last
 _LARGEST = 1e300  # m/s, short of overflow

@@ -1,7 +1,5 @@
 """The operating point of the paper's section 3: what is taken where none is given."""
 
-__all__ = ["LOW_SPEED", "PAPER"]
-
 PAPER = {"V": "0.5", "N": "9.81", "m": "1", "k": "100"}
 """Belt speed, normal force, mass and stiffness in SI units, as exact decimals."""
 

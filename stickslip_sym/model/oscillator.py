@@ -8,8 +8,6 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import real
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["Oscillator"]
-
 _NO_BELT = (
     "on a belt that stands still nothing drives the mass, so take a small speed such as 1e-6 instead",
     "x counts along the belt, so where it runs backward change the signs of V, x0 and v0",

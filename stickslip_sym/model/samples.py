@@ -26,8 +26,6 @@ from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, exact, to_mpf
 from stickslip_sym.model.expression.pieces import piecewise
 
-__all__ = ["SampledCurve"]
-
 FEWEST, MOST = 4, 60
 LARGEST = sp.Integer(10) ** 20  # m/s; the smallest speed above 0 is its inverse
 

@@ -16,8 +16,6 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 
-__all__ = ["Term", "expand_above", "grouped", "shapes_of", "speed_scales", "split_polynomial", "terms_of"]
-
 _MOST_PIECES = 8  # of a function in pieces that are simplified; that of a table of measurements has up to 60
 _RELATIONS = (sp.StrictLessThan, sp.StrictGreaterThan)
 

@@ -17,8 +17,6 @@ from stickslip_sym.motion.simulation.trajectory import Phase
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
 
-__all__ = ["Plane", "pictures", "plane"]
-
 Look = dict[str, Any]
 Study: TypeAlias = Any
 """A `Study`, which asks for its pictures and so cannot be imported."""

@@ -41,8 +41,6 @@ from stickslip_sym.output.markup import Markup, element
 from stickslip_sym.output.page.render import equation, now, render, with_error
 from stickslip_sym.output.tables import duration
 
-__all__ = ["Study", "study"]
-
 _PERIODS = 8  # of free vibration, that the motion is shown for
 _EACH = 20.0  # seconds that one part may take
 _RTOL = 1e-10  # of thresholds

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-__all__ = ["LANGUAGES", "Language"]
-
 _HERE = Path(__file__).parent
 
 

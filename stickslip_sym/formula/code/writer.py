@@ -24,8 +24,6 @@ from stickslip_sym.formula.evaluation.making import compared
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.law import FrictionLaw
 
-__all__ = ["code", "require_shapes", "text_of"]
-
 
 class Fast(Protocol):
     """A `SlopeAverage`, whose terms and branches are written."""

@@ -19,8 +19,6 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray, Numbers
 from stickslip_sym.core.lambdify import function_of
 
-__all__ = ["Branch", "Branches", "Sum", "Table", "alike", "power_of"]
-
 _LARGEST_POWER = 8  # of a whole exponent that is multiplied out
 _BEFORE = 3  # the left end, the origin and the centre of a panel stand before its coefficients
 

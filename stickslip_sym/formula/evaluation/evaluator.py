@@ -22,8 +22,6 @@ from stickslip_sym.formula.evaluation.making import branches_of
 from stickslip_sym.formula.evaluation.values import MeanSlope, reach_of
 from stickslip_sym.model.terms import Term
 
-__all__ = ["Evaluator", "TermFunction"]
-
 _BITS = 900.0  # binary exponents that no product may pass, lest something overflows on the way
 _CANCELLED = 4.0  # the sum of the terms' sizes over the size of their sum, from where the slope is looked at
 _ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, from where balls are asked

@@ -33,8 +33,6 @@ from stickslip_sym.formula.evaluation.values import (
 from stickslip_sym.formula.proof.gate import kinks_of
 from stickslip_sym.formula.proof.proving import Verdict
 
-__all__ = ["branches_of", "compared"]
-
 _EPSILON = 2.0**-52
 _NEGLIGIBLE = 2.0**-57  # of a value: what a polynomial may leave out
 _CONDITION = 1.5  # of a polynomial: the sum of its terms' sizes over the size of the sum

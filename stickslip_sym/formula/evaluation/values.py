@@ -26,8 +26,6 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.expression.pieces import branch_from, jumps, places
 
-__all__ = ["BITS", "MeanSlope", "Unresolved", "Values", "reach_of", "slope_of"]
-
 BITS = 110
 """The working precision of values."""
 

@@ -22,8 +22,6 @@ from stickslip_sym.formula.finding.matching import (
 )
 from stickslip_sym.model.terms import grouped
 
-__all__ = ["antiderivative"]
-
 _HALF = sp.Rational(1, 2)
 
 # -- repeated integrals -----------------------------------------------------------------------------

@@ -22,8 +22,6 @@ from stickslip_sym.formula.finding.matching import (
     partial_fractions,
 )
 
-__all__ = ["average_of_pieces", "harmonic_average"]
-
 _HALF = sp.Rational(1, 2)
 
 

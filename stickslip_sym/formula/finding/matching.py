@@ -11,17 +11,6 @@ import sympy as sp
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.model.terms import split_polynomial
 
-__all__ = [
-    "Rule",
-    "as_binomial",
-    "as_power",
-    "as_stretched",
-    "coefficients",
-    "first_rule",
-    "minus_discriminant",
-    "partial_fractions",
-]
-
 Kinds = tuple[type[Expr] | tuple[type[Expr], ...], ...]
 
 

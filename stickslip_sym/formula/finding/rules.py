@@ -23,8 +23,6 @@ from stickslip_sym.formula.proof.theorems import By, PieceByPiece, ends_of_piece
 from stickslip_sym.model.expression.pieces import pieces_of
 from stickslip_sym.model.terms import grouped
 
-__all__ = ["Part", "integrate_terms"]
-
 
 @dataclass(frozen=True)
 class Part:

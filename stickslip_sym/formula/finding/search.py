@@ -17,8 +17,6 @@ import sympy as sp
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time, time_left
 
-__all__ = ["RULE", "NothingFound", "Progress", "antiderivative", "carried_out", "confine", "limit"]
-
 Progress = Callable[[str], None]
 """Told in a few words what is being done."""
 

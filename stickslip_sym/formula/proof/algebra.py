@@ -18,8 +18,6 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.functions import row
 
-__all__ = ["Algebra", "Element", "Expansion"]
-
 _GENERATORS = 20  # square roots, functions and constants that one formula may hold
 _HALF = sp.Rational(1, 2)
 

@@ -29,8 +29,6 @@ from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.terms import shapes_of
 
-__all__ = ["GATE_POINTS", "verify"]
-
 GATE_POINTS = 12
 GATE_DIGITS = 30
 _ROUNDED = 3  # of these digits, which the last bits of an enclosure may leave open

@@ -6,8 +6,6 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.model.terms import expand_above
 
-__all__ = ["normal_form", "plain", "single_limit"]
-
 _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
 
 

@@ -30,8 +30,6 @@ from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
 from stickslip_sym.formula.proof.theorems import By
 from stickslip_sym.output import markup
 
-__all__ = ["NotFinite", "Verdict", "certain_value", "prove_equal", "prove_positive"]
-
 _SAMPLES = 8
 _DIGITS = 22  # of the sides' size, to which they are the same, errors included, to count as equal
 _NOTHING = mpmath.mpf("1e-60")  # what both sides may differ by where they are 0

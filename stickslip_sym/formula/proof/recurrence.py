@@ -26,8 +26,6 @@ from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.theorems import is_positive, is_smooth
 from stickslip_sym.output import printing
 
-__all__ = ["AVERAGES_AGREE", "AverageSeries", "definition", "prove_average"]
-
 _SPARE = (2, 6, 14)  # terms of a series beyond those that are compared, for those that cancel
 _HIGHEST_ORDER = 4  # of a differential equation that is looked for
 

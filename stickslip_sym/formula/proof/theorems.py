@@ -14,18 +14,6 @@ from stickslip_sym.core.functions import Lerch, is_analytic
 from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
 from stickslip_sym.model.expression.pieces import pieces_of
 
-__all__ = [
-    "Antiderivative",
-    "By",
-    "ChangeOfVariable",
-    "PieceByPiece",
-    "ends_of_pieces",
-    "is_positive",
-    "is_smooth",
-    "value_at",
-]
-
-
 _INFINITE = (sp.zoo, sp.oo, sp.nan)
 
 By: TypeAlias = Callable[[Expr], Expr]

@@ -14,8 +14,6 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import fold, power, without_squares
 from stickslip_sym.model.expression.pieces import joined
 
-__all__ = ["normal_form"]
-
 _MOST_EXPANDED = 6  # of a power of a sum of two terms that a rule makes
 _RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.cosh: sp.sech, sp.tanh: sp.coth}
 _OF_LOGARITHMS: dict[type[Expr], Callable[[Expr], Expr]] = {

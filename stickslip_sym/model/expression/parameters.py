@@ -13,8 +13,6 @@ from stickslip_sym.core.numbers import fraction, require_type
 from stickslip_sym.model.expression.parsing import NAME, taken
 from stickslip_sym.model.expression.units import parse_unit
 
-__all__ = ["Parameter"]
-
 _ARGUMENTS = frozenset({"self", "digits", "on_invalid"})
 
 

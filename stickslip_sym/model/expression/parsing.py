@@ -24,8 +24,6 @@ from stickslip_sym.core.functions import CONSTANTS, in_laws, power
 from stickslip_sym.core.numbers import bits, suggestion, within
 from stickslip_sym.model.expression.pieces import Bound, absolute, bound_of, in_pieces, larger, sign, smaller
 
-__all__ = ["KINKED", "NAME", "parse_expression", "taken"]
-
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 """What a name looks like: ASCII letters, digits and underscores, at most 40."""
 

@@ -18,11 +18,6 @@ from stickslip_sym.core.balls import chosen
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import power, row
 
-__all__ = [
-    "Bound", "absolute", "bound_of", "branch_from", "in_pieces", "joined", "jumps", "kinked", "larger",
-    "pieces_of", "piecewise", "places", "sign", "smaller",
-]  # fmt: skip
-
 Cases: TypeAlias = list[tuple[Expr, Expr | None]]
 """Smooth pieces of an expression in order, and the place where each ends; None is beyond every place."""
 

@@ -21,8 +21,6 @@ from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.parsing import parse_expression
 from stickslip_sym.output.printing import text
 
-__all__ = ["read_formula", "read_static"]
-
 _MAX_POWER_OF_V = 24
 _MAX_POWER_OF_SUM = 16
 _MAX_TERMS = 600

@@ -16,8 +16,6 @@ from stickslip_sym.core.functions import fold
 from stickslip_sym.model.expression.parsing import parse_expression
 from stickslip_sym.output.printing import text
 
-__all__ = ["check_units", "parse_unit", "with_units"]
-
 _CALL = re.compile(r"\w\s*\(")
 _ALLOWED = "write a product of powers of m, s, kg and N, or 1"
 _M, _S, _KG = _BASE = sp.symbols("[m] [s] [kg]", positive=True)

@@ -12,8 +12,6 @@ from stickslip_sym.output.drawing import BLUE, finish
 
 Band = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
-__all__ = ["band", "draw_law", "draw_points"]
-
 _NORMAL = 1.96  # standard errors on either side, 95 % of a normal distribution
 
 

@@ -18,8 +18,6 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.laws import laws as catalogue
 from stickslip_sym.model.measured.measurements import Measurements
 
-__all__ = ["fit"]
-
 _STARTS = 4  # different ones; for most laws the best few of the trials lead to one minimum
 _MANY = 1000  # rows, from which starts lead to a minimum of the means of bins, and the best to one of all rows
 _BINS = 300

@@ -13,8 +13,6 @@ from stickslip_sym.model.expression.units import parse_unit
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 
-__all__ = ["Minimum", "Problem"]
-
 _AT_REST = 1e-200  # m/s, in place of 0, where a power of v has no derivative with respect to its exponent
 _TOLERANCE = 1e-11  # relative, of the sum of squares and of the values; rounding allows 1e-14
 _EVALUATIONS = 600  # of the law, for one start; more are needed only where values grow without bound

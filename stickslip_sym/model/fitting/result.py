@@ -27,8 +27,6 @@ from stickslip_sym.output.tables import table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Averaged", "ByLaw", "Fit", "Fits"]
-
 _SEARCHED = 64.0  # half widths by standard errors, within which the end of an interval is sought
 _NEAR_REST = 0.1  # of V: slip speeds below it are a part of 0 to 2 V that does not matter
 _RATHER = 0.01  # Akaike weight of laws over which a quantity is averaged, over that of the best

@@ -13,8 +13,6 @@ from typing import NamedTuple
 
 from stickslip_sym.core.errors import InputError
 
-__all__ = ["EXPECTED", "Column", "choose_columns", "is_header", "read_unit"]
-
 EXPECTED = "v [m/s],mu or v [mm/s];F_t [N];F_n [N];sigma_mu"
 KINDS = {
     "v": ("speed", "rotation"), "mu": ("number",), "F_t": ("force",), "F_n": ("force",), "sigma_mu": ("number",),

@@ -14,8 +14,6 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real
 from stickslip_sym.model.measured.table import Table, read_table
 
-__all__ = ["Measurements", "read_measurements"]
-
 _FEW = 0.05  # share of rows with the other sign, up to which they are noise of a small force
 _LARGEST_MU = 5.0  # no dry or lubricated contact comes near it
 _FASTEST = 100.0  # m/s, above which a speed without a unit is taken for one in mm/s

@@ -18,8 +18,6 @@ from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
 
-__all__ = ["Table", "read_table"]
-
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
 """What separates columns, by preference: a comma may also be a decimal sign, and blanks may stand in a name."""
 MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
