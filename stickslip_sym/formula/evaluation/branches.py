@@ -25,6 +25,8 @@ _BEFORE = 3  # the left end, the origin and the centre of a panel stand before i
 
 def power_of(base: Numbers, exponent: float) -> Numbers:
     """Raise floats or arrays to a power: whole and half ones by products, quotients and square roots."""
+    if exponent == 1.0:
+        return base
     if exponent < 0:
         return 1.0 / power_of(base, -exponent)
     whole = int(exponent)

@@ -58,8 +58,9 @@ def _function_of_base(expr: Expr, arguments: Sequence[Expr]) -> Callable[[Sequen
 
     def base(values: Sequence[Numbers]) -> Numbers:
         value, spread = function(*values)
-        value = np.where(np.abs(value) * _CANCELLED >= spread, value, np.nan)
-        return value if np.ndim(value) else float(value)
+        if isinstance(value, float):
+            return float(value) if abs(value) * _CANCELLED >= spread else math.nan
+        return np.where(np.abs(value) * _CANCELLED >= spread, value, np.nan)
 
     return base
 
@@ -190,7 +191,10 @@ class TermFunction:
 
 def _count(values: Sequence[Numbers]) -> int:
     """Return the length of the arrays among some values; 0 where all are floats."""
-    return next((value.size for value in values if not isinstance(value, float)), 0)
+    for value in values:
+        if not isinstance(value, float):
+            return value.size
+    return 0
 
 
 def _outside(values: Sequence[Numbers], largest: float) -> BoolArray | bool:
