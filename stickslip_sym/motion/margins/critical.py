@@ -19,7 +19,7 @@ from scipy.optimize import minimize_scalar
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold
-from stickslip_sym.core.numbers import lookup, read_rtol, real
+from stickslip_sym.core.numbers import lookup, read_array, read_rtol, real
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
@@ -181,7 +181,7 @@ def critical(
             return (
                 Critical("c", one.value, "kg/s", one.method, one.relative_error, one.sensitivity, one.enclosure),
             )
-        return _Search(law, of, numbers, find_method(method), rtol).found(within)
+        return _Search(law, of, numbers, find_method(method), rtol).found(_places(within))
 
 
 def excess(points: OperatingPoints, c: float, method: Method | None, rtol: float = _LOOSE) -> FloatArray:
@@ -220,6 +220,17 @@ def _gap(points: OperatingPoints, row: int, c: float, rtol: float) -> float:
     return math.nan if outside and math.isfinite(system.w_max) else float(value)
 
 
+def _places(within: Sequence[float] | None) -> FloatArray | None:
+    """Read between which places a value is sought."""
+    if within is None:
+        return None
+    places: FloatArray = np.asarray(read_array("within", within), dtype=np.float64)
+    ascending = places.ndim == 1 and places.size > 1 and (np.diff(places) > 0).all()
+    if not ascending or (places.size == 2 and places.prod() <= 0):
+        raise InputError(f"within = {within} must be two numbers of one sign, ascending")
+    return places
+
+
 class _Search:
     """The search for the roots of threshold minus c along one quantity or parameter.
 
@@ -256,7 +267,7 @@ class _Search:
         points = [self.at(x)] if self.is_quantity else map(self.at, x.tolist())
         return np.concatenate([[], *(excess(some, self.c, self.method, rtol) for some in points)])
 
-    def found(self, within: Sequence[float] | None) -> tuple[Critical, ...]:
+    def found(self, within: FloatArray | None) -> tuple[Critical, ...]:
         """Return the critical values, ascending."""
         roots = None if self.criterion is None else self._polynomial_roots(self.criterion)
         if roots is not None:
@@ -271,19 +282,14 @@ class _Search:
 
     # -- where to look -----------------------------------------------------------------------------
 
-    def _grid(self, within: Sequence[float] | None) -> FloatArray:
+    def _grid(self, within: FloatArray | None) -> FloatArray:
         """Return the values at which the excess is sampled, ascending.
 
         Of a quantity all for an average, else where friction is neither weak nor very strong, and where the
         harmonic average, the limit for weak friction, comes close to c.
         """
         if within is not None:
-            if len(within) > 2:
-                return np.array(within)
-            low, high = (real("within", end) for end in within)
-            if not (low * high > 0 and low < high):
-                raise InputError(f"within = ({low:g}, {high:g}) must be two numbers of one sign, ascending")
-            return _spaced(low, high)
+            return within if within.size > 2 else _spaced(*within)
         if not self.is_quantity:
             value = float(self.law.values.get(self.of, self.law.parameters[self.of].typical or 0))
             if value == 0:

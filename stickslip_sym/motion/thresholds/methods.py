@@ -231,7 +231,8 @@ def ask(
         try:
             computed, _ = ask(points if rows.size == len(points) else points.rows(rows), one, rtol)
         except OutOfTime as stop:
-            raise OutOfTime(f"{stop}{_best(points, best, int(rows[0]))}") from None
+            row = int(rows[0])
+            raise OutOfTime(f"{stop}{_best(points, best, row) if error[row] < 1 else ''}") from None
         closer = computed.relative_error < error[rows]
         value[rows[closer]], error[rows[closer]] = computed.value[closer], computed.relative_error[closer]
         names[rows[closer]] = one.name

@@ -194,6 +194,8 @@ def test_proved_values_enclose_what_the_orbit_finds():
         ("k", {"c": 1, "V": 1, "N": 1, "method": "harmonic"}, "both the mass m and the stiffness k"),
         ("k", {"c": 1, "V": 1, "N": 1, "m": 1, "method": "harmonic"}, "does not depend on k"),
         ("alpha", {"c": 1, "V": 1, "N": 1, "within": (2, 1)}, "two numbers of one sign, ascending"),
+        ("alpha", {"c": 1, "V": 1, "N": 1, "within": 5}, "two numbers of one sign, ascending"),
+        ("alpha", {"c": 1, "V": 1, "N": 1, "within": ("x", 1)}, "is not a number or an array"),
     ],
 )
 def test_what_cannot_be_found_is_refused(of, given, message):
