@@ -202,7 +202,9 @@ def good_enough(points: OperatingPoints, method: Method | None, rtol: float) -> 
         off = np.abs(found.value[far] - reference.value)
         with np.errstate(all="ignore"):
             off = np.where(off == 0, 0.0, off / np.abs(reference.value)) + reference.relative_error
-        found.relative_error[far] = np.where(np.isnan(off), np.inf, off)
+        error = found.relative_error.copy()
+        error[far] = np.where(np.isnan(off), np.inf, off)
+        found = replace(found, relative_error=error)
     return found, names
 
 
