@@ -134,7 +134,7 @@ def rate_at(law: Any, system: Any, q: float, w: float) -> float:
     # Estrin's scheme: its products do not wait for one another, as those of Horner's do.
     lower = (c[3] + c[4] * t) + (c[5] + c[6] * t) * t2 + ((c[7] + c[8] * t) + (c[9] + c[10] * t) * t2) * t4
     upper = (c[11] + c[12] * t) + (c[13] + c[14] * t) * t2 + ((c[15] + c[16] * t) + c[17] * t2) * t4
-    rate: float = push - eta * (lower + upper * (t4 * t4)) + side * q - damping * w
+    rate: float = (push + side * q - damping * w) - eta * (lower + upper * (t4 * t4))
     return rate
 
 
@@ -149,8 +149,10 @@ def slope_at(law: Any, w: float) -> float:
     """Return the derivative of the rise by w."""
     pieces, first, last, near = law
     c = pieces[_interval(pieces, first, last, near, w)]
-    t = min(max((w - c[1]) * c[2], -_BEYOND), _BEYOND)
+    t = (w - c[1]) * c[2]
     slope: float = 0.0
+    if abs(t) > _BEYOND:
+        return slope
     for k in range(14, 0, -1):
         slope = slope * t + k * c[k + 3]
     return slope * c[2]  # type: ignore[no-any-return]
@@ -328,7 +330,6 @@ def _located(
             # What is left is a straight line, but for the extremum, at which w is stationary.
             q_now += shift * (1.0 - side * w_now)
             w_now += shift * (r_now + 0.5 * shift * bend)
-            r_now += shift * bend
             length += shift
             break
         if high - low <= 4.0 * _ULP * h:
@@ -378,7 +379,8 @@ def follow(
     noise = _NOISE * (abs(push) + abs(eta * rise_at(law, w)) + abs(q) + abs(damping * w))
     rising = w == 0.0 or r > noise or (abs(r) <= noise and w < side)
     arrived = not rising and segment > 0 and w == levels[segment]  # at a kink, which it leaves downward
-    length = min(rtol**0.125 / max(1.0, max(abs(1.0 - side * w), abs(r))), _LONGEST_STEP)
+    length = min(3.0 * rtol**0.125 / max(1.0, max(abs(1.0 - side * w), abs(r))), _LONGEST_STEP)
+    bearable = length
 
     end = _OPEN
     while end == _OPEN:
@@ -443,7 +445,9 @@ def follow(
                 end = _FAILED
             length = h * max(0.2, 0.9 * error**-0.125 if error < math.inf else 0.0)
             continue
-        length = h * (min(10.0, 0.9 * error**-0.125) if error > 0.0 else 10.0)
+        # The longest step that the tolerance bears, which may go on falling as it fell in this one.
+        before, bearable = bearable, h * (error**-0.125 if error > 0.0 else 20.0)
+        length = min(10.0 * h, 0.9 * bearable * min(1.0, max(0.5, bearable / before)))
 
         # Where w' changes its sign there is an extremum if w'' = side - w has the sign for it; else it is
         # rounding, or the error of an implicit step.
@@ -462,7 +466,7 @@ def follow(
                 taken, q_now, w_now, r_now, D_now, error = _located(
                     kind, law, system, q, w, r, taken, rtol, wedge, w_now, r_now, target, -1.0 if rising else 1.0
                 )
-            event, w_now = _LEVEL, target
+            event, w_now, r_now = _LEVEL, target, rate_at(law, system, q_now, target)
         if event != _OPEN and not error < 1.0 and taken > shortest:
             length = 0.5 * taken  # as where mu is singular at the level: its step is taken in shorter ones
             again = True
