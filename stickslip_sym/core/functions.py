@@ -13,6 +13,7 @@ import mpmath
 import sympy as sp
 from flint import acb, arb, arb_series
 from sympy.codegen.cfunctions import expm1, log1p
+from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.printer import Printer
 
 from stickslip_sym.core.aliases import Expr, Mpf
@@ -139,6 +140,7 @@ class NumberPower(sp.Function):  # type: ignore[misc]  # SymPy is untyped
 
     nargs = 2
     is_positive = True
+    precedence = PRECEDENCE["Pow"]  # a power of it needs brackets
 
     def _eval_evalf(self, prec: int) -> Expr:
         with mpmath.workprec(prec + 10):

@@ -56,9 +56,10 @@ def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, b
                     raise _no_value(point)
                 if reached >= goal:
                     return value.real, alone
-        if precision > _PATIENCE * goal:  # what is the same and cancels for good, SymPy's rationals see
-            if not all((2 * node.exp.xreplace(dict(point))).is_integer for node in expr.atoms(sp.Pow)):
-                break  # SymPy would factor integers for minutes
+        # What is the same and cancels for good, SymPy's rationals see; other powers it would factor for minutes.
+        if precision > _PATIENCE * goal and all(
+            (2 * node.exp.xreplace(dict(point))).is_integer for node in expr.atoms(sp.Pow)
+        ):
             expr = expr.xreplace(dict(point))
             if expr.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
                 raise _no_value(point)

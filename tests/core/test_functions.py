@@ -9,6 +9,7 @@ from flint import acb, arb_series
 import stickslip_sym as ss
 from stickslip_sym.core import balls, functions
 from stickslip_sym.core.functions import FUNCTIONS, Function
+from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.at_rest import gain
 from stickslip_sym.motion.thresholds.theorem import lipschitz_evidence
 from stickslip_sym.output import printing
@@ -93,6 +94,17 @@ def test_cuts_lie_where_values_jump(kind):
         if not row.cut(acb(z.real, z.imag)):
             near = complex(row.ball(acb(z.real + 1e-9, z.imag - 1e-9)))
             assert abs(near - complex(row.ball(acb(z.real, z.imag)))) < 1e-5 * (1 + abs(near))
+
+
+@pytest.mark.parametrize("outer", [lambda p: p**2, lambda p: 1 / p, lambda p: 3 - p**x, lambda p: -(p**-2) * x])
+def test_powers_of_long_numbers_keep_brackets(outer):
+    """(a^b)^2 as text, as LaTeX and as code: a^b^2 would be a^(b^2)."""
+    expr = outer(functions.power(sp.Rational("0.0788816"), sp.Rational("1.4144337")))
+    value = float(sp.sympify(outer(sp.Float(0.0788816**1.4144337))).subs(x, 1.3))
+    assert value == pytest.approx(float(expr.subs(x, 1.3)), rel=1e-14)
+    assert value == pytest.approx(function_of([x], expr, "numpy")(1.3), rel=1e-14)
+    assert value == pytest.approx(float(sp.sympify(printing.text(expr).replace("x", "1.3"))), rel=1e-14)
+    assert "}^{2}" not in printing.latex(expr)
 
 
 def test_fold_visits_each_distinct_node_once():

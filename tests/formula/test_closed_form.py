@@ -187,6 +187,14 @@ def test_a_time_limit_is_a_number_of_seconds(seconds):
         ss.derive(ss.laws.exponential, time_limit=seconds)
 
 
+@pytest.mark.parametrize("ratio", ["11", "12.38", "13.08", "40"])
+def test_digits_where_a_series_cancels_hundreds(ratio):
+    """A 2F2 of -4 r^2 beside a fourth root, whose rational powers SymPy could not take apart."""
+    law = ss.FrictionLaw("0.1*erf(v) + 0.3*asinh(v/2)")
+    value = ss.derive(law, "harmonic").evaluate(30, V=ratio, N=1)
+    assert float(value) == pytest.approx(float(ss.enclose(law, "harmonic", V=ratio, N=1, digits=20)), rel=1e-15)
+
+
 def test_numbers_beyond_numpys_integers_stay_doubles():
     law = ss.FrictionLaw("0.3*exp(-1e20*v) + 1e-30*v")
     assert law.mu([1e-20, 1.0]) == pytest.approx([0.3 * np.exp(-1), 1e-30], rel=1e-15)

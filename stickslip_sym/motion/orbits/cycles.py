@@ -28,6 +28,7 @@ _NEAREST = 1e-3  # lowest amplitude over the belt's speed that is looked at: a s
 _RTOL = 1e-12  # tolerance of the steps
 _NEUTRAL = 3e-12  # gap below which an orbit is periodic within the errors of the steps
 _CLOSE, _FOLD = 1e-14, 1e-9  # tolerances of an amplitude over the belt's speed, and of one at a fold
+_PARTED = 1e-7  # gap of an orbit beside which d jumps; where d is continuous it is that of rounding
 _STRONGEST = 1e-300  # contraction of a round, or of one backward, that is distinguished from 0
 
 
@@ -177,11 +178,12 @@ def limit_cycles(
     law = as_law(law)
     with deadline.time_limit(time_limit):
         need = needed_damping(law, osc)
-        return tuple(_cycle(need.system, osc, A) for A in need.amplitudes(2 * osc.zeta).tolist())
+        return tuple(_cycle(need, osc, A) for A in need.amplitudes(2 * osc.zeta).tolist())
 
 
-def _cycle(system: Dimensionless, osc: Oscillator, A: float) -> LimitCycle:
+def _cycle(need: NeededDamping, osc: Oscillator, A: float) -> LimitCycle:
     """Return the cycle of an amplitude: two motions side by side part or close up by the ratio of their wedges."""
+    system = need.system
     ahead, back, _ = halves(system.rise, system.eta, osc.zeta, 0.0, A, _RTOL, True, 1.0, tuple(system.no_wedge))
     deadline.check_time()
     period = ahead[3] + back[3]
@@ -189,4 +191,8 @@ def _cycle(system: Dimensionless, osc: Oscillator, A: float) -> LimitCycle:
     # backward, it is one from which those beside it part at once.
     factor = ahead[2] / max(back[2], _STRONGEST)
     floquet = math.log(min(max(factor, _STRONGEST), 1 / _STRONGEST)) / period
+    if abs(need.gap(A, 2 * osc.zeta)[0]) > _PARTED:
+        # The orbit touches a speed where mu jumps. Those inside shrink, and the jump throws those outside on: d
+        # rises by a step through the damping that there is.
+        floquet = math.inf
     return LimitCycle(A * osc.V, period / osc.omega, floquet * osc.omega, floquet < 0)

@@ -120,16 +120,38 @@ def expand(law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, grid: int | No
     - `grid`: number of phases in half a period; found for each speed if not given.
     """
     V, A = (np.ravel(array) for array in np.broadcast_arrays(np.asarray(V, np.float64), A))
-    size = grid or _SMALLEST
-    found = _expand(law, V, A, size)
+    size, slope = grid or _SMALLEST, slopes(law)
+    found = _expand(slope, V, A, size)
     while grid is None and size < _LARGEST and not found.resolved.all():
         size *= 2
         again = ~found.resolved
-        found = found.refined(again, _expand(law, V[again], A[again], size))
+        found = found.refined(again, _expand(slope, V[again], A[again], size))
     return found
 
 
-def _expand(law: FrictionLaw, V: FloatArray, A: FloatArray, size: int) -> Expansion:
+def expansion_changes(
+    law: FrictionLaw, V: FloatArray, weak: Expansion, name: str
+) -> tuple[FloatArray, FloatArray]:
+    """Return how `harmonic` and `second` of orbits that graze change with a parameter, or with ln V for "V".
+
+    They are of the first and of the third degree in the slopes, so central differences over one step and two are
+    exact.
+    """
+    slope, change, grid = slopes(law), slopes(law.partial(name)), int(weak.phases.max(initial=_SMALLEST))
+    height = np.ones_like(V)
+    by_itself = _expand(change, V, height, grid)
+    step = np.where(by_itself.largest > 0, weak.largest / by_itself.largest, 1.0)
+
+    def second(t: FloatArray) -> FloatArray:
+        return _expand(lambda v: slope(v) + t[:, None] * change(v), V, height, grid).second
+
+    def difference(t: FloatArray) -> FloatArray:
+        return (second(t) - second(-t)) / (2 * t)
+
+    return by_itself.harmonic, (4 * difference(step) - difference(2 * step)) / 3
+
+
+def _expand(slope: Slope, V: FloatArray, A: FloatArray, size: int) -> Expansion:
     """Expand on one grid; the midpoints of cells of the phase, so that v = 0 itself is never met."""
     theta = (np.arange(2 * size) + 0.5) * (np.pi / size)
     sine, n = np.sin(theta), np.arange(size, dtype=np.float64)
@@ -138,7 +160,7 @@ def _expand(law: FrictionLaw, V: FloatArray, A: FloatArray, size: int) -> Expans
     column = A[:, None]
     # 1 - cos(theta) without cancellation.
     reach = (1 - column) + 2 * column * np.sin(theta[:size] / 2) ** 2
-    half = -slopes(law)(V[:, None] * reach)
+    half = -slope(V[:, None] * reach)
     g = np.hstack([half, half[:, ::-1]])
     feed = -2 * coefficients(g * sine).imag
     harmonic = feed[:, 1]

@@ -20,7 +20,7 @@ from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.expansion import averages, of_layer
+from stickslip_sym.motion.orbits.expansion import averages, expansion_changes, of_layer
 from stickslip_sym.motion.orbits.orbit import derivatives, obstacle, orbits
 from stickslip_sym.motion.thresholds.averages import average, average_changes
 from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
@@ -321,6 +321,26 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
     return Computed(value, np.where(np.isfinite(value) & ~np.isnan(error), error, np.inf))
 
 
+def _expansion_changes(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
+    """Differentiate c = N (h + N^2/(k m) s), h and s averages of slopes and of their products."""
+    del value
+    law, weak, N, weight = points.law, points.weak, points.N, points.strength**2
+    by_inertia = -N * weight * weak.second
+
+    def changed(name: str) -> FloatArray:
+        harmonic, second = expansion_changes(law, points.V, weak, name)
+        return np.asarray(N * (harmonic + weight * second))
+
+    with np.errstate(all="ignore"):
+        return {
+            "V": changed("V") / points.V,
+            "N": weak.harmonic + 3 * weight * weak.second,
+            "m": by_inertia / points.columns["m"],
+            "k": by_inertia / points.columns["k"],
+            **{name: changed(name) for name in law.parameters},
+        }
+
+
 def _orbit_cost(points: OperatingPoints) -> FloatArray:
     """Return less than a simulation costs where a few phases resolve the law, and friction is weak."""
     few = (points.weak.phases <= _FEW) & (points.weak.distortion(points.strength) <= _BENT)
@@ -412,7 +432,7 @@ def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
 _table: dict[str, Method] = {
     method.name: method
     for method in (
-        Method("second_order", _by_expansion, False, _orbit_changes, cost=1.0, smooth=True),
+        Method("second_order", _by_expansion, False, _expansion_changes, cost=1.0, smooth=True),
         Method("simulation", _by_simulation, True, _slip_changes, cost=5.0, loosest=1e-3),
         Method("orbit", _by_orbit, True, _orbit_changes, cost=_orbit_cost, smooth=True),
         Method("proof", _by_proof, True, _slip_changes, cost=math.inf, tightest=1e-40, loosest=1e-3),

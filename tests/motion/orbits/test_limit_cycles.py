@@ -81,3 +81,14 @@ def test_cycles_are_fixed_points_of_their_rounds(law):
         assert 1 - slip.w == pytest.approx(A, rel=1e-9)
         assert slip.tau / 10 == pytest.approx(cycle.period, rel=1e-9)
         assert math.log(max(growth, 1e-300)) / cycle.period == pytest.approx(cycle.floquet, rel=1e-6)
+
+
+def test_orbit_that_touches_a_jump_parts_basins():
+    """Motions just inside it shrink; those outside pass the jump, and grow: it attracts none, in maps too."""
+    law = ss.FrictionLaw("Piecewise((0.23 + 0.32*exp(-v), v < 0.84), (0.116 + 0.16*v, True))")
+    osc = ss.Oscillator(V=0.56, N=25.9, m=6.2, k=88, c=4.9)
+    (cycle,) = ss.limit_cycles(law, osc)
+    x0 = (osc.N * float(law.mu(osc.V - cycle.amplitude)) - osc.c * cycle.amplitude) / osc.k
+    ends = [ss.classify(law, osc, x0=x0, v0=part * cycle.amplitude) for part in (0.999, 1.001)]
+    assert (cycle.stable, cycle.floquet, ends) == (False, math.inf, [ss.Motion.REST, ss.Motion.STICK_SLIP])
+    assert [str(one).split()[0] for one in ss.regime(law, osc).attractors] == ["rest", "stick-slip"]
