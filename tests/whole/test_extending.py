@@ -114,7 +114,7 @@ def test_what_is_no_criterion_is_refused():
     for refused, message in (
         (
             lambda: ss.critical(LAW, "V", c=1, N=9.81, method="harmonics"),
-            "there is no method 'harmonics' .did you mean",
+            "there is no method 'harmonics'",
         ),
         (lambda: ss.Criterion("steep", s**1000 * sp.Rational(1001, 2)), "is of degree 1000"),
         (lambda: ss.Criterion("", sp.Rational(1, 2)), "a criterion has a name"),
