@@ -4,7 +4,6 @@ import ctypes
 import json
 import shutil
 import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -175,21 +174,3 @@ def test_a_language(monkeypatch, tmp_path):
         assert function(*(values[name] for name in average.arguments)) == pytest.approx(
             average(V=0.5, N=9.81), rel=1e-14
         )
-
-
-@pytest.mark.thorough
-def test_a_language_is_an_option_of_the_command(tmp_path):
-    code = (
-        "from dataclasses import replace\n"
-        "from stickslip_sym.formula.code.languages import LANGUAGES\n"
-        "LANGUAGES['shout'] = replace(LANGUAGES['c'], description='C, but louder.', comment='SHOUT')\n"
-        "from stickslip_sym.cli.program import main\n"
-        "main()\n"
-    )
-    target = tmp_path / "a.txt"
-    arguments = [sys.executable, "-c", code, "export", "coulomb", "--shout", str(target)]
-    done = subprocess.run(arguments, capture_output=True, text=True, timeout=60, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "SHOUTdamping" in target.read_text()
-    shown = subprocess.run([*arguments[:3], "export", "--help"], capture_output=True, text=True, timeout=60)
-    assert "C, but louder." in shown.stdout

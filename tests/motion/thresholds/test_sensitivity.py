@@ -134,14 +134,6 @@ def test_arrays_each_point_by_its_own_method():
             assert column[place] == pytest.approx(one.sensitivity[name], rel=1e-12)
 
 
-def test_without_friction_and_without_an_oscillator():
-    law = ss.laws.exponential.typical()
-    still = ss.pure_slip_damping(law, **POINT | {"N": 0.0}, method="orbit")
-    harmonic = ss.pure_slip_damping(law, V=0.5, N=1.0, method="harmonic")
-    assert still.sensitivity["N"] == pytest.approx(harmonic.value, rel=1e-12)
-    assert set(harmonic.sensitivity) == {"V", "N", "mu_s", "mu_m", "alpha"}
-
-
 def test_a_method_of_ones_own():
     """It is printed where a parameter carries an error; without derivatives what it depends on is not known."""
     own = Method("own", lambda points, rtol: Computed(2 * points.N, 0 * points.N))
