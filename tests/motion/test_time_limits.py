@@ -1,9 +1,13 @@
 """Every long call ends: stiff motions within a bound on the work, and all calls soon after their time limit."""
 
 import re
+import signal
+import sys
+import time
 
 import numpy as np
 import pytest
+from commands import started
 from operating_points import paper_oscillator
 from sweeps import sweep
 
@@ -89,3 +93,14 @@ def test_what_a_limited_map_decides_is_right(seconds):
     basins = ss.basin_map(law, paper_oscillator(1.0), **starts, time_limit=seconds)
     assert seconds or all("time limit" in note for note in basins.notes.values())
     assert np.isin(basins.motion, [Motion.STICK_SLIP, Motion.UNDECIDED]).all()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a signal cannot be sent to one process there")
+def test_control_c_ends_a_long_map_at_once():
+    ss.motion_map(ss.laws.tanh.typical(), x=("V", [0.3]), y=("N", [9.81]), c=1, m=1, k=100)  # is compiled then
+    with started("map", "tanh", "--x", "V=0.1:1:300", "--y", "N=1:50:999", "-c", "1", "--workers", "2") as process:
+        time.sleep(4)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=20)
+    assert process.returncode == 130, err
+    assert "Traceback" not in err

@@ -128,14 +128,6 @@ def test_auto_goes_no_further_than_the_parameters_deserve():
     assert ss.pure_slip_damping(certain, **POINT).deserved is None
 
 
-def test_printed_with_both_errors_apart():
-    law = ss.laws.exponential.typical(mu_s="0.50+/-0.02")
-    text = str(ss.pure_slip_damping(law, **POINT, method="orbit", rtol=1e-12))
-    assert text.startswith("2.57 +/- 0.17 kg/s (parameters) +/- ")
-    assert text.endswith("e-14 (method: orbit)")
-    assert "parameters" not in str(ss.pure_slip_damping(ss.laws.exponential.typical(), **POINT))
-
-
 def test_a_time_limit_binds_what_is_asked_later():
     found = ss.pure_slip_damping(correlated(), **POINT, method="simulation", time_limit=60)
     late = replace(found, time_limit=1e-9)
