@@ -129,8 +129,8 @@ def test_the_page_prints_on_two_sheets(tmp_path):
     assert len(page) < 600_000
     for figure in FIGURES:
         assert len(by_id[figure].find("img").get("alt")) > 50
-    for criterion in ("law", "equilibrium", "least_squares", "harmonic"):
-        assert by_id[f"formula-{criterion}"].find(".//m:math", XHTML) is not None
+    for formula in ("law", "equilibrium", "least_squares", "harmonic"):
+        assert by_id[f"formula-{formula}"].find(".//m:math", XHTML) is not None
     formulas = "".join(by_id["formulas"].itertext())
     assert formulas.count("PROVED") == 3
     assert "μ(v)=" in formulas

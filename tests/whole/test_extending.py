@@ -74,27 +74,6 @@ def test_a_criterion_by_every_route(name, forms, tmp_path):
     assert f"eq:exponential-{form.criterion.label}" in ss.export_latex(form)
 
 
-def test_criteria_in_c_and_octave(forms, tmp_path):
-    values = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
-    right = [form(**values) for form in forms.values()]
-    names = [f"damping_exponential_{form.criterion.label}" for form in forms.values()]
-    ordered = [values[name] for name in next(iter(forms.values())).arguments]
-    if compiler := shutil.which("cc"):
-        (tmp_path / "a.c").write_text(ss.export_code(list(forms.values()), "c"))
-        subprocess.run([compiler, "-shared", "-fPIC", "-o", "a.so", "a.c", "-lm"], cwd=tmp_path, check=True)
-        library = ctypes.CDLL(str(tmp_path / "a.so"))
-        for name, value in zip(names, right, strict=True):
-            function = getattr(library, name)
-            function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * len(ordered)
-            assert function(*ordered) == pytest.approx(value, rel=1e-13)
-    if octave := shutil.which("octave-cli"):
-        calls = "".join(f"printf('%.17g\\n', criteria.{name}({str(ordered)[1:-1]})); " for name in names)
-        (tmp_path / "damping_criteria.m").write_text(ss.export_code(list(forms.values()), "octave"))
-        command = [octave, "--norc", "--quiet", "--eval", f"criteria = damping_criteria(); {calls}"]
-        done = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
-        assert [float(line) for line in done.stdout.split()] == pytest.approx(right, rel=1e-13)
-
-
 def test_a_criterion_of_the_catalogue(monkeypatch):
     """It is found by its name, and is a method."""
     criterion = ss.Criterion("uniform", sp.Rational(1, 2), "of no one")
