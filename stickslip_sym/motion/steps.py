@@ -73,6 +73,7 @@ _STABLE = 2.5  # decay times a step, from which stability holds it short: the ex
 _LOOK = 100  # steps between two looks at the time limit
 _PATIENCE = 15  # steps held short by stability before the method changes
 _NOISE = 1e-13  # of the terms of w', below which it may be nothing but rounding
+_NO_ERROR = 1e-7  # of the tolerance, that may be nothing but rounding
 _SHORTEST = 1e-14  # length of a step, over max(tau, 1), that is not made shorter
 _REST_WITHIN = 10  # times the tolerance: nearer to rest the errors of steps do not let the mass come
 _BESIDE = 1e-6  # of w = 1, over which the slope of mu at rest is taken
@@ -379,7 +380,7 @@ def follow(
     noise = _NOISE * (abs(push) + abs(eta * rise_at(law, w)) + abs(q) + abs(damping * w))
     rising = w == 0.0 or r > noise or (abs(r) <= noise and w < side)
     arrived = not rising and segment > 0 and w == levels[segment]  # at a kink, which it leaves downward
-    length = min(3.0 * rtol**0.125 / max(1.0, max(abs(1.0 - side * w), abs(r))), _LONGEST_STEP)
+    length = min(rtol**0.125 / max(1.0, max(abs(1.0 - side * w), abs(r))), _LONGEST_STEP)
     bearable = length
 
     end = _OPEN
@@ -446,8 +447,8 @@ def follow(
             length = h * max(0.2, 0.9 * error**-0.125 if error < math.inf else 0.0)
             continue
         # The longest step that the tolerance bears, which may go on falling as it fell in this one.
-        before, bearable = bearable, h * (error**-0.125 if error > 0.0 else 20.0)
-        length = min(10.0 * h, 0.9 * bearable * min(1.0, max(0.5, bearable / before)))
+        before, bearable = bearable, h * max(error, _NO_ERROR) ** -0.125
+        length = 0.9 * bearable * min(1.0, max(0.5, bearable / before))
 
         # Where w' changes its sign there is an extremum if w'' = side - w has the sign for it; else it is
         # rounding, or the error of an implicit step.

@@ -25,7 +25,7 @@ from stickslip_sym.model.law import FrictionLaw
 
 Slope = Callable[[FloatArray], FloatArray]
 """mu' at slip speeds."""
-_SMALLEST, _LARGEST = 16, 1024  # phases in half a period
+_SMALLEST, _FINER, _LARGEST = 32, 6, 1152  # phases in half a period, and how many times more if these do not do
 _TAIL = 1e-14  # of the highest quarter of the Fourier coefficients, relative: the rounding of a sum of them
 _OCTAVES = 40  # of the phase, to which panels shrink towards the graze
 _NODES = 16
@@ -123,7 +123,7 @@ def expand(law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, grid: int | No
     size, slope = grid or _SMALLEST, slopes(law)
     found = _expand(slope, V, A, size)
     while grid is None and size < _LARGEST and not found.resolved.all():
-        size *= 2
+        size *= _FINER
         again = ~found.resolved
         found = found.refined(again, _expand(slope, V[again], A[again], size))
     return found

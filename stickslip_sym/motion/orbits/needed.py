@@ -34,7 +34,7 @@ _STOPPED = (int(End.STEPS), int(End.FAILED), int(End.LATE))
 
 # Tolerances of the steps: first, last, and where digits are wanted.
 _COARSE, _TIGHT, _TIGHTEST = 1e-5, 1e-12, 1e-13
-_FINE = 1e-8  # relative error below which the tightest is taken
+_SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance
 _STRONG, _STIFF = 30.0, 1e-9  # eta from which halves are stiff, and the tolerance there, unless digits are wanted
 _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
 _NEAR = 1e-2  # gap at which the tight tolerance is taken
@@ -50,7 +50,7 @@ _FARTHEST = 1e6  # damping ratio over 1 + |eta|, and over the largest rise of fr
 _PATIENT = 100.0  # times as long as the displacement takes at the belt's speed, after which a half creeps to rest
 _FEW, _STEPS = 6_000, 60_000  # steps of a half: of loose ones, and of tight ones
 _ROUNDING = 1e-14  # of the gap, and of the terms of w' over their sum
-_STEPPED = 1e-10  # of the gap, what looser tolerances have in common: steps are never longer
+_STEPPED = 3.0  # tolerances of what looser ones have in common: steps are never longer
 _TABULATED = 1e-13  # relative error of a rise in its table
 _FLAT = 1e-15  # of mu, below which a rise is none
 _WIDER, _WIDENED = 10.0, 10  # steps away from a jump of the gap, at which looser steps are asked for its sign
@@ -173,7 +173,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         before, unchanged, gap_before = zeta, abs(value) > _SLOW * abs(gap_before), value
         if not coarse and (abs(value) <= done or (unchanged and abs(value) <= _NEAR)):
             loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
-            off = abs(loose - value) + rounding + (0.0 if tight <= _TIGHT else _STEPPED)
+            off = abs(loose - value) + rounding + (_STEPPED * tight if tight > _TIGHTEST else 0.0)
             if abs(value) <= done:
                 off += value * value + _SLOPED * abs(value)
                 zeta -= value / slope
@@ -251,7 +251,9 @@ def needed_ratio(
     """
     check_time()
     eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
-    tight = _TIGHTEST if rtol < _FINE else _STIFF if abs(eta) > _STRONG else _TIGHT
+    wanted = _SHARE * rtol * abs(_harmonic(system.rise, eta, A)[0])
+    loosest = _STIFF if abs(eta) > _STRONG else _TIGHT
+    tight = next((steps for steps in (loosest, _TIGHT) if steps <= wanted), _TIGHTEST)
     fast = fast and is_compiling()
     rise, source = system.table.at(system.V, arrays=fast), tuple(by_zeta(system))
     if fast:
