@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 
@@ -110,3 +110,13 @@ def sign_changes(
             yield x
         elif i < last and value * values[i + 1] < 0:
             yield brentq(bounded, x, nodes[i + 1], xtol=rtol * max(abs(x), abs(nodes[i + 1])))
+
+
+def closest(
+    function: Callable[[float], float], low: float, high: float, sign: float, xatol: float
+) -> tuple[float, float]:
+    """Return where a function of a sign comes closest to 0, or beyond it, between two places, and its value."""
+    found = minimize_scalar(
+        lambda x: sign * function(x), bounds=(low, high), method="bounded", options={"xatol": xatol}
+    )
+    return float(found.x), sign * float(found.fun)

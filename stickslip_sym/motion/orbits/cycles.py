@@ -11,7 +11,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize_scalar
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray, IntArray
@@ -20,7 +19,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.needed import gap, halves, needed_ratio
-from stickslip_sym.motion.roots import amplitude, orbit_signs, sign_changes
+from stickslip_sym.motion.roots import amplitude, closest, orbit_signs, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.output import markup
 
@@ -116,9 +115,7 @@ class NeededDamping:
 
         found = orbit_signs(clipped, np.zeros((1, 1)), np.zeros((1, 1), dtype=bool))
         for _, _, low, high in found.open:  # beside a fold: the gap may change its sign twice
-            sign = math.copysign(1.0, gap(low))
-            options = {"xatol": _FOLD}
-            minimize_scalar(lambda A, s=sign: s * gap(A), bounds=(low, high), method="bounded", options=options)
+            closest(gap, low, high, math.copysign(1.0, gap(low)), _FOLD)
         gap(1.0)
         nodes = sorted(gaps)
         return np.array(list(sign_changes(gap, nodes, [gaps[A] for A in nodes], _CLOSE)))
