@@ -30,7 +30,7 @@ LEAST, MOST = 3, 7  # times that each is measured
 ENOUGH = 0.05  # seconds after which it is measured no more
 LONGEST = 5.0  # seconds of a reference, and of "auto"
 WARM = 1.0  # seconds that the first call of a law may take to make its functions
-OTHERS = 5  # times as long, on a machine that does other things too
+OTHERS = 5  # times as long as "auto", after which a method is interrupted
 RANGES = {"V": (-2, 0.5), "N": (-1, 2), "m": (-2, 2), "k": (0, 5)}
 TOLERANCES = (-10, -0.5)
 

@@ -18,11 +18,10 @@ from rich.console import Console
 from paper_checks import wording
 from paper_checks.claims import CLAIMS, Outcome
 from paper_checks.figures import FIGURES
-from paper_checks.findings import Finding, collect, summary
+from paper_checks.findings import Finding
 from paper_checks.report import Report, as_json
 from paper_checks.report import page as page_of
 from paper_checks.terminal import verdicts
-from stickslip_sym import InputError
 from stickslip_sym.comparison.trade import Row
 from stickslip_sym.output.drawing import svg_uri
 from stickslip_sym.output.markup import element, prose
@@ -170,15 +169,6 @@ def test_no_line_is_wider_than_the_terminal(width):
     assert all(id in squeezed for id in CLAIMS)
 
 
-def test_findings_survive_the_way_between_processes():
-    found = Finding("N3", "3.036", Outcome.QUALIFIED, "it holds", "by proof", "", "about", "+0.002")
-    report = type(
-        "Report", (), {"user_properties": [("other", 1), ("finding", json.loads(json.dumps(found.pack())))]}
-    )
-    assert collect([report, object()]) == [found]
-    assert summary([found]) == {Outcome.REPRODUCED: 0, Outcome.QUALIFIED: 1, Outcome.NOT_REPRODUCED: 0}
-
-
 def test_the_same_figure_is_the_same_file():
     pytest.importorskip("matplotlib")
     (figure,) = (figure for figure in FIGURES if figure.number == 10)
@@ -202,12 +192,6 @@ def test_figures_say_what_becomes_of_the_motions():
     assert ["$P$, $Q$" in said for said in words] == [True, True, False]
 
 
-def test_figures_without_matplotlib(monkeypatch):
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(InputError, match=r"pip install 'stickslip_sym\[plot\]'"):
-        FIGURES[0].draw()
-
-
 def test_a_verdict_that_is_not_the_one_on_record_is_marked():
     claim = CLAIMS["E3"]
     assert claim.outcome is Outcome.REPRODUCED
@@ -221,13 +205,6 @@ def test_a_verdict_that_is_not_the_one_on_record_is_marked():
     assert ["on record: reproduced" in row for row in rows] == [False, True, True]
     assert all("it holds" in row.lower() and "by check" in row and "CHECKED" in row for row in rows)
     assert "not checked" in row()
-
-
-def test_a_finding_begins_with_what_holds_and_says_what_it_rests_on():
-    found = Finding("N3", "3.036", Outcome.QUALIFIED, "it holds", proved="so", estimated="about 3")
-    assert found.evidence == "it holds. PROVED: so. ESTIMATED: about 3"
-    assert found.kinds == "proof, estimate"
-    assert found.by_kind == {"PROVED": "so", "ESTIMATED": "about 3"}
 
 
 def test_text_is_escaped():
@@ -255,12 +232,6 @@ def test_indices_and_bessel_functions_are_typeset():
         assert f"<i>{letter}</i><sub>{order}</sub>(" in page
         assert "_" not in page
     assert wording.formula(sp.Symbol("b") - sp.Symbol("a")) == "b - a"
-
-
-def test_numbers_of_laws_have_their_names():
-    assert wording.by_law(["1 m/s", "2 m/s"]) == "1 m/s (exponential law), 2 m/s (polynomial law)"
-    with pytest.raises(ValueError, match="zip"):
-        wording.by_law(["1 m/s"])
 
 
 @pytest.mark.thorough

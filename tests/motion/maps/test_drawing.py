@@ -82,24 +82,12 @@ def test_files_hold_what_the_cells_say(tmp_path, make, names):
         found.to_csv(tmp_path / "missing" / "map.csv")
 
 
-def test_drawings_tell_regions_apart_without_colour(tmp_path, law):
-    found = ss.motion_map(law, x=("V", V), y=("c", np.linspace(0.02, 6, 40)), **POINT)
-    found.plot(tmp_path / "map.svg")
-    drawn = (tmp_path / "map.svg").read_text()
-    labels = "belt speed V (m/s)", "viscous damping coefficient c (kg/s)", "exact threshold", "stick-slip", "rest"
-    assert all(f">{text}</text>" in drawn for text in labels)
-    assert "<pattern" in drawn  # hatching
-    with pytest.raises(ss.InputError, match=r"cannot draw to 'map\.xyz'"):
-        found.plot(tmp_path / "map.xyz")
-
-
 def test_the_legend_names_the_curves_that_are_drawn():
-    """Lines along c, and contours otherwise: over a single row of N there is none."""
+    """Lines along c, and contours otherwise."""
     contour = pytest.importorskip("matplotlib.contour")
     for axes, curves in (
-        ({"x": ("V", V), "y": ("N", [9.81]), "c": 2.0}, 0),
+        ({"x": ("V", V), "y": ("N", [9.81]), "c": 2.0}, 0),  # over a single row of N there is none
         ({"x": ("V", V), "y": ("N", [5.0, 9.81]), "c": 2.0}, 3),
-        ({"x": ("V", [0.5]), "y": ("c", C), "N": 9.81}, 3),
         ({"x": ("c", [1, 2]), "y": ("V", [0.1, 0.2]), "N": 9.81}, 3),
     ):
         figure = ss.motion_map(LAW, **axes, m=1.0, k=100.0).plot()

@@ -142,16 +142,6 @@ def test_without_friction_and_without_an_oscillator():
     assert set(harmonic.sensitivity) == {"V", "N", "mu_s", "mu_m", "alpha"}
 
 
-def test_averages_do_not_see_a_static_coefficient():
-    plain = ss.laws.exponential.typical()
-    law = plain.with_static("mu_s + jump").bind(jump=0.1)
-    for first, second in ((law, plain), (plain, law)):
-        values = [ss.pure_slip_damping(one, V=0.5, N=9.81, method="harmonic") for one in (first, second)]
-        assert values[0].value == values[1].value
-    assert ss.pure_slip_damping(law, V=0.5, N=9.81, method="harmonic").sensitivity["jump"] == 0
-    assert ss.pure_slip_damping(law, **POINT, method="simulation").sensitivity["jump"] > 0.1
-
-
 def test_a_method_of_ones_own():
     """It is printed where a parameter carries an error; without derivatives what it depends on is not known."""
     own = Method("own", lambda points, rtol: Computed(2 * points.N, 0 * points.N))

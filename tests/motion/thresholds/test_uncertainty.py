@@ -75,15 +75,6 @@ def test_the_second_order_is_that_of_samples():
     assert abs(ratio - 1) > 0.03
 
 
-def test_products_and_squares_are_exact_to_second_order():
-    """c = N a, whose variance to second order is known in closed form."""
-    law = ss.FrictionLaw("mu_s - a*v").bind(mu_s=0.5, a=ufloat(0.3, 0.1))
-    found = ss.pure_slip_damping(law, V=0.5, N=ufloat(10.0, 2.0), method="equilibrium")
-    first = 10.0**2 * 0.1**2 + 0.3**2 * 2.0**2
-    assert found.budget.uncertainty == pytest.approx(np.sqrt(first), rel=1e-12)
-    assert found.nonlinearity == pytest.approx(np.sqrt((first + 0.1**2 * 2.0**2) / first), rel=1e-12)
-
-
 def test_a_first_order_that_does_not_suffice():
     """The threshold of the gaussian law has its maximum over v_s there: its first order is a millionth."""
     law = ss.laws.gaussian.typical(v_s="0.500(2)")
