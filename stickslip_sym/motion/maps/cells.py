@@ -50,7 +50,6 @@ _STEPS = 1e-11  # tolerance of the steps of orbits
 _UNSURE = 1e-9  # gap of which they do not tell the sign
 _FOLD = 1e-7  # amplitude to which a fold is found; the damping there is known to its square
 _FINER = 1e-2  # tolerance of the motions of single cells over that of thresholds
-_TIGHTEST = 1e-13
 
 
 class Reason(Enum):
@@ -272,7 +271,7 @@ class _Decider:
     def _follow(self, cells: Cells, i: int, j: int) -> None:
         """Decide one cell by following motions."""
         osc = replace(self.oscillators[i], c=float(self.line.c[i, j]))
-        rtol = max(self.rtol * _FINER, _TIGHTEST)
+        rtol = self.rtol * _FINER
         reason, motion, found, why = Reason.SIMULATED, Motion.UNDECIDED, None, ""
         try:
             check_time()
