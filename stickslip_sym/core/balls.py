@@ -198,9 +198,9 @@ class _Series(_Balls):
 
     def apply(self, function: Function, arguments: list[arb_series], analytic: bool) -> arb_series:
         """Return the function of a series, by the integral of its derivative where the table has no rule."""
-        (inner,) = arguments
         if function.series is not None:
-            return function.series(inner)
+            return function.series(*arguments)
+        (inner,) = arguments
         x = sp.Dummy()
         slope = series_function(function.kind(x).diff(x), x, {})(inner) * inner.derivative()
         onset: acb = super().apply(function, [acb(inner[0])], False)

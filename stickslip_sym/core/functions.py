@@ -16,6 +16,7 @@ from sympy.codegen.cfunctions import expm1, log1p
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.printer import Printer
 
+from stickslip_sym.core import langevin
 from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.numbers import to_mpf
 
@@ -32,8 +33,9 @@ class Function:
     """From balls of the arguments to a ball around the value, in Arb."""
     cut: Callable[..., bool] = lambda *z: False
     """Whether a ball of the argument meets a branch cut. A pole needs none: no ball around it is finite."""
-    series: Callable[[arb_series], arb_series] | None = None
-    """From a power series to that of the function; None where the integral of its derivative has to do."""
+    series: Callable[..., arb_series] | None = None
+    """From the power series of the argument to that of the function; None where the integral of its derivative
+    has to do."""
     gain: Callable[[Expr, Expr, Expr], Expr] | None = None
     """From the argument x, its value a at another point, and x - a: f(x) - f(a), without cancellation where the
     two are close; None where the difference is taken as it stands."""
@@ -224,6 +226,8 @@ _ROWS = (
     Function(sp.coth, acb.coth, series=lambda z: 1 + 2 / ((2 * z).exp() - 1),
              gain=lambda x, a, gain: -sp.sinh(gain) / (sp.sinh(x) * sp.sinh(a)), in_laws=True, latex=r"\coth",
              squared=True, c="(1.0/tanh({}))", python="(1.0/np.tanh({}))"),
+    Function(langevin.Langevin, langevin.in_balls, series=langevin.in_series, analytic=True, bounded=True,
+             latex=None),
     Function(sp.csch, acb.csch, c="(1.0/sinh({}))", python="(1.0/np.sinh({}))"),
     # Arb's own asinh is not finite on wide balls.
     Function(sp.asinh, lambda z: (z + (z * z + 1).sqrt()).log(), _outside_imaginary_unit,
@@ -318,6 +322,11 @@ _ANY = sp.Wild("a")
 def without_squares(expr: Expr) -> Expr:
     """Write 1 - tanh^2 as sech^2, which does not cancel."""
     return expr.replace(1 - sp.tanh(_ANY) ** 2, sp.sech(_ANY) ** 2) if expr.has(sp.tanh) else expr
+
+
+def elementary(expr: Expr) -> Expr:
+    """Write Langevin's function, which is one node, as coth(x) - 1/x."""
+    return expr.replace(langevin.Langevin, lambda x, n: langevin.Langevin(x, n).elementary())
 
 
 def in_laws() -> dict[str, Function]:

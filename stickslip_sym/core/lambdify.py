@@ -11,15 +11,20 @@ from typing import Any, Literal
 import numpy as np
 import sympy as sp
 
+from stickslip_sym.core import langevin
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import lerch
 
 Backend = Literal["numpy", "math", "mpmath"]
 
 _MODULES: dict[Backend, list[Any]] = {
-    "math": ["math"],
-    "mpmath": [{"Lerch": lerch}, "mpmath"],
-    "numpy": [{"expm1": np.expm1}, "scipy", "numpy"],  # SciPy's expm1 takes no extended precision
+    "math": [{"Langevin": langevin.in_floats}, "math"],
+    "mpmath": [{"Lerch": lerch, "Langevin": langevin.in_mpmath}, "mpmath"],
+    "numpy": [
+        {"expm1": np.expm1, "Langevin": langevin.in_floats},
+        "scipy",
+        "numpy",
+    ],  # SciPy's expm1 takes no extended precision
 }
 _LONGEST = 2**62  # whole numbers above make NumPy leave its own types for Python's objects
 _DIGITS = 20  # of a number as text: enough that reading it back gives the nearest double

@@ -30,7 +30,8 @@ _GUARD = 10  # digits beyond those asked for, against rounding in the sum
 _MOST_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
 _MOST_LOST_IN_SLOPE = 2000  # of a slope, which costs a few values of mu only
 _MOST_PANELS = 120
-_STRETCHING = 8  # the power of the variable where mu is infinite at v = 0
+_STRETCHING = 8  # the least power of the variable where mu is infinite at v = 0
+_MOST_STRETCHING = 1000
 _NEAR = (50, 100)  # decimal orders below the belt speed at which a coefficient is seen to be integrable
 _LOOKS = (0.001, 0.25, 0.5, 0.75, 0.999)  # of the way through a panel, where its size is looked at
 
@@ -215,11 +216,15 @@ def _integral(
         return mu(x if criterion.is_polynomial else 2 * V * mpmath.sin(x) ** 2) * kernel(x, V)
 
     def stretched(y: Mpf) -> Mpf:
-        # In y, x = y^8, what is infinite at x = 0 but integrable vanishes at y = 0.
-        return integrand(y**_STRETCHING) * _STRETCHING * y ** (_STRETCHING - 1) if y else mpmath.mpf(0)
+        return integrand(y**power) * power * y ** (power - 1) if y else mpmath.mpf(0)
 
+    power = _STRETCHING
     if singular:
-        ends = [mpmath.root(end, _STRETCHING) for end in ends]
+        # In y, x = y^power, what is infinite at x = 0 but integrable vanishes at y = 0, or almost.
+        near, nearer = (ends[-1] * mpmath.mpf(10) ** -k for k in _NEAR)
+        steepness = mpmath.log(abs(integrand(nearer) / integrand(near))) / mpmath.log(near / nearer)
+        power = max(power, min(int(1 / (1 - steepness)), _MOST_STRETCHING)) if 0 < steepness < 1 else power
+        ends = [mpmath.root(end, power) for end in ends]
     panels = pairwise(ends)
     parts = [_adaptive(stretched if singular else integrand, *panel, tolerance) for panel in panels]
     rest = V * mpmath.mpf(10) ** (-4 * mpmath.mp.dps) if singular else mpmath.mpf(0)

@@ -16,6 +16,7 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import NoClosedForm
+from stickslip_sym.core.functions import elementary
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.derivation import Step
@@ -71,7 +72,7 @@ class Average:
 
     def _formula(self, parts: tuple[Part, ...]) -> Expr:
         if not parts:
-            return -self.slope.xreplace({symbols.v: symbols.V})
+            return -elementary(self.slope).xreplace({symbols.v: symbols.V})
         return self._in_shapes(sp.Add(*[part.value for part in parts]))
 
     @cached_property

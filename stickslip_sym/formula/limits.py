@@ -14,7 +14,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import row
+from stickslip_sym.core.functions import elementary, row
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import Average
 from stickslip_sym.formula.finding import search
@@ -103,7 +103,7 @@ def _far(slope: Expr, criterion: Criterion) -> Expr | None:
     polynomial = sp.Add(*[term for term in terms if term.is_polynomial(V)])
     growths = [_growth(term) for term in terms if not term.is_polynomial(V)]
     if not all(growth is not None and growth < 0 for growth in growths):
-        return search.limit(slope, V, sp.oo, _SECONDS)
+        return search.limit(elementary(slope), V, sp.oo, _SECONDS)
     monomials = {power: c for (power,), c in sp.Poly(polynomial, V).terms() if sp.factor(c) != 0}
     top = max(monomials, default=0)
     return sp.factor(monomials.get(top, sp.S.Zero)) * criterion.mean_power(top) * V**top

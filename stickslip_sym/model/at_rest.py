@@ -17,7 +17,7 @@ from sympy.codegen.cfunctions import expm1, log1p
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import number_at
-from stickslip_sym.core.functions import fold, row
+from stickslip_sym.core.functions import elementary, fold, row
 from stickslip_sym.core.lambdify import Backend, function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.model.expression.pieces import branch_from, kinked
@@ -80,7 +80,7 @@ def symbolic_limit_at_rest(expr: Expr) -> Expr:
         return sp.nan if any(limit is sp.nan for limit, _ in cases) else sp.Piecewise(*cases)
     # SymPy says in these ways that it finds no limit.
     try:
-        limit = sp.limit(expr, symbols.v, 0, "+")
+        limit = sp.limit(elementary(expr), symbols.v, 0, "+")
     except (ArithmeticError, NotImplementedError, TypeError, ValueError):
         return sp.nan
     return sp.nan if limit.has(symbols.v, sp.Limit, sp.AccumBounds, sp.I, sp.nan) else limit

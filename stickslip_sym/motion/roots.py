@@ -10,11 +10,14 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 
-_NEAREST, _LAST = 1e-3, 1 - 1e-6  # amplitudes over the belt's speed; a smaller cycle shows by the growth at rest
+NEAREST = 1e-3
+"""Lowest amplitude over the belt's speed that is looked at; a smaller cycle shows by the growth at rest."""
+
+_LAST = 1 - 1e-6  # highest amplitude over the belt's speed
 _RANGES = 8  # of amplitude at first; graded towards the belt's speed, where laws are steep
 _SEARCHED = 2  # halvings of a range with a cycle in it, so that no pair of others hides there
 _MOST_HALVINGS = 8
@@ -89,7 +92,7 @@ def orbit_signs(value: Value, levels: FloatArray, grows_at_rest: BoolArray) -> O
 
 def amplitude(place: FloatArray) -> FloatArray:
     """Return amplitudes over the belt's speed at places from 0 to 1."""
-    return np.asarray(_NEAREST + (_LAST - _NEAREST) * (1 - np.cos(np.pi * place)) / 2)
+    return np.asarray(NEAREST + (_LAST - NEAREST) * (1 - np.cos(np.pi * place)) / 2)
 
 
 def sign_changes(
@@ -110,3 +113,13 @@ def sign_changes(
             yield x
         elif i < last and value * values[i + 1] < 0:
             yield brentq(bounded, x, nodes[i + 1], xtol=rtol * max(abs(x), abs(nodes[i + 1])))
+
+
+def closest(
+    function: Callable[[float], float], low: float, high: float, sign: float, xatol: float
+) -> tuple[float, float]:
+    """Return where a function of a sign comes closest to 0, or beyond it, between two places, and its value."""
+    found = minimize_scalar(
+        lambda x: sign * function(x), bounds=(low, high), method="bounded", options={"xatol": xatol}
+    )
+    return float(found.x), sign * float(found.fun)

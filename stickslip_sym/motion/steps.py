@@ -85,6 +85,7 @@ _AMPLIFIED = 4e3  # their rounding errors by it, the sum of its weights
 _ULP = 2.0**-52
 _GUESSES = 20  # steps of Newton's method, after which a bracket is halved
 _OFF = 1e-9  # of tau, over which a straight line is off by less than rounding
+_CLOSE = 0.1  # of a step, times rtol^(1/3), over which a power series of three terms is off by a part of rtol
 
 _A: tuple[tuple[float, ...], ...] = tuple(map(tuple, DOP853.A.tolist()))
 _B, _E, _F = (tuple(row[:12].tolist()) for row in (DOP853.B, DOP853.E5, DOP853.E3))
@@ -312,7 +313,7 @@ def _located(
     if by * by_end > 0.0:
         length *= part * (3.0 - 2.0 * part)
         length += (end - begin) * part * (1.0 - part) * ((1.0 - part) / by - part / by_end)
-    low, high = 0.0, h
+    low, high, close = 0.0, h, _CLOSE * h * rtol ** (1.0 / 3.0)
     q_now, w_now, r_now, D_now, error = q, w, r, 0.0, 0.0
     guesses = 0
     while True:
@@ -327,9 +328,14 @@ def _located(
             high = length
         change = bend if turns else r_now
         shift = -value / change if change != 0.0 else 0.0
-        if abs(shift) <= _OFF and (value == 0.0 or change != 0.0):
-            # What is left is a straight line, but for the extremum, at which w is stationary.
-            q_now += shift * (1.0 - side * w_now)
+        if not turns and r_now != 0.0:
+            shift -= 0.5 * shift * shift * bend / r_now
+        if abs(shift) <= (_OFF if turns else close) and (value == 0.0 or change != 0.0):
+            # What is left is a few terms of a power series; at an extremum w is stationary.
+            if wedge[0]:
+                a, b = _of_wedge(law, system, wedge[2], w_now)
+                D_now += shift * (a * D_now + b)
+            q_now += shift * (1.0 - side * w_now - shift * side * (0.5 * r_now + shift * bend / 6.0))
             w_now += shift * (r_now + 0.5 * shift * bend)
             length += shift
             break

@@ -18,7 +18,7 @@ from sympy.printing.conventions import requires_partial
 from sympy.printing.latex import LatexPrinter
 
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import CONSTANTS, Constant, Function, row
+from stickslip_sym.core.functions import CONSTANTS, Constant, Function, elementary, row
 from stickslip_sym.output.notation import distinct_notation, latex_name, look
 from stickslip_sym.output.text_printer import Readable, decimal, is_over_decimal, spellings
 
@@ -336,4 +336,4 @@ def latex(expr: Expr, names: Mapping[str, str] | None = None, *, inline: bool = 
     """
     dummies = spellings(expr, names or ())
     written = [dummies.get(symbol, symbol.name) for symbol in expr.atoms(sp.Symbol)]
-    return str(_Latex(distinct_notation(written, names or {}), dummies, slashes=inline).doprint(expr))
+    return str(_Latex(distinct_notation(written, names or {}), dummies, slashes=inline).doprint(elementary(expr)))

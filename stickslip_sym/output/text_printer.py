@@ -13,6 +13,7 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.functions import elementary
 
 _LEAST_DENOMINATOR = 100  # least denominator of a decimal; a smaller one is read at a glance
 _COMPUTED = 2**20  # least denominator of a binary number that was computed, not written
@@ -124,4 +125,4 @@ def text(expr: Expr) -> str:
     """Return an expression or a relation as one line of text, e.g. ``N*(mu_s - mu_m)``."""
     if getattr(expr, "is_Relational", False):
         return f"{text(expr.lhs)} {expr.rel_op.replace('==', '=')} {text(expr.rhs)}"
-    return str(_Text(spellings(expr)).doprint(expr))
+    return str(_Text(spellings(expr)).doprint(elementary(expr)))

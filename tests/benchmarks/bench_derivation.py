@@ -2,14 +2,12 @@
 
 ``python tests/benchmarks/bench_derivation.py`` prints the table: for each law of the catalogue the time of
 both, whether each found a formula, its operations, and whether its value agrees with quadrature at one point.
-``pytest tests/benchmarks/bench_derivation.py`` times `derive` alone.
 """
 
 import multiprocessing
 import time
 
 import mpmath
-import pytest
 import sympy as sp
 
 import stickslip_sym as ss
@@ -73,13 +71,6 @@ def row(name, criterion):
         verdict = "none" if expr is None else "right" if agrees(expr, law, criterion) else "WRONG"
         cells += [duration(seconds), verdict, "" if expr is None else str(expr.count_ops())]
     return cells
-
-
-@pytest.mark.benchmark(group="derivation")
-@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
-@pytest.mark.parametrize("name", ["exponential", "hyperbolic", "lorentzian", "gaussian"])
-def test_derive(benchmark, name, criterion):
-    benchmark.pedantic(ss.derive, (ss.laws.catalogue[name], criterion), rounds=3)
 
 
 if __name__ == "__main__":

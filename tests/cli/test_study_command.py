@@ -52,15 +52,10 @@ def test_numbers_for_a_program(tmp_path, run):
     assert (shown["command"], shown["page"], shown["study"]["verdict"]) == ("study", "page.html", found.verdict)
     assert shown["study"]["headline"] == found.headline
     assert shown["study"]["probability"] == found.probability
-    (cycle,) = shown["study"]["regime"]["attractors"]
-    assert cycle["stick_time"] == found.regime.stick_slip.stick_time
     by_method = {one["method"]: one["threshold"]["value"] for one in shown["study"]["answers"]}
     assert by_method == {one.method: one.threshold.value for one in found.answers}
-    margins = shown["study"]["margins"]
-    assert margins["threshold"]["value"] == found.margins.threshold.value
-    changes = {row["name"]: row["change"] for row in margins["rows"]}
+    changes = {row["name"]: row["change"] for row in shown["study"]["margins"]["rows"]}
     assert changes == {row.name: row.change if np.isfinite(row.change) else None for row in found.margins.rows}
-    assert shown["study"]["forms"].keys() == found.forms.keys()
     assert (tmp_path / "page.html").exists()
 
 

@@ -29,13 +29,9 @@ def by_name(trade):
     return {row.name: row for row in trade.rows}
 
 
-@pytest.fixture(scope="module")
-def measured():
-    return ss.tradeoff(LAW, of="criterion", V="0.001")
-
-
-def test_errors_and_times_of_a_criterion(measured):
-    rows = by_name(measured.trades["criterion"])
+def test_a_criterion_by_every_method(tmp_path):
+    found = ss.tradeoff(LAW, of="criterion", V="0.001")
+    rows = by_name(found.trades["criterion"])
     assert rows["plain lambdify, array"].error > 1e-8  # (17) cancels four orders here
     assert rows["stable function, array"].error < DOUBLE
     assert rows["stable function, one value"].error < DOUBLE
@@ -46,6 +42,13 @@ def test_errors_and_times_of_a_criterion(measured):
         assert rows[f"mpmath, {digits} digits"].error < 10.0 ** (1 - digits)
     assert all(row.seconds > 0 for row in rows.values())
     assert rows["stable function, array"].seconds < rows["stable function, one value"].seconds
+    pytest.importorskip("matplotlib")
+    found.plot(tmp_path / "trade.svg")
+    assert "mpmath, 15 digits" in (tmp_path / "trade.svg").read_text()
+    with pytest.raises(ss.InputError, match=r"cannot draw to 'trade\..*; try a name such as trade\.png"):
+        found.plot(tmp_path / "trade.xyz")
+    assert "<img" in found._repr_html_()
+    assert "dominated by" in found._repr_html_()
 
 
 @pytest.mark.parametrize(
@@ -90,18 +93,6 @@ def test_when_time_is_up_there_is_no_number(monkeypatch):
     assert str(trade).count("no number") == 4
     assert trade.box == {"x0": pytest.approx((-2, 2)), "v0": pytest.approx((0, 2))}
     assert trade.rows[0].further["share"] == pytest.approx(SHARE, abs=1e-10)
-
-
-def test_picture_and_notebook(measured, tmp_path):
-    pytest.importorskip("matplotlib")
-    measured.plot(tmp_path / "trade.svg")
-    assert "mpmath, 15 digits" in (text := (tmp_path / "trade.svg").read_text())
-    assert "50 digits" in text
-    with pytest.raises(ss.InputError, match=r"cannot draw to 'trade\..*; try a name such as trade\.png"):
-        measured.plot(tmp_path / "trade.xyz")
-    shown = measured._repr_html_()
-    assert "<img" in shown
-    assert "dominated by" in shown
 
 
 def test_thresholds_by_every_method(monkeypatch):
@@ -165,22 +156,6 @@ def test_runs_of_scipy_decide_as_classify_does():
         assert procedures.comes_to_rest(BISTABLE, BISTABLE_OSC, x0, v0, 1e-6) == rest
         assert procedures.comes_to_rest_smoothed(BISTABLE, BISTABLE_OSC, x0, v0, 1e-3) == rest
     assert 1 <= rests <= 4
-
-
-def test_bisection_refuses_what_has_no_threshold():
-    rising, falling = ss.FrictionLaw("0.3 + 0.2*v"), ss.FrictionLaw("0.3 - 0.2*v")
-    osc = ss.Oscillator(m=1, k=1, V=0.5, N=1)
-    with pytest.raises(ss.NoThreshold, match="does not come back even without damping"):
-        procedures.pure_slip_by_bisection(rising, osc, 1e-3)
-    assert procedures.pure_slip_by_bisection(falling, osc, 1e-6) == pytest.approx(0.2, rel=1e-2)
-
-
-@pytest.mark.thorough
-def test_numpy_has_no_polylogarithm():
-    """Polylogarithms; the stable function has them, by its branches."""
-    found = by_name(ss.tradeoff(ss.laws.sech.typical(), of="criterion", time_limit=20).trades["criterion"])
-    assert not found["plain lambdify, array"].found
-    assert found["stable function, array"].found
 
 
 # Few different times and errors, so that some are equal, and some without a number.

@@ -4,10 +4,10 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from flint import acb, arb_series
+from flint import acb, arb, arb_series
 
 import stickslip_sym as ss
-from stickslip_sym.core import balls, functions
+from stickslip_sym.core import balls, functions, langevin
 from stickslip_sym.core.functions import FUNCTIONS, Function
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.at_rest import gain
@@ -63,7 +63,8 @@ def test_every_row_is_what_sympy_computes(kind):
         pytest.skip("of several arguments, or without a ball")
     third, seventh = sp.Rational(1, 3), sp.Rational(5, 7)
     others = {"Lerch": [-third, sp.Integer(2), seventh], "elliptic_pi": [third, sp.Integer(2)],
-              "acosh": [sp.Rational(7, 3)], "zeta": [sp.Rational(7, 3)]}  # fmt: skip
+              "acosh": [sp.Rational(7, 3)], "zeta": [sp.Rational(7, 3)],
+              "Langevin": [third, sp.Integer(1)]}  # fmt: skip
     numbers = others.get(name, [sp.Integer(2), third] if row.indexed else [third])
     expected = complex(kind(*numbers, evaluate=False).evalf(30))
     with balls.working_precision(120, 4):
@@ -77,6 +78,27 @@ def test_every_row_is_what_sympy_computes(kind):
         with mpmath.workdps(60):
             direct = (kind(close.n(60)) - kind(sp.Float("0.3", 60))).evalf(50)
         assert abs(got / direct - 1) < 1e-10
+
+
+@pytest.mark.parametrize("order", range(4))
+def test_langevins_function_keeps_its_digits(order):
+    """In doubles, balls and mpmath against coth(x) - 1/x of many digits: where its parts cancel, and far out."""
+    u = sp.Dummy()
+    plain = function_of([u], sp.diff(sp.coth(u) - 1 / u, u, order), "mpmath")
+    for number in (1e-12, 1e-3, 0.7, 1.4999, 1.5001, 4.0, 50.0, 1e9):
+        with mpmath.workdps(120):
+            expected = plain(mpmath.mpf(number))
+        assert langevin.in_floats(number, order) == pytest.approx(float(expected), rel=3e-14)
+        with mpmath.workdps(30):
+            assert langevin.in_mpmath(mpmath.mpf(number), order) == pytest.approx(expected, rel=1e-28)
+        with balls.working_precision(140, 4):
+            value = langevin.in_balls(acb(number), acb(order)).real
+            assert value.overlaps(arb(mpmath.nstr(expected, 60)))
+            assert value.rel_accuracy_bits() > 100
+            wide = langevin.in_balls(acb(arb(number, 0.2), arb(0, 0.1)), acb(order))
+            assert wide.contains(langevin.in_balls(acb(number + 0.1, 0.05), acb(order))) or not wide.is_finite()
+            slope = langevin.in_series(arb_series([number, 1]), arb(order))[1]
+            assert slope.overlaps(langevin.in_balls(acb(number), acb(order + 1)).real)
 
 
 CUTS = {sp.log: [-2, 0], sp.atan: [2j, -3j], sp.asinh: [2j, -3j], sp.acosh: [0, -2], sp.asin: [2, -3],

@@ -169,3 +169,13 @@ def test_a_narrow_peak_is_not_stepped_over(sharpness, V, digits):
 
         wanted = mpmath.quad(integrand, [k / h for k in range(-10, 11)])
     assert abs(ss.quadrature.damping(law, V=V, N=1, digits=digits) / wanted - 1) < 10 ** (1 - digits)
+
+
+@pytest.mark.parametrize("n", ["0.3", "0.9", "0.97", "0.99"])
+def test_powers_just_integrable_at_rest(n):
+    """The closer the exponent is to -1, the more of the integral lies next to v = 0."""
+    value = ss.quadrature.damping(ss.FrictionLaw(f"v^(-{n})"), V=3, N=1, digits=25)
+    with mpmath.workdps(30):
+        n = mpmath.mpf(n)
+        bracket = (n**2 - 3 * n + 8) / ((n - 4) * (n - 3) * (n - 2) * (n - 1))
+        assert mpmath.almosteq(value, 5 * n * bracket / (6**n * 3), rel_eps=mpmath.mpf(10) ** -24)

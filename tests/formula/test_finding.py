@@ -9,6 +9,7 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.langevin import Langevin
 from stickslip_sym.formula.average import average_of
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
 from stickslip_sym.formula.finding.averages import average_of_pieces, harmonic_average
@@ -61,6 +62,8 @@ INTEGRATED = BOTH | {
     "the root of a quadratic": lambda a, b, c: u * sp.sqrt(u**2 + c * u + 1 + c**2),
     "an exponential times tanh": lambda a, b, c: u * sp.exp(-a * u) * sp.tanh(b * u),
     "an exponential over a line": lambda a, b, c: sp.exp(-a * u) / (u + b) ** 2,
+    "Langevin's function": lambda a, b, c: u * Langevin(a * u + b, 0),
+    "the slope of Langevin's function": lambda a, b, c: u**2 * Langevin(a * u, 1),
     "a logarithm over a line": lambda a, b, c: u * sp.log(a * u + b) / (u + c) ** 2,
     "a logarithm over a line far off": lambda a, b, c: sp.log(1 + u / a) / (u + a + b),
     "a stretched exponential of no rule for averages": lambda a, b, c: u * sp.exp(-a * u ** sp.Rational(3, 4)),

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import stickslip_sym as ss
-from stickslip_sym.motion.slip import Dimensionless, Wedge
+from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import End
 from stickslip_sym.motion.table import FrictionTable
 
@@ -35,29 +34,6 @@ def systems(count, seed):
         # A fifth of them is driven by a weak negative damping.
         system = Dimensionless(eta, zeta * rng.choice((1, 1, 1, 1, -0.02)), table, V)
         yield kind, system, rng.uniform(-2, 2) * (1 + 0.3 * eta), rng.uniform(0, 2.5), int(rng.choice((1, 1, -1)))
-
-
-def reference(system, q, w, side, horizon, rtol=1e-12):
-    """Follow a smooth slip by SciPy alone, up to w = 0, with the law's own mu."""
-
-    def rates(_, y):
-        return 1 - side * y[1], system.acceleration(y[0], max(y[1], 0.0), side)
-
-    def at_belt_speed(tau, y):
-        return y[1] if tau > 0 else 1.0
-
-    at_belt_speed.terminal, at_belt_speed.direction = True, -1
-    found = solve_ivp(rates, (0, horizon), (q, w), method="LSODA", rtol=rtol, atol=1e-13, events=at_belt_speed)
-    return found.t[-1], *found.y[:, -1]
-
-
-def test_smooth_slips_against_lsoda():
-    for kind, system, q, w, side in systems(24, seed=1):
-        if kind in ("exponential", "cubic", "static", "steep"):
-            slip = system.slip(q, w, side, horizon=20.0, rtol=RTOL)
-            expected = reference(system, q, w, side, 20.0)
-            if slip.end is not End.REST:
-                assert (slip.tau, slip.q) == pytest.approx(expected[:2], rel=1e-7, abs=1e-7)
 
 
 @pytest.mark.parametrize("compiling", [True, False])
@@ -103,91 +79,3 @@ def test_backward_returns_to_the_begin():
             continue
         back = system.backward.slip(-there.q, there.w, side, horizon=1.0, rtol=1e-13)
         assert (-back.q, back.w) == pytest.approx((q, w), abs=1e-8)
-
-
-def test_levels_and_extrema_are_ends():
-    system = Dimensionless(2.0, 0.05, FrictionTable.of(ss.laws.exponential.typical()), 0.5)
-    peak = system.slip(0.0, 0.0, until=End.MAXIMUM)
-    assert peak.end is End.MAXIMUM
-    assert peak.w > 1
-    assert system.acceleration(peak.q, peak.w, 1) == pytest.approx(0.0, abs=1e-12)
-    half = system.slip(0.0, 0.0, until=End.LEVEL, level=1.0)
-    assert (half.end, half.w) == (End.LEVEL, 1.0)
-    back = system.backward.slip(-peak.q, peak.w, until=End.LEVEL, level=1.0)
-    assert (back.tau + half.tau, -back.q) == pytest.approx((peak.tau, half.q), rel=1e-10)
-
-
-def test_steps_record_the_slip():
-    for _, system, q, w, side in systems(16, seed=5):
-        slip = system.slip(q, w, side, horizon=20.0, rtol=RTOL, recorded=True)
-        assert len(slip.steps) == slip.taken
-        for number, (step, after) in enumerate(zip(slip.steps, [*slip.steps[1:], slip], strict=True)):
-            assert step.tau + step.length == pytest.approx(after.tau, rel=1e-14)
-            times = step.tau + step.length * np.array([0.2, 0.5, 0.8, 1.0])
-            q, w = system.states(slip.steps, np.full(4, number), times, side, RTOL)
-            if number == 0:  # many are compiled
-                many = system.states(slip.steps, np.zeros(2000, dtype=int), np.tile(times, 500), side, RTOL)
-                assert np.array(many)[:, -4:] == pytest.approx(np.array([q, w]), rel=1e-13, abs=1e-13)
-            assert (q[-1], w[-1]) == pytest.approx((after.q, after.w), rel=1e-7, abs=1e-7)
-            ordered = np.diff([step.w, *w])
-            assert (ordered > -1e-9).all() or (ordered < 1e-9).all()
-
-
-@pytest.mark.parametrize("kind", ["exponential", "kinked", "falls", "rises", "steep"])
-def test_wedge_is_the_derivative(kind):
-    formula, static = LAWS[kind]
-    table = FrictionTable.of(ss.FrictionLaw(formula, static=static))
-    system = Dimensionless(2.0, 0.05, table, 0.7)
-    still = [0.0] * len(system.rise.jumps)
-    pieces = system.rise.pieces
-    quantities = {
-        "zeta": Wedge(0.0, -2.0, 0.0, pieces, still),
-        "eta": Wedge(system.push(1) / system.eta, 0.0, -1.0, pieces, still),
-    }
-    for name, wedge in quantities.items():
-        for start in ((0.0, 0.0), (-0.5, 0.8)):
-            for until in (End.MAXIMUM, End.RETURN):
-                slip = system.slip(*start, until=until, wedge=wedge, rtol=1e-13, horizon=30.0)
-                step = 1e-5
-                ends = [
-                    replace(system, **{name: getattr(system, name) + sign * step}).slip(
-                        *start, until=until, rtol=1e-13, horizon=30.0
-                    )
-                    for sign in (1, -1)
-                ]
-                assert slip.end is ends[0].end is ends[1].end
-                if until is End.MAXIMUM:
-                    derivative, found = (ends[0].w - ends[1].w) / (2 * step), slip.wedge / (1 - slip.w)
-                elif slip.end is End.RETURN:
-                    derivative, found = (ends[0].q - ends[1].q) / (2 * step), -slip.wedge / slip.rate
-                else:
-                    continue
-                assert found == pytest.approx(derivative, rel=1e-6, abs=1e-7)
-
-
-def test_level_of_a_jump_moves_the_wedge():
-    def system(b):
-        law = ss.FrictionLaw("Piecewise((0.5, v < b), (0.3, True))").bind(b=b)
-        return Dimensionless(2.0, 0.05, FrictionTable.of(law), 1.0)
-
-    middle = system(0.3)
-    wedge = Wedge(0.0, 0.0, 0.0, middle.rise.pieces, [0.0, 1.0])
-    slip = middle.slip(1.5, 1.0, wedge=wedge, rtol=1e-13)
-    ends = [system(0.3 + sign * 1e-6).slip(1.5, 1.0, rtol=1e-13) for sign in (1, -1)]
-    assert slip.end is ends[0].end is ends[1].end is End.RETURN
-    derivative = (ends[0].q - ends[1].q) / 2e-6
-    assert abs(derivative) > 1e-2
-    assert -slip.wedge / slip.rate == pytest.approx(derivative, rel=1e-5)
-
-
-def test_what_has_no_end_is_refused():
-    measured = ss.FrictionLaw.from_samples([0, 0.1, 0.5, 0.8], [0.5, 0.4, 0.3, 0.3])
-    system = Dimensionless(2.0, 0.05, FrictionTable.of(measured), 0.5)
-    with pytest.raises(ss.InputError, match="measured up to"):
-        system.slip(0.0, 0.0)
-    ended = Dimensionless(5.0, 0.0, FrictionTable.of(ss.FrictionLaw("0.3 + 0.2*sqrt(1 - v)")), 0.5)
-    with pytest.raises(ss.NotConverged, match="no finite value"):
-        ended.slip(0.0, 0.0)
-    driven = Dimensionless(1.0, -0.5, FrictionTable.of(ss.laws.coulomb.typical()), 0.5)
-    grown = driven.slip(0.0, 5.0, -1, horizon=1e4)
-    assert grown.end is End.RETURN or driven.unbounded(grown)

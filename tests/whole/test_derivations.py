@@ -33,46 +33,34 @@ def law_17(bracket):
 
 COSH, SINH = sp.cosh(aV), sp.sinh(aV)
 
-# More of each equation than the mutations of the paper's checks alter, and the points at which each fails.
+# Other errors than the mutations of the paper's checks have, at most two a label.
 TAMPERED = [
     ("energy_balance", "(5)", PRINTED["(5)"] / 3),
     ("linearised_force", "(9)", -PRINTED["(9)"]),
     ("linearised_force", "(10)", PRINTED["(10)"].subs(c, -c)),
     ("linearised_force", "(11)", -a * N),
     ("least_squares", "(13)", sp.Integral((mu(u) + a * u - b) ** 2 * (V - u), (u, 0, 2 * V))),
-    ("least_squares", "(15) a", -PRINTED["(15) a"]),
     ("least_squares", "(15) a", 5 / (2 * V**5) * integral((V - u) ** 2)),
-    ("least_squares", "(15) b", -PRINTED["(15) b"]),
     ("least_squares", "(15) b", integral((V - u) ** 2 * (8 * V - 5 * u), V) / (2 * V**4)),
-    ("least_squares", "(15) b", integral((V - u) ** 3 * (8 * V - 5 * u)) / (2 * V**4)),
     ("least_squares", "(16)", 5 * N / (2 * V**5) * integral((u - V) ** 3)),
-    ("exponential_law", "(17)", law_17((6 * aV + aV**3) * COSH + (6 + 3 * aV**2) * SINH)),
-    ("exponential_law", "(17)", law_17((6 * aV + aV**3) * SINH - (6 + 3 * aV**2) * COSH)),
-    ("exponential_law", "(17)", PRINTED["(17)"] * sp.exp(2 * aV)),
-    ("exponential_law", "(17)", PRINTED["(17)"] / 2),
-    ("polynomial_law", "(18)", (mu_s + mu_m) * N * (21 * v_m**2 - 26 * V**2) / (14 * v_m**3)),
-    ("polynomial_law", "(18)", (mu_m - mu_s) * N * (21 * v_m**2 - 26 * V**2) / (14 * v_m**3)),
-    ("polynomial_law", "(18)", (mu_s - mu_m) * N * (21 * v_m**2 - 24 * V**2) / (14 * v_m**3)),
-    ("polynomial_law", "transition speed", sp.sqrt(sp.Rational(26, 21)) * v_m),
     ("exponential_law", "(3)", mu_m + (mu_s - mu_m) * sp.exp(-2 * alpha * u)),
+    ("exponential_law", "(17)", law_17((6 * aV + aV**3) * COSH + (6 + 3 * aV**2) * SINH)),
+    ("exponential_law", "(17)", PRINTED["(17)"] * sp.exp(2 * aV)),
     ("polynomial_law", "(4)", PRINTED["(4)"].subs(v_m, 2 * v_m)),
-    ("second_order", "(4)", PRINTED["(4)"].subs(v_m, 2 * v_m)),
+    ("polynomial_law", "(18)", (mu_s + mu_m) * N * (21 * v_m**2 - 26 * V**2) / (14 * v_m**3)),
+    ("polynomial_law", "transition speed", sp.sqrt(sp.Rational(26, 21)) * v_m),
     ("one_threshold", "field", paper.velocity**2 / m),
     ("one_threshold", "P", (mu_s * N + c * V) / k),
-    ("second_order", "second order", law_4() - 2 * (law_4() - law_4().subs(m, sp.oo))),
-    ("second_order", "second order", law_4().subs(m, 2 * m)),
     ("hopf", "(4)", -PRINTED["(4)"]),
     ("hopf", "A^2", 4 * (v_m**2 - V**2) - 4 * c * v_m**3 / (3 * N * (mu_s - mu_m))),
     ("units", "(17)", PRINTED["(17)"] / V),
     ("units", "(18)", PRINTED["(18)"] * v_m**2),
-]  # fmt: skip
+    ("second_order", "(4)", PRINTED["(4)"].subs(v_m, 2 * v_m)),
+    ("second_order", "second order", law_4() - 2 * (law_4() - law_4().subs(m, sp.oo))),
+]
 
 
-FIRST = {(name, label): (name, label, wrong) for name, label, wrong in reversed(TAMPERED) if "second" not in name}
-"""One wrong equation for each label of each chapter; the others take longer."""
-
-
-@sweep(("name", "label", "wrong"), TAMPERED, *FIRST.values())
+@sweep(("name", "label", "wrong"), TAMPERED, *(one for one in TAMPERED if one[0] != "second_order"))
 def test_a_tampered_equation_is_refuted_with_its_point(name, label, wrong):
     verdict = chapter(name)({label: wrong})[label].verdict
     assert verdict.status is Status.REFUTED
@@ -80,16 +68,10 @@ def test_a_tampered_equation_is_refuted_with_its_point(name, label, wrong):
     assert " at " in verdict.evidence
 
 
-@pytest.mark.parametrize(
-    "weight",
-    [
-        sp.Rational(5, 8) * (1 + s**4),
-        sp.Rational(5, 4) * (1 - s**4),
-        sp.Rational(3, 4) * (1 - s**2),
-        -sp.Rational(5, 8) * (1 - s**4),
-        sp.Rational(15, 16) * (1 - s**2) ** 2,
-    ],
-)
+WEIGHTS = (1 + s**4) * 5 / 8, (1 - s**4) * 5 / 4, (1 - s**2) * 3 / 4, (s**4 - 1) * 5 / 8
+
+
+@pytest.mark.parametrize("weight", WEIGHTS)
 def test_another_weight_is_refuted(weight):
     derivation = chapter("slope_average")({"weight": weight})
     assert derivation["slope average"].verdict.status is Status.REFUTED
@@ -112,10 +94,8 @@ def test_theorems_check_their_hypotheses():
     wrong = Antiderivative(u**3, u)
     assert prove_equal(sp.Integral(u**2, (u, 0, V)), V**3, by=wrong).status is Status.REFUTED
     # True, but not by this theorem: checked at points, never called proved.
-    assert (
-        prove_equal(sp.Integral(mu(u), (u, 0, V)), integral(1, V), by=Antiderivative(u, u)).status
-        is Status.CHECKED
-    )
+    found = prove_equal(sp.Integral(mu(u), (u, 0, V)), integral(1, V), by=Antiderivative(u, u))
+    assert found.status is Status.CHECKED
     curved = ChangeOfVariable(u, s, V * s**2)
     assert prove_equal(integral(1, V), integral(1, V), by=curved).status is Status.CHECKED
     pole = Antiderivative(-1 / u, u)
@@ -135,8 +115,7 @@ def test_text_and_latex_name_every_equation():
     derivation = chapter("least_squares")({})
     for label in ("(13)", "(14) a", "(15) b", "(16)"):
         assert label in derivation.text()
-        assert (
-            f"\\tag{{{label.strip('()').replace(') ', ' ')}}}" in derivation.latex() or label in derivation.text()
-        )
+        tag = f"\\tag{{{label.strip('()').replace(') ', ' ')}}}"
+        assert tag in derivation.latex() or label in derivation.text()
     assert derivation.latex().count("\\begin{equation*}") == len(derivation.steps)
     assert "PROVED" in repr(derivation)

@@ -34,13 +34,9 @@ ROUNDING = re.compile(r"\b\d\.\de-1[4-9]\b")
 PATH = re.compile(r"`([\w./]+(?:/|\.py|\.md|\.cff))`|\]\(([\w./]+)\)")
 
 
-BY_DEFAULT = ("README.md", "CONTRIBUTING.md")
-"""The others are run with ``pytest --thorough``, and where the documentation is built."""
-
-
 def sweep_documents(names, cases):
-    """Leave all but the documents that are read first to ``--thorough``."""
-    return sweep(names, cases, *(case for case in cases if case[0] in BY_DEFAULT))
+    """Leave all but these to ``--thorough``, and to where the documentation is built."""
+    return sweep(names, cases, *(case for case in cases if case[0] in ("README.md", "CONTRIBUTING.md")))
 
 
 def blocks(language, names=DOCUMENTS):
@@ -101,25 +97,16 @@ def test_console_blocks_print_what_they_say(name, command, output, tmp_path):
         done = inside(*arguments, cwd=tmp_path)
     else:
         done = subprocess.run(
-            [sys.executable, *arguments],
-            capture_output=True,
-            text=True,
-            cwd=tmp_path,
-            env=os.environ | {"PYTHONPATH": str(ROOT)},
-            timeout=120,
-            check=False,
-        )
+            [sys.executable, *arguments], capture_output=True, text=True, cwd=tmp_path,
+            env=os.environ | {"PYTHONPATH": str(ROOT)}, timeout=120, check=False,
+        )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert comparable(done.stdout) == comparable(output)
 
 
 def test_documents_have_what_the_tests_run():
-    assert {name for name, _ in blocks("python")} >= {
-        "README.md",
-        "CONTRIBUTING.md",
-        f"{DOCS}/tutorial.md",
-        DERIVATION,
-    }
+    shown = {"README.md", "CONTRIBUTING.md", f"{DOCS}/tutorial.md", DERIVATION}
+    assert {name for name, _ in blocks("python")} >= shown
     assert {name for name, _ in blocks("console")} == {"README.md", f"{DOCS}/methods.md", "derivations/README.md"}
     setups = [line for _, text in blocks("sh", ["README.md"]) for line in text.splitlines()]
     assert len(setups) == 2

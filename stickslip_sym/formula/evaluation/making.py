@@ -18,7 +18,7 @@ from flint import acb, arb, arb_mat, arb_poly
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import ball_value, rational, working_precision
-from stickslip_sym.core.functions import row
+from stickslip_sym.core.functions import elementary, row
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import average_ball
@@ -120,7 +120,7 @@ class _Builder:
         self.local = criterion.weight is None
         self.closed = None if point else closed
         if self.local:
-            self.closed = -slope_of(self.values.last_piece).subs(symbols.v, symbols.V).xreplace(point)
+            self.closed = -elementary(slope_of(self.values.last_piece)).subs(symbols.v, symbols.V).xreplace(point)
         # Each r beyond which a kink counts, as a float, and what it is exactly: a root grows from there.
         self.corners = {float(r): r for r in (kink / (1 if self.local else 2) for kink in self.values.kinks)}
         powers = [node for node in profile.atoms(sp.Pow) if node.base.has(symbols.v)]

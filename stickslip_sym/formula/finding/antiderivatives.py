@@ -10,6 +10,7 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import Lerch
+from stickslip_sym.core.langevin import Langevin
 from stickslip_sym.formula.finding.matching import (
     Rule,
     as_binomial,
@@ -78,14 +79,27 @@ def _sech_ladder(x: Expr, n: int, j: int) -> Expr:
     return ((n - 2) * _sech_ladder(x, n - 2, j) - _sech_ladder(x, n - 2, j - 2) / (n - 2)) / (n - 1)
 
 
+def _langevin_ladder(x: Expr, order: int, j: int) -> Expr:
+    """Note that coth = 1 + 2 Li_0(exp(-2 x)), and that 1/x has the integrals x^(j-1)/(j-1)! (log x - H_(j-1))."""
+    if j <= order:
+        return sp.diff(sp.coth(x) - 1 / x, x, order - j)
+    j -= order
+    z = sp.exp(-2 * x)
+    if j == 1:
+        return x + sp.log((1 - z) / x)
+    pole = x ** (j - 1) / sp.factorial(j - 1) * (sp.log(x) - sp.harmonic(j - 1))
+    return x**j / sp.factorial(j) + 2 * sp.Rational(-1, 2) ** j * polylog(j, z) - pole
+
+
 LADDERS: dict[type[Expr], Callable[[Expr, int, int], Expr]] = {
     sp.exp: lambda x, n, j: sp.exp(x),
     sp.sin: lambda x, n, j: sp.sin(x - j * sp.pi / 2),
     sp.cos: lambda x, n, j: sp.cos(x - j * sp.pi / 2),
     sp.tanh: _tanh_ladder,
     sp.sech: _sech_ladder,
+    Langevin: _langevin_ladder,
 }
-"""The j-th integral of a function; of hyperbolic ones, of the n-th power."""
+"""The j-th integral of a function; of tanh and sech, of the n-th power; of Langevin's, of the n-th derivative."""
 
 
 # -- rules ------------------------------------------------------------------------------------------
@@ -113,7 +127,8 @@ def _ladder(polynomial: Expr, node: Expr, line: list[Expr], u: Expr) -> Expr | N
     ladder, x = LADDERS[base.func], sp.Dummy("x", real=True)
     if power != 1 and base.func not in (sp.tanh, sp.sech):
         return None
-    return by_parts(polynomial, lambda j: ladder(x, int(power), j).subs(x, base.args[0]) / line[0] ** j, u)
+    n = int(power if len(base.args) == 1 else base.args[1])
+    return by_parts(polynomial, lambda j: ladder(x, n, j).subs(x, base.args[0]) / line[0] ** j, u)
 
 
 def _by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:

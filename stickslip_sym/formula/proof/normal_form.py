@@ -4,6 +4,7 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.functions import elementary
 from stickslip_sym.model.terms import expand_above
 
 _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
@@ -26,7 +27,7 @@ def normal_form(expr: Expr) -> Expr:
     in functions that are algebraically independent, and in integrals of unknown functions.
     """
     check_time()
-    expr = plain(sp.sympify(expr).replace(lambda node: isinstance(node, sp.Integral), _split))
+    expr = plain(elementary(sp.sympify(expr)).replace(lambda node: isinstance(node, sp.Integral), _split))
     # Which argument a Min, Max or Piecewise takes does not matter to an identity that holds for all numbers.
     pieces = sorted(expr.atoms(sp.Min, sp.Max, sp.Piecewise), key=sp.default_sort_key)
     expr = expr.xreplace({node: _opaque(node) for node in pieces})
@@ -36,13 +37,21 @@ def normal_form(expr: Expr) -> Expr:
         lambda node: sp.atan(node.args[0].args[1] / sp.I),
     )
     expr = expr.replace(_is_logarithm, lambda node: -sp.log(1 - node.args[1]))
+    expr = expr.replace(sp.log, _of_factors)
     expr = expr.replace(
         lambda node: node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer,
         lambda node: sp.factor(node.base) ** node.exp,
     )
-    expr = _exponentials_as_symbols(expr.rewrite((sp.sinh, sp.cosh, sp.tanh, sp.sech), sp.exp))
+    expr = _exponentials_as_symbols(expr.rewrite((sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech), sp.exp))
     numerator, _ = sp.fraction(sp.together(expr))
     return sp.expand(sp.powsimp(sp.expand(numerator)))
+
+
+def _of_factors(argument: Expr) -> Expr:
+    """Return log(a u^p), u > 0 a symbol, as log(a) + p log(u)."""
+    powers = {base: p for base, p in argument.as_powers_dict().items() if base.is_Symbol and base.is_nonnegative}
+    rest = argument / sp.Mul(*(base**p for base, p in powers.items()))
+    return sp.Add(sp.log(rest), *(p * sp.log(base) for base, p in powers.items()))
 
 
 def _is_logarithm(node: Expr) -> bool:

@@ -139,6 +139,11 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
     term = term.replace(
         lambda node: isinstance(node, sp.erf) and _falls(node.args[0], x), lambda node: sp.S.NegativeOne
     )
+    # As of (1 - exp(-x))/x.
+    term = term.replace(
+        lambda node: isinstance(node, sp.log) and node.args[0].subs(x, 0) is sp.nan,
+        lambda node: sp.log(sp.limit(node.args[0], x, 0, "+")),
+    )
 
     def is_logarithm(factor: Expr) -> bool:
         base, n = factor.as_base_exp()
@@ -194,11 +199,15 @@ def _of_series(x: Expr, upper: Expr, lower: Expr, z: Expr) -> bool:
 
 
 def _below_one(x: Expr, *arguments: Expr) -> bool:
-    return all(is_positive(sp.factor(1 - argument), x) for argument in arguments)
+    return all(_is_positive_factored(1 - argument, x) for argument in arguments)
+
+
+def _is_positive_factored(expr: Expr, x: Expr) -> bool:
+    return is_positive(expr, x) or is_positive(sp.factor(expr), x)
 
 
 _DOMAINS: dict[type[Expr], Callable[..., bool | None]] = {
-    sp.log: lambda x, z: is_positive(z, x) or is_positive(sp.factor(z), x),
+    sp.log: lambda x, z: _is_positive_factored(z, x),
     sp.lowergamma: lambda x, s, z: s.is_positive and z.is_nonnegative,
     sp.expint: lambda x, s, z: is_positive(z, x),
     sp.polylog: lambda x, s, z: z.is_imaginary or _below_one(x, z),
@@ -215,7 +224,7 @@ _DOMAINS: dict[type[Expr], Callable[..., bool | None]] = {
 
 
 def is_positive(expr: Expr, x: Expr) -> bool:
-    """Tell whether an expression is known to be positive: by signs, as a quadratic, or by a root.
+    """Tell whether an expression is known to be positive: by signs, as a quadratic, as 1 - exp(-y), or by a root.
 
     For x > 0, c sqrt(R) + L, c > 0, is positive where L is, and where c^2 R > L^2.
     """
@@ -230,6 +239,9 @@ def is_positive(expr: Expr, x: Expr) -> bool:
         return True
     if not (expr.is_Add and x.is_positive):
         return False
+    whole, decay = expr.as_coeff_Add()
+    if whole == 1 and isinstance(-decay, sp.exp) and (-decay).args[0].is_negative:
+        return True
     expr = sp.expand(expr)
     roots = {node for node in expr.atoms(sp.Pow) if node.exp == sp.Rational(1, 2) and node.has(x)}
     if len(roots) != 1:

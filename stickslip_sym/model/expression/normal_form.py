@@ -12,6 +12,7 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import fold, power, without_squares
+from stickslip_sym.core.langevin import Langevin
 from stickslip_sym.model.expression.pieces import joined
 
 _MOST_EXPANDED = 6  # of a power of a sum of two terms that a rule makes
@@ -32,6 +33,7 @@ def normal_form(expr: Expr) -> Expr:
     - A product of an exponential and hyperbolic functions is a sum of exponentials.
     - tanh(log(x)) is (x^2 - 1)/(x^2 + 1), and log(b + a/v^p) a difference of logarithms without the quotient.
     - ``1/(5*v + 5)`` is (1/5)/(v + 1).
+    - coth(x) - 1/x is Langevin's function, one node.
     - No two kinks stand in one term.
     """
     return joined(without_squares(fold(expr, _rebuilt)))
@@ -52,7 +54,9 @@ def _rebuilt(node: Expr, parts: list[Expr]) -> Expr:
         return _logarithm(made)
     if made.func in _OF_LOGARITHMS:
         return _of_logarithm(made)
-    return _product(made) if made.is_Mul else made
+    if made.is_Mul:
+        return _product(made)
+    return _without_poles(made) if made.is_Add and made.has(sp.coth) else made
 
 
 def _power(base: Expr, exponent: Expr) -> Expr:
@@ -114,6 +118,15 @@ def _of_logarithm(expr: Expr) -> Expr:
     if not isinstance(logarithm, sp.log) or front.has(symbols.v):
         return expr
     return _OF_LOGARITHMS[expr.func](power(logarithm.args[0], front))
+
+
+def _without_poles(expr: Expr) -> Expr:
+    """Return a sum with a L(x), L Langevin's function, which is finite at 0, for a coth(x) - a/x."""
+    for node in expr.atoms(sp.coth):
+        front, x = expr.coeff(node), node.args[0]
+        if front != 0 and -front / x in expr.args:
+            expr += front * Langevin(x, 0) - front * node + front / x
+    return expr
 
 
 def _product(expr: Expr) -> Expr:

@@ -20,7 +20,6 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.deadline import check_time
@@ -35,7 +34,7 @@ from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.phase_plane import friction_far_out, rounds
 from stickslip_sym.motion.regimes.regime import regime
-from stickslip_sym.motion.roots import orbit_signs
+from stickslip_sym.motion.roots import closest, orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
@@ -51,7 +50,6 @@ _STEPS = 1e-11  # tolerance of the steps of orbits
 _UNSURE = 1e-9  # gap of which they do not tell the sign
 _FOLD = 1e-7  # amplitude to which a fold is found; the damping there is known to its square
 _FINER = 1e-2  # tolerance of the motions of single cells over that of thresholds
-_TIGHTEST = 1e-13
 
 
 class Reason(Enum):
@@ -267,15 +265,13 @@ class _Decider:
             return float(self._needed(np.array([i]), np.array([A]))[0]) - zeta
 
         sign = 1.0 if excess(low) > 0 else -1.0
-        fold = minimize_scalar(
-            lambda A: sign * excess(A), bounds=(low, high), method="bounded", options={"xatol": _FOLD}
-        )
-        return bool(fold.fun < 0), abs(float(fold.fun))
+        _, beyond = closest(excess, low, high, sign, _FOLD)
+        return sign * beyond < 0, abs(beyond)
 
     def _follow(self, cells: Cells, i: int, j: int) -> None:
         """Decide one cell by following motions."""
         osc = replace(self.oscillators[i], c=float(self.line.c[i, j]))
-        rtol = max(self.rtol * _FINER, _TIGHTEST)
+        rtol = self.rtol * _FINER
         reason, motion, found, why = Reason.SIMULATED, Motion.UNDECIDED, None, ""
         try:
             check_time()

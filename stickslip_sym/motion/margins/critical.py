@@ -14,7 +14,6 @@ from typing import Any, NoReturn
 
 import numpy as np
 import sympy as sp
-from scipy.optimize import minimize_scalar
 
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray
@@ -27,7 +26,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.needed import by_zeta, gap
 from stickslip_sym.motion.orbits.orbit import obstacle
-from stickslip_sym.motion.roots import sign_changes
+from stickslip_sym.motion.roots import closest, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import slope_mean
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
@@ -44,8 +43,7 @@ _AROUND = 100.0  # factor above and below a parameter's value within which it is
 _NEAR = 0.5  # relative distance of a harmonic average from c, within which a quantity is sought in any case
 _SHARE = 0.4  # of the last measured speed, up to which belt speeds are sought: motions slip at a little over 2 V
 _LOOSE = 1e-6  # relative error of the gap, or threshold, on the grid
-_STEPPED = 1e-12, 1e-6  # tolerances of the steps of a gap
-_STRONG, _STIFF = 30.0, 1e-9  # eta from which a gap is stiff, and the tolerance there
+_STEPS = 1e-11  # tolerance of the steps of a gap
 _FINER, _TIGHTEST = 1e-3, 1e-12  # of rtol, the relative error of a threshold at a root; and the smallest
 _CLOSE = 1e-9  # tolerance of a root, relative, which a Newton step with the exact slope then refines
 _DIP = 1e-5  # relative distance from an extremum of the threshold at which it is taken
@@ -194,7 +192,7 @@ def excess(points: OperatingPoints, c: float, method: Method | None, rtol: float
         return points.N * slope_mean(points.law, method.criterion, points.V) - c
     off = np.full(len(points), np.inf)
     if method is None or method.converges:
-        off = np.array([_gap(points, row, c, rtol) for row in range(len(points))])
+        off = np.array([_gap(points, row, c) for row in range(len(points))])
     rows = np.flatnonzero(np.isinf(off))  # a half of the orbit does not come to w = 1, or is not found
     if rows.size:
         found, _ = ask(points.rows(rows), method, rtol)
@@ -205,16 +203,14 @@ def excess(points: OperatingPoints, c: float, method: Method | None, rtol: float
     return off
 
 
-def _gap(points: OperatingPoints, row: int, c: float, rtol: float) -> float:
+def _gap(points: OperatingPoints, row: int, c: float) -> float:
     """Return the gap of the grazing orbit at a damping, infinite where it has none; NaN where it is not known."""
     try:
         system = Dimensionless.of(points.law, points.oscillator(row, c))
     except NO_RESULT:
         return math.nan
-    # The gap is of the order of friction, and its error of that of the steps.
-    steps = _STIFF if system.eta > _STRONG else min(max(rtol * system.eta, _STEPPED[0]), _STEPPED[1])
     value, _, outside, _ = gap(
-        system.rise, system.eta, system.zeta, system.push(1), 1.0, steps, False, 0.0, by_zeta(system)
+        system.rise, system.eta, system.zeta, system.push(1), 1.0, _STEPS, False, 0.0, by_zeta(system)
     )
     deadline.check_time()
     return math.nan if outside and math.isfinite(system.w_max) else float(value)
@@ -343,12 +339,9 @@ class _Search:
             before, here, after = nodes[low], nodes[middle], nodes[high]
             if before * here > 0 < here * after and abs(here) < min(abs(before), abs(after)):
                 sign = math.copysign(1.0, here)
-                dip = minimize_scalar(
-                    lambda x, sign=sign: sign * value(x), bounds=(low, high), method="bounded",
-                    options={"xatol": _DIP * max(abs(low), abs(high))},
-                )  # fmt: skip
-                if dip.fun < 0:
-                    nodes[float(dip.x)] = sign * float(dip.fun)
+                place, beyond = closest(value, low, high, sign, _DIP * max(abs(low), abs(high)))
+                if sign * beyond < 0:
+                    nodes[place] = beyond
         places = sorted(nodes)
         return list(sign_changes(fine, places, [nodes[x] for x in places], _CLOSE))
 

@@ -11,7 +11,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize_scalar
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray, IntArray
@@ -20,16 +19,15 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.needed import gap, halves, needed_ratio
-from stickslip_sym.motion.roots import amplitude, orbit_signs, sign_changes
+from stickslip_sym.motion.roots import NEAREST, amplitude, closest, orbit_signs, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.output import markup
 
-_NEAREST = 1e-3  # lowest amplitude over the belt's speed that is looked at: a smaller cycle is not seen
 _RTOL = 1e-12  # tolerance of the steps
 _NEUTRAL = 3e-12  # gap below which an orbit is periodic within the errors of the steps
 _CLOSE, _FOLD = 1e-14, 1e-9  # tolerances of an amplitude over the belt's speed, and of one at a fold
 _PARTED = 1e-7  # gap of an orbit beside which d jumps; where d is continuous it is that of rounding
-_STRONGEST = 1e-300  # contraction of a round, or of one backward, that is distinguished from 0
+_STRONGEST = 1e-300  # contraction in a round, or backward, that is distinguished from 0
 
 
 @dataclass(frozen=True)
@@ -52,6 +50,12 @@ class LimitCycle:
     period: float
     floquet: float
     stable: bool
+
+    @classmethod
+    def of(cls, osc: Oscillator, A: float, period: float, factor: float) -> "LimitCycle":
+        """Return a cycle from its amplitude over V, its period in 1/omega, and how deviations grow in a round."""
+        floquet = math.log(max(factor, _STRONGEST)) / period
+        return cls(A * osc.V, period / osc.omega, floquet * osc.omega, floquet < 0)
 
     def __str__(self) -> str:
         return f"pure slip with a highest velocity of {self.amplitude:.6g} m/s, period {self.period:.6g} s"
@@ -85,7 +89,7 @@ class NeededDamping:
         return np.array([self._one(float(one)) for one in A.ravel()]).reshape(A.shape)
 
     def _one(self, A: float) -> float:
-        if A < _NEAREST:
+        if A < NEAREST:
             return -replace(self.system, zeta=0.0).decay(1.0)
         return 2 * needed_ratio(self.system, A, rtol=_RTOL)[0]
 
@@ -116,9 +120,7 @@ class NeededDamping:
 
         found = orbit_signs(clipped, np.zeros((1, 1)), np.zeros((1, 1), dtype=bool))
         for _, _, low, high in found.open:  # beside a fold: the gap may change its sign twice
-            sign = math.copysign(1.0, gap(low))
-            options = {"xatol": _FOLD}
-            minimize_scalar(lambda A, s=sign: s * gap(A), bounds=(low, high), method="bounded", options=options)
+            closest(gap, low, high, math.copysign(1.0, gap(low)), _FOLD)
         gap(1.0)
         nodes = sorted(gaps)
         return np.array(list(sign_changes(gap, nodes, [gaps[A] for A in nodes], _CLOSE)))
@@ -186,13 +188,11 @@ def _cycle(need: NeededDamping, osc: Oscillator, A: float) -> LimitCycle:
     system = need.system
     ahead, back, _ = halves(system.rise, system.eta, osc.zeta, 0.0, A, _RTOL, True, 1.0, tuple(system.no_wedge))
     deadline.check_time()
-    period = ahead[3] + back[3]
     # A wedge is 0 where its half slides along a jump of mu. Forward, the motions beside it come to lie on it;
     # backward, it is one from which those beside it part at once.
-    factor = ahead[2] / max(back[2], _STRONGEST)
-    floquet = math.log(min(max(factor, _STRONGEST), 1 / _STRONGEST)) / period
+    factor = min(ahead[2] / max(back[2], _STRONGEST), 1 / _STRONGEST)
     if abs(need.gap(A, 2 * osc.zeta)[0]) > _PARTED:
         # The orbit touches a speed where mu jumps. Those inside shrink, and the jump throws those outside on: d
         # rises by a step through the damping that there is.
-        floquet = math.inf
-    return LimitCycle(A * osc.V, period / osc.omega, floquet * osc.omega, floquet < 0)
+        factor = math.inf
+    return LimitCycle.of(osc, A, ahead[3] + back[3], factor)

@@ -40,7 +40,7 @@ _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is 
 _NEAR = 1e-2  # gap at which the tight tolerance is taken
 _SLOW = 0.5  # of the gap before, above which the tight steps are as good as they get
 _SLOPED = 1e-4  # relative error of the slope by coarse steps
-_DONE, _FINEST = 1e-9, 1e-10  # gap after which the next secant is the last one; and where digits are wanted
+_DONE = 1e-10  # gap after which the next secant is the last one
 _MOST_GAPS = 100  # dampings that are tried
 _PHASES = 64  # for the first guess
 _FALL = -2 * math.pi  # of the gap with zeta, where friction is weak
@@ -152,7 +152,6 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         if falling > 0.0:
             zeta, reach = falling, 1e-3 * falling
     rtol = _STIFF if abs(eta) > _STRONG else _COARSE
-    done = _DONE if tight > _TIGHTEST else _FINEST
     before, gap_before, beyond = math.nan, math.nan, False
     for _ in range(_MOST_GAPS):
         coarse = rtol > tight
@@ -171,10 +170,10 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         else:
             return LOST, zeta, math.inf, low, high, slope
         before, unchanged, gap_before = zeta, abs(value) > _SLOW * abs(gap_before), value
-        if not coarse and (abs(value) <= done or (unchanged and abs(value) <= _NEAR)):
+        if not coarse and (abs(value) <= _DONE or (unchanged and abs(value) <= _NEAR)):
             loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
             off = abs(loose - value) + rounding + (_STEPPED * tight if tight > _TIGHTEST else 0.0)
-            if abs(value) <= done:
+            if abs(value) <= _DONE:
                 off += value * value + _SLOPED * abs(value)
                 zeta -= value / slope
             else:  # the gap is no more than what the steps are off

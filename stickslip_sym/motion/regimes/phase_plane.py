@@ -20,6 +20,7 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles, needed_damping
 from stickslip_sym.motion.regimes.separatrix import Separatrix, SlipCurve
+from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import End
@@ -28,8 +29,6 @@ NEAR = 100
 """Tolerances within which an initial condition is on a separatrix, as far as integration can say."""
 _CLOSE = 1e-6  # slip speed over the belt's at a graze, below which its error is measured
 _FIRST, _ESCAPED = 1e-3, 1e6  # displacements q at which a round outside P's is tried first, and last
-_NEAREST = 1e-3  # lowest amplitude over the belt's speed that is looked at: a smaller cycle is not seen
-_STRONGEST = 1e-300  # contraction of a round that can still be told from 0
 _FAST = 1e12  # slip speed over the belt's, beyond every feature of a law: it stands for all that are higher
 _SAME = 1e-9  # relative change of a round that is periodic
 _INWARD, _OUTWARD = 24, 12  # rounds that are looked at on the way in to P's, and out
@@ -89,9 +88,9 @@ class PhasePlane:
         """
         system = self.system
         turn = system.turn(0.0)
-        if 1 - (first_minimum(system, turn, 0.0, self.rtol) if turn else self.height) <= _NEAREST:
+        if 1 - (first_minimum(system, turn, 0.0, self.rtol) if turn else self.height) <= NEAREST:
             return -1
-        nearest = system.turn(1 - _NEAREST), 1 - _NEAREST
+        nearest = system.turn(1 - NEAREST), 1 - NEAREST
         return int(system.decay(1.0) <= 0 and first_minimum(system, *nearest, self.rtol) <= 0)
 
     @cached_property
@@ -123,9 +122,8 @@ class PhasePlane:
         moved = -slow.wedge / slow.rate  # the q at which the mass overtakes the belt, by that of the begin
         begin = system.acceleration(slow.q, 0.0, -1)
         fast = system.slip(slow.q, 0.0, -1, rtol=rtol, wedge=wedge, D=-begin * moved)
-        period, speed = (slow.tau + fast.tau) / self.oscillator.omega, 1 + fast.extremes[-1]
-        floquet = math.log(max(-fast.wedge / fast.rate, _STRONGEST)) / period
-        return LimitCycle(self.oscillator.V * speed, period, floquet, floquet < 0)
+        speed = 1 + fast.extremes[-1]
+        return LimitCycle.of(self.oscillator, speed, slow.tau + fast.tau, -fast.wedge / fast.rate)
 
     def _gain(self, q: float) -> float:
         """Return by how much a round that begins at q >= 0 ends farther out."""

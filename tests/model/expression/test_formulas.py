@@ -121,6 +121,7 @@ def test_a_formula_means_its_function(text, function, kinks):
 SAME = [
     ("1/(1 + exp(v/w))", "(1 - tanh(v/(2*w)))/2"),
     ("1/cosh(v)", "sech(v)"),
+    ("a*(1/tanh(2*v) - 1/(2*v))", "a*coth(2*v) - a/(2*v)"),
     ("1/cosh(v)^2", "1 - tanh(v)^2"),
     ("exp(-p*log(1 + v))", "(1 + v)^(-p)"),
     ("2^(-v/w)", "exp(-v*log(2)/w)"),

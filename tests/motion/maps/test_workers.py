@@ -2,17 +2,12 @@
 
 import os
 import pickle
-import signal
-import time
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from commands import started
-from systems import needs_groups
 
 import stickslip_sym as ss
-from stickslip_sym.core import deadline
 from stickslip_sym.motion import workers
 from stickslip_sym.motion.maps import motions
 from stickslip_sym.motion.maps.cells import LATE
@@ -112,36 +107,3 @@ def test_interruption_leaves_cells_undecided(draw, monkeypatch):
     assert part.notes == dict.fromkeys(map(tuple, np.argwhere(~decided).tolist()), LATE)
     with pytest.raises(KeyboardInterrupt):
         draw(progress=lambda done, total: press(2, total))
-
-
-def test_progress_counts_the_parts():
-    counts = []
-    ss.motion_map(LAW, **PLANE, progress=lambda *count: counts.append(count))
-    assert counts == [(done, 4) for done in range(5)]
-
-
-@pytest.mark.thorough
-@pytest.mark.usefixtures("uncompiled")
-def test_time_that_is_left_goes_to_other_processes():
-    with deadline.time_limit(100):
-        for left in workers.collect(_left, [1, 2], workers=2):
-            assert 0 < left < 100
-    assert workers.collect(_left, [1]) == [np.inf]
-
-
-def _left(factor):
-    return deadline.time_left()
-
-
-@needs_groups
-def test_ctrl_c_prints_what_is_done(tmp_path):
-    """It goes to the workers too."""
-    axes = ["--x", "V=0.2:0.9:6000", "--y", "c=0.5:6:20", "--workers", "2", "--csv", "part.csv"]
-    with started("map", "exponential", *axes, cwd=tmp_path) as process:
-        time.sleep(5)
-        os.killpg(process.pid, signal.SIGINT)
-        out, err = process.communicate(timeout=60)
-    assert (process.returncode, err.strip()) == (130, "interrupted")
-    if out:  # something was decided by then
-        assert "not reached: time limit, or Ctrl-C" in out
-        assert len((tmp_path / "part.csv").read_text().splitlines()) == 120_001

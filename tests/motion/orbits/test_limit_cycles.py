@@ -13,16 +13,6 @@ from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import End
 
 
-def test_floquet_exponent_is_slope_of_needed_damping():
-    """By the averaged equation dA/dt = A (need(A) - c)/(2 m), whose exponent at a cycle is A need'(A)/(2 m)."""
-    law, osc = ss.laws.polynomial.typical(), paper_oscillator(3.25)
-    (cycle,) = ss.limit_cycles(law, osc)
-    h = 1e-5
-    near = [ss.limit_cycles(law, paper_oscillator(3.25 + sign * h))[0].amplitude for sign in (-1, 1)]
-    slope = 2 * h / (near[1] - near[0])
-    assert cycle.floquet == pytest.approx(cycle.amplitude * slope / 2, rel=0.02)
-
-
 def test_every_cycle_of_a_balance_not_monotone():
     harmonic = [9.81 * (0.3 + 6 * a**2 / 4 - 40 * a**4 / 8) for a in (0.0, 0.5)]
     assert harmonic == pytest.approx([2.943, 3.556125])

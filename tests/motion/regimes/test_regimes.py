@@ -5,18 +5,19 @@ import math
 
 import numpy as np
 import pytest
+from numpy.polynomial import Chebyshev
 from operating_points import TWO, paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.regime import Rest
+from stickslip_sym.motion.roots import orbit_signs
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle
 
 KINKED = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.25)")
 STATIC = ss.FrictionLaw("0.2 + 0.3*exp(-3*v)", static="1")
 SMOOTHED = ss.FrictionLaw("tanh(100*v)*(0.2 + 0.3*exp(-3*v))")
-WEAK = {"m": 1.0, "k": 1e6}
 
 
 def names(found):
@@ -73,20 +74,13 @@ def by_simulation(law, osc, x0, v0, periods=150):
 
 
 SETTLED = [
-    (ss.laws.exponential.typical(), (1.0, 2.2, 3.0)), (ss.laws.polynomial.typical(), (2.0, 3.15, 4.0)),
-    (KINKED, (2.0, 3.0, 4.5)), (STATIC, (1.5, 2.7, 4.0)), (SMOOTHED, (1.0, 3.0)),
+    (ss.laws.exponential.typical(), 2.2), (ss.laws.polynomial.typical(), 3.15), (KINKED, 3.0), (STATIC, 2.7),
+    (SMOOTHED, 3.0),
 ]  # fmt: skip
 """Dampings away from the boundaries, so that 150 periods settle the motion."""
 
 
-@pytest.mark.parametrize(
-    ("law", "c"),
-    [
-        pytest.param(law, c, marks=[pytest.mark.thorough] * (place != 1), id=f"{law.text[:12]}, {c}")
-        for law, values in SETTLED
-        for place, c in enumerate(values)
-    ],
-)
+@pytest.mark.parametrize(("law", "c"), SETTLED)
 def test_classification_is_what_a_simulation_comes_to(law, c):
     osc = paper_oscillator(c)
     for x0, v0 in np.random.default_rng(6).uniform((-0.1, -0.6), (0.15, 1.0), (2, 2)):
@@ -131,21 +125,6 @@ def test_a_separatrix_parts_the_basins(law, c, kind):
             assert ss.classify(law, osc, x0=x, v0=v) is expected
 
 
-def test_weak_friction_lets_the_mass_overtake():
-    """Far below the threshold of a stiff oscillator there is no stick, but slip that is faster for a while."""
-    law, osc = ss.laws.exponential.typical(), paper_oscillator(1.0, **WEAK)
-    (cycle,) = (attractor for attractor in ss.regime(law, osc).attractors)
-    assert cycle.stable
-    assert cycle.amplitude > osc.V
-    motion = ss.simulate(law, osc, t_end=400 * cycle.period, v0=0.99 * cycle.amplitude, rtol=1e-9)
-    late = motion.t > 398 * cycle.period
-    assert np.max(motion.v) < 1.02 * cycle.amplitude
-    assert set(motion.phase[late]) == {Phase.SLIP_BACK, Phase.SLIP_FORWARD}
-    assert ss.stick_slip_cycle(law, osc) is None
-    assert ss.classify(law, osc) is Motion.PURE_SLIP
-    assert ss.classify(law, osc, x0=0.0, v0=3.0) is Motion.PURE_SLIP
-
-
 def test_negative_damping_may_grow_without_bound():
     law = ss.laws.exponential.typical()
     found = ss.regime(law, paper_oscillator(-0.5))
@@ -182,29 +161,6 @@ def test_rest_at_kinks_and_jumps_of_mu(formula, c, stable):
         assert np.log(swings[1] / swings[0]) == pytest.approx(rest.rate, rel=0.3)
 
 
-@pytest.mark.parametrize(
-    ("formula", "m", "one_sided"),
-    [
-        # Faster slip falls back, and has no inertia to pass the kink with.
-        (FALLING, 1e-7, True),
-        (FALLING, 1.0, False),
-        ("Piecewise((0.2 + 0.1*v, v < 0.5), 0.25 - 0.3*(v - 0.5))", 1e-7, True),  # slower slip
-        ("Piecewise((0.5 - 0.3*v, v < 0.5), 0.35 - 0.2*(v - 0.5))", 1e-7, False),  # neither
-    ],
-)
-def test_rest_may_attract_on_one_side_only(formula, m, one_sided):
-    law, osc = ss.FrictionLaw(formula), paper_oscillator(1.0, m=m, k=1e4 * m)
-    rest = ss.regime(law, osc).rest
-    assert (rest.stable, rest.one_sided) == (False, one_sided)
-
-
-def test_negative_friction_may_drive_motions_without_bound():
-    law, osc = ss.FrictionLaw(FALLING), paper_oscillator(0.0)
-    assert ss.classify(law, osc, x0=1e3) is Motion.UNBOUNDED
-    assert ss.regime(law, osc).unbounded
-    assert not ss.regime(law, paper_oscillator(1.0)).unbounded
-
-
 def test_the_cycle_of_a_kinked_law_without_inertia():
     """The mass jumps from one branch of the law to the other, and the implicit steps must not skip the jump.
 
@@ -216,12 +172,6 @@ def test_the_cycle_of_a_kinked_law_without_inertia():
     expected = math.log((100 * begin - 2.8449) / 0.2) / 100 + (begin - end) / 0.5
     assert ss.stick_slip_cycle(law, osc).period == pytest.approx(expected, rel=1e-5)
     assert ss.classify(law, osc) is Motion.STICK_SLIP
-
-
-def test_rest_is_an_initial_condition_too(law):
-    for c, expected in ((5.0, Motion.REST), (1.0, Motion.UNDECIDED)):
-        osc = paper_oscillator(c)
-        assert ss.classify(law, osc, x0=ss.regime(law, osc).rest.x, v0=0.0) is expected
 
 
 def test_the_rate_of_rest_is_the_eigenvalue(law):
@@ -237,23 +187,12 @@ def test_a_free_oscillator_is_neutral():
     assert ss.classify(ss.laws.exponential.typical(), osc, x0=0.01, v0=0.0) is Motion.PURE_SLIP
 
 
-def test_neutral_orbits_are_separated_by_nothing():
-    found = ss.regime(ss.FrictionLaw("0.3", static="0.35"), paper_oscillator(c=0.0))
-    assert found.stick_slip is not None
-    assert "slip orbits neither grow nor shrink" in found.undecided
-    assert found.separatrices == ()
-
-
-# -- slow belts: every law is a straight line there, whatever digits mu(0+) and mu(V) have in common --------------
-
-SLOPED = [name for name, law in ss.laws.catalogue.items() if law.typical().slope(0.0) < 0]
 SLOW = (1e-8, 1e-12)  # m/s
-CASES = [pytest.param(name, marks=() if name == "exponential" else pytest.mark.thorough) for name in SLOPED]
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", ["exponential", "hyperbolic"])
 def test_a_slow_belt_sees_the_slope_at_rest(name):
-    """What a cycle differs from that of the straight line falls with V, as the curvature of mu does."""
+    """A straight line there; what a cycle differs from that falls with V, as the curvature of mu does."""
     law = ss.laws.catalogue[name].typical()
     slope = law.slope(0.0)
     line = ss.FrictionLaw("mu_0 - a*v").bind(mu_0=law.mu(0.0), a=-slope)
@@ -273,3 +212,32 @@ def test_a_slow_belt_sees_the_slope_at_rest(name):
             regime = ss.regime(law, paper_oscillator(c, V=V), time_limit=20)
             assert not regime.undecided
             assert (regime.stick_slip is not None) == (motion is ss.Motion.STICK_SLIP)
+
+
+def test_roots_of_random_curves_are_found():
+    rng, A = np.random.default_rng(61), np.linspace(0, 1, 20_001)
+    curves = [Chebyshev(rng.normal(size=5) / (1 + np.arange(5)) ** 2, domain=[0, 1]) for _ in range(60)]
+    levels = rng.uniform(-1, 1, (60, 7))
+
+    def value(rows, amplitudes):
+        return np.array([curves[row](amplitude) for row, amplitude in zip(rows, amplitudes, strict=True)])
+
+    found = orbit_signs(value, levels, np.array([curve(0.0) for curve in curves])[:, None] > levels)
+    left = {(row, level) for row, level, _, _ in found.open}
+    decided = stable = 0
+    for row, curve in enumerate(curves):
+        d = curve(A)
+        for i, level in enumerate(levels[row]):
+            above = d > level
+            if (row, i) in left:
+                turns = curve.deriv().roots()
+                turns = turns[(abs(turns.imag) < 1e-9) & (turns.real > 0) & (turns.real < 1)].real
+                assert np.abs(curve(turns) - level).min() < 1e-2
+                continue
+            decided += 1
+            assert found.cycle[row, i] == (above[1:] != above[:-1]).any()
+            assert found.stable[row, i] == (above[:-1] & ~above[1:]).any()
+            assert found.grows[row, i] == above[-1]
+            stable += found.stable[row, i]
+    assert decided > 400
+    assert 50 < stable < 350

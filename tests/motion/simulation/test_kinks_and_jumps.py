@@ -9,7 +9,6 @@ from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Outcome, Phase
-from stickslip_sym.motion.simulation.trajectory import EventKind
 
 EVENT_TIMES = 1e-11  # relative, at rtol = 1e-12
 
@@ -51,19 +50,7 @@ def test_piecewise_linear_laws_have_their_exact_solution():
     assert cycle.x_min < float(x) < cycle.x_max
 
 
-def test_kinks_cost_one_step_each():
-    """A step that had a kink in it would be tried ever shorter, some ten times."""
-    v = np.linspace(0, 1.3, 40)
-    measured = ss.FrictionLaw.from_samples(v, 0.2 + 0.3 * np.exp(-3 * v))
-    osc = paper_oscillator(1.0)
-    smooth = ss.simulate(ss.laws.exponential.typical(), osc, t_end=0.6, rtol=1e-12)
-    kinked = ss.simulate(measured, osc, t_end=0.6, rtol=1e-12)
-    crossed = 2 * np.searchsorted(v, osc.V - kinked.v.min())
-    assert len(kinked.t) < len(smooth.t) + 1.5 * crossed
-    assert kinked.events[-1].t == pytest.approx(smooth.events[-1].t, rel=1e-3)
-
-
-@pytest.mark.parametrize("offset", [0.0, 1e-15, -1e-13, 1e-10, -1e-6])
+@pytest.mark.parametrize("offset", [0.0, -1e-13, -1e-6])
 def test_an_orbit_may_touch_a_kink(offset):
     """The highest slip speed is that of a kink, as closely as doubles have it."""
     osc = paper_oscillator(1.0)
@@ -73,16 +60,6 @@ def test_an_orbit_may_touch_a_kink(offset):
     kinked = ss.FrictionLaw(f"0.2 + 0.3*exp(-3*v) + Max(0, v - {highest})")
     touched = ss.stick_slip_cycle(kinked, osc)
     assert touched.period == pytest.approx(cycle.period, rel=EVENT_TIMES if abs(offset) < 1e-9 else 1e-7)
-
-
-def test_kink_at_belt_speed_hides_no_turning_point():
-    """The mass stands still where the slip speed is V, which is then the end of a step."""
-    at, beside = (
-        ss.stick_slip_cycle(ss.FrictionLaw(f"0.5 - 0.2*Min(v, {place})"), paper_oscillator(0.5))
-        for place in ("0.5", "0.5000000001")
-    )
-    assert (at.x_min, at.x_max) == pytest.approx((beside.x_min, beside.x_max), rel=1e-8)
-    assert at.x_max > 0.08
 
 
 def jump(first, second, place, osc, t_end, **start):
@@ -108,9 +85,7 @@ def test_the_mass_slides_at_a_jump_up():
     assert motion.outcome is Outcome.FINISHED
 
 
-@pytest.mark.parametrize(
-    ("first", "second", "place"), [(0.3, 0.5, 0.02), (0.5, 0.3, 0.2), (0.3, 0.6, 0.7), (0.5, 0.2, 0.9)]
-)
+@pytest.mark.parametrize(("first", "second", "place"), [(0.3, 0.5, 0.02), (0.5, 0.3, 0.2), (0.3, 0.6, 0.7)])
 @pytest.mark.parametrize("side", [1, -1])
 def test_jump_is_the_limit_of_steep_changes(first, second, place, side):
     """Crossed or slid along, on both sides of the belt's speed."""
@@ -135,15 +110,3 @@ def test_jump_at_belt_speed_holds_the_mass():
     assert 0.3 <= motion.x[-1] * 100 / 9.81 <= 0.5  # anywhere between: by the jump, friction is what holds it
     for c in (0.0, 5.0, 50.0):  # with 50 it creeps there
         assert ss.classify(law, paper_oscillator(c), x0=0.1, v0=0.4) is ss.Motion.REST
-
-
-def test_smoothed_laws_never_stick_but_creep():
-    """mu(0) = 0: nothing holds the mass, so it passes the belt's speed, or follows it a little slower."""
-    osc = paper_oscillator(0.0)
-    motion = ss.simulate(ss.FrictionLaw("(0.2 + 0.3*exp(-3*v))*tanh(v/1e-4)"), osc, t_end=3.0)
-    assert not motion.starts_of(Phase.STICK).size
-    assert {event.kind for event in motion.events} == {EventKind.START, EventKind.CROSSES}
-    period = ss.stick_slip_cycle(ss.laws.exponential.typical(), osc).period
-    slow = (motion.t > 0.2) & (np.abs(motion.v - osc.V) < 1e-3)
-    arrivals = motion.t[slow][1:][np.diff(motion.t[slow]) > period / 2]
-    assert np.diff(arrivals) == pytest.approx(period, rel=1e-2)

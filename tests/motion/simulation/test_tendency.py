@@ -59,12 +59,3 @@ def test_command_says_where_a_motion_leads(point, initial, expected, end, run):
         motion.change,
         end,
     )
-
-
-def test_an_end_that_is_not_found_is_named(run, monkeypatch):
-    def lost(*_, **__):
-        raise ss.NotConverged("the bound on the work was reached")
-
-    monkeypatch.setattr("stickslip_sym.classify", lost)
-    _, out, _ = run("simulate", "exponential", "-c", "3.5")
-    assert "; in the end: not found: the bound on the work was reached\n" in out

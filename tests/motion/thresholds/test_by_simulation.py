@@ -45,24 +45,6 @@ def test_thresholds_of_steep_laws(name):
     assert separates(law, threshold.value, 1e-6, **changes)
 
 
-def test_strong_friction_with_infinite_slope_at_rest():
-    """Steps that end below the belt's speed, within the tolerance, come back to it: none creeps to rest there."""
-    rng = np.random.default_rng(3)
-    for _ in range(12):
-        point = {"V": 10 ** rng.uniform(-1, 0), "N": 10 ** rng.uniform(2, 3.3)}
-        fine, *coarse = (simulated(ROOT, rtol=rtol, **point) for rtol in (1e-6, 1e-4, 1e-3))
-        for found in coarse:
-            assert found.value == pytest.approx(fine.value, rel=found.relative_error + fine.relative_error)
-
-
-def test_weak_friction_limit_is_the_slope(law):
-    """As k grows the orbit becomes harmonic, and the threshold leaves the equilibrium slope behind."""
-    stiff = simulated(law, rtol=1e-9, k=1e8).value
-    angle = (np.arange(64) + 0.5) * np.pi / 64
-    harmonic = 9.81 * np.mean(-law.slope(0.5 * (1 + np.cos(angle))) * 2 * np.sin(angle) ** 2)
-    assert stiff == pytest.approx(harmonic, rel=1e-6)
-
-
 @pytest.mark.parametrize("V", [0.95, 1.5])
 def test_every_method_says_no_damping_is_needed(V):
     """By a negative value, and in words."""

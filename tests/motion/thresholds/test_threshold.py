@@ -65,21 +65,6 @@ def test_rough_laws_belong_to_simulation(law, why, method):
     assert found.method == "simulation"
 
 
-def test_a_kink_beyond_reach_does_no_harm():
-    smooth = "0.5 - 0.2*v + 0.05*v^2"
-    values = [
-        ss.pure_slip_damping(ss.FrictionLaw(text), **POINT, method="orbit", rtol=1e-12).value
-        for text in (smooth, f"Piecewise(({smooth}, v < 5), (0.36, True))")
-    ]
-    assert values[0] == pytest.approx(values[1], rel=1e-14)
-
-
-@pytest.mark.parametrize("method", ["orbit", "simulation", "auto"])
-def test_an_infinite_slope_is_no_obstacle(method):
-    law = ss.FrictionLaw("0.5 - 0.1*sqrt(v)")
-    assert ss.pure_slip_damping(law, **POINT, method=method, rtol=1e-9).value == pytest.approx(0.832662017)
-
-
 def test_a_small_static_excess():
     """zeta = (dF/(V sqrt(m k)))^2/(4 pi) for Coulomb friction; the deviation falls with the excess."""
     jump, off = 0.02 / 2.0 ** np.arange(4), []
