@@ -342,7 +342,7 @@ class _Builder:
         y = [arb(centre) + t * arb(half) for t in chebyshev(_NODES).nodes]
         values = [self.values(x if origin is None else self.corners[origin] + x * x) for x in y]
         coefficients = chebyshev(_NODES).coefficients(values)
-        middle = centre if origin is None else float(origin + centre**2)
+        middle = (left + right) / 2 if origin is None else float(origin + centre**2)
         size = max(self.values.mean_slope(np.array([left, middle, right])).min(), abs(float(coefficients[0])))
         if max(abs(float(c)) for c in coefficients[-2:]) <= _SMOOTH * size:
             powers = chebyshev(_NODES).monomials(coefficients)(arb_poly([0, 1 / arb(half)]))
