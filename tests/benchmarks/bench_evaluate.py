@@ -6,10 +6,8 @@ same arithmetic by hand.
 """
 
 import time
-import tracemalloc
 
 import numpy as np
-import pytest
 import scipy.special
 import sympy as sp
 
@@ -30,36 +28,6 @@ POLYNOMIAL = {"N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "v_m": 1.0}
 
 def by_hand(V, N, mu_s, mu_m, v_m):
     return N * (mu_s - mu_m) * (21 * v_m**2 - 26 * V**2) / (14 * v_m**3)
-
-
-@pytest.mark.parametrize("name", ss.laws.catalogue)
-def test_first_call(benchmark, name):
-    """The first call of a process finds branches; those of terms that laws share are found once."""
-    from stickslip_sym.formula.evaluation.making import branches_of
-
-    benchmark.group = "first call"
-
-    def fresh():
-        branches_of.cache_clear()
-        return (ss.slope_average(ss.laws.catalogue[name].typical()),), {}
-
-    benchmark.pedantic(lambda average: average(V=0.5, N=9.81), setup=fresh, rounds=2)
-
-
-def test_memory(benchmark):
-    """Peak memory over the result's, in arrays of the input's size."""
-    V, form = SPEEDS["mixed"], ss.derive(ss.laws.exponential)
-    form(V=0.5, **EXPONENTIAL)
-
-    def peak():
-        tracemalloc.start()
-        form(V=V, **EXPONENTIAL)
-        most = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        return most / V.nbytes
-
-    benchmark.extra_info["arrays"] = benchmark.pedantic(peak, rounds=2)
-    assert benchmark.extra_info["arrays"] < 2
 
 
 def times(*calls):

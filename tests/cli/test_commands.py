@@ -212,16 +212,6 @@ def test_several_points_in_one_call(run, tmp_path):
     assert points[1]["answers"][0]["threshold"]["value"] == pytest.approx(expected.value, rel=1e-12)
 
 
-def test_simulate_writes_and_draws(run, tmp_path):
-    pytest.importorskip("matplotlib")
-    line = "simulate mu_0-b*v -p mu_0=0.4 -p b=0.1 -V 1/4 -m 2 -k 50 -N 3 --x0 0.1 --v0=-0.5 --t-end 2"
-    code, out, _ = run(*line.split(), "--rtol", "1e-8", "--csv", "a.csv", "--plot", "a.png")
-    assert code == 0
-    assert re.search(r"^0 +0\.1 +-0\.5 +start +slip, slower than the belt$", out, re.M)
-    assert (tmp_path / "a.csv").read_text().startswith("t (s),x (m),v (m/s),phase\n0.0,0.1")
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
-
-
 def test_export_of_several_criteria(run, tmp_path):
     line = "export exponential polynomial --criterion all --c a.c --json"
     content = read_json(run(*line.split())[1])

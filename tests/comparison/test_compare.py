@@ -7,7 +7,7 @@ import random
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym.comparison.crosscheck import crosscheck, differences, report, scatter
+from stickslip_sym.comparison.crosscheck import differences, scatter
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 
@@ -77,14 +77,6 @@ def scattered(count=5):
     v = [1.2 * i / (count - 1) for i in range(count)]
     mu = [round((0.2 + 0.3 * math.exp(-3 * speed)) * (1 + rng.uniform(-0.06, 0.06)), 6) for speed in v]
     return v, mu
-
-
-def test_scattered_points_do_not_get_fifty_digits():
-    law = ss.FrictionLaw.from_samples(*scattered())
-    checks = crosscheck(law, ss.criteria.least_squares, {name: str(x) for name, x in POINT.items()}, None)
-    quadrature = next(check for check in checks if check.method.startswith("quadrature"))
-    assert len(quadrature.value) < 7
-    assert max(map(len, report(checks).splitlines())) <= 110
 
 
 @pytest.mark.parametrize(

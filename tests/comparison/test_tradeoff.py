@@ -158,14 +158,6 @@ def test_runs_of_scipy_decide_as_classify_does():
     assert 1 <= rests <= 4
 
 
-def test_bisection_refuses_what_has_no_threshold():
-    rising, falling = ss.FrictionLaw("0.3 + 0.2*v"), ss.FrictionLaw("0.3 - 0.2*v")
-    osc = ss.Oscillator(m=1, k=1, V=0.5, N=1)
-    with pytest.raises(ss.NoThreshold, match="does not come back even without damping"):
-        procedures.pure_slip_by_bisection(rising, osc, 1e-3)
-    assert procedures.pure_slip_by_bisection(falling, osc, 1e-6) == pytest.approx(0.2, rel=1e-2)
-
-
 # Few different times and errors, so that some are equal, and some without a number.
 NUMBERS = st.tuples(st.integers(-8, 1).map(lambda n: 10.0**n), st.sampled_from([0.0, 1e-16, 2.5e-9, 1e-3, 0.2]))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym.motion.slip import Dimensionless, Wedge
+from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import End
 from stickslip_sym.motion.table import FrictionTable
 
@@ -79,62 +79,3 @@ def test_backward_returns_to_the_begin():
             continue
         back = system.backward.slip(-there.q, there.w, side, horizon=1.0, rtol=1e-13)
         assert (-back.q, back.w) == pytest.approx((q, w), abs=1e-8)
-
-
-def test_levels_and_extrema_are_ends():
-    system = Dimensionless(2.0, 0.05, FrictionTable.of(ss.laws.exponential.typical()), 0.5)
-    peak = system.slip(0.0, 0.0, until=End.MAXIMUM)
-    assert peak.end is End.MAXIMUM
-    assert peak.w > 1
-    assert system.acceleration(peak.q, peak.w, 1) == pytest.approx(0.0, abs=1e-12)
-    half = system.slip(0.0, 0.0, until=End.LEVEL, level=1.0)
-    assert (half.end, half.w) == (End.LEVEL, 1.0)
-    back = system.backward.slip(-peak.q, peak.w, until=End.LEVEL, level=1.0)
-    assert (back.tau + half.tau, -back.q) == pytest.approx((peak.tau, half.q), rel=1e-10)
-
-
-@pytest.mark.parametrize("kind", ["exponential", "kinked", "falls", "rises", "steep"])
-def test_wedge_is_the_derivative(kind):
-    formula, static = LAWS[kind]
-    table = FrictionTable.of(ss.FrictionLaw(formula, static=static))
-    system = Dimensionless(2.0, 0.05, table, 0.7)
-    still = [0.0] * len(system.rise.jumps)
-    pieces = system.rise.pieces
-    quantities = {
-        "zeta": Wedge(0.0, -2.0, 0.0, pieces, still),
-        "eta": Wedge(system.push(1) / system.eta, 0.0, -1.0, pieces, still),
-    }
-    for name, wedge in quantities.items():
-        for start in ((0.0, 0.0), (-0.5, 0.8)):
-            for until in (End.MAXIMUM, End.RETURN):
-                slip = system.slip(*start, until=until, wedge=wedge, rtol=1e-13, horizon=30.0)
-                step = 1e-5
-                ends = [
-                    replace(system, **{name: getattr(system, name) + sign * step}).slip(
-                        *start, until=until, rtol=1e-13, horizon=30.0
-                    )
-                    for sign in (1, -1)
-                ]
-                assert slip.end is ends[0].end is ends[1].end
-                if until is End.MAXIMUM:
-                    derivative, found = (ends[0].w - ends[1].w) / (2 * step), slip.wedge / (1 - slip.w)
-                elif slip.end is End.RETURN:
-                    derivative, found = (ends[0].q - ends[1].q) / (2 * step), -slip.wedge / slip.rate
-                else:
-                    continue
-                assert found == pytest.approx(derivative, rel=1e-6, abs=1e-7)
-
-
-def test_level_of_a_jump_moves_the_wedge():
-    def system(b):
-        law = ss.FrictionLaw("Piecewise((0.5, v < b), (0.3, True))").bind(b=b)
-        return Dimensionless(2.0, 0.05, FrictionTable.of(law), 1.0)
-
-    middle = system(0.3)
-    wedge = Wedge(0.0, 0.0, 0.0, middle.rise.pieces, [0.0, 1.0])
-    slip = middle.slip(1.5, 1.0, wedge=wedge, rtol=1e-13)
-    ends = [system(0.3 + sign * 1e-6).slip(1.5, 1.0, rtol=1e-13) for sign in (1, -1)]
-    assert slip.end is ends[0].end is ends[1].end is End.RETURN
-    derivative = (ends[0].q - ends[1].q) / 2e-6
-    assert abs(derivative) > 1e-2
-    assert -slip.wedge / slip.rate == pytest.approx(derivative, rel=1e-5)

@@ -1,5 +1,7 @@
 """Pages as readers of XML and a browser see them."""
 
+import json
+import re
 import subprocess
 from xml.etree import ElementTree
 
@@ -46,3 +48,45 @@ def require_browser(tmp_path):
         pytest.skip(
             f"all but the browser's part: chromium cannot show an empty page here (signal {-started.returncode})"
         )
+
+
+WIDTHS = (1200, 360)
+_PROBE = """<script>
+addEventListener("load", () => {
+  const root = document.documentElement, height = node => node.getBoundingClientRect().height;
+  const rows = [...document.querySelectorAll("tbody.claim")];
+  const result = {
+    width: innerWidth,
+    overflow: root.scrollWidth - root.clientWidth,
+    rows: rows.length,
+    shown: rows.filter(row => height(row) > 20).length,
+    formulas: [...document.querySelectorAll("math")].map(height),
+    pictures: [...document.images].map(image => [image.complete, image.naturalWidth, height(image)]),
+  };
+  parent.postMessage(JSON.stringify(result), "*");
+});
+</script></body>"""
+_SEVERAL = """<!DOCTYPE html><title>the page in several widths</title><script>
+addEventListener("message", event => {
+  const node = document.createElement("pre");
+  node.textContent = event.data;
+  document.body.append(node);
+});
+</script>"""
+
+
+def look_at(page, tmp_path):
+    """Return what a browser shows of a page in frames of several widths: nothing overflows, pictures are drawn."""
+    require_browser(tmp_path)
+    (tmp_path / "probed.html").write_text(page.replace("</body>", _PROBE), encoding="utf-8")
+    frames = [f'<iframe src="probed.html" width="{width}" height="900"></iframe>' for width in WIDTHS]
+    file = tmp_path / "several.html"
+    file.write_text("\n".join([_SEVERAL, *frames]), encoding="utf-8")
+    done = browse(file.as_uri(), tmp_path)
+    assert (done.returncode, ":CONSOLE" in done.stderr) == (0, False), done.stderr
+    probes = [json.loads(text) for text in re.findall(r"<pre>(.*?)</pre>", done.stdout)]
+    assert sorted(probe["width"] for probe in probes) == sorted(WIDTHS)
+    for probe in probes:
+        assert probe["overflow"] <= 0
+        assert all(done and natural > 100 and height > 100 for done, natural, height in probe["pictures"])
+    return probes

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import sympy as sp
 from operating_points import paper_oscillator
-from sympy.parsing.sympy_parser import implicit_multiplication, parse_expr, standard_transformations
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
@@ -165,34 +164,3 @@ def test_every_displayed_formula_has_its_check():
 @pytest.mark.parametrize("check", dict.fromkeys(CHECKS.values()), ids=lambda check: check.__name__)
 def test_a_displayed_formula_holds(check):
     check()
-
-
-def formula_in(text, pattern):
-    """Read a formula out of a docstring, with products written as blanks."""
-    found = re.search(pattern, text)
-    assert found, text
-    return parse_expr(
-        found[1], transformations=(*standard_transformations, implicit_multiplication), local_dict=NAMES
-    )
-
-
-NAMES = {name: sp.Symbol(name) for name in ("mu_static", "N", "c", "V", "k", "m", "x")}
-
-
-@pytest.mark.parametrize(
-    ("documented", "pattern", "value"),
-    [
-        (ss.Oscillator.onset, r"x_P = (.*?/k)", lambda osc: osc.onset(LAW)),
-        (ss.Oscillator.zeta.fget, r"ratio (.*)\.", lambda osc: osc.zeta),
-        (ss.Oscillator.eta.fget, r"flux, (.*)\.", lambda osc: osc.eta),
-        (ss.Oscillator.omega.fget, r"frequency (.*) in", lambda osc: osc.omega),
-    ],
-    ids=["onset", "zeta", "eta", "omega"],
-)
-def test_an_inline_formula_holds(documented, pattern, value):
-    osc = paper_oscillator(1.3)
-    values = {"mu_static": LAW.mu(0.0), "N": osc.N, "c": osc.c, "V": osc.V, "k": osc.k, "m": osc.m}
-    formula = formula_in(documented.__doc__, pattern).subs(
-        {NAMES[name]: number for name, number in values.items()}
-    )
-    assert float(formula) == pytest.approx(value(osc), rel=1e-14)

@@ -4,7 +4,6 @@ import ctypes
 import json
 import shutil
 import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -73,27 +72,6 @@ def test_a_criterion_by_every_route(name, forms, tmp_path):
     (speed, *_) = ss.critical(law, "V", c=1.0, N=9.81, method=form.criterion)
     assert ss.slope_average(law, form.criterion)(V=speed.value, N=9.81) == pytest.approx(1.0, rel=1e-12)
     assert f"eq:exponential-{form.criterion.label}" in ss.export_latex(form)
-
-
-def test_criteria_in_c_and_octave(forms, tmp_path):
-    values = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
-    right = [form(**values) for form in forms.values()]
-    names = [f"damping_exponential_{form.criterion.label}" for form in forms.values()]
-    ordered = [values[name] for name in next(iter(forms.values())).arguments]
-    if compiler := shutil.which("cc"):
-        (tmp_path / "a.c").write_text(ss.export_code(list(forms.values()), "c"))
-        subprocess.run([compiler, "-shared", "-fPIC", "-o", "a.so", "a.c", "-lm"], cwd=tmp_path, check=True)
-        library = ctypes.CDLL(str(tmp_path / "a.so"))
-        for name, value in zip(names, right, strict=True):
-            function = getattr(library, name)
-            function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * len(ordered)
-            assert function(*ordered) == pytest.approx(value, rel=1e-13)
-    if octave := shutil.which("octave-cli"):
-        calls = "".join(f"printf('%.17g\\n', criteria.{name}({str(ordered)[1:-1]})); " for name in names)
-        (tmp_path / "damping_criteria.m").write_text(ss.export_code(list(forms.values()), "octave"))
-        command = [octave, "--norc", "--quiet", "--eval", f"criteria = damping_criteria(); {calls}"]
-        done = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
-        assert [float(line) for line in done.stdout.split()] == pytest.approx(right, rel=1e-13)
 
 
 def test_a_criterion_of_the_catalogue(monkeypatch):
@@ -175,21 +153,3 @@ def test_a_language(monkeypatch, tmp_path):
         assert function(*(values[name] for name in average.arguments)) == pytest.approx(
             average(V=0.5, N=9.81), rel=1e-14
         )
-
-
-@pytest.mark.thorough
-def test_a_language_is_an_option_of_the_command(tmp_path):
-    code = (
-        "from dataclasses import replace\n"
-        "from stickslip_sym.formula.code.languages import LANGUAGES\n"
-        "LANGUAGES['shout'] = replace(LANGUAGES['c'], description='C, but louder.', comment='SHOUT')\n"
-        "from stickslip_sym.cli.program import main\n"
-        "main()\n"
-    )
-    target = tmp_path / "a.txt"
-    arguments = [sys.executable, "-c", code, "export", "coulomb", "--shout", str(target)]
-    done = subprocess.run(arguments, capture_output=True, text=True, timeout=60, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "SHOUTdamping" in target.read_text()
-    shown = subprocess.run([*arguments[:3], "export", "--help"], capture_output=True, text=True, timeout=60)
-    assert "C, but louder." in shown.stdout

@@ -1,12 +1,8 @@
-"""What the files and the pictures of maps, basins and sweeps show.
-
-The content is made up and different in every direction, so that no column can stand in for another, nor rows for
-columns.
-"""
+"""What the files and the pictures of maps, basins and sweeps show."""
 
 import csv
 import re
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,72 +10,57 @@ from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
-from stickslip_sym.motion.maps.basins import BasinMap
-from stickslip_sym.motion.maps.cells import CURVES, Reason
-from stickslip_sym.motion.maps.motions import MotionMap
 from stickslip_sym.motion.maps.table import Axis
-from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 
 LAW = ss.laws.exponential.typical()
 POINT = {"N": 9.81, "m": 1.0, "k": 100.0}
 V, C = np.linspace(0.05, 0.95, 7), np.linspace(0.02, 6, 8)
 
 
-def any_of(rng, kinds, shape):
-    found = np.empty(shape, dtype=object)
-    for place in np.ndindex(shape):
-        found[place] = list(kinds)[rng.integers(len(kinds))]
-    return found
+AXES = [
+    (("V", V[:3]), ("c", C[:5])),
+    (("c", C[:4]), ("alpha", [2.0, 3.0])),
+    (("N", [2.0, 9.0, 12.0]), ("k", [20, 90])),
+]
 
 
-def made_up_map(rng, names):
-    """Return a map whose arrays have nothing in common, with what its files should hold by their names."""
-    shape = [(5, 3), (2, 4)][rng.integers(2)]
-    x, y = (
-        Axis(name, np.sort(rng.uniform(low, low + 1, size)), "some unit", "")
-        for name, low, size in zip(names, (0, 3), shape[::-1], strict=True)
-    )
-    # A threshold broadcasts: along c it is one number for each cell of the other axis.
-    flat = (1, shape[1]) if y.name == "c" else (shape[0], 1) if x.name == "c" else shape
-    found = MotionMap(
-        axes=(x, y), law=LAW, fixed={"m": 1.0, "k": 100.0}, motion=any_of(rng, Motion, shape),
-        attractors={kind.name: rng.random(shape) < 0.5 for kind in ATTRACTORS}, reason=any_of(rng, Reason, shape),
-        thresholds={name: rng.normal(size=flat) for name in CURVES}, notes={},
-    )  # fmt: skip
-    words = {name: [[one.value for one in row] for row in getattr(found, name)] for name in ("motion", "reason")}
-    return found, words | found.attractors | {f"c_{name}": curve for name, curve in found.thresholds.items()}
+def words(cells):
+    return [[one.value for one in row] for row in cells]
 
 
-def made_up_basins(rng, _):
-    osc = replace(paper_oscillator(3.0), m=rng.uniform(0.9, 1.1), N=rng.uniform(9, 10))
-    x0, v0 = np.sort(rng.uniform(-2, -1, 4)), np.sort(rng.uniform(0, 1, 3))
-    axes = Axis("x0", x0, "m", ""), Axis("v0", v0, "m/s", "")
-    found = BasinMap(axes, LAW, asdict(osc), any_of(rng, Motion, (3, 4)), ss.regime(LAW, osc), {}, 12, 0, {})
-    return found, {"motion": [[one.value for one in row] for row in found.motion]}
+@pytest.mark.parametrize(("x", "y"), AXES)
+def test_files_hold_what_the_cells_say(tmp_path, x, y):
+    fixed = {"V": 0.4, "c": 2.3, "m": 1.0, "k": 100.0, "N": 9.81}
+    found = ss.motion_map(LAW, x=x, y=y, **{name: fixed[name] for name in fixed if name not in (x[0], y[0])})
+    expected = {name: words(getattr(found, name)) for name in ("motion", "reason")}
+    expected |= found.attractors | {f"c_{name}": curve for name, curve in found.thresholds.items()}
+    check_files(found, expected, tmp_path)
 
 
-@pytest.mark.parametrize("make", [made_up_map, made_up_basins])
-@pytest.mark.parametrize("names", [("V", "c"), ("c", "alpha"), ("N", "k")])
-def test_files_hold_what_the_cells_say(tmp_path, make, names):
-    found, expected = make(np.random.default_rng(20160428), names)
+def test_files_of_basins(tmp_path):
+    found = ss.basin_map(LAW, paper_oscillator(2.3), x0=[-0.1, 0.0, 0.02, 0.1], v0=[0.0, 0.1, 0.4])
+    check_files(found, {"motion": words(found.motion)}, tmp_path)
+
+
+def check_files(found, expected, folder):
     cells = {name: np.broadcast_to(np.array(column), found.motion.shape) for name, column in expected.items()}
     cells |= dict(zip((found.x.name, found.y.name), np.meshgrid(found.x.values, found.y.values), strict=True))
-    found.to_csv(tmp_path / "cells.csv")
-    with (tmp_path / "cells.csv").open(newline="") as stream:
+    found.to_csv(folder / "cells.csv")
+    with (folder / "cells.csv").open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert set(rows[0]) == set(cells)
     for name, column in cells.items():
         texts = [row[name] for row in rows]
         assert (texts if column.dtype.kind == "U" else list(map(float, texts))) == column.ravel().tolist()
-    found.to_npz(tmp_path / "cells.npz")
+    found.to_npz(folder / "cells.npz")
     expected |= {"x": found.x.values, "x_name": found.x.name, "x_unit": found.x.unit}
     expected |= {"y": found.y.values, "y_name": found.y.name, "y_unit": found.y.unit}
     expected |= {f"fixed_{name}": value for name, value in found.fixed.items()}
-    with np.load(tmp_path / "cells.npz", allow_pickle=False) as arrays:
+    with np.load(folder / "cells.npz", allow_pickle=False) as arrays:
         assert set(arrays.files) == {"law", *expected}
         assert all(np.array_equal(arrays[name], content) for name, content in expected.items())
     with pytest.raises(ss.InputError, match="cannot write"):
-        found.to_csv(tmp_path / "missing" / "map.csv")
+        found.to_csv(folder / "missing" / "map.csv")
 
 
 def test_the_legend_names_the_curves_that_are_drawn():

@@ -169,20 +169,3 @@ def test_the_command_prints_a_picture_and_writes_files(run, tmp_path):
     assert (tmp_path / "m.png").read_bytes().startswith(b"\x89PNG")
     assert len((tmp_path / "m.csv").read_text().splitlines()) == 121
     assert (tmp_path / "m.npz").exists()
-
-
-AXES = [
-    ("V=0.1:1", "--x 'V=0.1:1' is not NAME=START:STOP:COUNT"),
-    ("V=nan:1:5", "the start of V = 'nan' is not a number"),
-    ("V=0.1:1:1.5", "the count '1.5' is no whole number"),
-    ("V=0.1:1:99999999", "no whole number from 1 to 1000000"),
-    ("V=1:0.1:5", "the start must lie below the stop"),
-    ("V=1:1:5", "the start must lie below the stop"),
-]
-
-
-@pytest.mark.parametrize(("text", "message"), AXES)
-def test_axes_that_cannot_be_read_are_refused(run, text, message):
-    code, out, err = run("map", "exponential", "--x", text, "--y", "c=1:2:2")
-    assert (code, out) == (2, "")
-    assert message in " ".join(err.split())

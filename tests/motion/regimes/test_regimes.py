@@ -5,12 +5,14 @@ import math
 
 import numpy as np
 import pytest
+from numpy.polynomial import Chebyshev
 from operating_points import TWO, paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.regime import Rest
+from stickslip_sym.motion.roots import orbit_signs
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle
 
 KINKED = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.25)")
@@ -159,22 +161,6 @@ def test_rest_at_kinks_and_jumps_of_mu(formula, c, stable):
         assert np.log(swings[1] / swings[0]) == pytest.approx(rest.rate, rel=0.3)
 
 
-@pytest.mark.parametrize(
-    ("formula", "m", "one_sided"),
-    [
-        # Faster slip falls back, and has no inertia to pass the kink with.
-        (FALLING, 1e-7, True),
-        (FALLING, 1.0, False),
-        ("Piecewise((0.2 + 0.1*v, v < 0.5), 0.25 - 0.3*(v - 0.5))", 1e-7, True),  # slower slip
-        ("Piecewise((0.5 - 0.3*v, v < 0.5), 0.35 - 0.2*(v - 0.5))", 1e-7, False),  # neither
-    ],
-)
-def test_rest_may_attract_on_one_side_only(formula, m, one_sided):
-    law, osc = ss.FrictionLaw(formula), paper_oscillator(1.0, m=m, k=1e4 * m)
-    rest = ss.regime(law, osc).rest
-    assert (rest.stable, rest.one_sided) == (False, one_sided)
-
-
 def test_the_cycle_of_a_kinked_law_without_inertia():
     """The mass jumps from one branch of the law to the other, and the implicit steps must not skip the jump.
 
@@ -226,3 +212,32 @@ def test_a_slow_belt_sees_the_slope_at_rest(name):
             regime = ss.regime(law, paper_oscillator(c, V=V), time_limit=20)
             assert not regime.undecided
             assert (regime.stick_slip is not None) == (motion is ss.Motion.STICK_SLIP)
+
+
+def test_roots_of_random_curves_are_found():
+    rng, A = np.random.default_rng(61), np.linspace(0, 1, 20_001)
+    curves = [Chebyshev(rng.normal(size=5) / (1 + np.arange(5)) ** 2, domain=[0, 1]) for _ in range(60)]
+    levels = rng.uniform(-1, 1, (60, 7))
+
+    def value(rows, amplitudes):
+        return np.array([curves[row](amplitude) for row, amplitude in zip(rows, amplitudes, strict=True)])
+
+    found = orbit_signs(value, levels, np.array([curve(0.0) for curve in curves])[:, None] > levels)
+    left = {(row, level) for row, level, _, _ in found.open}
+    decided = stable = 0
+    for row, curve in enumerate(curves):
+        d = curve(A)
+        for i, level in enumerate(levels[row]):
+            above = d > level
+            if (row, i) in left:
+                turns = curve.deriv().roots()
+                turns = turns[(abs(turns.imag) < 1e-9) & (turns.real > 0) & (turns.real < 1)].real
+                assert np.abs(curve(turns) - level).min() < 1e-2
+                continue
+            decided += 1
+            assert found.cycle[row, i] == (above[1:] != above[:-1]).any()
+            assert found.stable[row, i] == (above[:-1] & ~above[1:]).any()
+            assert found.grows[row, i] == above[-1]
+            stable += found.stable[row, i]
+    assert decided > 400
+    assert 50 < stable < 350

@@ -15,6 +15,8 @@ import stickslip_sym as ss
 from stickslip_sym import Outcome, Phase
 
 IMPLICIT = 1e-7  # of w between the steps of the implicit method, whose interpolant is of order 3
+AGREES = 1e-6  # of the size of a motion
+GOES_ON = 1e-9  # of the size of a motion; a hundred steps at rtol = 1e-12, and grazes
 EVENT_TIMES = 1e-11  # relative, at rtol = 1e-12
 
 
@@ -44,6 +46,57 @@ def test_the_checks_of_events_can_fail():
     late = [(t * (1 + 1e-10), phase) for t, phase in expected]
     assert motions.disagreement(motion.events, late) > EVENT_TIMES
     assert motions.disagreement(motion.events, expected[:-1]) == math.inf
+
+
+@given(seed=st.integers(0, 10**6))
+def test_motions_are_those_of_solve_ivp(seed):
+    """SciPy's integrator with events, which shares nothing with the package's but mu, at a tolerance of 1e-10."""
+    law, osc, x0, v0 = motions.one_point(seed)
+    t_end = 8 / osc.omega
+    ours, other = (
+        ss.simulate(law, osc, x0=x0, v0=v0, t_end=t_end, rtol=1e-10, method=one) for one in ("events", "solve_ivp")
+    )
+    assert ours.outcome is Outcome.FINISHED
+    assert [event.begins for event in ours.events] == [event.begins for event in other.events]
+    t = np.linspace(0, t_end, 40)
+    assert ours.at(t).x == pytest.approx(other.at(t).x, abs=AGREES * (osc.length + np.ptp(ours.x)))
+
+
+@pytest.mark.parametrize("change", [{"c": 1.001}, {"N": 9.815}])
+def test_the_reference_notices_a_wrong_motion(law, change):
+    other = ss.simulate(law, paper_oscillator(1.0), t_end=3.0, method="solve_ivp", rtol=1e-10)
+    wrong = ss.simulate(law, paper_oscillator(**{"c": 1.0} | change), t_end=3.0)
+    assert np.abs(wrong.at(other.t[-1]).x - other.x[-1]) > 10 * AGREES * paper_oscillator().length
+
+
+def test_a_motion_goes_on_from_any_point():
+    """A motion that sticks is integrated for one round, and is what it would be if every round were."""
+    sticking, cut = 0, 0.43
+    for kind, law, osc, x0, v0 in motions.points(18, seed=11):
+        t_end = 40 / osc.omega
+        whole = ss.simulate(law, osc, t_end=t_end, x0=x0, v0=v0, rtol=1e-12)
+        if whole.outcome is not Outcome.FINISHED:
+            continue
+        sticking += whole.starts_of(Phase.STICK).size > 3
+        middle = whole.at(cut * t_end)
+        rest = ss.simulate(law, osc, t_end=(1 - cut) * t_end, x0=float(middle.x), v0=float(middle.v), rtol=1e-12)
+        size = osc.length + np.abs(whole.x).max()
+        assert rest.x[-1] == pytest.approx(whole.x[-1], abs=GOES_ON * size), kind
+        later = [event.t for event in whole.events if event.t > cut * t_end]
+        assert [event.t + cut * t_end for event in rest.events[1:]] == pytest.approx(later, abs=GOES_ON * t_end)
+    assert sticking > 3
+
+
+def test_every_round_is_the_cycle(law):
+    osc = paper_oscillator(1.0)
+    period = ss.stick_slip_cycle(law, osc).period
+    motion = ss.simulate(law, osc, t_end=200.2 * period, x0=0.2, v0=0.0)
+    sticks = motion.starts_of(Phase.STICK)
+    assert len(sticks) in (199, 200, 201)
+    assert np.diff(sticks)[1:] == pytest.approx(period, rel=1e-9)
+    assert (np.diff(motion.t) >= 0).all()
+    t = np.linspace(100 * period, 101 * period, 50)
+    assert motion.at(t).x == pytest.approx(motion.at(t + 90 * period).x, abs=1e-8 * osc.length)
 
 
 @pytest.mark.parametrize("V", [0.1, 0.5, 0.8])

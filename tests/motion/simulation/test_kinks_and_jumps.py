@@ -62,16 +62,6 @@ def test_an_orbit_may_touch_a_kink(offset):
     assert touched.period == pytest.approx(cycle.period, rel=EVENT_TIMES if abs(offset) < 1e-9 else 1e-7)
 
 
-def test_kink_at_belt_speed_hides_no_turning_point():
-    """The mass stands still where the slip speed is V, which is then the end of a step."""
-    at, beside = (
-        ss.stick_slip_cycle(ss.FrictionLaw(f"0.5 - 0.2*Min(v, {place})"), paper_oscillator(0.5))
-        for place in ("0.5", "0.5000000001")
-    )
-    assert (at.x_min, at.x_max) == pytest.approx((beside.x_min, beside.x_max), rel=1e-8)
-    assert at.x_max > 0.08
-
-
 def jump(first, second, place, osc, t_end, **start):
     law = ss.FrictionLaw(f"Piecewise(({first}, v < {place}), {second})")
     return ss.simulate(law, osc, t_end=t_end, rtol=1e-12, **start)

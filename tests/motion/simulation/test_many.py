@@ -25,23 +25,20 @@ def test_each_motion_is_that_of_simulate():
         many = ss.simulate(law, osc, x0=x0, v0=v0, t_end=t_end)
         for i in range(3):
             one = ss.simulate(law, osc, x0=x0[i], v0=v0[i], t_end=t_end)
-            size = osc.length + np.ptp(one.x)
-            assert many.outcome[i] is one.outcome, kind
-            assert many.phase[i] is one.phase[-1], kind
-            assert many.x[i] == pytest.approx(one.x[-1], abs=AGREES * size), kind
-            assert many.v[i] == pytest.approx(one.v[-1], abs=AGREES * size * osc.omega), kind
-            assert many.changes[i] == len(one.events) - 1, kind
+            off = AGREES * (osc.length + np.ptp(one.x))
             sticks = one.starts_of(ss.Phase.STICK)
-            assert many.sticks[i] == sticks.size, kind
+            expected = one.outcome, one.phase[-1], len(one.events) - 1, sticks.size
+            assert (many.outcome[i], many.phase[i], many.changes[i], many.sticks[i]) == expected, kind
+            assert many.x[i] == pytest.approx(one.x[-1], abs=off), kind
+            assert many.v[i] == pytest.approx(one.v[-1], abs=off * osc.omega), kind
             if sticks.size:
                 assert many.first_stick[i] == pytest.approx(sticks[0], abs=AGREES * t_end), kind
                 stuck += 1
-            t = np.linspace(0, one.t[-1], 4001)
-            x, v, _ = one.at(t)
-            assert many.x_min[i] <= x.min() + AGREES * size, kind
-            assert many.x_max[i] == pytest.approx(x.max(), abs=1e-3 * size), kind
-            assert many.v_min[i] == pytest.approx(v.min(), abs=1e-2 * size * osc.omega), kind
-            assert many.v_max[i] >= v.max() - AGREES * size * osc.omega, kind
+            x, v, _ = one.at(np.linspace(0, one.t[-1], 4001))
+            assert many.x_min[i] <= x.min() + off, kind
+            assert many.x_max[i] == pytest.approx(x.max(), abs=1e-3 * off / AGREES), kind
+            assert many.v_min[i] == pytest.approx(v.min(), abs=1e-2 * off / AGREES * osc.omega), kind
+            assert many.v_max[i] >= v.max() - off * osc.omega, kind
     assert stuck > 4
 
 
@@ -57,8 +54,7 @@ def test_motions_are_written_to_a_file(law, tmp_path):
 
 
 def test_limits_end_motions_as_they_are(law):
-    osc = paper_oscillator(1.0)
-    bound = ss.simulate(law, osc, x0=[0.0, 0.2], v0=0.0, t_end=50.0, max_steps=10)
-    assert set(bound.outcome) == {ss.Outcome.STEP_LIMIT}
-    late = ss.simulate(law, osc, x0=[0.0, 0.2], v0=0.0, t_end=50.0, time_limit=0)
-    assert set(late.outcome) == {ss.Outcome.TIME_LIMIT}
+    given = {"x0": [0.0, 0.2], "v0": 0.0, "t_end": 50.0}
+    for limit, outcome in (("max_steps", ss.Outcome.STEP_LIMIT), ("time_limit", ss.Outcome.TIME_LIMIT)):
+        found = ss.simulate(law, paper_oscillator(1.0), **given, **{limit: 10 if limit == "max_steps" else 0})
+        assert set(found.outcome) == {outcome}

@@ -146,13 +146,6 @@ def test_heavy_damping_creeps_to_rest_in_no_time(law, c):
     assert (motion.x[-1], motion.v[-1]) == pytest.approx((osc.N * law.mu(osc.V) / osc.k, 0.0), rel=1e-12)
 
 
-def test_stiff_motion_is_that_of_an_independent_integration(law):
-    osc = paper_oscillator(1e4)
-    motion = ss.simulate(law, osc, t_end=50.0, x0=0.2, v0=-3.0)
-    expected = independent_end(law, osc, 0.2, -3.0, 50.0)
-    assert (motion.x[-1], motion.v[-1]) == pytest.approx(tuple(expected), rel=1e-6)
-
-
 @pytest.mark.parametrize("static", ["0.4", "0.301"])
 @pytest.mark.parametrize(("rtol", "error"), [(1e-4, 1e-9), (1e-8, 1e-9), (1e-12, 1e-12)])
 def test_events_of_a_harmonic_slip_are_exact(static, rtol, error):

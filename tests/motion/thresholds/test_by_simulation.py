@@ -45,14 +45,6 @@ def test_thresholds_of_steep_laws(name):
     assert separates(law, threshold.value, 1e-6, **changes)
 
 
-def test_weak_friction_limit_is_the_slope(law):
-    """As k grows the orbit becomes harmonic, and the threshold leaves the equilibrium slope behind."""
-    stiff = simulated(law, rtol=1e-9, k=1e8).value
-    angle = (np.arange(64) + 0.5) * np.pi / 64
-    harmonic = 9.81 * np.mean(-law.slope(0.5 * (1 + np.cos(angle))) * 2 * np.sin(angle) ** 2)
-    assert stiff == pytest.approx(harmonic, rel=1e-6)
-
-
 @pytest.mark.parametrize("V", [0.95, 1.5])
 def test_every_method_says_no_damping_is_needed(V):
     """By a negative value, and in words."""

@@ -14,7 +14,7 @@ from sweeps import sweep
 import stickslip_sym as ss
 from stickslip_sym.core.balls import working_precision
 from stickslip_sym.motion.thresholds import boxes
-from stickslip_sym.motion.thresholds.boxes import ExactPoint, Undecided, flow, transit
+from stickslip_sym.motion.thresholds.boxes import ExactPoint, flow, transit
 from stickslip_sym.motion.thresholds.theorem import checked_hypotheses, prove_threshold
 
 R = sp.Rational
@@ -136,35 +136,6 @@ def test_the_remainder_bound_is_sharp():
             assert abs(none.rest_w.abs_upper() / one.rest_w.abs_upper() - 4) < 1e-6
 
 
-def test_without_the_remainder_bound_mpmath_tells(monkeypatch):
-    """The negative control of the comparison with mpmath: twenty terms a step, with their bound and without."""
-    name, c, digits, friction = BY_MPMATH[1]
-    truth = mpmath.nstr(by_mpmath(friction, c, digits), digits)
-
-    def with_part(part):
-        def step(field, q, w, terms, **how):
-            found = flow(field, q, w, 20, **how)
-            return boxes.Flow(found.q, found.w, found.time, found.rest_q * part, found.rest_w * part)
-
-        return step
-
-    found = {}
-    for part in (0, 1):
-        monkeypatch.setattr(boxes, "flow", with_part(part))
-        with working_precision(160):
-            found[part] = transit(point(LAWS[name]), R(c), 120).lowest.overlaps(arb(truth))
-    assert found == {0: False, 1: True}
-
-
-@sweep(("V", "k"), [("100", "100"), ("0.001", "100"), ("0.5", "1")], ("100", "100"))
-def test_far_from_the_paper_s_point(V, k):
-    """A field that no double holds around P, one that friction hardly bends, and boxes that need more bits."""
-    guess = simulated(LAWS["exponential"], V=float(V), k=float(k))
-    theorem = prove_threshold(point(LAWS["exponential"], V=V, k=k), guess.value, guess.relative_error, 1e-4)
-    assert guess.value in theorem.enclosure
-    assert theorem.enclosure.digits >= 4
-
-
 @sweep("name", ["exponential", "root", "kink"], "exponential", "kink")
 def test_the_highest_slip_speed_is_bounded(name):
     law, c = LAWS[name], 3.6
@@ -178,12 +149,6 @@ def test_the_highest_slip_speed_is_bounded(name):
     highest = transit(point(law), R(c), 64).highest
     assert highest.lower() - 1e-6 < seen < highest.upper() + 1e-6
     assert highest.rad() < 1e-3
-
-
-def test_without_enough_bits_nothing_is_claimed():
-    c = R(float(simulated(LAWS["polynomial"]).value))
-    with pytest.raises(Undecided, match=r"wide|certain|bits"):
-        transit(point(LAWS["polynomial"]), c * (1 + R(1, 10**30)), 40)
 
 
 @pytest.mark.parametrize(
@@ -202,16 +167,6 @@ def test_a_hypothesis_that_fails_is_named(law, complaint):
 @pytest.mark.parametrize("name", ss.laws.catalogue)
 def test_every_law_of_the_catalogue_meets_the_hypotheses(name):
     assert checked_hypotheses(point(ss.laws.catalogue[name].typical()))[0][1].startswith("mu is analytic")
-
-
-def test_the_theorem_says_what_was_shown():
-    theorem = prove_threshold(point(LAWS["kink"]), float(simulated(LAWS["kink"]).value), 1e-9, 1e-6)
-    text = str(theorem)
-    assert "for every c from 0 to 3.08014" in text
-    assert "2 segments" in text
-    assert f"{theorem.above.steps} Taylor steps with {theorem.above.bits} bits" in text
-    assert theorem.latex().count("\\item") == len(theorem.proof)
-    assert theorem.low < theorem.high
 
 
 def test_a_proof_by_name():

@@ -1,7 +1,5 @@
 """How thresholds change with quantities and parameters: exact derivatives, against differences of many digits."""
 
-from dataclasses import replace
-
 import mpmath
 import numpy as np
 import pytest
@@ -134,16 +132,8 @@ def test_arrays_each_point_by_its_own_method():
             assert column[place] == pytest.approx(one.sensitivity[name], rel=1e-12)
 
 
-def test_without_friction_and_without_an_oscillator():
-    law = ss.laws.exponential.typical()
-    still = ss.pure_slip_damping(law, **POINT | {"N": 0.0}, method="orbit")
-    harmonic = ss.pure_slip_damping(law, V=0.5, N=1.0, method="harmonic")
-    assert still.sensitivity["N"] == pytest.approx(harmonic.value, rel=1e-12)
-    assert set(harmonic.sensitivity) == {"V", "N", "mu_s", "mu_m", "alpha"}
-
-
 def test_a_method_of_ones_own():
-    """It is printed where a parameter carries an error; without derivatives what it depends on is not known."""
+    """Without derivatives what it depends on is not known; `test_extending` has one with them."""
     own = Method("own", lambda points, rtol: Computed(2 * points.N, 0 * points.N))
     law = ss.laws.exponential.typical(mu_s="0.50(2)")
     found = ss.pure_slip_damping(law, **POINT, method=own)
@@ -151,10 +141,3 @@ def test_a_method_of_ones_own():
     assert (found.budget, found.uncertainty) == (None, None)
     with pytest.raises(ss.InputError, match=r"'own'.* is not known; try another method"):
         _ = found.sensitivity
-
-    def derivatives(points, value):
-        nothing = dict.fromkeys([*points.columns, *points.law.parameters], 0 * value)
-        return nothing | {"N": 2 + 0 * value}
-
-    known = replace(own, sensitivity=derivatives)
-    assert ss.pure_slip_damping(law, **POINT | {"N": "9.8(1)"}, method=known).uncertainty == pytest.approx(0.2)

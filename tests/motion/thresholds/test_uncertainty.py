@@ -1,6 +1,5 @@
 """Standard errors of thresholds: to first order, checked to second, and shared out; against seeded samples."""
 
-import json
 import warnings
 from dataclasses import replace
 
@@ -129,14 +128,6 @@ def test_auto_goes_no_further_than_the_parameters_deserve():
     assert ss.pure_slip_damping(certain, **POINT).deserved is None
 
 
-def test_printed_with_both_errors_apart():
-    law = ss.laws.exponential.typical(mu_s="0.50+/-0.02")
-    text = str(ss.pure_slip_damping(law, **POINT, method="orbit", rtol=1e-12))
-    assert text.startswith("2.57 +/- 0.17 kg/s (parameters) +/- ")
-    assert text.endswith("e-14 (method: orbit)")
-    assert "parameters" not in str(ss.pure_slip_damping(ss.laws.exponential.typical(), **POINT))
-
-
 def test_a_time_limit_binds_what_is_asked_later():
     found = ss.pure_slip_damping(correlated(), **POINT, method="simulation", time_limit=60)
     late = replace(found, time_limit=1e-9)
@@ -145,18 +136,3 @@ def test_a_time_limit_binds_what_is_asked_later():
             getattr(late, quantity)
     assert "(simulation, relative error" in str(late)
     assert found.uncertainty > 0
-
-
-def test_the_command_prints_them(run):
-    arguments = ("damping", "exponential", "-p", "mu_s=0.50+/-0.02", "-V", "0.50(1)", "-m", "1", "-k", "100")
-    _, text, _ = run(*arguments)
-    assert "\nc = 2.57 +/- 0.18 kg/s (parameters) +/- " in text
-    assert "deserve: rtol = 7.0e-03" in text
-    assert "mu_s      0.02" in text
-    (answer,) = json.loads(run(*arguments, "--rtol", "1e-8", "--json")[1])["answers"]
-    threshold = answer["threshold"]
-    assert threshold["uncertainty"] == pytest.approx(0.1782, rel=1e-3)
-    assert sum(threshold["budget"]["shares"].values()) == pytest.approx(1)
-    assert threshold["budget"]["deviations"] == {"mu_s": 0.02, "V": 0.01}
-    assert threshold["deserved"] is None
-    assert threshold["nonlinearity"] == pytest.approx(1, abs=1e-2)
