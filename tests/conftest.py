@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, settings
 import stickslip_sym as ss
 
 TOGETHER = {
-    "claims": ("paper_checks/", "tests/whole/test_mutations.py", "tests/whole/test_package_mutations.py"),
+    "claims": ("paper_checks/", "tests/whole/test_mutations.py"),
     "closed forms": ("tests/formula/evaluation/test_accuracy.py", "tests/formula/evaluation/test_calls.py",
                      "tests/formula/export/", "tests/model/test_catalogue.py", "tests/output/test_latex.py"),
     "printed formulas": ("tests/output/test_printers.py",),

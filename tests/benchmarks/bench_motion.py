@@ -8,7 +8,6 @@ speed, over the period, against 20 digits.
 import math
 import sys
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
 
 import mpmath
@@ -61,21 +60,9 @@ def test_motion(benchmark, method, cycles):
     benchmark.extra_info["error"] = error(returns)
 
 
-def to_steady_state(rtol):
-    """Simulate from an initial condition off the cycle until two periods agree."""
-    motion = ss.simulate(LAW, OSC, t_end=CYCLES * exact()[1], x0=0.2, v0=0.0, rtol=rtol)
-    periods = [b - a for a, b in pairwise(motion.starts_of(ss.Phase.STICK))]
-    assert math.isclose(periods[-1], periods[-2], rel_tol=1e-9)
-
-
 @pytest.mark.benchmark(group="the cycle")
 def test_cycle(benchmark):
     benchmark(ss.stick_slip_cycle, LAW, OSC, rtol=1e-12)
-
-
-@pytest.mark.benchmark(group="the cycle")
-def test_steady_state(benchmark):
-    benchmark(to_steady_state, 1e-12)
 
 
 @pytest.mark.benchmark(group="ten rounds of slip at rtol = 1e-10")

@@ -41,22 +41,6 @@ def test_closed_form_of_polynomial_laws_is_the_sum(name):
         assert threshold(law, "second_order", **values) == pytest.approx(float(form.subs(point)), rel=AGREES)
 
 
-def test_closed_form_of_law_4_in_plain_numbers():
-    law = ss.laws.polynomial.bind(mu_s=0.5, mu_m=0.2, v_m=1.0)
-    weak = 9.81 * 0.3 * (12 - 15 * 0.25) / 8
-    second = 31149 / 81920 * (9.81 * 0.3) ** 3 * 0.5**6 / 100
-    assert threshold(law, "second_order") == pytest.approx(weak + second, rel=AGREES)
-    # A wrong sign of the second order would be seen.
-    assert threshold(law, "second_order") != pytest.approx(weak - second, rel=1e-4)
-
-
-def test_a_straight_law_has_no_second_order():
-    weak = expand(ss.laws.catalogue["linear"].typical(), [0.1, 1.0])
-    assert weak.harmonic == pytest.approx(0.15, rel=1e-15)
-    assert np.abs(weak.second).max() < 1e-15
-    assert np.abs(weak.sines).max() < 1e-15
-
-
 def test_expansion_says_what_is_not_resolved():
     assert not expand(ss.laws.stribeck.typical(), [0.5]).resolved
     law = ss.FrictionLaw("0.5 - 0.1*sqrt(v)")

@@ -99,14 +99,3 @@ def test_jump_is_the_limit_of_steep_changes(first, second, place, side):
     )
     assert sharp.at(t).x == pytest.approx(smooth.at(t).x, abs=2e-5)
     assert [event.begins for event in sharp.events] == [event.begins for event in smooth.events]
-
-
-def test_jump_at_belt_speed_holds_the_mass():
-    motion = jump(0.3, 0.5, 0.5, paper_oscillator(0.0), 3.0)
-    assert np.all(motion.at(np.linspace(1.5, 3, 9)).v == 0)
-    assert motion.outcome is Outcome.AT_REST
-    law = ss.FrictionLaw("Piecewise((0.3, v < 0.5), 0.5)")
-    assert np.all(motion.x[motion.t > 1.5] == motion.x[-1])
-    assert 0.3 <= motion.x[-1] * 100 / 9.81 <= 0.5  # anywhere between: by the jump, friction is what holds it
-    for c in (0.0, 5.0, 50.0):  # with 50 it creeps there
-        assert ss.classify(law, paper_oscillator(c), x0=0.1, v0=0.4) is ss.Motion.REST

@@ -75,14 +75,6 @@ def test_a_static_coefficient_moves_the_threshold(formula):
     assert simulated(plain, rtol=1e-8).value <= 0
 
 
-def test_peak_velocity_continues_through_the_graze(law):
-    """Value and slope of the lowest slip speed agree on both sides: its differences show no corner."""
-    threshold = simulated(law, rtol=1e-11).value
-    peak = [ss.peak_velocity(law, paper_oscillator(threshold * (1 + d))) - 0.5 for d in (-1e-5, 0, 1e-5)]
-    assert abs(peak[1]) < 1e-9
-    assert peak[0] == pytest.approx(-peak[2], rel=0.02)
-
-
 @pytest.mark.parametrize(
     ("law", "changes"),
     [
