@@ -37,10 +37,14 @@ class Average:
     def __init__(self, profile: Expr, criterion: Criterion) -> None:
         self.profile, self.criterion = profile, criterion
         self.shapes = shapes_of(profile)
-        self.slope = sp.diff(profile, symbols.v)
         self._parts: tuple[Part, ...] | None = None
         self._obstacle = NoClosedForm("nothing was tried")
         self._searched = -1.0  # seconds that SymPy's integrator had
+
+    @cached_property
+    def slope(self) -> Expr:
+        """The derivative g'(v)."""
+        return sp.diff(self.profile, symbols.v)
 
     # -- the closed form -----------------------------------------------------------------------------
 

@@ -95,9 +95,8 @@ class TermFunction:
     def branches(self, shapes: tuple[float, ...] = ()) -> Branches | None:
         """Return the branches for values of the shapes; None if there are none."""
         average = self.average
-        return branches_of(
-            average.profile, average.criterion, average.closed, tuple(self.exact_shapes(shapes).items())
-        )
+        closed = None if average.profile.has(sp.Piecewise) else average.closed  # of many pieces it takes long
+        return branches_of(average.profile, average.criterion, closed, tuple(self.exact_shapes(shapes).items()))
 
     def ask_for_branches(self, values: Sequence[float]) -> None:
         """Have branches made for the shapes at some values of the arguments, however few values they are for."""

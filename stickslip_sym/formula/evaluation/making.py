@@ -23,6 +23,7 @@ from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import average_ball
 from stickslip_sym.formula.evaluation.branches import Branch, Branches, Sum, Table, value_of
+from stickslip_sym.formula.evaluation.interpolation import chebyshev
 from stickslip_sym.formula.evaluation.values import (
     BITS,
     MeanSlope,
@@ -50,7 +51,6 @@ _LARGEST_ROOT = 4  # of r, in which a polynomial is tried too
 
 _NODES = 19  # of a panel
 _SMOOTH = 0.5 * _EPSILON  # of <|g'|>: the last coefficients of a panel
-_BEFORE_THE_END = 2.0**-9  # of the r at which a profile ends: nearer to it balls are asked
 _PANELS = 4000  # at most
 _HALVINGS = 12  # of a panel that is not smooth
 _NEAR_KINK = 1.25  # times r at a kink: up to there the panel's variable is the square root
@@ -118,7 +118,7 @@ class _Builder:
         self.profile, self.criterion, self.point = profile, criterion, point
         self.values = Values(profile, criterion, closed, point)
         self.local = criterion.weight is None
-        self.closed = closed if not (self.values.kinks or point) else None
+        self.closed = None if point else closed
         if self.local:
             self.closed = -elementary(slope_of(self.values.last_piece)).subs(symbols.v, symbols.V).xreplace(point)
         # Each r beyond which a kink counts, as a float, and what it is exactly: a root grows from there.
@@ -140,9 +140,7 @@ class _Builder:
         reach = self.values.reach
         if reach < math.inf and self.local:
             return Branches((0.0,), (Sum(0.0, 1.0, ((self.closed, (1.0,)),)),))
-        last = (
-            ((1 - _BEFORE_THE_END) * reach / 2, Sum.constant(math.nan)) if reach < math.inf else self._end(1, 0.0)
-        )
+        last = (self.values.end / 2, Sum.constant(math.nan)) if reach < math.inf else self._end(1, 0.0)
         direct = self._direct(last[0] if last else 2.0**_HIGH) if reach == math.inf else None
         outer = [pair for pair in (direct, last) if pair is not None]
         first = self._end(-1, outer[0][0]) if outer else None
@@ -159,8 +157,10 @@ class _Builder:
 
     def _powers_alone(self) -> Branches | None:
         """Return the average of a sum of whole powers of v, or of one power, by the moments of the weight."""
+        if self.values.kinks:
+            return None
         terms: dict[Expr, float] = {}
-        for term in sp.Add.make_args(sp.expand(sp.diff(self.profile, symbols.v))):
+        for term in sp.Add.make_args(sp.expand(slope_of(self.profile))):
             coefficient, power = term.as_independent(symbols.v, as_Add=False)
             base, exponent = power.as_base_exp()
             if base not in (1, symbols.v):
@@ -272,7 +272,7 @@ class _Builder:
     def _mixed(self, side: int, power: Expr, step: Expr, terms: _Terms, end: float) -> tuple[float, Branch] | None:
         """Fit F by r^power times a sum of functions times polynomials, through values at nodes."""
         exponent, last = -side * step, arb(end) ** arb(rational(-side * step))
-        nodes = [(1 + t) / 2 for t in _chebyshev(sum(count for _, count in terms)).nodes]  # of z over the last one
+        nodes = [(1 + t) / 2 for t in chebyshev(sum(count for _, count in terms)).nodes]  # of z over the last one
         speeds = [(x * last) ** arb(rational(1 / exponent)) for x in nodes]
         rows = [
             [factor * x**k for f, count in terms for factor in [_at(f, r)] for k in range(count)]
@@ -339,13 +339,13 @@ class _Builder:
         self.panels += 1
         low, high = (left, right) if origin is None else (np.sqrt(left - origin), np.sqrt(right - origin))
         centre, half = (low + high) / 2, (high - low) / 2
-        y = [arb(centre) + t * arb(half) for t in _chebyshev(_NODES).nodes]
+        y = [arb(centre) + t * arb(half) for t in chebyshev(_NODES).nodes]
         values = [self.values(x if origin is None else self.corners[origin] + x * x) for x in y]
-        coefficients = _chebyshev(_NODES).coefficients(values)
-        middle = (left + right) / 2
+        coefficients = chebyshev(_NODES).coefficients(values)
+        middle = (left + right) / 2 if origin is None else float(origin + centre**2)
         size = max(self.values.mean_slope(np.array([left, middle, right])).min(), abs(float(coefficients[0])))
         if max(abs(float(c)) for c in coefficients[-2:]) <= _SMOOTH * size:
-            powers = _chebyshev(_NODES).monomials(coefficients)(arb_poly([0, 1 / arb(half)]))
+            powers = chebyshev(_NODES).monomials(coefficients)(arb_poly([0, 1 / arb(half)]))
             row = [float(powers[k]) for k in range(_NODES)]
             rows.append([left, math.nan if origin is None else origin, centre, *row])
             return True
@@ -376,36 +376,9 @@ def _farthest(ends: Sequence[float], fit: _Fit) -> tuple[float, Branch] | None:
     return best
 
 
-class _Chebyshev:
-    """Polynomials through values at Chebyshev nodes, in balls."""
-
-    def __init__(self, n: int) -> None:
-        angles = [(2 * k + 1) * arb.pi() / (2 * n) for k in range(n)]
-        self.nodes = [angle.cos() for angle in angles]
-        rows = [[(arb(2) if j else arb(1)) / n * (j * angle).cos() for angle in angles] for j in range(n)]
-        self._matrix = arb_mat(rows)
-        self._polynomials = [arb_poly([1]), arb_poly([0, 1])]
-        for _ in range(n - 2):
-            self._polynomials.append(arb_poly([0, 2]) * self._polynomials[-1] - self._polynomials[-2])
-
-    def coefficients(self, values: Sequence[arb]) -> list[arb]:
-        """Return the coefficients of the Chebyshev sum through values at the nodes."""
-        return list((self._matrix * arb_mat([[value] for value in values])).entries())
-
-    def monomials(self, coefficients: Sequence[arb]) -> arb_poly:
-        """Return a Chebyshev sum in powers of t."""
-        pairs = zip(coefficients, self._polynomials, strict=False)
-        return sum((c * polynomial for c, polynomial in pairs), arb_poly([0]))
-
-
-@lru_cache(maxsize=4)
-def _chebyshev(n: int) -> _Chebyshev:
-    return _Chebyshev(n)
-
-
 def _shortest(function: Callable[[arb], arb], end: arb) -> list[float] | None:
     """Return the polynomial in z, in as few terms as possible, that equals a function on [0, end] in floats."""
-    machine = _chebyshev(_FIT_NODES)
+    machine = chebyshev(_FIT_NODES)
     values = [function((1 + t) / 2 * end) for t in machine.nodes]
     if not all(value.is_finite() for value in values):
         return None

@@ -15,15 +15,16 @@ from itertools import pairwise
 
 import numpy as np
 import sympy as sp
-from flint import acb, arb, arb_poly
+from flint import acb, arb, arb_mat, arb_poly, ctx
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import BallFunction, ball_function, ball_value, rational
+from stickslip_sym.core.balls import BallFunction, ball_function, ball_value, rational, working_precision
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.formula.evaluation.interpolation import legendre
 from stickslip_sym.model.expression.pieces import branch_from, jumps, places
 
 BITS = 110
@@ -33,27 +34,44 @@ _ENOUGH = 70  # bits of relative accuracy that a value of the closed form needs
 _PLACES = (0.3, 0.6, 0.9, 2.2, 17.0)  # r at which a closed form is checked, over 1 or the largest one
 _SAME = 2.0**-40  # by which it agrees
 
-_NODES = 22  # in a panel
-_RESOLVED = 2.0**-31  # of the slope in a panel: its last two Legendre coefficients; the rule has twice the order
-_NEGLIGIBLE = 2.0**-72  # of the moment of |g'|: a panel that need not be resolved
-_NOISE = 8  # times the radius of a ball around the slope: where the slope cancels no panel is resolved better
-_HALVINGS = 10  # of a panel
-_EXPANDED, _EXPANSION = 2, 28  # a weight that is no polynomial is expanded this many octaves below r; its terms
+_NODES = 32  # in a piece
+_RESOLVED = 2.0**-66  # of the slope in a piece: its last two coefficients
+_INTEGRATED = 2.0**-31  # of the same in the innermost panel, where the rule alone counts: it has twice the order
+_EXACT = 2.0**-80  # of the largest coefficient: the last ones that are smaller are left out
+_NEGLIGIBLE = 2.0**-72  # of the moment of |g'|: a piece that need not be resolved
+_NOISE = 8  # times the radius of a ball around the slope: where the slope cancels no piece is resolved better
+_HALVINGS = 10  # of a piece
+_EXPANDED, _EXPANSION = 1, 80  # a weight that is no polynomial is expanded this many octaves below r; its terms
 _CLOSE = 5  # octaves from r to the innermost panel, at least
 _DEEPEST = -40  # octaves below that of the lowest kink, or below 1, where the innermost panel is looked for
 _LARGEST_ORDER = 16
+_BEFORE_THE_END = 2.0**-9  # of the speed at which a profile ends: nearer to it there are no values
 
+_Exact = tuple[int, int]
+"""The mantissa and the exponent of a number."""
 Samples = list[tuple[arb, arb]]
 """Places x, and g'(x) dx there."""
-Map = Callable[[arb], tuple[arb, arb]]
-"""From a variable u to x and dx/du."""
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """Where the slope is one polynomial, in t from -1 to 1; its moment and average are as a panel's."""
+
+    low: arb
+    high: arb
+    slope: arb_poly
+    moment: arb
+    average: arb_poly
 
 
 @dataclass(frozen=True)
 class _Panel:
-    """Samples up to an end, the moment of all below it, and what they add to an average in powers of end/r."""
+    """The pieces of an octave, and what is known of all up to its end: its moment, and its share of an average.
 
-    samples: Samples
+    The share is 1/r times `average` in powers of end/r, and sqrt(end/r) where the weight is no polynomial.
+    """
+
+    pieces: list[_Piece]
     end: arb
     moment: arb
     average: arb_poly
@@ -96,15 +114,18 @@ class Values:
         mean_slope, shapes = MeanSlope(profile, criterion, list(point)), [float(value) for value in point.values()]
         self.mean_slope: Callable[[FloatArray], FloatArray] = lambda r: mean_slope(r, *shapes)
         self.reach = reach_of(profile, point)
+        self.end = self.reach * (1 - _BEFORE_THE_END)
         # In the innermost panel x is this power of the variable, for the slope may be a power of x.
-        exponents = [node.exp.xreplace(dict(point)) for node in profile.atoms(sp.Pow) if node.base.has(symbols.v)]
+        powers = [node for node in profile.atoms(sp.Pow) if node.base.subs(symbols.v, 0) == 0]
+        exponents = [node.exp.xreplace(dict(point)) for node in powers]
         order = 2 * math.lcm(*(int(e.q) if e.is_Rational else _LARGEST_ORDER for e in exponents))
         self._order = min(order, _LARGEST_ORDER)
-        self._panels: dict[tuple[bool, int], _Panel] = {}
+        self._panels: dict[int, list[_Panel]] = {}
+        self._pieces: dict[int, list[_Piece]] = {}
         self._close = max(_CLOSE, self._order)
         highest = min([-self._close, *(math.frexp(float(kink))[1] - 1 for kink in self.kinks)])
         tried = range(highest, highest + _DEEPEST, -_CLOSE)
-        self._first = next((octave for octave in tried if self._is_innermost(octave)), tried[-1])
+        self._first = next((octave for octave in tried if self._innermost(octave)[1]), tried[-1])
         self._formula: BallFunction | None = None
         if closed is not None:
             with suppress(InputError):  # a special function that has no balls; the rule has no need of it
@@ -139,141 +160,189 @@ class Values:
     def _by_rule(self, r: arb) -> arb:
         if self.criterion.weight is None:
             return -self._slope(r)(acb(r), False).real
+        r = r.mid()
         last = math.frexp(float(r))[1] - 1  # the octave of r
-        first = min(last - self._close, self._first)
-        panels = [self._panel(True, first, arb(0))]
-        for octave in range(first, last):
-            panels.append(self._panel(False, octave, panels[-1].moment))
-        moment = panels[-1].moment
-        samples = self._between(_itself, arb(2) ** last, r, self._inside(arb(2) ** last, r), moment)
-        # A weight may end like a square root: x = r (2 - u^2).
-        roots = [(2 - kink / r).sqrt() for kink in reversed(self._inside(r, 2 * r))]
-        samples += self._between(lambda u: (r * (2 - u * u), 2 * r * u), arb(0), arb(1), roots, moment)
-        far = len(panels) if self.criterion.is_polynomial else max(len(panels) - _EXPANDED, 0)
-        samples += [pair for panel in panels[far:] for pair in panel.samples]
+        whole = last if self.criterion.is_polynomial else last - _EXPANDED
+        below, *near = self._panels_up_to(min(last - self._close, self._first), whole, last + 1)
+        p = below.end / r
+        total = below.average(p) * (arb(1) if self.criterion.is_polynomial else p.sqrt()) / r
+        pieces = [piece for panel in near for piece in panel.pieces if piece.low < 2 * r]
+        total += self._by_polynomials(pieces, r) if self.criterion.is_polynomial else self._by_roots(pieces, r)
         weight = _weight(self.criterion)
-        total = sum((product * weight(x / r) for x, product in samples), arb(0))
-        for panel in panels[:far]:
-            p = panel.end / r
-            total += panel.average(p) * (arb(1) if self.criterion.is_polynomial else p.sqrt())
         for place, height in self._jumps:
             if bool(place > 0) and bool(place < 2 * r):
-                total += height * weight(place / r)
-        return -total / r
+                total += height * weight(place / r) / r
+        return -total
 
     def _slope(self, x: arb) -> BallFunction:
         return self._slopes[sum(1 for kink in self.kinks if bool(kink < x))]
 
-    def _inside(self, low: arb, high: arb) -> list[arb]:
-        return [kink for kink in self.kinks if bool(kink > low) and bool(kink < high)]
+    # -- the slope as polynomials --------------------------------------------------------------------
 
-    def _panel(self, innermost: bool, octave: int, moment: arb) -> "_Panel":
-        """Return the panel up to 2^octave, or from there to twice that."""
-        key = innermost, octave
-        if key not in self._panels:
-            low = arb(2) ** octave
-            if innermost:
-                samples, end = self._innermost(octave, None), low
-            else:
-                samples, end = self._between(_itself, low, 2 * low, self._inside(low, 2 * low), moment), 2 * low
-            coefficients, powers = [], [product for _, product in samples]
-            if not self.criterion.is_polynomial:
-                powers = [product * (x / end).sqrt() for x, product in samples]
-            for c in _in_powers(self.criterion):
-                coefficients.append(c * sum(powers, arb(0)))
-                powers = [power * x / end for power, (x, _) in zip(powers, samples, strict=True)]
-            average = arb_poly(coefficients)
-            self._panels[key] = _Panel(samples, end, moment + self._moment(samples), average)
-        return self._panels[key]
+    def _panels_up_to(self, innermost: int, first: int, last: int) -> list[_Panel]:
+        """Return the panels of the octaves from the first to the last; there is one panel up to 2^innermost."""
+        if innermost not in self._panels:
+            samples, end = self._innermost(innermost)[0], arb(2) ** innermost
+            self._panels[innermost] = [_Panel([], end, self._moment(samples), self._average(samples, end))]
+        panels = self._panels[innermost]
+        while innermost + len(panels) <= last + 1:
+            octave, below = innermost + len(panels) - 1, panels[-1]
+            if octave not in self._pieces:
+                low, high = below.end, min(2 * below.end, arb(self.end))
+                places = [low, *(kink.mid() for kink in self.kinks if low < kink < high), high]
+                self._pieces[octave] = [
+                    piece
+                    for left, right in pairwise(places)
+                    if left < right
+                    for piece in self._resolved(left, right, 2 * low, below.moment, _HALVINGS)
+                ]
+            pieces = self._pieces[octave]
+            average = below.average(arb_poly([0, arb(0.5)]))
+            average *= arb(1) if self.criterion.is_polynomial else arb(0.5).sqrt()
+            average = sum((piece.average for piece in pieces), average)
+            moment = sum((piece.moment for piece in pieces), below.moment)
+            panels.append(_Panel(pieces, 2 * below.end, moment, average))
+        return panels[first - innermost + 1 : last - innermost + 2]
 
-    def _innermost(self, octave: int, halvings: int | None) -> Samples:
+    def _innermost(self, octave: int) -> tuple[Samples, bool]:
+        """Return samples from 0 to 2^octave, and whether the slope is resolved there."""
         end, order = arb(2) ** octave, self._order
-        place: Map = lambda u: (end * u**order, order * end * u ** (order - 1))  # noqa: E731
-        return self._samples(place, arb(0), arb(1), arb(0), halvings)
+        slope, rule = self._slope(end), legendre(_NODES)
+        u = [(1 + t) / 2 for t in rule.nodes]
+        places = [(end * x**order).mid() for x in u]
+        rates = [order * end * x ** (order - 1) / 2 for x in u]
+        balls = [slope(acb(x), False).real * rate for x, rate in zip(places, rates, strict=True)]
+        heights, noise = _heights(balls)
+        sizes = [abs(float(c)) for c in rule.coefficients(heights)]
+        samples = [(x, h * w) for x, h, w in zip(places, heights, rule.weights, strict=True)]
+        return samples, max(sizes[-2:]) <= _INTEGRATED * max(sizes) + _NOISE * noise
 
-    def _is_innermost(self, octave: int) -> bool:
-        """Return whether the slope is resolved by one panel from 0 to 2^octave."""
-        try:
-            return bool(self._innermost(octave, 0))
-        except Unresolved:
-            return False
+    def _resolved(self, low: arb, high: arb, end: arb, moment: arb, halvings: int) -> list[_Piece]:
+        """Return the slope between two places as one polynomial, or as those of both halves.
+
+        Raises
+        ------
+        Unresolved
+        """
+        middle, half, rule = ((low + high) / 2).mid(), (high - low) / 2, legendre(_NODES)
+        slope, places = self._slope(middle), [(middle + t * half).mid() for t in rule.nodes]
+        heights, noise = _heights([slope(acb(x), False).real for x in places])
+        samples = [(x, h * w * half) for x, h, w in zip(places, heights, rule.weights, strict=True)]
+        coefficients = [c.mid() for c in rule.coefficients(heights)]
+        sizes, own = [abs(float(c)) for c in coefficients], self._moment(samples)
+        smooth = max(sizes[-2:]) <= _RESOLVED * max(sizes) + _NOISE * noise
+        if smooth or bool(own <= _NEGLIGIBLE * moment):
+            least = max(_EXACT * max(sizes), noise)
+            kept = max((k for k, size in enumerate(sizes, 1) if size > least), default=1)
+            polynomial = _middles(rule.monomials(coefficients[:kept]))
+            return [_Piece(low, high, polynomial, own, self._average(samples, end))]
+        if halvings == 0:
+            raise Unresolved(f"{self.profile} is not resolved at v = {float(places[0]):g}")
+        parts = ((low, middle), (middle, high))
+        return [piece for part in parts for piece in self._resolved(*part, end, moment, halvings - 1)]
 
     def _moment(self, samples: Samples) -> arb:
         """Return what |g'| contributes to an average over all that is larger."""
         power = max(1, math.ceil(self.criterion.order_at_rest))
         return sum((x**power * abs(product) for x, product in samples), arb(0))
 
-    def _between(self, place: Map, low: arb, high: arb, inside: Sequence[arb], moment: arb) -> Samples:
-        panels = pairwise([low, *inside, high])
-        return [pair for panel in panels for pair in self._samples(place, *panel, moment, _HALVINGS)]
+    def _average(self, samples: Samples, end: arb) -> arb_poly:
+        """Return what samples up to an end add to an average, in powers of end/r."""
+        places = tuple((x / end).man_exp() for x, _ in samples)
+        powers = _powers(self.criterion, ctx.prec, places)
+        return _middles(arb_poly((powers * arb_mat([[product] for _, product in samples])).entries()))
 
-    def _samples(self, place: Map, low: arb, high: arb, moment: arb, halvings: int | None) -> Samples:
-        """Return samples in a panel of u, or in its halves where the slope is not resolved; None for none.
+    # -- what pieces add to an average ---------------------------------------------------------------
 
-        Raises
-        ------
-        Unresolved
-        """
-        if not bool(low < high):
-            return []
-        half, (nodes, last) = (high - low) / 2, _legendre(BITS)
-        slope = self._slope(place(low + half)[0])
-        samples, heights, noise = [], [], 0.0
-        for t, weight in nodes:
-            x, rate = place(low + (1 + t) * half)
-            ball = slope(acb(x), False).real * rate
-            height = arb(0) if ball.contains(0) else ball.mid()  # a constant that cancels leaves a ball
-            heights.append(float(height))
-            noise = max(noise, float(ball.rad()))
-            samples.append((x.mid(), height * weight * half))
-        rest = np.abs(last @ heights).max()
-        if halvings is None or rest <= _RESOLVED * max(map(abs, heights)) + _NOISE * noise:
-            return samples
-        if bool(self._moment(samples) <= _NEGLIGIBLE * moment):
-            return samples
-        if halvings == 0:
-            raise Unresolved(f"{self.profile} is not resolved at v = {float(samples[0][0]):g}")
-        parts = ((low, low + half), (low + half, high))
-        return [pair for part in parts for pair in self._samples(place, *part, moment, halvings - 1)]
+    def _by_polynomials(self, pieces: Sequence[_Piece], r: arb) -> arb:
+        """Integrate the slope in pieces, up to 2r, times a weight that is a polynomial."""
+        weight, total = _in_powers(self.criterion, ctx.prec), arb(0)
+        for piece in pieces:
+            middle, half = (piece.low + piece.high) / 2, (piece.high - piece.low) / 2
+            primitive = (piece.slope * weight(arb_poly([middle / r, half / r]))).integral()
+            total += (primitive((min(piece.high, 2 * r) - middle) / half) - primitive(arb(-1))) * half / r
+        return total
+
+    def _by_roots(self, pieces: Sequence[_Piece], r: arb) -> arb:
+        """Integrate the same times (2/pi) sqrt(1 - s^2): times s^k it is a derivative, and less times s^(k-2)."""
+        lost = [piece.slope.degree() * math.log2(2 + 4 * float(r / (piece.high - piece.low))) for piece in pieces]
+        with working_precision(BITS + int(max(lost, default=0.0))):
+            total, s = arb(0), [piece.low / r - 1 for piece in pieces]
+            s.append(pieces[-1].high / r - 1 if pieces[-1].high < 2 * r else arb(1))
+            roots = [(1 - x * x).sqrt() for x in s]
+            arcs = [(x.asin() + x * root) / 2 for x, root in zip(s, roots, strict=True)]
+            for i, piece in enumerate(pieces):
+                middle, half = (piece.low + piece.high) / 2, (piece.high - piece.low) / 2
+                left = list(piece.slope(arb_poly([(r - middle) / half, r / half]))) or [arb(0)]
+                whole = [arb(0)] * len(left)
+                for k in range(len(left) - 1, 0, -1):
+                    whole[k - 1] = left[k] / (k + 2)
+                    if k > 1:
+                        left[k - 2] += whole[k - 1] * (k - 1)
+                polynomial = arb_poly(whole)
+                total += left[0] * (arcs[i + 1] - arcs[i])
+                total += polynomial(s[i]) * roots[i] ** 3 - polynomial(s[i + 1]) * roots[i + 1] ** 3
+            return 2 / arb.pi() * total
 
 
 def _reals(exprs: Iterable[Expr], point: Mapping[Expr, Expr]) -> list[arb]:
     return [ball_value(expr, point).real for expr in exprs]
 
 
-def _itself(x: arb) -> tuple[arb, arb]:
-    return x, arb(1)
+def _heights(balls: Sequence[arb]) -> tuple[list[arb], float]:
+    """Return the middles of balls, 0 for a constant that cancels and leaves a ball, and the largest radius."""
+    return [arb(0) if one.contains(0) else one.mid() for one in balls], max(float(one.rad()) for one in balls)
 
 
-@lru_cache(maxsize=4)
-def _legendre(bits: int) -> tuple[list[tuple[arb, arb]], FloatArray]:
-    """Return nodes with their weights, and the matrix from values there to the last two Legendre coefficients."""
-    del bits  # they are those of the working precision
-    rule = [arb.legendre_p_root(_NODES, k, weight=True) for k in range(_NODES)]
-    last = [[(n + 0.5) * float(weight * x.legendre_p(n)) for x, weight in rule] for n in (_NODES - 2, _NODES - 1)]
-    return [(x.mid(), weight.mid()) for x, weight in rule], np.array(last)
+def _middles(polynomial: arb_poly) -> arb_poly:
+    return arb_poly([c.mid() for c in polynomial])
 
 
 def _weight(criterion: Criterion) -> Callable[[arb], arb]:
     """Return w(s) as a function of p = 1 + s."""
     if criterion.is_polynomial:
-        return _in_powers(criterion)
+        return _in_powers(criterion, ctx.prec)
     square = 4 / arb.pi() ** 2
     return lambda p: (square * p * (2 - p)).sqrt()
 
 
 @lru_cache(maxsize=16)
-def _in_powers(criterion: Criterion) -> arb_poly:
+def _in_powers(criterion: Criterion, bits: int) -> arb_poly:
     """Return the weight in powers of p = 1 + s; one that is no polynomial over sqrt(p), for small p."""
+    del bits  # they are those of the working precision
     if criterion.is_polynomial:
         return arb_poly([arb(rational(c)) for c in reversed(criterion.from_rest.all_coeffs())])
     return arb_poly([2 / arb.pi() * arb(2).sqrt() * arb(rational(sp.binomial(sp.S.Half, k) / (-2) ** k))
                      for k in range(_EXPANSION)])  # fmt: skip
 
 
+@lru_cache(maxsize=256)
+def _powers(criterion: Criterion, bits: int, places: tuple[_Exact, ...]) -> arb_mat:
+    """Return the terms of the weight at some p: a row for each power of the largest one."""
+    columns = [arb(place) for place in places]
+    powers = [arb(1) if criterion.is_polynomial else p.sqrt() for p in columns]
+    rows = []
+    for c in _in_powers(criterion, bits):
+        rows.append([c * power for power in powers])
+        powers = [power * p for power, p in zip(powers, columns, strict=True)]
+    return arb_mat(rows)
+
+
+@lru_cache(maxsize=256)
 def slope_of(profile: Expr) -> Expr:
     """Return g', with sech(a)^2 for 1 - tanh(a)^2, which cancels."""
-    return without_squares(sp.diff(profile, symbols.v))
+    if isinstance(profile, sp.Piecewise):  # SymPy would compare all places again
+        return sp.Piecewise(*((slope_of(piece), holds) for piece, holds in profile.args), evaluate=False)
+    return without_squares(sp.Add(*map(_slope_of_term, sp.Add.make_args(profile))))
+
+
+def _slope_of_term(term: Expr) -> Expr:
+    """Differentiate by the power rule where it applies: SymPy asks for signs, at length."""
+    coefficient, rest = term.as_independent(symbols.v, as_Add=False)
+    base, exponent = rest.as_base_exp()
+    if not exponent.is_Integer:
+        return sp.diff(term, symbols.v)
+    return coefficient * exponent * base ** (exponent - 1) * sp.diff(base, symbols.v)
 
 
 # -- in floats -----------------------------------------------------------------------------------------

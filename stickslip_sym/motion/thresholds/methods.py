@@ -34,7 +34,7 @@ _REFERENCE = 1e-8  # relative error of the threshold from which the error of an 
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
-_FEW, _BENT = 32, 0.3  # phases of an expansion, and its distortion, up to which collocation is faster than steps
+_FEW, _BENT, _DIGITS = 192, 0.3, 1e-7  # phases, distortion and rtol up to which collocation is faster than steps
 _GUESS = 1e-9  # tolerance of the simulation that says where a proof has to look
 
 
@@ -69,8 +69,8 @@ class Method:
     sensitivity : callable or None
         From operating points and their thresholds to the derivatives of these, dc/dname, by name.
     cost : float or callable
-        What a threshold takes, about in milliseconds, or that at each operating point: "auto" asks the cheapest
-        method first, and none that is infinite.
+        What a threshold takes, about in milliseconds, or that at each operating point for a relative error: "auto"
+        asks the cheapest method first, and none that is infinite.
     criterion : Criterion or None
         That of an average.
     smooth : bool
@@ -83,7 +83,7 @@ class Method:
     compute: Callable[[OperatingPoints, float], Computed]
     converges: bool = True
     sensitivity: Callable[[OperatingPoints, FloatArray], Mapping[str, FloatArray]] | None = None
-    cost: float | Callable[[OperatingPoints], FloatArray] = 100.0
+    cost: float | Callable[[OperatingPoints, float], FloatArray] = 100.0
     criterion: Criterion | None = None
     smooth: bool = False
     tightest: float = 1e-13
@@ -111,9 +111,9 @@ class Method:
         if self.smooth and (reason := obstacle(law, V)) is not None:
             raise _not_smooth(self.name, reason)
 
-    def costs(self, points: OperatingPoints) -> FloatArray:
+    def costs(self, points: OperatingPoints, rtol: float) -> FloatArray:
         """Return the cost at each point."""
-        return np.broadcast_to(self.cost(points) if callable(self.cost) else self.cost, len(points))
+        return np.broadcast_to(self.cost(points, rtol) if callable(self.cost) else self.cost, len(points))
 
 
 def _not_smooth(name: str, reason: str) -> InputError:
@@ -226,7 +226,7 @@ def ask(
     refusals: dict[int, StickSlipError] = {}
     theorems: dict[int, Theorem] = {}
     best = Computed(value, error, refusals, theorems)
-    for one, its_points in _in_turn(points, prove):
+    for one, its_points in _in_turn(points, rtol, prove):
         rows = np.flatnonzero(its_points & ~(error <= rtol) & (one.automatic | np.isfinite(error)))
         if not rows.size:
             continue
@@ -244,14 +244,14 @@ def ask(
     return best, names
 
 
-def _in_turn(points: OperatingPoints, prove: bool) -> Iterator[tuple[Method, BoolArray]]:
+def _in_turn(points: OperatingPoints, rtol: float, prove: bool) -> Iterator[tuple[Method, BoolArray]]:
     """Yield the methods that are asked one after another, and which points are whose turn.
 
     Time stepping in double precision has an end; a proof takes a hundred times as long, and has any digits.
     """
     smooth = obstacle(points.law, points.V) is None
     chosen = [one for one in methods().values() if one.automatic and (smooth or not one.smooth)]
-    for turn in np.argsort([one.costs(points) for one in chosen], axis=0, kind="stable"):
+    for turn in np.argsort([one.costs(points, rtol) for one in chosen], axis=0, kind="stable"):
         for number, one in enumerate(chosen):
             yield one, turn == number
     if prove:
@@ -341,10 +341,10 @@ def _expansion_changes(points: OperatingPoints, value: FloatArray) -> dict[str, 
         }
 
 
-def _orbit_cost(points: OperatingPoints) -> FloatArray:
-    """Return less than a simulation costs where a few phases resolve the law, and friction is weak."""
+def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
+    """Return less than a simulation costs, for many digits of weak friction and a law that few phases resolve."""
     few = (points.weak.phases <= _FEW) & (points.weak.distortion(points.strength) <= _BENT)
-    return np.where(few, 2.0, 10.0)
+    return np.where(few & (rtol <= _DIGITS), 2.0, 10.0)
 
 
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:

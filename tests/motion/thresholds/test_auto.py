@@ -74,12 +74,12 @@ def test_auto_gives_the_first_good_value():
     """Asked one by one in the order of their costs, no method before it knows its error to be within rtol."""
     last, rng = Counter(), np.random.default_rng(20160428)
     for law, numbers in smooth_points(rng, 24, V=(-1.5, 0), N=(-1, 2), m=(-2, 2), k=(1, 5)):
-        rtol = 10 ** rng.uniform(-8, -0.3)
+        rtol = 10 ** rng.uniform(-10, -0.3)
         points = OperatingPoints.of(law, **numbers)
         found = ss.pure_slip_damping(law, **numbers, rtol=rtol)
 
-        def cost(method, points=points):
-            return method.cost(points) if callable(method.cost) else method.cost
+        def cost(method, points=points, rtol=rtol):
+            return method.cost(points, rtol) if callable(method.cost) else method.cost
 
         for method in sorted(methods().values(), key=cost):
             alone = method.compute(points, min(rtol, method.loosest))

@@ -1,0 +1,56 @@
+"""Polynomials through values in ball arithmetic."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+from flint import arb, arb_mat, arb_poly, ctx
+
+
+class Interpolation:
+    """Polynomials through values at nodes in [-1, 1], as sums of Chebyshev's.
+
+    Attributes
+    ----------
+    nodes : list of arb
+    weights : list of arb
+        Of the quadrature rule with these nodes; none for Chebyshev's.
+    """
+
+    def __init__(self, nodes: Sequence[arb], weights: Sequence[arb] = ()) -> None:
+        self.nodes, self.weights = [node.mid() for node in nodes], [weight.mid() for weight in weights]
+        self._polynomials = [arb_poly([1]), arb_poly([0, 1])]
+        for _ in nodes[2:]:
+            self._polynomials.append(arb_poly([0, 2]) * self._polynomials[-1] - self._polynomials[-2])
+        self._matrix = arb_mat([[polynomial(x) for polynomial in self._polynomials] for x in self.nodes]).inv()
+
+    def coefficients(self, values: Sequence[arb]) -> list[arb]:
+        """Return the coefficients of the Chebyshev sum through values at the nodes."""
+        return list((self._matrix * arb_mat([[value] for value in values])).entries())
+
+    def monomials(self, coefficients: Sequence[arb]) -> arb_poly:
+        """Return a Chebyshev sum in powers of t."""
+        pairs = zip(coefficients, self._polynomials, strict=False)
+        return sum((c * polynomial for c, polynomial in pairs), arb_poly([0]))
+
+
+def chebyshev(n: int) -> Interpolation:
+    """Return interpolation at Chebyshev's n nodes, by the working precision."""
+    return _chebyshev(n, ctx.prec)
+
+
+def legendre(n: int) -> Interpolation:
+    """Return interpolation at the n nodes of the Gauss-Legendre rule, by the working precision."""
+    return _legendre(n, ctx.prec)
+
+
+@lru_cache(maxsize=8)
+def _chebyshev(n: int, bits: int) -> Interpolation:
+    del bits
+    return Interpolation([((2 * k + 1) * arb.pi() / (2 * n)).cos() for k in range(n)])
+
+
+@lru_cache(maxsize=2)
+def _legendre(n: int, bits: int) -> Interpolation:
+    del bits
+    nodes, weights = zip(*(arb.legendre_p_root(n, k, weight=True) for k in range(n)), strict=True)
+    return Interpolation(nodes, weights)
