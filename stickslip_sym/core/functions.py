@@ -43,6 +43,10 @@ class Function:
     """SymPy's class of the inverse, of a function that rises from any value to any higher one."""
     analytic: bool = False
     """Whether it is analytic at every real argument."""
+    domain: Callable[..., Sequence[Expr] | None] = lambda *z: None
+    """From the arguments of any other: what must be positive for it to be analytic there; None if nothing does."""
+    hypergeometric: Callable[..., Expr] | None = None
+    """From the arguments: the same by hypergeometric series around 0."""
     bounded: bool = False
     """Whether its size has a bound over all real arguments."""
     in_laws: bool = False
@@ -199,16 +203,34 @@ def _gain_of_cosh(x: Expr, a: Expr, gain: Expr) -> Expr:
     return 2 * sp.sinh((x + a) / 2) * sp.sinh(gain / 2)
 
 
+def _where_it_converges(upper: Expr, lower: Expr, z: Expr) -> Sequence[Expr] | None:
+    if len(upper) > len(lower) + 1 or any(b.is_integer and b.is_nonpositive for b in lower):
+        return None
+    return () if len(upper) <= len(lower) else (1 - z,)
+
+
+def _bessel(sign: int) -> Callable[[Expr, Expr], Expr]:
+    return lambda n, z: (z / 2) ** n / sp.factorial(n) * sp.hyper((), (n + 1,), sign * z**2 / 4)
+
+
+def _of_whole_order(order: Expr, z: Expr) -> Sequence[Expr] | None:
+    return () if order.is_Integer else None
+
+
+_HALF = sp.Rational(1, 2)
 _ROWS = (
     Function(sp.exp, acb.exp, series=arb_series.exp, gain=lambda x, a, gain: sp.exp(a) * expm1(gain),
-             inverse=sp.log, analytic=True, in_laws=True, latex=None, c="exp", python="np.exp"),
+             inverse=sp.log, analytic=True, hypergeometric=lambda z: sp.hyper((), (), z), in_laws=True, latex=None,
+             c="exp", python="np.exp"),
     Function(sp.log, acb.log, _below_zero, arb_series.log, gain=lambda x, a, gain: log1p(gain / a), inverse=sp.exp,
-             in_laws=True, aliases=("ln",), latex=r"\ln", c="log", python="np.log"),
+             domain=lambda z: (z,), in_laws=True, aliases=("ln",), latex=r"\ln", c="log", python="np.log"),
     Function(sp.sin, acb.sin, series=arb_series.sin,
              gain=lambda x, a, gain: 2 * sp.cos((x + a) / 2) * sp.sin(gain / 2), analytic=True, bounded=True,
+             hypergeometric=lambda z: z * sp.hyper((), (3 * _HALF,), -(z**2) / 4),
              in_laws=True, latex=r"\sin", squared=True, c="sin", python="np.sin"),
     Function(sp.cos, acb.cos, series=arb_series.cos,
              gain=lambda x, a, gain: -2 * sp.sin((x + a) / 2) * sp.sin(gain / 2), analytic=True, bounded=True,
+             hypergeometric=lambda z: sp.hyper((), (_HALF,), -(z**2) / 4),
              in_laws=True, latex=r"\cos", squared=True, c="cos", python="np.cos"),
     Function(sp.tan, acb.tan, series=arb_series.tan, in_laws=True, latex=r"\tan", squared=True, c="tan",
              python="np.tan"),
@@ -248,29 +270,38 @@ _ROWS = (
     Function(sp.erfi, acb.erfi, series=arb_series.erfi, analytic=True),
     Function(expm1, acb.expm1, c="expm1", python="np.expm1"),
     Function(log1p, acb.log1p, lambda z: _below_zero(1 + z), c="log1p", python="np.log1p"),
-    Function(sp.besseli, lambda order, z: z.bessel_i(order), _anywhere, latex="I", indexed=True,
+    Function(sp.besseli, lambda order, z: z.bessel_i(order), _anywhere, domain=_of_whole_order,
+             hypergeometric=_bessel(1), latex="I", indexed=True,
              meaning="$I_n$ is the modified Bessel function of the first kind"),
-    Function(sp.besselj, lambda order, z: z.bessel_j(order), _anywhere, latex="J", indexed=True),
+    Function(sp.besselj, lambda order, z: z.bessel_j(order), _anywhere, domain=_of_whole_order,
+             hypergeometric=_bessel(-1), latex="J", indexed=True),
     Function(sp.besselk, lambda order, z: z.bessel_k(order), _anywhere, latex="K", indexed=True),
     Function(sp.bessely, lambda order, z: z.bessel_y(order), _anywhere, latex="Y", indexed=True),
     Function(sp.gamma, acb.gamma, latex=r"\Gamma"),
-    Function(sp.lowergamma, lambda s, z: z.gamma_lower(s), _anywhere, latex=r"\gamma",
+    Function(sp.lowergamma, lambda s, z: z.gamma_lower(s), _anywhere,
+             domain=lambda s, z: (s,) if z.is_nonnegative else None, latex=r"\gamma",
              meaning=r"$\gamma(s, x)$ is the lower incomplete gamma function"),
     Function(sp.uppergamma, lambda s, z: z.gamma_upper(s), _anywhere, latex=r"\Gamma"),
     Function(sp.beta, None, _anywhere, latex=r"\mathrm{B}"),
-    Function(sp.expint, lambda s, z: z.expint(s), _anywhere, latex="E", indexed=True),
-    Function(sp.polylog, lambda s, z: z.polylog(s), _anywhere, latex=r"\operatorname{Li}", indexed=True,
+    Function(sp.expint, lambda s, z: z.expint(s), _anywhere, domain=lambda s, z: (z,), latex="E",
+             indexed=True),
+    Function(sp.polylog, lambda s, z: z.polylog(s), _anywhere,
+             domain=lambda s, z: () if z.is_imaginary else (1 - z,), latex=r"\operatorname{Li}", indexed=True,
              meaning=r"$\operatorname{Li}_n$ is the polylogarithm"),
     Function(sp.zeta, acb.zeta, _anywhere, latex=r"\zeta"),
     Function(sp.dirichlet_eta, acb.dirichlet_eta, _anywhere, latex=r"\eta",
              meaning=r"$\eta$ is Dirichlet's eta function"),
-    Function(sp.hyper, None, latex=None, meaning="${}_pF_q$ is the generalised hypergeometric function"),
-    Function(sp.elliptic_k, acb.elliptic_k, _anywhere, latex="K"),
-    Function(sp.elliptic_e, acb.elliptic_e, _anywhere, latex="E",
+    Function(sp.hyper, None, domain=_where_it_converges, latex=None,
+             meaning="${}_pF_q$ is the generalised hypergeometric function"),
+    Function(sp.elliptic_k, acb.elliptic_k, _anywhere, domain=lambda m: (1 - m,),
+             hypergeometric=lambda m: sp.pi / 2 * sp.hyper((_HALF, _HALF), (1,), m), latex="K"),
+    Function(sp.elliptic_e, acb.elliptic_e, _anywhere, domain=lambda m: (1 - m,),
+             hypergeometric=lambda m: sp.pi / 2 * sp.hyper((-_HALF, _HALF), (1,), m), latex="E",
              meaning="$E(m)$ is the complete elliptic integral of the second kind of the parameter $m$"),
-    Function(sp.elliptic_pi, acb.elliptic_pi, _anywhere, latex=r"\Pi",
+    Function(sp.elliptic_pi, acb.elliptic_pi, _anywhere, domain=lambda n, m: (1 - n, 1 - m), latex=r"\Pi",
              meaning=r"$\Pi(n, m)$ is the one of the third kind, of the characteristic $n$"),
-    Function(Lerch, lambda z, s, a: z.lerch_phi(s, a), _anywhere, latex=r"\Phi"),
+    Function(Lerch, lambda z, s, a: z.lerch_phi(s, a), _anywhere,
+             domain=lambda z, s, a: () if z.is_nonpositive else None, latex=r"\Phi"),
     Function(sp.Ei, acb.ei, _anywhere),
     Function(sp.Si, acb.si, _anywhere),
     Function(sp.Ci, acb.ci, _anywhere),
@@ -281,7 +312,7 @@ _ROWS = (
     Function(NumberPower, lambda base, exponent: base.pow(exponent), latex=None, c="pow({}, {})",
              python="({})**({})", octave="({})^({})"),
     Function(sp.re, lambda z: acb(z.real), _anywhere, latex=r"\operatorname{Re}"),
-    Function(sp.im, lambda z: acb(z.imag), _anywhere, latex=r"\operatorname{Im}"),
+    Function(sp.im, lambda z: acb(z.imag), _anywhere, domain=lambda z: (), latex=r"\operatorname{Im}"),
     Function(sp.Abs, lambda z: acb(abs(z)), _anywhere, latex=None, c="fabs", python="np.abs", octave="abs"),
     Function(sp.arg, lambda z: acb(z.arg()), _anywhere, latex=r"\arg"),
     Function(sp.sign, lambda z: z.sgn(), _anywhere, latex=r"\operatorname{sgn}", python="np.sign", octave="sign"),
@@ -309,10 +340,12 @@ def row(expr: Expr) -> Function | None:
     return FUNCTIONS.get(kind) or FUNCTIONS.get(kind.__base__)  # a class of ours may stand for SymPy's
 
 
-def is_analytic(expr: Expr) -> bool:
-    """Return whether a node is a sum, a product, or a function that is analytic at every real argument."""
+def must_be_positive(expr: Expr) -> Sequence[Expr] | None:
+    """Return what must be positive for a node to be analytic in its arguments; None where that is not known."""
     known = row(expr)
-    return expr.is_Add or expr.is_Mul or (known is not None and known.analytic)
+    if expr.is_Add or expr.is_Mul or (known is not None and known.analytic):
+        return ()
+    return None if known is None else known.domain(*expr.args)
 
 
 _ANY = sp.Wild("a")

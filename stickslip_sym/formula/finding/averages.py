@@ -186,30 +186,21 @@ def _average_of_series(q: Expr, upper: list[Expr], lower: list[Expr], z: Expr, d
 # -- functions -------------------------------------------------------------------------------------
 
 
-def _exponential(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr) -> Expr:
-    """Average u^n exp(a u + b), modified Bessel functions of -a V, order 0 and 1."""
-    z = sp.Dummy("z", positive=True)
-    even, odd, total = sp.Integer(0), sp.Integer(1), sp.Integer(0)  # exp(-z) (even I_0(z) + odd I_1(z))
-    for n, c in enumerate(reversed(coefficients(polynomial, u))):
-        total += c * (-V) ** n * (even * sp.besseli(0, z) + odd * sp.besseli(1, z))
-        even, odd = (
-            sp.expand(sp.diff(even, z) - even + odd),
-            sp.expand(sp.diff(odd, z) - odd + even - odd / z),
-        )
+def _bessel(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr) -> Expr | None:
+    """Average u^n f(a u + b), f = exp, sin or cos; of the modified functions orders 0 and 1 are left."""
     rate, shift = line
-    return 2 / V * sp.exp(shift + rate * V) * sp.expand(total).subs(z, -rate * V)
-
-
-def _sine(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr) -> Expr | None:
-    """u^n sin(a u + b) and u^n cos(a u + b): Bessel functions."""
-    rate, shift = line
-    if node.is_Pow:
+    if not isinstance(node, sp.exp | sp.sin | sp.cos):
         return None
 
     def coefficient(k: int) -> Expr:
+        if isinstance(node, sp.exp):
+            return sp.besseli(k, -rate * V)
         return sp.besselj(k, rate * V) * node.func(shift + rate * V - k * sp.pi / 2)
 
-    return _averages(polynomial, coefficient, u, V)
+    average = _averages(polynomial, coefficient, u, V)
+    if not isinstance(node, sp.exp):
+        return average
+    return sp.exp(shift + rate * V) * sp.expand(sp.expand_func(average))
 
 
 def _logarithm(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr) -> Expr | None:
@@ -327,8 +318,7 @@ def average_of_pieces(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) ->
 
 _RULES = (
     Rule("residues", None, _rational),
-    Rule("modified Bessel functions", (sp.exp,), _exponential, degree=1),
-    Rule("Bessel functions", ((sp.sin, sp.cos),), _sine, degree=1),
+    Rule("Bessel functions", ((sp.exp, sp.sin, sp.cos),), _bessel, degree=1),
     Rule("Fourier coefficients of the logarithm", (sp.log,), _logarithm, degree=1),
     Rule("Fourier coefficients of the arctangent", (sp.atan,), _arctangent, degree=1),
     Rule("Fourier coefficients of the logarithm of a quadratic", (sp.log,), _logarithm_of_quadratic, degree=2),

@@ -289,8 +289,8 @@ class Expansion:
             return self._hypergeometric(expr.args[0], expr.args[1], self.of(expr.args[2]))
         if isinstance(expr, sp.elliptic_pi):
             return self._third_kind(*expr.args)
-        if (rule := _AS_HYPERGEOMETRIC.get(expr.func)) is not None:
-            return self.of(rule(*expr.args))
+        if (known := row(expr)) is not None and known.hypergeometric is not None:
+            return self.of(known.hypergeometric(*expr.args))
         return self._integrated(expr)
 
     def _constant(self, value: Expr) -> Series:
@@ -348,18 +348,3 @@ class Expansion:
             sp.pi / 2 * n**k * sp.rf(_HALF, k) / sp.factorial(k) * sp.hyper((_HALF, k + _HALF), (k + 1,), m)
             for k in range(self.terms)
         ]))  # fmt: skip
-
-
-def _of_bessel(sign: int) -> Callable[[Expr, Expr], Expr]:
-    return lambda n, z: (z / 2) ** n / sp.factorial(n) * sp.hyper((), (n + 1,), sign * z**2 / 4)
-
-
-_AS_HYPERGEOMETRIC: dict[type[Expr], Callable[..., Expr]] = {
-    sp.exp: lambda z: sp.hyper((), (), z),
-    sp.cos: lambda z: sp.hyper((), (_HALF,), -(z**2) / 4),
-    sp.sin: lambda z: z * sp.hyper((), (3 * _HALF,), -(z**2) / 4),
-    sp.besseli: _of_bessel(1),
-    sp.besselj: _of_bessel(-1),
-    sp.elliptic_k: lambda m: sp.pi / 2 * sp.hyper((_HALF, _HALF), (1,), m),
-    sp.elliptic_e: lambda m: sp.pi / 2 * sp.hyper((-_HALF, _HALF), (1,), m),
-}

@@ -1,6 +1,7 @@
 """The normal form in which equal expressions become the same expression."""
 
 import sympy as sp
+from sympy.functions.elementary.hyperbolic import HyperbolicFunction
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time
@@ -42,7 +43,7 @@ def normal_form(expr: Expr) -> Expr:
         lambda node: node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer,
         lambda node: sp.factor(node.base) ** node.exp,
     )
-    expr = _exponentials_as_symbols(expr.rewrite((sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech), sp.exp))
+    expr = _exponentials_as_symbols(expr.rewrite(HyperbolicFunction, sp.exp))
     numerator, _ = sp.fraction(sp.together(expr))
     return sp.expand(sp.powsimp(sp.expand(numerator)))
 

@@ -10,7 +10,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import Lerch, is_analytic
+from stickslip_sym.core.functions import must_be_positive
 from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
 from stickslip_sym.model.expression.pieces import pieces_of
 
@@ -184,43 +184,13 @@ def is_smooth(expr: Expr, x: Expr, *, analytic: bool = False, inside: bool = Tru
         from_zero = not analytic and not exponent.has(x) and base.is_nonnegative and exponent.is_positive
         fine = bool(whole or from_zero or is_positive(base, x))
     else:
-        domain = _DOMAINS.get(expr.func) or _DOMAINS.get(expr.func.__base__)
-        fine = is_analytic(expr) if domain is None else bool(domain(x, *expr.args))
+        needed = must_be_positive(expr)
+        fine = needed is not None and all(is_positive(e, x) or is_positive(sp.factor(e), x) for e in needed)
     return fine and all(
         is_smooth(argument, x, analytic=analytic, inside=inside or not rational)
         for argument in expr.args
         if not isinstance(argument, sp.Tuple)
     )
-
-
-def _of_series(x: Expr, upper: Expr, lower: Expr, z: Expr) -> bool:
-    converges = len(upper) <= len(lower) or (len(upper) == len(lower) + 1 and _below_one(x, z))
-    return converges and not any(b.is_integer and b.is_nonpositive for b in lower)
-
-
-def _below_one(x: Expr, *arguments: Expr) -> bool:
-    return all(_is_positive_factored(1 - argument, x) for argument in arguments)
-
-
-def _is_positive_factored(expr: Expr, x: Expr) -> bool:
-    return is_positive(expr, x) or is_positive(sp.factor(expr), x)
-
-
-_DOMAINS: dict[type[Expr], Callable[..., bool | None]] = {
-    sp.log: lambda x, z: _is_positive_factored(z, x),
-    sp.lowergamma: lambda x, s, z: s.is_positive and z.is_nonnegative,
-    sp.expint: lambda x, s, z: is_positive(z, x),
-    sp.polylog: lambda x, s, z: z.is_imaginary or _below_one(x, z),
-    Lerch: lambda x, z, s, a: z.is_nonpositive,
-    sp.im: lambda x, z: True,
-    sp.hyper: _of_series,
-    sp.elliptic_e: _below_one,
-    sp.elliptic_k: _below_one,
-    sp.elliptic_pi: _below_one,
-    sp.besseli: lambda x, order, z: order.is_Integer,
-    sp.besselj: lambda x, order, z: order.is_Integer,
-}
-"""Where a function is analytic that is not so at every real argument."""
 
 
 def is_positive(expr: Expr, x: Expr) -> bool:

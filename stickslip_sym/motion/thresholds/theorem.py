@@ -26,7 +26,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.balls import ball, ball_function, ball_value, working_precision
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
-from stickslip_sym.core.functions import is_analytic
+from stickslip_sym.core.functions import must_be_positive
 from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
 from stickslip_sym.model.expression.pieces import branch_from, jumps
 from stickslip_sym.model.law import FrictionLaw
@@ -279,13 +279,14 @@ def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
 def _must_be_positive(expr: Expr) -> Iterator[Expr | None]:
     """Yield what has to be positive for an expression to be analytic; None for an unknown function."""
     for node in sp.preorder_traversal(expr):
-        if not node.has(_speed) or node.is_Symbol or is_analytic(node):
+        if not node.has(_speed) or node.is_Symbol:
             continue
-        if node.is_Pow and not node.exp.has(_speed):
+        needed = must_be_positive(node)
+        if needed is None and node.is_Pow and not node.exp.has(_speed):
             if not (node.exp.is_Integer and node.exp > 0):
                 yield node.base**2 if node.exp.is_Integer else node.base
         else:
-            yield node.args[0] if isinstance(node, sp.log) else None
+            yield from (None,) if needed is None else needed
 
 
 def _is_positive(expr: Expr, start: Rational, end: Rational | None) -> bool:
