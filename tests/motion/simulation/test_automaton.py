@@ -1,4 +1,4 @@
-"""The automaton at its limits: kinks and jumps of mu, grazing returns, stiff motions, bounds on the work."""
+"""The automaton against independent integrations, round after round, and at its limits: stiff and unbounded."""
 
 import math
 from dataclasses import replace
