@@ -1,0 +1,157 @@
+"""Whether ``method="auto"`` ever picks a dominated method, over seeded operating points.
+
+Run ``python tests/benchmarks/measure_auto.py [COUNT] [SEED]``; COUNT is 500 if not given.
+
+In each point, of a law of the catalogue with random parameters and with V, N, m, k and rtol over decades, every
+method is asked by name for a threshold good to rtol, its error included, and so is "auto". The time is that of the
+processor, the least of several; the error is the true one, against the grazing orbit to 1e-12, else a proof.
+
+"auto" is dominated by a method that is faster by the margin and as accurate, or as fast and more accurate by it.
+Each such case is printed, and counted by what was picked and what dominates it. Methods that take much longer than
+"auto" dominate nothing, and are interrupted; it needs a POSIX system.
+"""
+
+import signal
+import sys
+import time
+import warnings
+from collections import Counter
+from contextlib import contextmanager
+from functools import partial
+
+import numpy as np
+
+import stickslip_sym as ss
+from stickslip_sym.motion.thresholds.methods import methods
+
+MARGIN = 1.5  # of times and of errors: what noise and rounding make of equal ones
+EXACT = 1e-12  # an error below is not told from none
+LEAST, MOST = 3, 7  # times that each is measured
+ENOUGH = 0.05  # seconds after which it is measured no more
+LONGEST = 5.0  # seconds of a reference, and of "auto"
+WARM = 1.0  # seconds that the first call of a law may take to make its functions
+OTHERS = 5  # times as long, on a machine that does other things too
+RANGES = {"V": (-2, 0.5), "N": (-1, 2), "m": (-2, 2), "k": (0, 5)}
+TOLERANCES = (-10, -0.5)
+
+
+def points(count, seed):
+    """Yield laws, operating points and tolerances; what friction does to the orbit runs over many decades."""
+    rng = np.random.default_rng(seed)
+    names = sorted(ss.laws.catalogue)
+    for number in range(count):
+        law = ss.laws.catalogue[names[number % len(names)]].typical()
+        values = {name: float(value) * 10 ** rng.uniform(-0.1, 0.1) for name, value in law.values.items()}
+        point = {name: 10 ** rng.uniform(*ends) for name, ends in RANGES.items()}
+        yield law.bind(**values), point, 10 ** rng.uniform(*TOLERANCES)
+
+
+def timed(compute):
+    """Return a value, and the least of several times of the processor."""
+    times = []
+    while len(times) < LEAST or (len(times) < MOST and sum(times) < ENOUGH):
+        start = time.process_time()
+        value = compute()
+        times.append(time.process_time() - start)
+        if len(times) > 1 and min(times) > ENOUGH:  # the first call makes functions
+            break
+    return value, min(times)
+
+
+@contextmanager
+def at_most(seconds):
+    """Interrupt what takes longer; a timer of the processor's time would make its clock a coarse one."""
+
+    def stop(*_):
+        raise TimeoutError
+
+    signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+
+def truth(law, point):
+    """Return the threshold; None where there is none, or it is not known well enough."""
+    for method, rtol in (("orbit", EXACT), ("proof", 1e-11)):
+        try:
+            with at_most(LONGEST):
+                found = ss.pure_slip_damping(law, **point, method=method, rtol=rtol)
+        except (ss.StickSlipError, TimeoutError):
+            continue
+        return found.value if found.value > 0 else None
+    return None
+
+
+def measured(law, point, rtol):
+    """Return what "auto" picks, its time and true error, and those of each method good to rtol."""
+    exact = truth(law, point)
+    if exact is None:
+        return None
+
+    def ask(method, tolerance):
+        found, seconds = timed(partial(ss.pure_slip_damping, law, **point, method=method, rtol=tolerance))
+        return found, seconds, max(abs(found.value / exact - 1), EXACT)
+
+    try:
+        with at_most(LONGEST):
+            auto, *of_auto = ask("auto", rtol)
+    except (ss.StickSlipError, TimeoutError):
+        return None
+    ways = {}
+    for name, method in methods().items():
+        if not method.automatic:  # a proof, which takes much longer than any of the others
+            continue
+        try:
+            with at_most(WARM + OTHERS * (LEAST + 1) * of_auto[0]):
+                found, seconds, error = ask(name, min(max(rtol, method.tightest), method.loosest))
+        except (ss.StickSlipError, TimeoutError):
+            continue
+        if found.relative_error is not None and found.relative_error <= rtol and error <= rtol:
+            ways[name] = seconds, error
+    return auto.method, of_auto, ways
+
+
+def dominating(picked, of_auto, ways):
+    """Return the methods that dominate what was picked."""
+    seconds, error = of_auto
+    return [
+        name
+        for name, (other_seconds, other_error) in ways.items()
+        if name != picked
+        and (
+            (other_seconds * MARGIN <= seconds and other_error <= error)
+            or (other_seconds <= seconds and other_error * MARGIN <= error)
+        )
+    ]
+
+
+def main(count, seed):
+    cases, picks, none, dominated, spent = Counter(), Counter(), 0, 0, 0.0
+    for law, point, rtol in points(count, seed):
+        found = measured(law, point, rtol)
+        if found is None:
+            none += 1
+            continue
+        picked, of_auto, ways = found
+        picks[picked] += 1
+        spent += of_auto[0]
+        better = dominating(picked, of_auto, ways)
+        dominated += bool(better)
+        for name in better:
+            cases[picked, name] += 1
+            times = f"{of_auto[0]:.2e} s, {of_auto[1]:.1e} by {ways[name][0]:.2e} s, {ways[name][1]:.1e}"
+            place = ", ".join(f"{key} = {value:.3g}" for key, value in point.items())
+            print(f"{law.name}, {place}, rtol = {rtol:.1e}: {picked} {times} of {name}", flush=True)
+    print(f"\n{sum(picks.values())} points with a threshold, {none} without; auto took {spent:.3g} s in all")
+    print("picked: " + ", ".join(f"{name} {number}" for name, number in picks.most_common()))
+    print(f"dominated: {dominated}")
+    for (picked, name), number in cases.most_common():
+        print(f"  {picked} by {name}: {number}")
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("ignore", ss.InputWarning)  # of friction that is negative somewhere
+    main(*(int(text) for text in sys.argv[1:]), *(500, 1)[len(sys.argv) - 1 :])
