@@ -33,14 +33,6 @@ def test_is_described_and_sensible(name):
     assert law.slope(0.0) == pytest.approx(law.slope(1e-12), abs=1e-4, rel=1e-4)
 
 
-@sweep("name", LAWS, "exponential", "rational")
-def test_equilibrium(name):
-    law = ss.laws.catalogue[name].typical()
-    form = ss.derive(law, "equilibrium")
-    assert form.verdict.status is ss.Status.PROVED
-    assert form(V=SPEEDS, N=9.81) == pytest.approx(-9.81 * law.slope(SPEEDS), rel=1e-9, abs=1e-12)
-
-
 @sweep(
     ("name", "criterion"), FORMS,
     *[(name, criterion) for name in ("exponential", "logarithmic") for criterion in WITHOUT],
