@@ -57,17 +57,6 @@ def test_a_law_without_real_values_is_refused(text):
         ss.quadrature.damping(ss.FrictionLaw(text), V="0.5", N=1, digits=15)
 
 
-@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
-def test_weights_have_unit_integral_and_known_moments(criterion):
-    weight = ss.criteria.find(criterion).weight
-    for j in range(4):
-        with mpmath.workdps(25):
-            f = sp.lambdify(ss.symbols.s, weight * ss.symbols.s ** (2 * j), "mpmath")
-            expected = mpmath.quad(f, [-1, 0, 1])
-            moment = ss.criteria.find(criterion).moment(2 * j)
-            assert abs(expected - mpmath.mpf(moment.p) / moment.q) < 1e-12
-
-
 def test_refusals():
     law = ss.laws.exponential
     for message, arguments in {

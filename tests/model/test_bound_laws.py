@@ -43,21 +43,6 @@ def test_functions_take_a_law_by_its_text(name):
         CALLS[name](OSC)
 
 
-@pytest.mark.parametrize(
-    "formula", ["0.5 + 0.1*Abs(v^2 - a)", "0.5 + 0.1*Abs(v - sqrt(a))", "Max(0.1, a*v^0.7 - 1)"]
-)
-def test_kinks_at_irrational_places(formula):
-    law = ss.FrictionLaw(formula).bind(a="2.0000001")
-    (kink,) = law.kinks()
-    low, high = float(kink) * (1 - 1e-6), float(kink) * (1 + 1e-6)
-    assert abs(law.slope(low) - law.slope(high)) > 0.05
-    exact = ss.enclose(law, V=1, N=1, digits=25)
-    assert float(exact) == pytest.approx(float(ss.quadrature.damping(law, V=1, N=1, digits=20)), rel=1e-15)
-    if "Abs" in formula:  # the other does not brake at once
-        found = [ss.pure_slip_damping(law, V=1, N=1, m=1, k=10, method=m).value for m in ("simulation", "proof")]
-        assert found[0] == pytest.approx(found[1], rel=2e-3)
-
-
 def test_the_catalogue_is_a_mapping_of_laws():
     law = ss.FrictionLaw("mu_a - b*v", units={"b": "s/m"})
     ss.laws["mine"] = law

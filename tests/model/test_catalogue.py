@@ -24,8 +24,6 @@ def test_is_described_and_sensible(name):
         assert parameter.meaning
         assert parameter.unit
         assert parameter.typical
-    units = {p.symbol: p.unit for p in law.parameters.values()} | {symbols.v: "m/s"}
-    assert sp.simplify(with_units(law.expr, units) - law.expr) == 0
     law = law.typical()
     assert np.all(law.mu(SPEEDS) >= 0)
     assert law.onset >= 0

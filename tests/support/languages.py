@@ -14,16 +14,21 @@ def runs(language):
     return PROGRAMS[language] is None or shutil.which(PROGRAMS[language]) is not None
 
 
-def compiled(text, name, folder):
-    """Compile C99, and return its function of that name; its arguments are doubles."""
+def compiled(text, folder):
+    """Compile C99; return what gives the value of a function of doubles by its name and its arguments."""
     (folder / "a.c").write_text(text)
     strict = ["-std=c99", "-pedantic", "-O2", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off"]
     command = ["cc", *strict, "-shared", "-fPIC", "a.c", "-o", "a.so", "-lm"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr
-    function = getattr(ctypes.CDLL(str(folder / "a.so")), name)
-    function.restype = ctypes.c_double
-    return lambda *numbers: function(*map(ctypes.c_double, numbers))
+    library = ctypes.CDLL(str(folder / "a.so"))
+
+    def value(name, numbers):
+        function = getattr(library, name)
+        function.restype = ctypes.c_double
+        return function(*map(ctypes.c_double, numbers))
+
+    return value
 
 
 def values_of(language, text, calls, folder):
@@ -32,8 +37,8 @@ def values_of(language, text, calls, folder):
         exec(compile(text, "text", "exec"), module := {})
         return [module[name](*numbers) for name, numbers in calls]
     if language == "c":
-        functions = {name: compiled(text, name, folder) for name in dict(calls)}
-        return [functions[name](*numbers) for name, numbers in calls]
+        value = compiled(text, folder)
+        return [value(name, numbers) for name, numbers in calls]
     file = re.search(r"^function \w+ = (\w+)\(", text, re.M)[1]
     (folder / f"{file}.m").write_text(text)
     several = file == "damping_criteria"
