@@ -64,9 +64,9 @@ LAWS = [
     "Max(b, a*exp(-v/w))", "Max(b, a - v/w)", "Max(b, a - v^2)", "Max(b, w*log(1 + v/a))", "Abs(v - a + b)",
     "Min(3*v + a, v + b)", "mu_0 - a*(coth(v/w) - w/v)",
 ]  # fmt: skip
-HARMONIC = ["b*log(1 + v/a)^2", "Piecewise((a, v < b), (d + (a - d)*b/v, True))", "a/sqrt(1 + (v/w)^2)",
-            "mu_0 + (a - b)*log(v/v_0)"]  # fmt: skip
-CHECKED = {"a/(1 + (v/w)^delta)", HARMONIC[1]}  # the others are proved
+HARMONIC = ["b*log(1 + v/a)^2", "Piecewise((a + d*v^3, v < b), (a*b/v + d*b*v^2, True))", "a/sqrt(1 + (v/w)^2)",
+            "mu_0 + a*log(v/w)"]  # fmt: skip
+CHECKED = {"a/(1 + (v/w)^delta)", HARMONIC[1], HARMONIC[3]}  # the others are proved
 
 
 @sweep(
