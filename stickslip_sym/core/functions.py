@@ -44,7 +44,7 @@ class Function:
     analytic: bool = False
     """Whether it is analytic at every real argument."""
     domain: Callable[..., Sequence[Expr] | None] = lambda *z: None
-    """From the arguments of any other: what must be positive for it to be analytic there; None if nothing does."""
+    """From the arguments of any other: what must be positive for it to be analytic; None where it is not known."""
     hypergeometric: Callable[..., Expr] | None = None
     """From the arguments: the same by hypergeometric series around 0."""
     bounded: bool = False

@@ -26,6 +26,7 @@ from stickslip_sym.formula.proof.gate import verify
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.proof.recurrence import AVERAGES_AGREE, AverageSeries, definition
+from stickslip_sym.formula.tidy import factored
 from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import shapes_of
 from stickslip_sym.output import printing
@@ -72,7 +73,10 @@ class Average:
 
     def _formula(self, parts: tuple[Part, ...]) -> Expr:
         if not parts:
-            return -elementary(self.slope).xreplace({symbols.v: symbols.V})
+            slope = elementary(self.slope)
+            if not slope.has(sp.Function):  # (1 + v^2)^(-3/2), where a difference of two terms cancels
+                slope = min(slope, factored(slope), key=sp.count_ops)
+            return -slope.xreplace({symbols.v: symbols.V})
         return self._in_shapes(sp.Add(*[part.value for part in parts]))
 
     @cached_property

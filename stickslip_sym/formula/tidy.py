@@ -43,11 +43,11 @@ def tidy(expr: Expr, model: Expr, small: Expr) -> Expr:
 
 def _factored(expr: Expr, functions: list[Expr], model: Expr, small: Expr) -> Expr:
     factors = []
-    for factor in sp.Mul.make_args(sp.Mul(*map(_rooted, sp.Mul.make_args(_factor(expr))))):
+    for factor in sp.Mul.make_args(sp.Mul(*map(_rooted, sp.Mul.make_args(factored(expr))))):
         sign = -1 if factor.is_Add and _should_flip(factor, model, small) else 1
         factor *= sign
         if factor.is_Add and factor.has(*functions):
-            factor = sp.collect(factor, functions, _factor)
+            factor = sp.collect(factor, functions, factored)
         factors += [sign, factor]
     return sp.Mul(*factors)
 
@@ -68,7 +68,7 @@ def _rooted(factor: Expr) -> Expr:
 
 
 @lru_cache(maxsize=128, typed=True)
-def _factor(expr: Expr) -> Expr:
+def factored(expr: Expr) -> Expr:
     """Factor a polynomial, once, with the same random numbers every time: with some it takes minutes."""
     before = rng.getstate()
     rng.seed(0)

@@ -1,5 +1,7 @@
 """One slip: plain against compiled, many against one, and back again."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from motions import points
@@ -40,6 +42,17 @@ def test_workers_give_the_same():
     q, w, side = np.linspace(-2, 0, 9000), np.linspace(0, 2, 9000), np.ones(9000)
     one, two = (system.slips(q, w, side, horizon=5.0, rtol=1e-6, workers=n) for n in (1, 2))
     assert all(np.array_equal(*columns) for columns in zip(one, two, strict=True))
+
+
+def test_extremum_is_located_before_a_crossing():
+    """The slip from P grazes the belt's speed at the threshold: just above it turns, just below it returns."""
+    law, osc = ss.laws.exponential.typical(), ss.Oscillator(m=1, k=100, V=0.5, N=9.81)
+    c = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="proof", rtol=1e-12).value
+    system = Dimensionless.of(law, osc)
+    for off, end in ((1e-11, End.MINIMUM), (-1e-11, End.RETURN)):
+        slip = replace(system, zeta=c * (1 + off) / 20).slip(0.0, 0.0, until=End.MINIMUM, rtol=1e-13)
+        assert slip.end is end
+        assert slip.w == pytest.approx(0.0, abs=1e-10)
 
 
 def test_backward_returns_to_the_begin():

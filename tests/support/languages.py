@@ -5,6 +5,8 @@ import re
 import shutil
 import subprocess
 
+import numpy as np
+
 PROGRAMS = {"python": None, "c": "cc", "octave": "octave-cli"}
 """What runs the text of a language beside this process."""
 
@@ -32,7 +34,7 @@ def compiled(text, folder):
 
 
 def values_of(language, text, calls, folder):
-    """Return the values of calls, each a name and numbers, of the functions in a text."""
+    """Return the values of calls, each a name and numbers, or for Python and Octave arrays, of a text's functions."""
     if language == "python":
         exec(compile(text, "text", "exec"), module := {})
         return [module[name](*numbers) for name, numbers in calls]
@@ -43,9 +45,12 @@ def values_of(language, text, calls, folder):
     (folder / f"{file}.m").write_text(text)
     several = file == "damping_criteria"
     head = "criteria = damping_criteria();\n" if several else ""
+    written = [
+        (name, [np.atleast_1d(number).astype(float).tolist() for number in numbers]) for name, numbers in calls
+    ]
     lines = [
-        f"printf('%.17g\\n', {'criteria.' * several}{name}({', '.join(map(str, map(float, numbers)))}));\n"
-        for name, numbers in calls
+        f"printf('%.17g\\n', {'criteria.' * several}{name}({', '.join(map(str, arrays))}));\n"
+        for name, arrays in written
     ]
     (folder / "calls.m").write_text(head + "".join(lines))
     command = ["octave-cli", "--norc", "--quiet", "calls.m"]

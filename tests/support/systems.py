@@ -11,7 +11,6 @@ needs_posix_shell = pytest.mark.skipif(WINDOWS, reason="needs a POSIX shell, its
 needs_links = pytest.mark.skipif(WINDOWS, reason="Windows lets administrators only make symbolic links")
 needs_modes = pytest.mark.skipif(WINDOWS, reason="Windows has no permissions for the owner and the group")
 needs_long_names = pytest.mark.skipif(WINDOWS, reason="Windows bounds the whole path, not a name in it")
-needs_groups = pytest.mark.skipif(WINDOWS, reason="Windows has no SIGINT for a group of processes")
 
 FOLDER_OPENED = os.strerror(errno.EACCES if WINDOWS else errno.EISDIR)
 """What the system says to a folder that is opened as a file."""

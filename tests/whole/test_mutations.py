@@ -174,7 +174,7 @@ def test_a_check_sees_its_own_data_only():
         assert not {"PRINTED", "CLAIMS"} & set(path.read_text().replace(".", " ").split())
 
 
-def test_every_claim_has_a_check_and_every_datum_a_mutation():
+def test_claims_have_checks_and_data_have_mutations():
     assert CHECKS.keys() == CLAIMS.keys() == PRINTED.keys()
     data = {(claim, key) for claim, printed in PRINTED.items() for key in printed}
     assert {(claim, key) for claim, key, _ in MUTATIONS} == data
@@ -278,7 +278,7 @@ def _fresh(monkeypatch):
 
 
 @pytest.mark.usefixtures("_fresh")
-def test_the_stand_in_for_the_scan_changes_no_verdict(monkeypatch):
+def test_stand_in_for_the_scan_changes_nothing(monkeypatch):
     monkeypatch.setattr(check_numbers, "pure_slip_by_scan", lambda *_: SCANNED)
     assert CHECKS["N2"](PRINTED["N2"]).outcome is CLAIMS["N2"].outcome
 

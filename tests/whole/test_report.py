@@ -184,7 +184,7 @@ def test_figures_say_what_becomes_of_the_motions():
     assert ["$P$, $Q$" in said for said in words] == [True, True, False]
 
 
-def test_a_verdict_that_is_not_the_one_on_record_is_marked():
+def test_a_verdict_other_than_on_record_is_marked():
     claim = CLAIMS["E3"]
     assert claim.outcome is Outcome.REPRODUCED
     pictures = {figure.number: "data:," for figure in FIGURES}
@@ -225,7 +225,7 @@ def test_indices_and_bessel_functions_are_typeset():
 
 
 @pytest.mark.thorough
-def test_a_report_that_cannot_be_written_is_refused_at_once(tmp_path):
+def test_a_report_that_cannot_be_written_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
     done = run_checks("--report", str(tmp_path / "file"), "-k", "N1")
     assert done.returncode == pytest.ExitCode.USAGE_ERROR

@@ -84,11 +84,6 @@ class Sum:
     variable: float
     parts: tuple[tuple[Expr | None, tuple[float, ...]], ...]
 
-    @classmethod
-    def constant(cls, value: float, power: float = 0.0) -> "Sum":
-        """Return value r^power."""
-        return cls(power, 1.0, ((None, (value,)),))
-
     @cached_property
     def is_light(self) -> bool:
         """Whether G costs less than picking elements out of an array and putting them back."""

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from functools import lru_cache
 
-from flint import arb, arb_mat, arb_poly, ctx
+from flint import arb, arb_mat, arb_poly
 
 
 class Interpolation:
@@ -33,24 +33,14 @@ class Interpolation:
         return sum((c * polynomial for c, polynomial in pairs), arb_poly([0]))
 
 
+@lru_cache(maxsize=4)
 def chebyshev(n: int) -> Interpolation:
-    """Return interpolation at Chebyshev's n nodes, by the working precision."""
-    return _chebyshev(n, ctx.prec)
-
-
-def legendre(n: int) -> Interpolation:
-    """Return interpolation at the n nodes of the Gauss-Legendre rule, by the working precision."""
-    return _legendre(n, ctx.prec)
-
-
-@lru_cache(maxsize=8)
-def _chebyshev(n: int, bits: int) -> Interpolation:
-    del bits
+    """Return interpolation at Chebyshev's n nodes, by the working precision of the first call."""
     return Interpolation([((2 * k + 1) * arb.pi() / (2 * n)).cos() for k in range(n)])
 
 
 @lru_cache(maxsize=2)
-def _legendre(n: int, bits: int) -> Interpolation:
-    del bits
+def legendre(n: int) -> Interpolation:
+    """Return interpolation at the nodes of a Gauss-Legendre rule, by the working precision of the first call."""
     nodes, weights = zip(*(arb.legendre_p_root(n, k, weight=True) for k in range(n)), strict=True)
     return Interpolation(nodes, weights)

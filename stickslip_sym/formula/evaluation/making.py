@@ -41,7 +41,7 @@ _UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
 _WRITTEN = 16  # of the same, by which what is written as code may differ from the definition
 
 _HIGH = 60  # binary exponent of r up to which a profile is followed
-_WHERE = (60, 300)  # binary exponents at which the power of r is read off by which F goes
+_WHERE = (60, 120, 300)  # binary exponents at which the power of r is read off by which F goes
 _POWERS = [sp.Rational(k, 2) for k in range(-12, 17)]  # that are tried for it, beside those of the profile
 _STRAIGHT, _LEVEL = 1e-6, 1e-4  # F over the right power of r is linear in log(r); with no slope it is constant
 _ENDS = {1: (11, 9, 7, 6, 5, 4, 3), -1: (-9, -6, -4, -3, -2, -1, 0, 1)}
@@ -140,7 +140,9 @@ class _Builder:
         reach = self.values.reach
         if reach < math.inf and self.local:
             return Branches((0.0,), (Sum(0.0, 1.0, ((self.closed, (1.0,)),)),))
-        last = (self.values.end / 2, Sum.constant(math.nan)) if reach < math.inf else self._end(1, 0.0)
+        last = (
+            (self.values.end / 2, Sum(0.0, 1.0, ((None, (math.nan,)),))) if reach < math.inf else self._end(1, 0.0)
+        )
         direct = self._direct(last[0] if last else 2.0**_HIGH) if reach == math.inf else None
         outer = [pair for pair in (direct, last) if pair is not None]
         first = self._end(-1, outer[0][0]) if outer else None
@@ -169,15 +171,12 @@ class _Builder:
             terms[exponent] = float(-coefficient.xreplace(self.point) * self.criterion.mean_power(exponent))
         low, high = min(terms), max(terms)
         if low == high:
-            return Branches((0.0,), (Sum.constant(terms[low], float(low)),))
+            return Branches((0.0,), (_sum(low, sp.S.One, ((None, (terms[low],)),)),))
         if not all(exponent.is_Integer for exponent in terms):
             return None
         step = math.gcd(*(int(e - low) for e in terms))
         used = tuple(terms.get(e, 0.0) for e in range(low, high + 1, step))
-        small, large = (
-            Sum(float(low), float(step), ((None, used),)),
-            Sum(float(high), -float(step), ((None, used[::-1]),)),
-        )
+        small, large = _sum(low, step, ((None, used),)), _sum(high, -step, ((None, used[::-1]),))
         return Branches((0.0, 1.0), (small, large))
 
     # -- the ends ----------------------------------------------------------------------------------
@@ -255,7 +254,7 @@ class _Builder:
             return None
         stride = 2 if (sizes[1::2] <= _NEGLIGIBLE**2 * sizes.max()).all() else 1
         parts = ((function, tuple(coefficients[::stride])),)
-        return end, Sum(float(power), float(exponent) * stride, parts)
+        return end, _sum(power, exponent * stride, parts)
 
     def _mixtures(self, side: int, power: Expr, logarithm: bool) -> Sequence[_Terms]:
         """Return functions that may stand beside each other, and the number of terms of their polynomials."""
@@ -284,15 +283,11 @@ class _Builder:
         except (ZeroDivisionError, ValueError):
             return None
         parts = tuple((f, tuple(float(next(solution) / last**k) for k in range(count))) for f, count in terms)
-        branch = Sum(float(power), float(exponent), parts)
+        branch = _sum(power, exponent, parts)
         # At the last nodes it is not as good as beyond them.
         octaves = np.concatenate([np.arange(2, 6, 1 / 3), np.arange(6, _HIGH, 4)])
         r = end * 2.0 ** (side * octaves)
-        return (
-            (float(r[0]), branch)
-            if self._agreed(branch, r, abs(sp.Rational(float(power)) - power)) == r.size
-            else None
-        )
+        return (float(r[0]), branch) if self._agreed(branch, r) == r.size else None
 
     # -- what lies between -------------------------------------------------------------------------
 
@@ -310,11 +305,11 @@ class _Builder:
         count = self._agreed(branch, r)
         return (float(r[count - 1]), branch) if count else None
 
-    def _agreed(self, branch: Sum, r: FloatArray, rounded: float = 0.0) -> int:
-        """Return at how many of some r, from the first on, a branch agrees with balls, its power being rounded."""
+    def _agreed(self, branch: Sum, r: FloatArray) -> int:
+        """Return at how many of some r, from the first on, a branch agrees with balls."""
         with np.errstate(all="ignore"):
             values = np.asarray(value_of(branch, r))
-        allowed = (_UNITS * _EPSILON + float(rounded) * np.abs(np.log(r))) * self.values.mean_slope(r)
+        allowed = _UNITS * _EPSILON * self.values.mean_slope(r)
         for i, (x, value, most) in enumerate(zip(r, values, allowed, strict=True)):
             if not abs(float(self.values(arb(float(x))) - arb(float(value)))) <= most:
                 return i
@@ -357,6 +352,14 @@ class _Builder:
 def _is_fast(function: Expr) -> bool:
     known = row(function)
     return known is not None and (known.python or "").startswith("np.")
+
+
+def _sum(power: Expr, variable: Expr, parts: Sequence[tuple[Expr | None, tuple[float, ...]]]) -> Sum:
+    """Return a branch with its power as a float: far from r = 1 a factor restores what rounding took from it."""
+    if rest := float(power - sp.Rational(float(power))):
+        factor = 1 + rest * sp.log(symbols.V)
+        parts = [(factor if f is None else factor * f, coefficients) for f, coefficients in parts]
+    return Sum(float(power), float(variable), tuple(parts))
 
 
 def _at(function: Expr | None, r: arb) -> arb:

@@ -1,9 +1,9 @@
 """The average F(r) = -<g'(r(1 + s))>_w of a profile g(x), to some twenty digits more than a float has.
 
-From the closed form in ball arithmetic where there is one, else by a Gauss rule in the same arithmetic. Its
-panels double from x = 0, so that all scales are met, and halve until the slope is resolved in each; what they hold
-below x = r is computed once for all r. Beside it: the mean size of the slope, and the speed at which a profile
-ends.
+From the closed form in ball arithmetic where there is one, else from the slope as polynomials, in the same
+arithmetic. Their panels double from x = 0, so that all scales are met, and part at kinks and in halves until each
+piece is one polynomial, whose average is exact; what lies far below x = r is summed up once for all r. Beside it:
+the mean size of the slope, and the speed at which a profile ends.
 """
 
 import math
@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 import sympy as sp
-from flint import acb, arb, arb_mat, arb_poly, ctx
+from flint import acb, arb, arb_mat, arb_poly
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
@@ -249,14 +249,14 @@ class Values:
     def _average(self, samples: Samples, end: arb) -> arb_poly:
         """Return what samples up to an end add to an average, in powers of end/r."""
         places = tuple((x / end).man_exp() for x, _ in samples)
-        powers = _powers(self.criterion, ctx.prec, places)
+        powers = _powers(self.criterion, places)
         return _middles(arb_poly((powers * arb_mat([[product] for _, product in samples])).entries()))
 
     # -- what pieces add to an average ---------------------------------------------------------------
 
     def _by_polynomials(self, pieces: Sequence[_Piece], r: arb) -> arb:
         """Integrate the slope in pieces, up to 2r, times a weight that is a polynomial."""
-        weight, total = _in_powers(self.criterion, ctx.prec), arb(0)
+        weight, total = _in_powers(self.criterion), arb(0)
         for piece in pieces:
             middle, half = (piece.low + piece.high) / 2, (piece.high - piece.low) / 2
             primitive = (piece.slope * weight(arb_poly([middle / r, half / r]))).integral()
@@ -301,15 +301,14 @@ def _middles(polynomial: arb_poly) -> arb_poly:
 def _weight(criterion: Criterion) -> Callable[[arb], arb]:
     """Return w(s) as a function of p = 1 + s."""
     if criterion.is_polynomial:
-        return _in_powers(criterion, ctx.prec)
+        return _in_powers(criterion)
     square = 4 / arb.pi() ** 2
     return lambda p: (square * p * (2 - p)).sqrt()
 
 
 @lru_cache(maxsize=16)
-def _in_powers(criterion: Criterion, bits: int) -> arb_poly:
+def _in_powers(criterion: Criterion) -> arb_poly:
     """Return the weight in powers of p = 1 + s; one that is no polynomial over sqrt(p), for small p."""
-    del bits  # they are those of the working precision
     if criterion.is_polynomial:
         return arb_poly([arb(rational(c)) for c in reversed(criterion.from_rest.all_coeffs())])
     return arb_poly([2 / arb.pi() * arb(2).sqrt() * arb(rational(sp.binomial(sp.S.Half, k) / (-2) ** k))
@@ -317,12 +316,12 @@ def _in_powers(criterion: Criterion, bits: int) -> arb_poly:
 
 
 @lru_cache(maxsize=256)
-def _powers(criterion: Criterion, bits: int, places: tuple[_Exact, ...]) -> arb_mat:
+def _powers(criterion: Criterion, places: tuple[_Exact, ...]) -> arb_mat:
     """Return the terms of the weight at some p: a row for each power of the largest one."""
     columns = [arb(place) for place in places]
     powers = [arb(1) if criterion.is_polynomial else p.sqrt() for p in columns]
     rows = []
-    for c in _in_powers(criterion, bits):
+    for c in _in_powers(criterion):
         rows.append([c * power for power in powers])
         powers = [power * p for power, p in zip(powers, columns, strict=True)]
     return arb_mat(rows)

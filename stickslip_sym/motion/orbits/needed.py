@@ -206,6 +206,12 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
 
 
 @compilable
+def _search(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any) -> Any:
+    """Call `needed` from Python: machine code that maps call too is kept without a way in."""
+    return needed(rise, eta, push, A, tight, by_zeta)
+
+
+@compilable
 def _harmonic(rise: Any, eta: float, A: float) -> tuple[float, float]:
     """Return the damping ratio by harmonic balance over slip speeds from 1 - A to 1 + A, and the largest rise."""
     pieces, end = rise[0], rise[1][len(rise[1]) - 1]
@@ -257,7 +263,7 @@ def needed_ratio(
     rise, source = system.table.at(system.V, arrays=fast), tuple(by_zeta(system))
     if fast:
         source = (*source[:3], rise.pieces, np.zeros(len(rise.jumps)))
-    run = compiled(needed) if fast else needed
+    run = compiled(_search) if fast else needed
     how, zeta, error, low, high, slope = run(rise, eta, push, A, tight, source)
     if how == LATE or is_late():  # then the last gap may be wrong
         raise OutOfTime(

@@ -156,6 +156,15 @@ def test_every_branch_over_its_whole_range(text, criterion):
     assert [branches(float(r)) for r in columns["V"]] == list(branches(columns["V"]))
 
 
+@pytest.mark.parametrize("criterion", BOTH)
+def test_a_power_far_from_one(criterion):
+    """Where V^-0.7 and V to the nearest float of that differ by many units."""
+    form = ss.derive("v^0.3", criterion)
+    columns = {"V": 10.0 ** np.array([-20, -9, 9, 20, 100]), "N": np.ones(5)}
+    right = np.array([form.evaluate(30, **point) for point in ({"V": float(x), "N": 1} for x in columns["V"])])
+    assert np.abs((form(**columns) / right - 1).astype(float)).max() <= MOST_UNITS_OF_THE_PAPER * accuracy.EPSILON
+
+
 KINKED = [
     "0.3 + 0.1*Abs(v - 0.7)", "0.2 + Max(0.3 - 0.4*v, 0)", "0.3*exp(-v)*cos(3*v)",
     "Piecewise((0.5, v < 0.4), 0.2)", "Piecewise((exp(-v), v < 0.7), (0.3, v < 5), v)", "0.3*exp(-sin(v)^2)",

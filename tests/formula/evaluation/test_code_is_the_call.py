@@ -56,7 +56,7 @@ def sizes(average, V):
         return sum(np.abs(np.broadcast_to(term(values), V.shape)) for term in average.evaluator.terms)
 
 
-@sweep("seed", range(45), 0, 15, 31, 5, 24, 29)
+@sweep("seed", range(45), 0, 15, 33, 5, 24, 29)
 def test_code_equals_the_call(seed, tmp_path):
     law, average, V, expected = drawn(seed)
     point = {"N": 2.0} | {name: float(value) for name, value in law.values.items()}
@@ -64,7 +64,7 @@ def test_code_equals_the_call(seed, tmp_path):
     exec(average.code("python"), module := {})
     names = inspect.signature(module["damping"]).parameters
     for language in filter(runs, PROGRAMS):
-        speeds = [V] if language == "python" else V  # Python takes an array
+        speeds = V if language == "c" else [V]  # the others take an array
         calls = [("damping", [point.get(name, speed) for name in names]) for speed in speeds]
         got = np.ravel(values_of(language, average.code(language), calls, tmp_path))
         where = f"{language}: {law.text} {dict(law.values)} {average.criterion.name}"

@@ -24,19 +24,21 @@ def without(point, of):
     return {name: value for name, value in point.items() if name != of}
 
 
-@pytest.mark.parametrize("method", ["equilibrium", "harmonic", "auto"])
+@pytest.mark.parametrize("method", ["equilibrium", "harmonic", "second_order", "simulation", "auto"])
 def test_put_back_they_give_the_damping(method):
     """And the sensitivities are those of the threshold there, turned round."""
     tried, rng = 0, np.random.default_rng(3)
     for law, point in smooth_points(rng, 5, V=(-1, -0.3), N=(0.5, 1.3)):
-        others = ["m", "k"] if method == "auto" else []
+        average = method in ss.criteria.catalogue
+        others = [] if average else ["m", "k"]
         of, factor = str(rng.choice(["N", *others, *law.parameters])), rng.uniform(0.8, 1.2)
-        if method != "auto":
+        if average:
             point = {"V": point["V"], "N": point["N"]}
         x0 = value_of(law, point, of)
         c = ss.pure_slip_damping(law, **point, method="orbit" if method == "auto" else method).value * factor
         within = (x0 / 3, 3 * x0)
-        for one in ss.critical(law, of, c=c, **without(point, of), method=method, rtol=1e-6, within=within):
+        given = without(point, of) | {"method": method, "rtol": 0.3 if method == "second_order" else 1e-6}
+        for one in ss.critical(law, of, c=c, **given, within=within):
             there, point_there = put_back(law, point, of, one.value)
             same = ss.pure_slip_damping(there, **point_there, method=one.method, rtol=1e-10)
             assert same.value == pytest.approx(c, rel=1e-9)
@@ -109,20 +111,6 @@ def test_the_asymptotes_as_the_damping_vanishes():
             (found,) = ss.critical(law, "V", c=c, N=9.81, method=method)
             assert found.value == pytest.approx(speed, rel=10 / (alpha * speed))
     assert ss.critical(law, "V", c=0.0, N=9.81) == ()
-
-
-@pytest.mark.parametrize("method", ["least_squares", "second_order", "simulation"])
-@pytest.mark.parametrize(("name", "count"), [("exponential", 1), ("gaussian", 2)])
-def test_a_critical_speed_put_back(name, count, method):
-    law = ss.laws.catalogue[name].typical()
-    given = {"c": 2.0, **without(POINT, "V"), "method": method}
-    speeds = ss.critical(law, "V", **given, rtol=1e-2)
-    assert len(speeds) == count
-    for speed in speeds:
-        back = ss.pure_slip_damping(law, **POINT | {"V": speed.value}, method=speed.method, rtol=1e-3).value
-        assert back == pytest.approx(2.0, rel=1e-6)
-        assert speed.relative_error is None or speed.relative_error <= 1e-2
-    assert ss.critical(law, "V", **given, within=(10.0, 20.0)) == ()
 
 
 def test_damping_and_zero_damping_are_critical_too():

@@ -49,9 +49,11 @@ def test_the_attractors_of_the_papers_laws(name, c, expected, separatrices):
 def test_both_sides_of_the_threshold_and_itself(law):
     threshold = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-13).value
     above = Motion.PURE_SLIP if law.name == "polynomial" else Motion.REST
-    for step in (1e-3, 1e-9):
+    for step in (1e-3, 1e-6, 1e-9):
         found = [ss.classify(law, paper_oscillator(threshold * (1 + off)), rtol=1e-12) for off in (-step, step)]
         assert found == [Motion.STICK_SLIP, above]
+        cycles = [ss.stick_slip_cycle(law, paper_oscillator(threshold * (1 + off))) for off in (-step, step)]
+        assert [cycle is None for cycle in cycles] == [False, True]
     assert ss.classify(law, paper_oscillator(threshold)) is Motion.UNDECIDED
     assert "grazes" in ss.regime(law, paper_oscillator(threshold)).undecided[0]
 

@@ -15,36 +15,6 @@ from stickslip_sym import Phase
 PERIOD_AGREES = 1e-9
 
 
-def independent_cycle(law, osc):
-    """Integrate one slip phase with LSODA in physical units, from a series step off P, to the return."""
-    x_P = (law.mu(0.0) * osc.N - osc.c * osc.V) / osc.k
-    # At P the acceleration is 0 and the jerk -k V/m: leave P by the Taylor polynomial.
-    h = 1e-5
-    jerk = -osc.k * osc.V / osc.m
-    start = [x_P + osc.V * h + jerk * h**3 / 6, osc.V + jerk * h**2 / 2]
-
-    def rates(_, y):
-        friction = osc.N * law.mu(max(osc.V - y[1], 0.0))
-        return [y[1], (friction - osc.c * y[1] - osc.k * y[0]) / osc.m]
-
-    def at_belt_speed(_, y):
-        return y[1] - osc.V
-
-    at_belt_speed.terminal = at_belt_speed.direction = 1
-    found = solve_ivp(rates, (h, 2.0), start, method="LSODA", rtol=1e-12, atol=1e-14, events=at_belt_speed)
-    return found.t[-1] + (x_P - found.y[0, -1]) / osc.V
-
-
-@pytest.mark.parametrize("c", [0.0, 1.0, 2.0])
-def test_the_cycle_is_that_of_an_independent_integration(law, c):
-    osc = paper_oscillator(c)
-    cycle = ss.stick_slip_cycle(law, osc)
-    assert cycle.period == pytest.approx(independent_cycle(law, osc), rel=1e-8)
-    assert cycle.period == pytest.approx(cycle.stick_time + cycle.slip_time, rel=1e-15)
-    assert cycle.x_min < 0 < cycle.x_max
-    assert -2 < cycle.v_min < -osc.V
-
-
 @given(
     name=st.sampled_from(["exponential", "polynomial"]),
     c=st.floats(0, 1.9),

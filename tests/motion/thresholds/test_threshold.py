@@ -1,23 +1,106 @@
-"""Thresholds by every method: their values, their bounds, and what is refused."""
+"""Thresholds: what they separate, steep laws, twelve decades of each quantity, and what is refused."""
 
 import math
 
 import numpy as np
 import pytest
+from operating_points import laws_in_pieces, paper_oscillator
 from sweeps import sweep
 
 import stickslip_sym as ss
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+EXPONENTIAL, POLYNOMIAL = ss.laws.exponential.typical(), ss.laws.polynomial.typical()
+ROOT = ss.FrictionLaw("0.5-0.1*sqrt(v)")
+STEEP = {
+    "paper, exponential": (EXPONENTIAL, {}, 2.57307887898),
+    "paper, polynomial": (POLYNOMIAL, {}, 3.03647724356),
+    "alpha 8": (ss.laws.exponential.typical(alpha=8), {}, 2.067284261),
+    "N 50": (EXPONENTIAL, {"N": 50.0}, 12.47356032),
+    "canard": (EXPONENTIAL, {"V": 0.3, "N": 1e3}, 366.0493724),
+    "light": (EXPONENTIAL, {"m": 1e-6}, 1.970041565),
+    "soft": (EXPONENTIAL, {"k": 1e-4}, 1.970041565),
+    "layer": (ss.FrictionLaw("0.2+0.1*exp(-v/0.01)", static="0.4"), {"V": 0.1}, 3.692056429),
+    "polynomial": (POLYNOMIAL, {"N": 1e4}, 3374.977777),
+    "root": (ROOT, {}, 0.832662017),
+    "root, loaded": (ROOT, {"N": 500.0}, 38.8216104753),
+    "root, heavily loaded": (ROOT, {"N": 1e3}, 72.8108848633),
+}
 
 
-@pytest.fixture(scope="module")
-def exponential():
-    return ss.laws.exponential.typical()
+def simulated(law, rtol=1e-10, **changes):
+    return ss.pure_slip_damping(law, **POINT | {"method": "simulation", "rtol": rtol} | changes)
 
 
-def test_without_an_oscillator_the_error_is_unknown(exponential):
-    found = ss.pure_slip_damping(exponential, V=0.5, N=9.81)
+def separates(law, damping, off, **changes):
+    """Whether the mass sticks and slips just below a damping, and not just above."""
+    below, above = (paper_oscillator(damping * factor, **changes) for factor in (1 - off, 1 + off))
+    return ss.stick_slip_cycle(law, below) is not None and ss.stick_slip_cycle(law, above) is None
+
+
+@pytest.mark.parametrize("name", STEEP)
+def test_thresholds_of_steep_laws(name):
+    law, changes, expected = STEEP[name]
+    threshold = simulated(law, rtol=1e-8, **changes)
+    assert {type(threshold.value), type(threshold.relative_error)} == {float}
+    assert threshold.value == pytest.approx(expected, rel=1e-8)
+    assert separates(law, threshold.value, 1e-6, **changes)
+
+
+@pytest.mark.parametrize("V", [0.95, 1.5])
+def test_every_method_says_no_damping_is_needed(V):
+    """By a negative value, and in words."""
+    point = {"V": V, "N": 9.81, "m": 1, "k": 100}
+    methods = ("harmonic", "orbit", "simulation", "auto")
+    found = [ss.pure_slip_damping(POLYNOMIAL, **point, method=method) for method in methods]
+    assert all(one.value < 0 and "no damping is needed" in str(one) for one in found)
+    assert found[1].value == pytest.approx(found[2].value, rel=1e-5)
+    rising = ss.FrictionLaw("mu_0 + b*v").bind(mu_0=0.3, b=0.1)
+    assert ss.pure_slip_damping(rising, **point, method="simulation").value == pytest.approx(-0.981, rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["orbit", "simulation", "auto"])
+def test_without_friction_no_damping_is_needed(method):
+    found = simulated(EXPONENTIAL, N=0.0, method=method)
+    assert found.value == 0
+    assert found.relative_error <= 1e-13
+
+
+@pytest.mark.parametrize("formula", ["0.3", "0.3 + 0.005*v + 0.01*Max(v - 0.7, 0)"])
+def test_a_static_coefficient_moves_the_threshold(formula):
+    """But no average, also where the slope of mu is positive and it alone makes the mass stick."""
+    plain, jump = ss.FrictionLaw(formula), ss.FrictionLaw(formula, static="0.5")
+    assert ss.derive(jump)(V=0.5, N=9.81) == ss.derive(plain)(V=0.5, N=9.81) <= 0
+    threshold = simulated(jump, rtol=1e-8).value
+    assert 0 < threshold < 5
+    assert separates(jump, threshold, 1e-7)
+    assert simulated(plain, rtol=1e-8).value <= 0
+
+
+def test_a_refusal_holds_the_best_value(law):
+    assert simulated(law, rtol=1e-11).relative_error <= 1e-11
+    with pytest.raises(ss.NotConverged, match=r'the best value found .* kg/s, relative error.* or method="proof"'):
+        simulated(law, rtol=1e-13)
+
+
+@sweep("count", [8, 60], 8)
+def test_a_threshold_of_pieces_separates_return_from_none(count):
+    """Within its error, wherever it is positive."""
+    rng = np.random.default_rng(17)
+    positive = 0
+    for law in laws_in_pieces(rng, count):
+        V, N, k = rng.uniform(0.05, 0.9), 10 ** rng.uniform(-0.5, 1.5), 10 ** rng.uniform(1, 3.5)
+        found = ss.pure_slip_damping(law, V=V, N=N, m=1, k=k, method="simulation", rtol=rng.choice([1e-6, 1e-8]))
+        off = max(2 * found.relative_error, 1e-9)
+        positive += found.value > 0
+        below, above = (ss.Oscillator(m=1, k=k, V=V, N=N, c=found.value * (1 + sign * off)) for sign in (-1, 1))
+        if found.value > 0:
+            assert ss.peak_velocity(law, below) > V > ss.peak_velocity(law, above), (law, below)
+    assert count / 2 <= positive < count
+
+
+def test_without_an_oscillator_the_error_is_unknown():
+    found = ss.pure_slip_damping(EXPONENTIAL, V=0.5, N=9.81)
     assert (found.method, found.relative_error) == ("harmonic", None)
     assert "relative error unknown" in str(found)
     straight = ss.pure_slip_damping(ss.laws.catalogue["linear"].typical(), V=0.5, N=9.81)
@@ -25,26 +108,26 @@ def test_without_an_oscillator_the_error_is_unknown(exponential):
     assert straight.relative_error < 1e-13
 
 
-def test_arrays_broadcast(exponential):
+def test_arrays_broadcast():
     V, k = np.array([[0.2], [0.5], [0.8]]), np.array([50.0, 100.0])
     for method in ("auto", "harmonic", "second_order", "orbit"):
-        found = ss.pure_slip_damping(exponential, V=V, N=9.81, m=1.0, k=k, method=method)
+        found = ss.pure_slip_damping(EXPONENTIAL, V=V, N=9.81, m=1.0, k=k, method=method)
         assert found.value.shape == found.relative_error.shape == found.method.shape == (3, 2)
-        single = ss.pure_slip_damping(exponential, V=0.8, N=9.81, m=1.0, k=50.0, method=method)
+        single = ss.pure_slip_damping(EXPONENTIAL, V=0.8, N=9.81, m=1.0, k=50.0, method=method)
         assert found.value[2, 0] == pytest.approx(single.value, rel=1e-9)
         assert found.method[2, 0] == single.method
-    assert ss.pure_slip_damping(exponential, V=V, N=9.81).value.shape == (3, 1)
-    assert ss.pure_slip_damping(exponential, V=np.empty(0), N=9.81, m=1.0, k=1.0).value.shape == (0,)
+    assert ss.pure_slip_damping(EXPONENTIAL, V=V, N=9.81).value.shape == (3, 1)
+    assert ss.pure_slip_damping(EXPONENTIAL, V=np.empty(0), N=9.81, m=1.0, k=1.0).value.shape == (0,)
 
 
 @pytest.mark.parametrize("size", [1e-6, 1e6])
 @pytest.mark.parametrize("name", ["m", "k", "N", "V"])
-def test_twelve_decades_of_each_quantity(exponential, name, size):
+def test_twelve_decades_of_each_quantity(name, size):
     """An answer within the tolerance, or an outcome that says why not."""
     point = POINT | {name: size}
     # m and k matter by their product only, and N and k m by the ratio of their squares.
     both = point | {"m": point["m"] * np.array([1, 64]), "k": point["k"] / np.array([1, 64])}
-    found = ss.pure_slip_damping(exponential, **both, rtol=1e-3)
+    found = ss.pure_slip_damping(EXPONENTIAL, **both, rtol=1e-3)
     assert np.isfinite(found.value).all()
     assert (found.relative_error <= 1e-3).all()
     assert found.value[1] == pytest.approx(found.value[0], rel=1e-9)
@@ -91,9 +174,9 @@ def test_a_small_static_excess():
         ({"V": np.ma.array([0.5, 0.6], mask=[0, 1])}, "V has masked entries"),
     ],
 )
-def test_wrong_input(exponential, changes, message):
+def test_wrong_input(changes, message):
     with pytest.raises(ss.InputError, match=message):
-        ss.pure_slip_damping(exponential, **(POINT | changes))
+        ss.pure_slip_damping(EXPONENTIAL, **(POINT | changes))
 
 
 def test_a_slope_of_zero_needs_no_damping():
