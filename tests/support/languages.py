@@ -34,7 +34,7 @@ def compiled(text, folder):
 
 
 def values_of(language, text, calls, folder):
-    """Return the values of calls, each a name and numbers, or for Python and Octave arrays, of a text's functions."""
+    """Return the values of calls, each a name and numbers (or arrays, but for C), of the functions in a text."""
     if language == "python":
         exec(compile(text, "text", "exec"), module := {})
         return [module[name](*numbers) for name, numbers in calls]
@@ -45,13 +45,10 @@ def values_of(language, text, calls, folder):
     (folder / f"{file}.m").write_text(text)
     several = file == "damping_criteria"
     head = "criteria = damping_criteria();\n" if several else ""
-    written = [
-        (name, [np.atleast_1d(number).astype(float).tolist() for number in numbers]) for name, numbers in calls
-    ]
-    lines = [
-        f"printf('%.17g\\n', {'criteria.' * several}{name}({', '.join(map(str, arrays))}));\n"
-        for name, arrays in written
-    ]
+    lines = []
+    for name, numbers in calls:
+        arrays = ", ".join(str(np.ravel(number).astype(float).tolist()) for number in numbers)
+        lines.append(f"printf('%.17g\\n', {'criteria.' * several}{name}({arrays}));\n")
     (folder / "calls.m").write_text(head + "".join(lines))
     command = ["octave-cli", "--norc", "--quiet", "calls.m"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60, check=True)
