@@ -55,7 +55,7 @@ def _axis(name: str, text: str) -> click.Option:
     options.plot_option("Draw the map"),
     options.file_option("--csv", help="Write a line for each cell."),
     options.file_option("--npz", help="Write NumPy arrays."),
-    option("--workers", metavar="N", type=int, default=1, help="Processes; -1 for all processors."),
+    option("--workers", metavar="N", type=int, default=1, help="Threads; -1 for all processors."),
     options.time_limit("Seconds; the cells that are left then are undecided."),
 )  # fmt: skip
 def run(given: Given) -> None:

@@ -32,7 +32,7 @@ _BITS = math.log2(10)  # per digit
 _GUARD = 30  # bits beyond the digits that are asked for, against rounding
 _MOST_LOST = 1400  # bits of cancellation that are followed, some 400 digits
 _EXTREME = 100_000  # bits, beyond which an end is rounded outwards instead of written in full
-_MOST_SHOWN = 4000  # where two enclosures are told apart
+_MOST_SHOWN = 4000  # where two enclosures are distinguished
 _SHOWN = 50  # digits of an end, at most
 
 

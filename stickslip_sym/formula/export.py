@@ -157,7 +157,7 @@ def export_latex(
                 chapter += _criterion(form, mark, given, steps)
         chapter += [
             f"For the {prose(criterion.replace('_', '-'))} criterion no closed form was found; its value by "
-            f"quadrature serves.\n% {' '.join(reason.split())}"
+            f"quadrature remains.\n% {' '.join(reason.split())}"
             for other, criterion, reason in missing
             if other == law
         ]

@@ -3,7 +3,7 @@
 An average of -g' over slip speeds from 0 to 2 V has a bounded weight of unit integral. So where g' has a finite
 limit as v falls to 0, the average tends to minus that as V does, and likewise at infinity; where g' grows like
 v^n, an average grows like the mean of (1 + s)^n. What is left is the limit of the slope of a profile: by rules
-where they serve, else by SymPy in a process that is killed when its time is up.
+where one applies, else by SymPy in a process that is killed when its time is up.
 """
 
 from collections.abc import Iterable
@@ -21,7 +21,7 @@ from stickslip_sym.formula.finding import search
 from stickslip_sym.formula.tidy import tidy
 from stickslip_sym.model.terms import Term
 
-_SECONDS = 2.0  # that SymPy may take for a profile where no rule serves
+_SECONDS = 2.0  # that SymPy may take for a profile where no rule applies
 
 
 @dataclass(frozen=True)

@@ -240,7 +240,7 @@ def _require_rise(law: FrictionLaw, measured: Measurements) -> None:
 
 
 def _undetermined(names: tuple[str, ...], which: IntArray, strength: FloatArray) -> InputError:
-    """Return that one parameter says nothing, or several cannot be told apart, and which to fix: the weakest."""
+    """Return that one parameter says nothing, or several are not distinguished, and which to fix: the weakest."""
     weakest = names[min(which, key=lambda i: abs(strength[i]))]
     if len(which) == 1:
         return InputError(f"these measurements say nothing of {weakest}; fix it: law.bind({weakest}=...)")
@@ -266,7 +266,7 @@ def _loose(problem: Problem, p: FloatArray, covariance: FloatArray) -> Iterator[
         correlation = covariance[i, j] / errors[i] / errors[j]
         if abs(correlation) > _ALIKE:
             yield (
-                f"{names[i]} and {names[j]} are hardly told apart, correlation {correlation:.4f}; fix one: "
+                f"{names[i]} and {names[j]} are hardly distinguished, correlation {correlation:.4f}; fix one: "
                 f"law.bind({names[j]}=...)"
             )
 
