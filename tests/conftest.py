@@ -1,7 +1,6 @@
 """Fixtures that several test files use, and how tests are shared out among processes."""
 
 import os
-from functools import partial
 
 # Tests run in several processes; threads of linear algebra on top would wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -69,10 +68,15 @@ def law(request):
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch, capsys):
+def run(tmp_path, monkeypatch):
     """Run the command in this process, in an empty folder; return its exit code and what it printed."""
     monkeypatch.chdir(tmp_path)
-    return partial(commands.run, monkeypatch, capsys)
+
+    def results(*arguments):
+        done = commands.inside(*arguments)
+        return done.returncode, done.stdout, done.stderr
+
+    return results
 
 
 @pytest.fixture

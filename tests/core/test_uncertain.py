@@ -38,21 +38,3 @@ def test_a_new_value_takes_the_error_away_and_another_leaves_it():
     assert set(law.bind(alpha=2.0).typical().uncertain) == {"mu_s", "mu_m"}
     assert set(law.with_static("0.6").uncertain) == {"mu_s", "mu_m"}
     assert dict(law.bind(mu_s="0.50+/-0", mu_m=0.2).uncertain) == {}
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("0.5+/-nan", "not finite"),
-        ("nan+/-0.1", "not finite"),
-        ("0.5+/-inf", "not finite"),
-        ("0.5+/--0.1", "negative standard error"),
-        ("0.5+/-", "is not a number with a standard error"),
-        ("0.5(two)", "is not a number with a standard error"),
-        ("mu(3)", "is not a number with a standard error"),
-        ("-0.5+/-0.1", "is negative"),
-    ],
-)
-def test_what_is_no_number_with_an_error_is_refused(text, message):
-    with pytest.raises(ss.InputError, match=rf"mu_s = .*{message}"):
-        ss.FrictionLaw(FORMULA).bind(mu_s=text)

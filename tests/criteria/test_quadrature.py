@@ -1,8 +1,5 @@
 """Quadrature of the definition: against integrals known by hand, and its refusals."""
 
-import ast
-from pathlib import Path
-
 import mpmath
 import pytest
 import sympy as sp
@@ -60,17 +57,6 @@ def test_a_law_without_real_values_is_refused(text):
         ss.quadrature.damping(ss.FrictionLaw(text), V="0.5", N=1, digits=15)
 
 
-@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
-def test_weights_have_unit_integral_and_known_moments(criterion):
-    weight = ss.criteria.find(criterion).weight
-    for j in range(4):
-        with mpmath.workdps(25):
-            f = sp.lambdify(ss.symbols.s, weight * ss.symbols.s ** (2 * j), "mpmath")
-            expected = mpmath.quad(f, [-1, 0, 1])
-            moment = ss.criteria.find(criterion).moment(2 * j)
-            assert abs(expected - mpmath.mpf(moment.p) / moment.q) < 1e-12
-
-
 def test_refusals():
     law = ss.laws.exponential
     for message, arguments in {
@@ -89,40 +75,6 @@ def test_too_irregular_an_integrand_is_an_error(monkeypatch):
     monkeypatch.setattr(ss.quadrature, "_MOST_PANELS", 2)
     with pytest.raises(ss.NotConverged, match="did not reach"):
         ss.quadrature.damping(ss.FrictionLaw("sin(1000000*v)*exp(-v)"), V=1000, N=1, digits=15)
-
-
-PACKAGE = Path(ss.__file__).parent
-SIMULATION = ["motion.slip", "motion.simulation.simulate", "motion.simulation.reference"]
-
-
-def imports_of(module):
-    """The modules of the package that a module imports."""
-    names = set()
-    for node in ast.walk(ast.parse(PACKAGE.joinpath(*module.split(".")).with_suffix(".py").read_text())):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("stickslip_sym."):
-            source = node.module.removeprefix("stickslip_sym.")
-            names |= {source, *(f"{source}.{alias.name}" for alias in node.names)}
-    return {name for name in names if PACKAGE.joinpath(*name.split(".")).with_suffix(".py").exists()}
-
-
-def test_cross_checks_know_no_closed_form():
-    """Follow the imports: whatever checks a closed form must not reach the modules that make one."""
-    reached, todo = set(), {"criteria.quadrature", "model.oscillator", "motion.thresholds.grazing", *SIMULATION}
-    while todo:
-        reached |= (module := {todo.pop()})
-        todo |= set().union(*map(imports_of, module)) - reached
-    assert len(reached) > 20
-    assert not any(name.startswith("formula.") for name in reached)
-    seen = imports_of("comparison.crosscheck") | imports_of("formula.files")
-    assert "formula.closed_form" in seen
-
-
-def test_a_measured_law_is_integrated_up_to_its_last_speed():
-    law = ss.FrictionLaw.from_samples([0, 1, 2, 3], ["0.5", "0.4", "0.35", "0.33"])
-    for criterion, reach in (("equilibrium", "3"), ("least_squares", "1.5"), ("harmonic", "1.5")):
-        ss.quadrature.damping(law, criterion, V=reach, N=1, digits=5)
-        with pytest.raises(ss.InputError, match="measured"):
-            ss.quadrature.damping(law, criterion, V=f"{reach}0001" if "." in reach else "3.0001", N=1, digits=5)
 
 
 @pytest.mark.parametrize("digits", [5, 10, 30])

@@ -23,17 +23,6 @@ AGREED_DIGITS = 45
 FLOAT_ERROR = 1e-13  # what a call promises
 
 
-@pytest.fixture
-def operating_point():
-    """Seeded operating points and parameters, log-uniform over four decades each."""
-    rng = random.Random(16)
-
-    def draw(names):
-        return {name: f"{10 ** rng.uniform(-2, 2):.8g}" for name in names}
-
-    return draw
-
-
 # -- right -------------------------------------------------------------------------------------------
 
 
@@ -43,21 +32,16 @@ def test_least_squares_is_the_paper_s(name, label):
     assert prove_equal(form.expr, PRINTED[label]).status is ss.Status.PROVED
     assert form.verdict.status is ss.Status.PROVED
     assert "digits at 12 seeded points" in form.verdict.evidence
-    assert form.latex().startswith("c = \\frac{")
-    assert r"\mu_{\mathrm{s}} - \mu_{\mathrm{m}}" in form.latex()
-    assert form._repr_latex_() == f"$\\displaystyle {form.latex()}$"
-    assert repr(form) == f"ClosedForm: {name}, least_squares, PROVED"
-    assert "\\mu(v) = " in form.law._repr_latex_()
 
 
 @pytest.mark.parametrize("criterion", ss.criteria.catalogue)
 @pytest.mark.parametrize("name", PAPER)
-def test_agrees_with_the_definition_to_45_digits(name, criterion, operating_point):
-    """Enclosed at eight operating points; by quadrature, which takes longer, at two."""
-    law = ss.laws.catalogue[name]
+def test_agrees_with_the_definition_to_45_digits(name, criterion):
+    """Enclosed at eight operating points over four decades; by quadrature, which takes longer, at two."""
+    law, rng = ss.laws.catalogue[name], random.Random(16)
     form = ss.derive(law, criterion)
     for number in range(8):
-        values = operating_point([*law.parameters, "V", "N"])
+        values = {key: f"{10 ** rng.uniform(-2, 2):.8g}" for key in [*law.parameters, "V", "N"]}
         place = {"V": values.pop("V"), "N": values.pop("N"), "digits": 50}
         bound = law.bind(**values)
         middle = ss.enclose(bound, criterion, **place).mid
@@ -80,14 +64,15 @@ LAWS = [
     "Max(b, a*exp(-v/w))", "Max(b, a - v/w)", "Max(b, a - v^2)", "Max(b, w*log(1 + v/a))", "Abs(v - a + b)",
     "Min(3*v + a, v + b)", "mu_0 - a*(coth(v/w) - w/v)",
 ]  # fmt: skip
-HARMONIC = ["b*log(1 + v/a)^2", "Piecewise((a, v < b), (d + (a - d)*b/v, True))", "a/sqrt(1 + (v/w)^2)"]
-CHECKED = {"a/(1 + (v/w)^delta)", HARMONIC[1]}  # the others are proved
+HARMONIC = ["b*log(1 + v/a)^2", "Piecewise((a + d*v^3, v < b), (a*b/v + d*b*v^2, True))", "a/sqrt(1 + (v/w)^2)",
+            "mu_0 + a*log(v/w)"]  # fmt: skip
+CHECKED = {"a/(1 + (v/w)^delta)", HARMONIC[1], HARMONIC[3]}  # the others are proved
 
 
 @sweep(
     ("text", "criterion"),
     [*((text, "least_squares") for text in LAWS), *((text, "harmonic") for text in HARMONIC)],
-    0, 1, 6, 10, 13, 15, 16, 17, 18, 20, 21, 23, 24, 25, 28, 29, 30, 31, 32, 33,
+    0, 1, 6, 10, 13, 15, 16, 17, 18, 20, 21, 23, 24, 25, 28, 29, 30, 31, 32, 33, 34,
 )  # fmt: skip
 def test_values_are_those_of_the_definition(text, criterion):
     """For random parameters over two decades, a call over six; kinks may lie below rest."""
@@ -114,22 +99,6 @@ def test_values_are_those_of_the_definition(text, criterion):
         assert form(**wide) == pytest.approx(float(form.evaluate(20, **wide)), rel=digits)
 
 
-@pytest.mark.parametrize(
-    ("text", "criterion", "expected"),
-    [
-        ("mu_0 + (a - b)*log(v/v_0)", "least_squares", "5*N*(b - a)/(3*V)"),
-        ("mu_0 + (a - b)*log(v/v_0)", "harmonic", "2*N*(b - a)/V"),
-        ("-v*log(v)", "least_squares", "N*(log(2*V) + 2/15)"),
-        ("mu_s - beta*v", "least_squares", "N*beta"),
-        ("mu_k", "least_squares", "0"),
-    ],
-)
-def test_forms_that_are_known(text, criterion, expected):
-    form = ss.derive(ss.FrictionLaw(text), criterion)
-    wanted = sp.sympify(expected, locals={str(x): x for x in form.arguments.values()})
-    assert sp.simplify(sp.expand_log(form.expr - wanted)) == 0
-
-
 ENDING = ["mu_s + d*log(1 - v/v_c)", "mu_s + d*v*log(1 - v/v_c)", "mu_s + d*sqrt(1 - v/v_c)"]
 
 
@@ -151,21 +120,9 @@ def test_a_law_that_ends_at_a_speed(text, criterion):
 # -- refused -----------------------------------------------------------------------------------------
 
 
-def test_wrong_arguments():
+def test_digits_or_values_that_cannot_be_had():
     form = ss.derive(ss.laws.exponential)
     good = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
-    assert form(**good) == pytest.approx(2.545949602905104, rel=1e-15)
-    cases = {
-        "no value for alpha; give alpha=...": {k: v for k, v in good.items() if k != "alpha"},
-        "'mu_d' is not an argument of this closed form": good | {"mu_d": 0.3},
-        "V = -0.5 must not be negative": good | {"V": [0.5, -0.5]},
-        "N holds a value that is not finite": good | {"N": float("inf")},
-        "alpha = 'fast' is not a number": good | {"alpha": "fast"},
-        "the shapes do not broadcast": good | {"V": [1.0, 2.0], "N": [1.0, 2.0, 3.0]},
-    }
-    for message, arguments in cases.items():
-        with pytest.raises(ss.InputError, match=message):
-            form(**arguments)
     for digits, values, message in (
         (20, good | {"V": -1}, "V = -1 must not be negative"),
         (0, good, "digits = 0 is outside"),
@@ -173,18 +130,13 @@ def test_wrong_arguments():
     ):
         with pytest.raises(ss.InputError, match=message):
             form.evaluate(digits, **values)
-    equal = good | {"mu_s": 0.2, "mu_m": 0.2}
-    assert form(**equal) == form.evaluate(40, **equal) == 0
+    for changed in ({"mu_s": 0.2}, {"mu_s": 0.2, "alpha": 1.0}):
+        assert form(**good | changed) == form.evaluate(40, **good | changed) == 0
+    assert form(**good | {"alpha": 0.0}) == 0
     with pytest.raises(ss.InputError, match=r"no criterion 'least_square' .did you mean 'least_squares'"):
         ss.derive(ss.laws.exponential, "least_square")
     with pytest.raises(ss.InputError, match="beyond the range of float64"):
         ss.derive(ss.laws.polynomial.typical())(V=1e200, N=9.81)
-
-
-@pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf"), 1e300])
-def test_a_time_limit_is_a_number_of_seconds(seconds):
-    with pytest.raises(ss.InputError, match="is not a number of seconds from 0 to 86400"):
-        ss.derive(ss.laws.exponential, time_limit=seconds)
 
 
 @pytest.mark.parametrize("ratio", ["11", "12.38", "13.08", "40"])

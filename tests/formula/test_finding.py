@@ -12,7 +12,7 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.langevin import Langevin
 from stickslip_sym.formula.average import average_of
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
-from stickslip_sym.formula.finding.averages import average_of_pieces, harmonic_average
+from stickslip_sym.formula.finding.averages import harmonic_average
 from stickslip_sym.formula.proof import recurrence
 from stickslip_sym.formula.proof.recurrence import AverageSeries, prove_average
 
@@ -112,24 +112,6 @@ def test_an_antiderivative_grows_by_the_integral(name):
 def test_a_rule_is_not_taken_for_what_it_does_not_fit():
     for term in (sp.exp(u) * sp.tanh(u), sp.exp(-u) * sp.tanh(u + 1), sp.exp(-u) * sp.tanh(1 - u)):
         assert antiderivative(term, sp.Integer(1), u) is None
-
-
-def test_averages_of_pieces():
-    rng = np.random.default_rng(4)
-    places = sorted(float(place) for place in rng.uniform(0.1, 1.5, 2))
-    pieces = [sp.Add(*[int(c) * u**n for n, c in enumerate(rng.integers(-9, 9, 4))]) for _ in range(3)]
-    pieces[1] += 3 / u - 1 / u**3
-    found = average_of_pieces(pieces, [sp.Integer(0), *map(sp.Float, places), 2 * V], u, V)
-    angles = [mpmath.acos(1 - place / 0.8) for place in (0, *places, 1.6)]
-    expected = 0
-    for piece, low, high in zip(pieces, angles, angles[1:], strict=False):
-        f = function_of([u], piece, "mpmath")
-        expected += mpmath.quad(
-            lambda angle, f=f: f(0.8 * (1 - mpmath.cos(angle))) * mpmath.cos(angle), [low, high]
-        )
-    got = function_of([V], found, "mpmath")(mpmath.mpf("0.8"))
-    assert got == pytest.approx(float(2 * expected / (mpmath.pi * 0.8)), abs=1e-9)
-    assert average_of_pieces([1 / u, u], [sp.Integer(0), sp.Float(1), 2 * V], u, V) is None
 
 
 def test_a_value_of_a_free_exponent_is_no_exact_power():

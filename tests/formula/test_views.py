@@ -52,21 +52,6 @@ def test_every_view_changes_with_one_coefficient():
     assert "REFUTED" in "".join(tampered.code("c").splitlines()[:3])
 
 
-def test_a_form_has_no_formula_of_its_own():
-    with pytest.raises(TypeError, match="expr"):
-        replace(ss.derive(ss.laws.exponential), expr=42 * ss.symbols.V)
-
-
-@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
-def test_a_wrong_average_is_refuted(criterion, monkeypatch, fresh_averages):
-    """The average of one profile is one object; tampered with, no form is returned that holds it."""
-    average = average_of(sp.exp(-ss.symbols.v), ss.criteria.find(criterion))
-    right = average.find()
-    monkeypatch.setattr(average, "_formula", lambda parts: right * (1 + sp.Rational(1, 10**20)))
-    with pytest.raises(ss.NoClosedForm, match="refuted"):
-        ss.derive(ss.laws.exponential, criterion)
-
-
 # -- sensitivities -----------------------------------------------------------------------------------
 
 SENSITIVE = [

@@ -1,19 +1,10 @@
 """Laws with fitted numbers, given in any form, compared: what holds of every law once it has values."""
 
-import math
-
 import pytest
 from forms import LAWS
 
 import stickslip_sym as ss
 from stickslip_sym.model.laws import as_law
-
-
-@pytest.mark.parametrize("method", ["least_squares", "simulation"])
-def test_a_fitted_stribeck_law_is_answered(method):
-    law = ss.laws.stribeck.bind(mu_s="0.42", mu_m="0.12", v_s="0.0788816", delta="1.4144337")
-    found = ss.pure_slip_damping(law, V=0.3, N=20.0, m=2.0, k=500.0, method=method)
-    assert found.value == pytest.approx(7.27, abs=0.07)
 
 
 def test_a_law_is_given_by_name_or_formula():
@@ -50,31 +41,6 @@ def test_functions_take_a_law_by_its_text(name):
     assert CALLS[name](TEXT) == CALLS[name](ss.FrictionLaw(TEXT))
     with pytest.raises(ss.InputError, match="a friction law is needed"):
         CALLS[name](OSC)
-
-
-@pytest.mark.parametrize(
-    "formula", ["0.5 + 0.1*Abs(v^2 - a)", "0.5 + 0.1*Abs(v - sqrt(a))", "Max(0.1, a*v^0.7 - 1)"]
-)
-def test_kinks_at_irrational_places(formula):
-    law = ss.FrictionLaw(formula).bind(a="2.0000001")
-    (kink,) = law.kinks()
-    low, high = float(kink) * (1 - 1e-6), float(kink) * (1 + 1e-6)
-    assert abs(law.slope(low) - law.slope(high)) > 0.05
-    exact = ss.enclose(law, V=1, N=1, digits=25)
-    assert float(exact) == pytest.approx(float(ss.quadrature.damping(law, V=1, N=1, digits=20)), rel=1e-15)
-    if "Abs" in formula:  # the other does not brake at once
-        found = [ss.pure_slip_damping(law, V=1, N=1, m=1, k=10, method=m).value for m in ("simulation", "proof")]
-        assert found[0] == pytest.approx(found[1], rel=2e-3)
-
-
-@pytest.mark.parametrize(
-    ("formula", "limit"),
-    [("0.3 + v^p/v", 0.3), ("0.3 + sin(p*v)/v", 0.3 + 1.2345678), ("(1 - exp(-p*v))/v", 1.2345678)],
-)
-def test_limits_at_rest_of_fitted_exponents(formula, limit):
-    law = ss.FrictionLaw(formula).bind(p="1.2345678")
-    assert law.onset == pytest.approx(limit, rel=1e-15)
-    assert math.isclose(law.mu(1e-9), limit, rel_tol=1e-1)
 
 
 def test_the_catalogue_is_a_mapping_of_laws():

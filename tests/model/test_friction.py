@@ -49,6 +49,11 @@ LAW = ss.laws.exponential
 REFUSED = [
     *((rf"alpha = {re.escape(repr(value))} is", lambda value=value: LAW.bind(alpha=value))
       for value in (math.nan, math.inf, mpmath.inf, "nan", "0.5 s/m", "", None, True, 1j, [1])),
+    *((f"mu_s = .*{message}", lambda text=text: LAW.bind(mu_s=text)) for text, message in (
+        ("0.5+/-nan", "not finite"), ("nan+/-0.1", "not finite"), ("0.5+/-inf", "not finite"),
+        ("0.5+/--0.1", "negative standard error"), ("-0.5+/-0.1", "is negative"),
+        *((text, "is not a number with a standard error") for text in ("0.5+/-", "0.5(two)", "mu(3)")),
+    )),
     *(("is not a finite number >= 0", lambda speed=speed: LAW.typical().mu(speed))
       for speed in (-1e-300, math.nan, math.inf, [0.1, -0.2])),
     *(("has a kink at v = .* which is not real",
@@ -122,6 +127,14 @@ def test_limits_at_rest(formula, mu, slope):
     law = ss.FrictionLaw(formula)
     assert (law.mu(0.0), law.slope(0.0)) == (mu, slope)
     assert law.mu(np.array([0.0, 0.5]))[0] == mu
+
+
+@pytest.mark.parametrize(
+    ("formula", "limit"),
+    [("0.3 + v^p/v", 0.3), ("0.3 + sin(p*v)/v", 0.3 + 1.2345678), ("(1 - exp(-p*v))/v", 1.2345678)],
+)
+def test_limits_at_rest_of_fitted_exponents(formula, limit):
+    assert ss.FrictionLaw(formula).bind(p="1.2345678").onset == pytest.approx(limit, rel=1e-15)
 
 
 @pytest.mark.parametrize(

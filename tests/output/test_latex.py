@@ -198,18 +198,6 @@ def test_prose(text, latex):
         layout.prose("Жуков")
 
 
-def test_the_reader_reads():
-    """What the reader is trusted with, by hand."""
-    values = {"x": mpmath.mpf(3), "y": mpmath.mpf(4)}
-    assert latex_reader.read(r"2 x/(y x) - \frac{x}{2} \bigl[1 + x^{2}\bigr]", values) == mpmath.mpf("0.5") - 15
-    assert latex_reader.read(r"-x^{-1/2} \sqrt{y}", values) == pytest.approx(-2 / mpmath.sqrt(3))
-    assert latex_reader.read(r"\mathrm{e}^{-x} I_{1}(y)", values) == pytest.approx(
-        mpmath.exp(-3) * mpmath.besseli(1, 4)
-    )
-    with pytest.raises(AssertionError):
-        latex_reader.read(r"\frac{x}{y", values)
-
-
 def test_a_wrong_formula_is_seen():
     """The negative control: a sign, a power or a factor more would be noticed."""
     form = form_of("exponential", "least_squares")

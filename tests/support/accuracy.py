@@ -1,8 +1,6 @@
 """The error of a fast function against many digits, in units of epsilon N <|mu'|>."""
 
-import ctypes
 import random
-import subprocess
 
 import mpmath
 import numpy as np
@@ -105,15 +103,3 @@ def by_definition(average, columns, digits=20):
         with mpmath.workdps(digits):
             exact.append(mpmath.mpf(middle.numerator) / middle.denominator)
     return exact
-
-
-def compiled(text, directory, count):
-    """Compile C99 without a word of warning, and return its function."""
-    (directory / "damping.c").write_text(text)
-    strict = ["-std=c99", "-pedantic", "-O2", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off"]
-    command = ["gcc", *strict, "-shared", "-fPIC", "damping.c", "-o", "damping.so", "-lm"]
-    done = subprocess.run(command, cwd=directory, capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == 0, done.stderr
-    function = ctypes.CDLL(str(directory / "damping.so")).damping
-    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * count
-    return function

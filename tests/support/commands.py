@@ -15,15 +15,6 @@ from stickslip_sym.cli import program
 _RUN = "from stickslip_sym.cli.program import main; main()"
 
 
-def run(monkeypatch, capsys, *arguments):
-    """Run the command in this process; return its exit code and what it wrote."""
-    monkeypatch.setattr("sys.argv", ["stickslip", *arguments])
-    with pytest.raises(SystemExit) as end:
-        program.main()
-    printed = capsys.readouterr()
-    return end.value.code or 0, printed.out, printed.err
-
-
 def inside(*arguments, cwd="."):
     """Run the command in this process, which has imported all it needs; the result is that of a process."""
     out, err = io.StringIO(), io.StringIO()

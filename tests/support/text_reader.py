@@ -3,16 +3,10 @@
 import ast
 
 import mpmath
+from random_formulas import KNOWN
 
-FUNCTIONS = {
-    name: getattr(mpmath, name)
-    for name in ("exp", "log", "sqrt", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sech", "asinh", "atan", "erf",
-                 "coth", "acosh", "atanh", "acos", "erfc", "erfi", "sign", "gamma", "zeta", "besseli", "polylog")
-} | {
-    "Abs": abs, "Max": max, "Min": min, "elliptic_k": mpmath.ellipk, "elliptic_e": mpmath.ellipe,
-    "elliptic_pi": mpmath.ellippi, "dirichlet_eta": mpmath.altzeta,
-    "lowergamma": lambda s, x: mpmath.gammainc(s, 0, x), "hyper": mpmath.hyper,
-    "Lerch": lambda z, s, a: mpmath.nsum(lambda n: z**n / (n + a) ** s, [0, mpmath.inf], method="d"),
+FUNCTIONS = {function.__name__: value for function, value in KNOWN.items()} | {
+    "sqrt": mpmath.sqrt, "Max": max, "Min": min, "hyper": mpmath.hyper,
 }  # fmt: skip
 CONSTANTS = {"pi": mpmath.pi, "Catalan": mpmath.catalan}
 BINARY = {

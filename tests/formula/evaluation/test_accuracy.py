@@ -193,15 +193,6 @@ def test_laws_of_any_shape(case):
     assert accuracy.units(average, columns, got, by_definition(average, columns)).max() <= MOST_UNITS_BY_BALLS
 
 
-def test_confluent_parameters():
-    two = form_of("two_exponentials", "least_squares")
-    values = {"V": 0.3, "N": 9.81, "mu_m": 0.2, "d_1": 0.1, "d_2": 0.2, "v_1": 0.5, "v_2": 0.5}
-    one = form_of("exponential", "least_squares")
-    assert two(**values) == pytest.approx(one(V=0.3, N=9.81, mu_s=0.3, mu_m=0.0, alpha=2.0), rel=1e-14)
-    assert one(V=0.3, N=9.81, mu_s=0.2, mu_m=0.2, alpha=2.0) == 0
-    assert one(V=0.3, N=9.81, mu_s=0.5, mu_m=0.2, alpha=0.0) == 0
-
-
 # -- terms that cancel -------------------------------------------------------------------------------
 
 CANCELLING = {

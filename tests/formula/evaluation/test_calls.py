@@ -83,10 +83,20 @@ def test_invalid_values(form, wrong, message):
         form(**values, on_invalid="ignore")
 
 
-@pytest.mark.parametrize("value", [None, 10**400, np.datetime64("2020"), "fast"])
-def test_what_is_no_number_is_named(form, value):
-    with pytest.raises(ss.InputError, match=r"V = .* is not a number or an array of numbers"):
-        form(V=value, N=1.0)
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        *(({"V": value}, r"V = .* is not a number or an array of numbers")
+          for value in (None, 10**400, np.datetime64("2020"), "fast")),
+        ({"mu_d": 0.3}, "'mu_d' is not an argument of this closed form"),
+        ({"V": [1.0, 2.0], "N": [1.0, 2.0, 3.0]}, "the shapes do not broadcast"),
+    ],
+)  # fmt: skip
+def test_what_is_no_argument_is_named(form, wrong, message):
+    with pytest.raises(ss.InputError, match=message):
+        form(**{"V": 0.5, "N": 1.0} | wrong)
+    with pytest.raises(ss.InputError, match=r"no value for N; give N=\.\.\."):
+        form(V=0.5)
 
 
 def test_rest_gives_the_limit():

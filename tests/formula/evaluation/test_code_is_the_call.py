@@ -1,12 +1,10 @@
 """Code in C, Python and Octave against calls: laws of the literature, speeds over twenty-one decades."""
 
-import ctypes
 import inspect
-import shutil
-import subprocess
 from dataclasses import replace
 
 import numpy as np
+from languages import PROGRAMS, runs, values_of
 from sweeps import sweep
 
 import stickslip_sym as ss
@@ -58,46 +56,17 @@ def sizes(average, V):
         return sum(np.abs(np.broadcast_to(term(values), V.shape)) for term in average.evaluator.terms)
 
 
-def in_python(text, names, point, V, _):
-    module = {}
-    exec(text, module)
-    assert list(inspect.signature(module["damping"]).parameters) == names
-    return module["damping"](*(V if name == "V" else point[name] for name in names))
-
-
-def in_c(text, names, point, V, folder):
-    (folder / "a.c").write_text(text)
-    strict = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O1"]
-    subprocess.run(["cc", *strict, "-shared", "-fPIC", "-o", "a.so", "a.c", "-lm"], cwd=folder, check=True)
-    function = ctypes.CDLL(str(folder / "a.so")).damping
-    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * len(names)
-    return np.array([function(*(float(v) if name == "V" else point[name] for name in names)) for v in V])
-
-
-def in_octave(text, names, point, V, folder):
-    (folder / "damping.m").write_text(text)
-    listed = "[" + ", ".join("NaN" if np.isnan(v) else repr(float(v)) for v in V) + "]"
-    given = ", ".join(listed if name == "V" else repr(point[name]) for name in names)
-    command = ["octave-cli", "--norc", "--quiet", "--eval", f"printf('%.17g ', damping({given}))"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60, check=True)
-    return np.array([float(word) for word in done.stdout.split()])
-
-
-WAYS = {"python": (in_python, None), "c": (in_c, "cc"), "octave": (in_octave, "octave-cli")}
-
-
 @sweep("seed", range(45), 0, 15, 33, 5, 24, 29)
 def test_code_equals_the_call(seed, tmp_path):
     law, average, V, expected = drawn(seed)
     point = {"N": 2.0} | {name: float(value) for name, value in law.values.items()}
     allowed = UNITS * np.finfo(float).eps * np.fmax(np.nan_to_num(sizes(average, V)), np.abs(expected))
-    module = {}
-    exec(average.code("python"), module)
-    names = list(inspect.signature(module["damping"]).parameters)
-    for language, (run, program) in WAYS.items():
-        if program and shutil.which(program) is None:
-            continue
-        got = run(average.code(language), names, point, V, tmp_path)
+    exec(average.code("python"), module := {})
+    names = inspect.signature(module["damping"]).parameters
+    for language in filter(runs, PROGRAMS):
+        speeds = V if language == "c" else [V]  # the others take an array
+        calls = [("damping", [point.get(name, speed) for name in names]) for speed in speeds]
+        got = np.ravel(values_of(language, average.code(language), calls, tmp_path))
         where = f"{language}: {law.text} {dict(law.values)} {average.criterion.name}"
         assert np.isnan(got[np.isnan(expected)]).all(), where
         written = ~np.isnan(got)

@@ -1,21 +1,19 @@
 """Exported files: LaTeX through a real engine, and Python, C and Octave run against many digits."""
 
-import ctypes
 import re
 import shutil
 import subprocess
-import sys
 
 import accuracy
 import numpy as np
 import pytest
-from accuracy import MOST_UNITS, compiled
+from accuracy import MOST_UNITS
 from commands import stickslip
 from forms import NO_LEAST_SQUARES, agrees, form_of
+from languages import PROGRAMS, runs, values_of
 from sweeps import sweep
 
 import stickslip_sym as ss
-from stickslip_sym import symbols
 from stickslip_sym.formula.zeros import zeros
 
 FEW = [
@@ -127,17 +125,6 @@ def test_measured_points_have_no_formula():
 # -- limits ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("criterion", ["equilibrium", "least_squares", "harmonic"])
-@pytest.mark.parametrize("name", ["exponential", "polynomial", "popp_stelter", "quintic"])
-def test_limits_are_those_of_the_values(name, criterion):
-    form = form_of(name, criterion)
-    law = form.law.typical()
-    for expr, V in ((form.limits.at_rest, 1e-9), (form.limits.far, 1e7)):
-        value = float(expr.xreplace(law.point).subs({symbols.V: V, symbols.N: 1}))
-        assert float(form.evaluate(15, V=V, N=1, **law.values)) == pytest.approx(value, rel=1e-5, abs=1e-6)
-    assert form_of("stribeck", "least_squares").limits.at_rest is None  # it depends on a parameter
-
-
 def test_zeros():
     law = ss.laws.catalogue["gaussian_viscous"]
     found = zeros(form_of("gaussian_viscous", "least_squares"))
@@ -151,42 +138,14 @@ def test_zeros():
 # -- code --------------------------------------------------------------------------------------------
 
 
-IN_EACH_LANGUAGE = pytest.mark.parametrize(
-    "language",
-    [
-        "python",
-        pytest.param("c", marks=pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")),
-        pytest.param("octave", marks=pytest.mark.skipif(shutil.which("octave-cli") is None, reason="no Octave")),
-    ],
-)
-OCTAVE = ["octave-cli", "--norc", "--quiet"]
-
-
-def run(language, text, calls, folder):
-    """The values of calls, each a name and numbers, of the functions in a text."""
-    if language == "python":
-        exec(compile(text, "text", "exec"), module := {})
-        return [module[name](*numbers) for name, numbers in calls]
-    if language == "c":
-        compiled(text + "\ndouble damping(void) { return 0.0; }\n", folder, 0)
-        functions = [getattr(ctypes.CDLL(str(folder / "damping.so")), name) for name, _ in calls]
-        for function, (_, numbers) in zip(functions, calls, strict=True):
-            function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * len(numbers)
-        return [function(*numbers) for function, (_, numbers) in zip(functions, calls, strict=True)]
-    (folder / "damping_criteria.m").write_text(text)
-    written = [f"criteria.{name}({', '.join(map(repr, numbers))})" for name, numbers in calls]
-    lines = [f'printf("%.17g\\n", {call});\n' for call in written]
-    (folder / "calls.m").write_text("criteria = damping_criteria();\n" + "".join(lines))
-    done = subprocess.run([*OCTAVE, "calls.m"], cwd=folder, capture_output=True, text=True, timeout=60, check=True)
-    return [float(line) for line in done.stdout.splitlines()]
-
-
 ODD = {"np": 0.5, "float": 0.3, "zip": 2.0, "M_PI": 0.2, "NAN": 0.1, "typeof": 0.4, "sum": 0.6, "sum_": 0.7}
 """Names of parameters that a language keeps, and their values."""
 
 
-@IN_EACH_LANGUAGE
+@pytest.mark.parametrize("language", PROGRAMS)
 def test_several_criteria_in_one_file(language, tmp_path):
+    if not runs(language):
+        pytest.skip(f"there is no {PROGRAMS[language]} on this machine; Debian has it")
     odd = ss.FrictionLaw("np*Abs(v - float) + zip*exp(-v/M_PI) + NAN*v^2 + typeof*v*sum/sum_",
                          parameters=[ss.Parameter("NAN")])  # fmt: skip
     forms = [*(form_of(*one) for one in FEW), ss.derive(odd)]
@@ -196,7 +155,7 @@ def test_several_criteria_in_one_file(language, tmp_path):
     names[-1] = f"damping_law_{len({form.law for form in forms})}_least_squares"
     calls = [(name, [float(point[key][0]) for key in form.arguments])
              for name, form, point in zip(names, forms, points, strict=True)]  # fmt: skip
-    values = run(language, ss.export_code(forms, language), calls, tmp_path)
+    values = values_of(language, ss.export_code(forms, language), calls, tmp_path)
     for form, point, value in zip(forms[:-1], points, values, strict=False):
         assert accuracy.units(form, point, np.array([value])).max() <= MOST_UNITS, form
     assert values[-1] == pytest.approx(forms[-1](**points[-1])[0], rel=1e-12)
@@ -259,13 +218,8 @@ def test_command_writes_all_outputs(tmp_path):
         (["exponential", "--latex", "x", "--c", "nowhere/y"], "cannot write 'nowhere/y'"),
     ],
 )
-def test_command_refuses_and_writes_nothing(arguments, complaint, tmp_path, monkeypatch, capsys):
-    from stickslip_sym.cli import program
-
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", ["stickslip", "export", *arguments])
-    with pytest.raises(SystemExit) as left:
-        program.main()
-    assert left.value.code == 2
-    assert re.search(complaint, capsys.readouterr().err)
+def test_command_refuses_and_writes_nothing(arguments, complaint, tmp_path, run):
+    code, _, said = run("export", *arguments)
+    assert code == 2
+    assert re.search(complaint, said)
     assert list(tmp_path.iterdir()) == []

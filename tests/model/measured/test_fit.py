@@ -316,6 +316,12 @@ CURVE = ss.FrictionLaw.from_samples([0, 1, 2, 3], [0.5, 0.4, 0.3, 0.2])
         (([1, 2], [1, 1], None, "lineer"), "did you mean 'linear'"),
         (([1, 2], [1, 1], None, ss.laws.linear.typical()), "it has no parameter without a value"),
         ((*data(), None, CURVE), "goes through measured points, and has nothing to fit"),
+        (([1, 2], [1]), r"v has the shape \(2,\) and mu \(1,\)"),
+        (([-1, 2], [1, 1]), "v = -1 is below 0"),
+        (([1, 2], [1, 7]), r"mu\[1\] = 7; a coefficient of friction is below 5"),
+        (([1, 2], [1, 1], [0.1, 0]), "sigma = 0 is not above 0"),
+        (([1, 2], [1, 1], [0.1]), r"sigma has the shape \(1,\)"),
+        (([1, float("nan")], [1, 1]), "not finite"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(arguments, message):

@@ -343,19 +343,3 @@ REFUSED = {
 def test_other_tables_are_refused_with_the_place(tmp_path, text):
     with pytest.raises(ss.InputError, match=REFUSED[text]):
         ss.read_measurements(write(tmp_path, text))
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (([1, 2], [1]), r"v has the shape \(2,\) and mu \(1,\)"),
-        (([-1, 2], [1, 1]), "v = -1 is below 0"),
-        (([1, 2], [1, 7]), r"mu\[1\] = 7; a coefficient of friction is below 5"),
-        (([1, 2], [1, 1], [0.1, 0]), "sigma = 0 is not above 0"),
-        (([1, 2], [1, 1], [0.1]), r"sigma has the shape \(1,\)"),
-        (([1, float("nan")], [1, 1]), "not finite"),
-    ],
-)
-def test_arrays_that_are_no_measurements_are_refused(arguments, message):
-    with pytest.raises(ss.InputError, match=message):
-        Measurements.of(*arguments)
