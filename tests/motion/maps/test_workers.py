@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
+from stickslip_sym.core import deadline
 from stickslip_sym.motion import workers
 from stickslip_sym.motion.maps import motions
 from stickslip_sym.motion.maps.cells import LATE
@@ -87,6 +88,17 @@ def uncompiled(monkeypatch):
 def test_processes_that_die_are_an_error():
     with pytest.raises(ss.NotConverged, match="a worker process ended before its work was done"):
         workers.collect(os._exit, [1, 1], workers=2)
+
+
+@pytest.mark.usefixtures("uncompiled")
+def test_time_that_is_left_goes_to_processes():
+    with deadline.time_limit(100):
+        assert all(0 < left < 100 for left in workers.collect(_left, [1, 2], workers=2))
+    assert workers.collect(_left, [1]) == [np.inf]
+
+
+def _left(_):
+    return deadline.time_left()
 
 
 @pytest.mark.parametrize("draw", [
