@@ -88,6 +88,13 @@ def test_laws_with_an_infinite_slope_at_rest(formula):
     assert (x[-1], v[-1]) == pytest.approx(tuple(expected), rel=1e-6)
 
 
+def test_stiff_motion_is_that_of_an_independent_integration(law):
+    osc = paper_oscillator(1e4)
+    motion = ss.simulate(law, osc, t_end=50.0, x0=0.2, v0=-3.0)
+    expected = independent_end(law, osc, 0.2, -3.0, 50.0)
+    assert (motion.x[-1], motion.v[-1]) == pytest.approx(tuple(expected), rel=1e-6)
+
+
 def test_driven_masses_overtake_and_have_a_cycle():
     law, osc = ss.laws.exponential.typical(), paper_oscillator(-1.0)
     cycle = ss.stick_slip_cycle(law, osc)
