@@ -102,8 +102,8 @@ ss.regime(law, osc)
 print(file=sys.stderr)
 ss.classify(law, osc, x0=[0.001 * i for i in range(20)], v0=[0.0] * 20)
 """
-    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=60).stderr
-    one, many = said.splitlines()
+    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=60)
+    one, many = said.stderr.splitlines()
     assert one == ""
     assert many.startswith("many motions are computed in plain Python; pip install")
 
