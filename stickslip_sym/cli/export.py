@@ -21,7 +21,7 @@ _KINDS = ("latex", *LANGUAGES, "save")
 
 
 @options.command(
-    click.Argument(["laws"], nargs=-1, **{**options.LAW_NAMES, "metavar": "LAW..."}),
+    click.Argument(["laws"], nargs=-1, **{**options.LAW_NAMES, "metavar": "[LAW]..."}),
     option("--all", is_flag=True, help="Every law of the catalogue."),
     options.DESCRIPTION, options.criterion("all"),
     file_option("--latex", help="A LaTeX document."),

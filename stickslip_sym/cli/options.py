@@ -195,7 +195,7 @@ FILE_OF_MEASUREMENTS = [
     option("--keep-outliers", is_flag=True, help="Keep rows off a smooth curve, which are refused otherwise."),
 ]  # fmt: skip
 """How a file of measurements is read."""
-LAW_NAMES: dict[str, Any] = {"metavar": "LAW", "shell_complete": _complete(lambda: ss.laws.catalogue)}
+LAW_NAMES: dict[str, Any] = {"metavar": "[LAW]", "shell_complete": _complete(lambda: ss.laws.catalogue)}
 """What an argument or an option has that takes the name of a law, or a formula."""
 AT = [
     click.Argument(["law"], required=False, **LAW_NAMES),

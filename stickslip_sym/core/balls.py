@@ -264,6 +264,11 @@ def _rationals(point: Mapping[Expr, Expr]) -> Callable[[Expr, list[Expr]], Expr]
     return value
 
 
+_COMPARISONS = {
+    "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq, "!=": operator.ne,
+}  # fmt: skip
+
+
 def chosen(expr: Expr, point: Point) -> Expr:
     """Return an expression with each kink replaced by what holds at a point; its other symbols stay."""
     return expr.xreplace({node: _decided(node, point) for node in expr.atoms(sp.Piecewise, sp.Min, sp.Max)})
@@ -283,4 +288,4 @@ def _holds(condition: Expr, point: Point) -> bool:
     if isinstance(condition, sp.And | sp.Or):
         return (all if isinstance(condition, sp.And) else any)(_holds(part, point) for part in condition.args)
     left, right = (number_at(side, point) for side in condition.args)
-    return bool(condition.func(left, right))
+    return bool(_COMPARISONS[condition.rel_op](left, right))  # SymPy's relations ask for assumptions, at length

@@ -3,6 +3,7 @@
 import copy
 import math
 from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self, SupportsFloat
@@ -246,7 +247,7 @@ class FrictionLaw:
     @property
     def slope_expr(self) -> Expr:
         """The derivative of mu with respect to the slip speed."""
-        return without_squares(sp.diff(self.expr, symbols.v))
+        return _slope_of(self.expr)
 
     @property
     def static_expr(self) -> Expr:
@@ -486,6 +487,11 @@ class FrictionLaw:
         ]
         table = [markup.table(["parameter", "value", "typical", "unit", "meaning"], rows)] if rows else []
         return markup.block(self.name or "friction law", head, *table, *notes)
+
+
+@lru_cache(maxsize=256)  # laws with other values share it
+def _slope_of(mu: Expr) -> Expr:
+    return without_squares(sp.diff(mu, symbols.v))
 
 
 def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:

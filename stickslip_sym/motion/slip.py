@@ -291,7 +291,7 @@ class Dimensionless:
 
         Raises `OutOfTime` when the time of a `time_limit` is up before a batch after the first.
         """
-        fast = is_compiling() and len(columns[0]) > few
+        fast = len(columns[0]) > few and is_compiling()
         rise = self.table.at(self.V, arrays=fast)
         shifts = np.zeros(len(rise.jumps))
         wedge = False, 0.0, (0.0, 0.0, 0.0, rise.pieces, shifts)

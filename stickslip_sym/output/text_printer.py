@@ -65,10 +65,13 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Mul(self, expr: Expr) -> str:
         number, rest = expr.as_coeff_Mul()
-        if is_decimal(number):
-            shown = self.parenthesize(rest, PRECEDENCE["Mul"])
-            return decimal(number) + (shown.removeprefix("1") if shown.startswith("1/") else f"*{shown}")
-        return str(super()._print_Mul(expr))
+        over = is_over_decimal(number)
+        if not (over or is_decimal(number)):
+            return str(super()._print_Mul(expr))
+        shown = self.parenthesize(rest, PRECEDENCE["Mul"])
+        if over:
+            return f"{'-' * bool(number < 0)}{shown}/{decimal(abs(1 / number))}"
+        return decimal(number) + (shown.removeprefix("1") if shown.startswith("1/") else f"*{shown}")
 
     def _print_Rational(self, expr: Expr) -> str:
         return decimal(expr) if is_decimal(expr) else str(super()._print_Rational(expr))

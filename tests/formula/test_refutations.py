@@ -113,10 +113,10 @@ def test_points_without_a_value_say_nothing(monkeypatch, error, fails, status):
     def fail(*_):
         raise error("not here")
 
-    monkeypatch.setattr(gate, "average_ball", sometimes)
-    monkeypatch.setattr(ss.quadrature, "average", fail)
     profile, closed = sp.exp(-symbols.v), -sp.exp(-V) + 1
     right = ss.derive(ss.FrictionLaw("exp(-v)")).averages[0][1].closed
+    monkeypatch.setattr(gate, "average_ball", sometimes)
+    monkeypatch.setattr(ss.quadrature, "average", fail)
     assert gate.verify(profile, ss.criteria.least_squares, right).status is status
     if status is ss.Status.CHECKED:
         assert gate.verify(profile, ss.criteria.least_squares, closed).status is ss.Status.REFUTED

@@ -195,3 +195,4 @@ def test_numbers_under_roots_are_not_expanded():
     assert sizes < 20
     assert ss.FrictionLaw(law.text).expr == law.expr
     assert "0.0788816" in ss.FrictionLaw("0.5 - 0.0788816*v").text
+    assert ss.FrictionLaw("0.5 - 0.3*exp(-v/0.0788816)").text == "1/2 - 3*exp(-v/0.0788816)/10"

@@ -2,6 +2,8 @@
 
 import os
 import pickle
+import subprocess
+import sys
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 
 import numpy as np
@@ -99,6 +101,23 @@ def test_time_that_is_left_goes_to_processes():
 
 def _left(_):
     return deadline.time_left()
+
+
+def test_only_many_motions_speak_of_the_extra():
+    script = """
+import sys
+sys.modules["numba"] = None
+import stickslip_sym as ss
+osc, law = ss.Oscillator(m=1, k=100, c=1, V=0.5, N=9.81), ss.laws.exponential.typical()
+motion = ss.simulate(law, osc, t_end=5).at(0.3)
+ss.regime(law, osc)
+print(file=sys.stderr)
+ss.classify(law, osc, x0=[0.001 * i for i in range(20)], v0=[0.0] * 20)
+"""
+    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=60)
+    one, many = said.stderr.splitlines()
+    assert one == ""
+    assert many.startswith("many motions are computed in plain Python; pip install")
 
 
 @pytest.mark.parametrize("draw", [

@@ -100,6 +100,16 @@ def test_polynomial_averages_need_no_range():
     assert ss.critical(ss.laws.coulomb_viscous.typical(), "N", c=1.0, V=0.5, method="equilibrium") == ()
 
 
+@pytest.mark.parametrize(
+    ("method", "square"), [("equilibrium", 1), ("least_squares", 21 / 26), ("harmonic", 12 / 15)]
+)
+def test_speeds_of_a_polynomial_law_in_closed_form(method, square):
+    law = ss.laws.polynomial.typical(v_m=2)
+    (speed,) = ss.critical(law, "V", c=0.0, N=9.81, method=method)
+    assert speed.value == pytest.approx(2 * math.sqrt(square), rel=1e-14)
+    assert ss.critical(law, "V", c=3.0, N=9.81, method=method) == ()
+
+
 def test_the_asymptotes_as_the_damping_vanishes():
     """least_squares: c = (5/2) N D/(alpha V^2); harmonic: c = N D sqrt(2/(pi alpha)) V^-3/2."""
     law, ND, alpha = ss.laws.exponential.typical(), 9.81 * 0.3, 3.0

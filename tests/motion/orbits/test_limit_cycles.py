@@ -54,6 +54,14 @@ def test_no_cycle_is_isolated_without_friction_and_damping():
     assert ss.limit_cycles(ss.laws.exponential.typical(), paper_oscillator(0.0, N=0.0)) == ()
 
 
+def test_floquet_exponent_is_slope_of_needed_damping():
+    """By the averaged equation dA/dt = A (need(A) - c)/(2 m), whose exponent at a cycle is A need'(A)/(2 m)."""
+    law, h = ss.laws.polynomial.typical(), 1e-5
+    low, cycle, high = (ss.limit_cycles(law, paper_oscillator(c))[0] for c in (3.25 - h, 3.25, 3.25 + h))
+    slope = 2 * h / (high.amplitude - low.amplitude)
+    assert cycle.floquet == pytest.approx(cycle.amplitude * slope / 2, rel=0.02)
+
+
 KINKED = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.36)")
 JUMPING = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.38)")
 MEASURED = ss.FrictionLaw.from_samples([0, 0.2, 0.4, 0.6, 0.8, 1.2], [0.5, 0.47, 0.43, 0.4, 0.39, 0.39])

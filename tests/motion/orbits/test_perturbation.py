@@ -41,6 +41,12 @@ def test_closed_form_of_polynomial_laws_is_the_sum(name):
         assert threshold(law, "second_order", **values) == pytest.approx(float(form.subs(point)), rel=AGREES)
 
 
+def test_closed_form_of_law_4_in_plain_numbers():
+    weak = 9.81 * 0.3 * (12 - 15 * 0.25) / 8
+    second = 31149 / 81920 * (9.81 * 0.3) ** 3 * 0.5**6 / 100
+    assert threshold(ss.laws.polynomial.typical(), "second_order") == pytest.approx(weak + second, rel=AGREES)
+
+
 def test_expansion_says_what_is_not_resolved():
     assert not expand(ss.laws.stribeck.typical(), [0.5]).resolved
     law = ss.FrictionLaw("0.5 - 0.1*sqrt(v)")

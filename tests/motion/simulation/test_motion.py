@@ -77,22 +77,6 @@ def test_laws_with_an_infinite_slope_at_rest(formula):
     assert np.array([x, v]) == pytest.approx(motions.lsoda(law, osc, x[0], v[0], t), rel=1e-6, abs=1e-9)
 
 
-def test_driven_masses_overtake_and_have_a_cycle():
-    law, osc = ss.laws.exponential.typical(), paper_oscillator(-1.0)
-    cycle = ss.stick_slip_cycle(law, osc)
-    motion = ss.simulate(law, osc, t_end=10.0, rtol=1e-12)
-    assert [event.begins for event in motion.events[3:6]] == [Phase.STICK, Phase.SLIP_BACK, Phase.SLIP_FORWARD]
-    periods = np.diff(motion.starts_of(Phase.STICK)[1:])
-    assert len(periods) > 5
-    assert periods == pytest.approx(cycle.period, rel=PERIOD_AGREES)
-    sticks = motion.starts_of(Phase.SLIP_BACK)[1:6] - motion.starts_of(Phase.STICK)[1:6]
-    assert sticks == pytest.approx(cycle.stick_time, rel=1e-8)
-    assert cycle.period == pytest.approx(cycle.stick_time + cycle.slip_time, rel=1e-15)
-    x, v = motion.x[motion.t > 2], motion.v[motion.t > 2]
-    assert (cycle.x_min, cycle.x_max) == pytest.approx((x.min(), x.max()), rel=PERIOD_AGREES)
-    assert (cycle.v_min, cycle.v_max) == pytest.approx((v.min(), v.max()), rel=PERIOD_AGREES)
-
-
 @pytest.mark.parametrize("c", [30.0, 1e5])
 def test_heavy_damping_creeps_to_rest_in_no_time(law, c):
     osc = paper_oscillator(c)
