@@ -127,14 +127,16 @@ class Study:
     @property
     def budget(self) -> Budget | None:
         """Which standard error brings how much of the threshold's; None where none does, or it was not found."""
-        known = self.threshold is not None and _DERIVATIVES not in self.refused
-        return self.threshold.budget if known else None
+        found = self.threshold
+        return None if found is None or _DERIVATIVES in self.refused else found.budget
 
     @property
     def nonlinearity(self) -> float:
         """The standard error of the threshold to second order over that to first; NaN where it was not found."""
-        known = self.budget is not None and _SECOND_ORDER not in self.refused
-        return self.threshold.nonlinearity if known else math.nan
+        found = self.threshold
+        if found is None or self.budget is None or _SECOND_ORDER in self.refused:
+            return math.nan
+        return float(found.nonlinearity)
 
     @property
     def by_law(self) -> tuple[ByLaw, ...]:
