@@ -5,7 +5,7 @@ import time
 from itertools import pairwise
 
 import numpy as np
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq
 
 import stickslip_sym as ss
@@ -174,6 +174,18 @@ def slip(mu, mu_0, osc, side, t, x, v, t_end, kinks):
                 break
             here = here if i == 0 else None
     return math.inf, solver.y
+
+
+def lsoda(law, osc, x, v, t):
+    """Return x and v of a slip at ascending times, from their first, by a method of several steps, in SI units."""
+    mu, side = law.function("math"), np.sign(osc.V - v)
+
+    def rates(_, y):
+        friction = side * osc.N * mu(max(side * (osc.V - y[1]), 1e-300))
+        return [y[1], (friction - osc.c * y[1] - osc.k * y[0]) / osc.m]
+
+    atol = 1e-12 * np.array((osc.length, osc.V))
+    return solve_ivp(rates, (t[0], t[-1]), (x, v), method="LSODA", t_eval=t, rtol=1e-11, atol=atol).y
 
 
 def simulated(law, osc, x0, v0, rtol=1e-12):

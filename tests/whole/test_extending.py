@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from commands import inside
+from languages import runs, values_of
 
 import stickslip_sym as ss
 from stickslip_sym.formula.code.languages import LANGUAGES
@@ -72,6 +73,18 @@ def test_a_criterion_by_every_route(name, forms, tmp_path):
     (speed, *_) = ss.critical(law, "V", c=1.0, N=9.81, method=form.criterion)
     assert ss.slope_average(law, form.criterion)(V=speed.value, N=9.81) == pytest.approx(1.0, rel=1e-12)
     assert f"eq:exponential-{form.criterion.label}" in ss.export_latex(form)
+
+
+@pytest.mark.parametrize("language", ["c", "octave"])
+def test_own_criteria_in_c_and_octave(language, forms, tmp_path):
+    if not runs(language):
+        pytest.skip(f"nothing here runs {language}")
+    values = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
+    own = list(forms.values())
+    names = [f"damping_exponential_{form.criterion.label}" for form in own]
+    calls = [(name, [values[key] for key in own[0].arguments]) for name in names]
+    found = values_of(language, ss.export_code(own, language), calls, tmp_path)
+    assert found == pytest.approx([form(**values) for form in own], rel=1e-13)
 
 
 def test_a_criterion_of_the_catalogue(monkeypatch):

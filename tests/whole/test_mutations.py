@@ -182,8 +182,12 @@ def test_claims_have_checks_and_data_have_mutations():
 
 
 def mutated(claim):
-    """Return the mutations of a claim."""
-    return [(key, altered) for mutant, key, altered in MUTATIONS if mutant == claim]
+    """Return the mutations of a claim; what is printed as an equation is negated, and doubled, besides."""
+    data = PRINTED[claim] if claim.startswith("E") else {}
+    equations = [(key, datum) for key, datum in data.items() if isinstance(datum, sp.Expr)]
+    scaled = [(key, factor * datum) for key, datum in equations for factor in (-1, 2)]
+    listed = [(key, altered) for mutant, key, altered in MUTATIONS if mutant == claim]
+    return listed + [(key, altered) for key, altered in scaled if altered != 0]
 
 
 README = (Path(proved.__file__).parent / "README.md").read_text(encoding="utf-8")

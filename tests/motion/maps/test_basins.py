@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from operating_points import paper_oscillator
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
-from stickslip_sym.motion.regimes.separatrix import SlipCurve
 
 BISTABLE = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2), ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)
 
@@ -41,7 +43,7 @@ def test_sides_say_what_motions_come_to(seed):
 
 
 def test_shares_are_areas_that_add_up():
-    """The known one of a box, that of a million cells, and those of boxes that are cut in two anywhere."""
+    """The known one of a box, and that of a million cells."""
     law, osc = BISTABLE
     found = ss.basin_map(law, osc, x0=np.linspace(-2, 2, 1000), v0=np.linspace(0, 2, 1000))
     assert (found.simulated, found.disagreements) == (200, 0)
@@ -51,42 +53,40 @@ def test_shares_are_areas_that_add_up():
     assert rest.error < 1e-8
     assert rest.value + found.share[Motion.STICK_SLIP].value == pytest.approx(1.0, abs=1e-14)
     assert abs(rest.value - 0.3165) < 0.02  # published, from 5,000 simulated initial conditions
-    rng = np.random.default_rng(5)
-
-    def share(x0, v0):
-        return ss.basin_map(law, osc, x0=x0, v0=v0).share[Motion.REST].value
-
-    for _ in range(6):
-        (left, x, right), (low, high) = np.sort(rng.uniform(-0.5, 1.8, 3)), np.sort(rng.uniform(-1, 2, 2))
-        parts = (x - left) * share((left, x), (low, high)) + (right - x) * share((x, right), (low, high))
-        assert parts == pytest.approx((right - left) * share((left, right), (low, high)), abs=1e-10)
 
 
-def disc_in_box(radius, x, y):
-    """Integrate the width of a disc about 0, cut at x, over y from its trace."""
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    corners = np.sqrt(np.maximum(radius**2 - np.array(x) ** 2, 0.0))
-    ends = np.unique(np.clip([*y, *corners, *-corners, -radius, radius], max(y[0], -radius), min(y[1], radius)))
-    low, high = np.arcsin(ends[:-1, None] / radius), np.arcsin(ends[1:, None] / radius)
-    half = radius * np.cos((low + high) / 2 + (high - low) / 2 * nodes)
-    return float(((high - low) / 2 * (np.clip(half, *x) - np.clip(-half, *x)) * half * weights).sum())
+@pytest.mark.parametrize("seed", range(3))
+def test_shares_are_areas_within_the_unstable_cycle(seed):
+    """Of random boxes, by Green's integral along the cycle that another integrator closes."""
+    rng = np.random.default_rng(seed)
+    law, osc = BISTABLE if seed == 0 else between_thresholds(rng, static=False)
+    rest, mu = osc.N * law.mu(osc.V) / osc.k, law.function("math")
 
+    def rates(_, y):
+        return [y[1], (osc.N * mu(max(osc.V - y[1], 0.0)) - osc.c * y[1] - osc.k * y[0]) / osc.m]
 
-def test_areas_of_circles_in_boxes():
-    """Without friction and damping orbits are circles, whose areas within boxes are known, and what is inside."""
-    rng, nodes = np.random.default_rng(5), -np.cos(np.pi * np.arange(13) / 12)
-    for _ in range(20):
-        radius, begin = rng.uniform((0.05, 0), (0.99, 7))
-        extremes = np.pi * np.ceil([begin / np.pi, begin / np.pi + 1])  # of w, where steps end
-        times = np.unique([*(begin + np.linspace(0, 2 * np.pi, 25)), *extremes])
-        t = (times[1:, None] * (1 + nodes) + times[:-1, None] * (1 - nodes)) / 2
-        curve = SlipCurve.through(radius * np.array([np.sin(t), -np.cos(t)]) + [[[0]], [[1]]])
-        q, w = np.sort(rng.uniform(-1, 1, 2)), np.sort(rng.uniform(0, 2, 2))
-        assert curve.area_within(q, w) == pytest.approx(disc_in_box(radius, q, w - 1), abs=1e-10)
-        assert curve.area_within(*np.array([[-1, 1], [0, 2]])) == pytest.approx(np.pi * radius**2, abs=1e-10)
-        angle, off = rng.uniform(0, 7, 50), rng.choice([-1, 1], 50) * 10 ** rng.uniform(-9, -1, 50)
-        x, y = (1 + off) * radius * np.array([np.sin(angle), np.cos(angle)])
-        assert curve.surrounds(x, y + 1, 1e-12).tolist() == (off < 0).tolist()
+    def turns(t, y):
+        return y[1] if t > 0 else -1.0
+
+    turns.terminal, turns.direction = True, -1
+
+    def round_from(x, **options):
+        return solve_ivp(rates, (0, 99), [x, 0], method="LSODA", events=turns, rtol=1e-12, atol=1e-13, **options)
+
+    closed = brentq(lambda x: round_from(x).y[0, -1] - x, rest + 1e-3 * osc.V, rest + 1.5 * osc.V, xtol=1e-12)
+    period = round_from(closed).t[-1]
+    t = np.linspace(0, period, 4001)
+    curve = CubicSpline(
+        t, solve_ivp(rates, (0, period), [closed, 0], "LSODA", t, rtol=1e-12, atol=1e-13).y, axis=1
+    )
+    x, v = curve(np.linspace(0, period, 200_001))
+    for _ in range(4):
+        box = rest + np.sort(rng.uniform(-1.2, 1.2, 2)) * osc.V, np.sort(rng.uniform(-1.2, 1.2, 2)) * osc.V
+        in_x, in_v = np.clip(x, *box[0]), np.clip(v, *box[1])
+        area = abs(np.sum((in_x[1:] + in_x[:-1]) / 2 * np.diff(in_v)))
+        found = ss.basin_map(law, osc, x0=tuple(box[0]), v0=tuple(box[1])).share
+        value = found[Motion.REST].value if Motion.REST in found else 0.0
+        assert value == pytest.approx(area / np.prod(np.ptp(box, axis=1)), abs=1e-7)
 
 
 def test_wrong_sides_are_noticed(monkeypatch):

@@ -5,11 +5,13 @@ import pickle
 import subprocess
 import sys
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
 
 import stickslip_sym as ss
+from stickslip_sym.core import deadline
 from stickslip_sym.motion import workers
 from stickslip_sym.motion.maps import motions
 from stickslip_sym.motion.maps.cells import LATE
@@ -91,6 +93,17 @@ def test_processes_that_die_are_an_error():
         workers.collect(os._exit, [1, 1], workers=2)
 
 
+@pytest.mark.usefixtures("uncompiled")
+def test_time_that_is_left_goes_to_processes():
+    with deadline.time_limit(100):
+        assert all(0 < left < 100 for left in workers.collect(_left, [1, 2], workers=2))
+    assert workers.collect(_left, [1]) == [np.inf]
+
+
+def _left(_):
+    return deadline.time_left()
+
+
 def test_only_many_motions_speak_of_the_extra():
     script = """
 import sys
@@ -108,16 +121,27 @@ ss.classify(law, osc, x0=[0.001 * i for i in range(20)], v0=[0.0] * 20)
     assert many.startswith("many motions are computed in plain Python; pip install")
 
 
+def press(done, total):
+    """Interrupt after two parts."""
+    if done == 2:
+        raise KeyboardInterrupt
+
+
+def test_control_c_prints_what_is_done(run, monkeypatch, tmp_path):
+    monkeypatch.setattr("stickslip_sym.cli.map.counted", lambda _: nullcontext(press))
+    code, out, err = run("map", "exponential", "--x", "V=0.2:0.8:7", "--y", "c=0.5:6:12", "--csv", "part.csv")
+    assert (code, err.strip()) == (130, "interrupted")
+    assert "stick-slip" in out
+    assert LATE in out
+    assert len((tmp_path / "part.csv").read_text().splitlines()) == 85
+
+
 @pytest.mark.parametrize("draw", [
     lambda **options: ss.motion_map(LAW, **PLANE, **options),
     lambda **options: ss.basin_map(LAW, ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81), **BOX, **options),
 ])  # fmt: skip
 def test_interruption_leaves_cells_undecided(draw, monkeypatch):
     monkeypatch.setattr("stickslip_sym.motion.maps.basins._TOGETHER", 7)
-
-    def press(done, total):
-        if done == 2:
-            raise KeyboardInterrupt
 
     whole, part = draw(), draw(progress=press)
     decided = part.motion != ss.Motion.UNDECIDED

@@ -62,6 +62,26 @@ def test_motions_are_those_of_solve_ivp(seed):
     assert ours.at(t).x == pytest.approx(other.at(t).x, abs=AGREES * (osc.length + np.ptp(ours.x)))
 
 
+@given(seed=st.integers(0, 10**6))
+def test_slips_are_those_of_lsoda(seed):
+    law, osc, x0, v0 = motions.one_point(seed)
+    motion, _ = motions.simulated(law, osc, x0, v0)
+    for stretch in motion.stretches[:3]:
+        if stretch.phase is not Phase.STICK:
+            t = np.linspace(stretch.start, stretch.end, 9)[1:-1]
+            x, v = stretch.course(t)
+            size = np.array([osc.length + np.ptp(x), osc.V + np.ptp(v)])[:, None]
+            off = motions.lsoda(law, osc, x[0], v[0], t) - [x, v]
+            assert np.abs(off / size).max() < 1e-7
+
+
+def test_stiff_slips_are_those_of_lsoda(law):
+    osc, t = paper_oscillator(1e4), np.array([0.0, 1e-4, 1e-2, 1.0, 50.0])
+    motion = ss.simulate(law, osc, t_end=50.0, x0=0.2, v0=-3.0)
+    found = motion.at(t)
+    assert np.array([found.x, found.v]) == pytest.approx(motions.lsoda(law, osc, 0.2, -3.0, t), rel=1e-5, abs=1e-8)
+
+
 @pytest.mark.parametrize("change", [{"c": 1.001}, {"N": 9.815}])
 def test_the_reference_notices_a_wrong_motion(law, change):
     other = ss.simulate(law, paper_oscillator(1.0), t_end=3.0, method="solve_ivp", rtol=1e-10)

@@ -136,6 +136,21 @@ def test_the_remainder_bound_is_sharp():
             assert abs(none.rest_w.abs_upper() / one.rest_w.abs_upper() - 4) < 1e-6
 
 
+def test_without_the_remainder_bound_mpmath_tells(monkeypatch):
+    """The negative control of the comparison with mpmath: twenty terms a step, with their bound and without."""
+    name, c, digits, friction = BY_MPMATH[1]
+    truth = mpmath.nstr(by_mpmath(friction, c, digits), digits)
+    for part, holds in ((0, False), (1, True)):
+
+        def step(field, q, w, terms, part=part, **how):
+            found = flow(field, q, w, 20, **how)
+            return boxes.Flow(found.q, found.w, found.time, found.rest_q * part, found.rest_w * part)
+
+        monkeypatch.setattr(boxes, "flow", step)
+        with working_precision(160):
+            assert transit(point(LAWS[name]), R(c), 120).lowest.overlaps(arb(truth)) == holds
+
+
 @sweep("name", ["exponential", "root", "kink"], "exponential", "kink")
 def test_the_highest_slip_speed_is_bounded(name):
     law, c = LAWS[name], 3.6
