@@ -11,6 +11,7 @@ from pages import XHTML, check_well_formed, look_at
 import stickslip_sym as ss
 from stickslip_sym.comparison.study import study as studies
 from stickslip_sym.model.measured.measurements import Measurements
+from stickslip_sym.motion.thresholds.threshold import Threshold
 
 OSC = ss.Oscillator(m=1, k=100, c=2, V=0.5, N=9.81)
 PARTS = ["headline", "verdict", "thresholds", "law", "sensitivities", "margins", "formulas", "assumed", "versions"]
@@ -247,3 +248,17 @@ def test_parts_that_take_too_long_are_named(monkeypatch):
     text = "".join(check_well_formed(page).itertext())
     assert "The margins could not be computed: the time limit was reached" in text
     assert "There is no threshold here" in text
+
+
+def test_second_order_without_time_is_named(monkeypatch):
+    def late(_):
+        raise ss.OutOfTime("the time limit was reached")
+
+    monkeypatch.setattr(Threshold, "nonlinearity", property(late))
+    law, osc, errors = point(1)
+    study = ss.study(law, osc, errors=errors, time_limit=300)
+    why = "The second order of its standard error could not be computed: the time limit was reached."
+    assert why in study.findings
+    assert study.needed[1] == studied(1).needed[1]
+    text = "".join(check_well_formed(drawn_without(study, monkeypatch)).itertext())
+    assert "To second order it could not be computed." in text
