@@ -33,18 +33,6 @@ def test_bind_is_partial_and_leaves_the_law_alone():
     assert full.values == {"mu_s": sp.Rational(1, 2), "mu_m": sp.Rational(1, 5), "alpha": sp.Integer(3)}
 
 
-@pytest.mark.parametrize(
-    ("value", "read"),
-    [
-        (0.1, sp.Rational(0.1)), ("0.1", sp.Rational(1, 10)), ("1/3", sp.Rational(1, 3)),
-        (np.int64(3), sp.Integer(3)), (np.float64(0.25), sp.Rational(1, 4)), (sp.Float("0.5"), sp.Rational(1, 2)),
-        (sp.Rational(2, 7), sp.Rational(2, 7)), (mpmath.mpf("0.5"), sp.Rational(1, 2)),
-    ],
-)  # fmt: skip
-def test_numbers_are_read_exactly(value, read):
-    assert ss.FrictionLaw("b*v").bind(b=value).values["b"] == read
-
-
 LAW = ss.laws.exponential
 REFUSED = [
     *((rf"alpha = {re.escape(repr(value))} is", lambda value=value: LAW.bind(alpha=value))
