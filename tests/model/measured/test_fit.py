@@ -170,6 +170,8 @@ def test_what_cannot_be_told_apart_is_said():
     v, mu = data(ss.laws.stribeck, noise=0.003)
     with pytest.raises(ss.InputError, match=r"do not tell a and b apart; fix one: law\.bind\([ab]=\.\.\.\)"):
         ss.fit(v, mu, laws="a*b/(1 + v)")
+    with pytest.raises(ss.InputError, match="say nothing of v_1; fix it"):
+        ss.fit(v, mu, laws="Piecewise((a - b*v, v < v_1), mu_d)")
     with pytest.raises(ss.InputError, match=r"4 free parameters, and 5 rows at 5 speeds are too few"):
         ss.fit(v[:5], mu[:5], laws="stribeck")
     fixed = ss.fit(v, mu, laws=ss.laws.stribeck.bind(delta=1.5)).best

@@ -161,6 +161,10 @@ def test_rows_with_faults_are_left_out_and_counted(tmp_path):
         assert f"1 {str(read).split('rows left out: 1 ')[1]}" in str(read)
     path = write(tmp_path, "\n".join(["v,mu", *rows, "0.55,0.9"]))
     assert len(ss.read_measurements(path, keep_outliers=True)) == 41
+    path = write(tmp_path, "\n".join(["v [m/s],mu", *rows, "v [m/s],mu", *rows]))
+    assert len(ss.read_measurements(path, leave_out=True)) == 80
+    with pytest.raises(ss.InputError, match=r"line 42: another header, 'v .mm/s.,mu', begins a second table"):
+        ss.read_measurements(write(tmp_path, "\n".join(["v,mu", *rows, "v [mm/s],mu", *rows])), leave_out=True)
 
 
 SOME = ["exponential", "stribeck", "andersson", "quintic"]
