@@ -50,5 +50,7 @@ def _compiled(arguments: tuple[Expr, ...], expr: Expr | tuple[Expr, ...], backen
 
 def _in_floats(expr: Expr) -> Expr:
     """Replace the numbers in an expression that NumPy's integers do not hold."""
+    if isinstance(expr, sp.Piecewise):  # SymPy would compare all places again
+        return sp.Piecewise(*((_in_floats(part), _in_floats(holds)) for part, holds in expr.args), evaluate=False)
     long = [number for number in expr.atoms(sp.Rational) if max(abs(number.p), number.q) > _LONGEST]
     return expr.xreplace({number: sp.Float(number, _DIGITS) for number in long})
