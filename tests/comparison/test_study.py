@@ -98,6 +98,9 @@ def test_the_page_has_the_numbers_of_functions(seed, monkeypatch):
         scale = 0.01 if "%" in shown else 1.0
         number = float(shown.removeprefix("< ").removesuffix(" %")) * scale
         assert value < number if shown.startswith("<") else number == pytest.approx(value, rel=0.06, abs=6e-4)
+    (threshold,) = (node for node in root.iter() if node.get("id") == "threshold")
+    error = "".join(list(threshold.iter("data"))[1].itertext())
+    assert len(error.replace(".", "").lstrip("0")) == 2  # both to two digits of the error
     below = studied(seed).oscillator.c < studied(seed).threshold.value
     assert ("c is below it" in page) == below
 
