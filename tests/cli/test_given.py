@@ -57,7 +57,6 @@ REFUSED = [
     ("derive", "no law: give a name (see: stickslip laws), a formula in v, or --from-csv FILE"),
     ("derive linear --from-csv a.csv", "the law is given twice, as 'linear' and by --from-csv"),
     ("derive --from-csv none.csv", "cannot read 'none.csv': No such file"),
-    ("export linear --c a --latex a", "two outputs have the same file"),
     ("derive linear --criterion all --save f", "--save keeps one closed form; name one"),
     ("damping linear --metod orbit", "Did you mean one of: '--method'"),
     ("damping linear -v 1", "No such option '-v'. Did you mean -V? See: stickslip damping --help"),
@@ -111,6 +110,16 @@ REFUSED = [
     ("damping --point latin.toml", "latin.toml is no text in UTF-8; save it as UTF-8"),
     ("damping --point number.toml", "law = 3 is no text; write law = \"NAME\", or a formula in v"),
     ("simulate --point ok.toml --point ok.toml", "simulate takes one --point; damping and study take several"),
+    # files to write
+    *((f"export {line}", message) for line, message in (
+        ("exponental --c x", "did you mean 'exponential'"), ("exponential", "nothing to write"),
+        ("--c x", "no law"), ("exponential --c x --c y", "--c is given twice"),
+        ("exponential --c x --save ./x", "two outputs have the same file"),
+        ("linear linear --c x", "'linear' is given twice"), ("linear --all --c x", "--all is every law already"),
+        ("linear --c x --steps", "belongs to --latex"), ("linear --latex x --symbol a_1=a+b", "is not one symbol"),
+        ("exponential --latex x --symbol alfa=a", "did you mean 'alpha'"),
+        ("linear --latex x --c nowhere/y", "cannot write 'nowhere/y'"),
+    )),
 ]  # fmt: skip
 
 
