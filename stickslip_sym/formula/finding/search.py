@@ -19,7 +19,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time, time_left
 
 Progress = Callable[[str], None]
-"""Told in a few words what is being done."""
+"""Called with a few words on the present step."""
 
 RULE = "SymPy's integrator"
 _PATIENCE = 8.0  # times as long as its own time a process may take on a busy machine
