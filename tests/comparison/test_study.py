@@ -235,11 +235,13 @@ def test_the_headline_is_a_decision(c):
         (ss.laws.polynomial.typical(), {"errors": {"N": "9.0(1)"}}, "give the same value"),
         (ss.laws.polynomial.typical(), {"errors": {"N": "9.81+/-x"}}, "not a number with a standard error"),
         (ss.laws.polynomial.typical(), {"time_limit": -1}, "time_limit = -1"),
+        (ss.laws.polynomial.typical(), {"osc": 3}, "osc is an Oscillator, got int: 3"),
+        (ss.laws.polynomial.typical(), {"errors": 3}, "errors is a mapping such as"),
     ],
 )
 def test_what_cannot_be_studied_is_refused(law, change, reason):
     with pytest.raises(ss.InputError, match=re.escape(reason)):
-        ss.study(law, OSC, **change)
+        ss.study(law, **{"osc": OSC} | change)
 
 
 def test_parts_that_take_too_long_are_named(monkeypatch):

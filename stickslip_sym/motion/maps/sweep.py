@@ -17,6 +17,7 @@ import numpy as np
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.numbers import require_type
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
@@ -162,6 +163,7 @@ def basin_sweep(
     """
     law = as_law(law)
     axis = read_axis(law, "over", over)
+    require_type("osc", osc, Oscillator, "an Oscillator")
     box = _limits("x0", x0), _limits("v0", v0)
 
     def at(value: float) -> tuple[FrictionLaw, Oscillator]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NO_RESULT, InputError, OutOfTime, StickSlipError
+from stickslip_sym.core.numbers import require_type
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
@@ -101,7 +102,7 @@ class Margins:
 
     @property
     def stick_slip(self) -> bool:
-        """Whether stick-slip is possible as things are: c lies below the threshold."""
+        """Whether stick-slip is possible: c lies below the threshold."""
         return bool(self.c < self.threshold.value)
 
     @property
@@ -182,12 +183,19 @@ def margins(
         As `critical`, and for an error of what has none, or of another value than the oscillator's.
     OutOfTime
         When the time limit is reached.
+
+    Examples
+    --------
+    >>> from stickslip_sym import Oscillator, laws
+    >>> found = margins(laws.linear.typical(), Oscillator(m=1, k=100, c=2, V=0.5, N=9.81))
+    >>> print(found.rows[0].name, f"{found.rows[0].change:+.3f}")
+    c -0.264
     """
     law = as_law(law)
     if not reach > 1:
         raise InputError(f"reach = {reach:g} is no factor above 1, by which a value may change; 10 is usual")
-    quantities = {one.name: getattr(osc, one.name) for one in fields(osc)}
     carried = carried_by(osc, errors or {})
+    quantities = {one.name: getattr(osc, one.name) for one in fields(osc)}
     with deadline.time_limit(time_limit):
         numbers = {name: carried.get(name, quantities[name]) for name in "VNmk"}
         threshold = pure_slip_damping(law, **numbers, method=method, rtol=rtol)
@@ -215,6 +223,8 @@ def margins(
 
 def carried_by(osc: Oscillator, errors: Mapping[str, str | UFloat]) -> dict[str, UFloat]:
     """Return the quantities that carry a standard error; each must have the oscillator's value."""
+    require_type("osc", osc, Oscillator, "an Oscillator")
+    require_type("errors", errors, Mapping, "a mapping such as {'V': '0.50(1)'}")
     carried = {}
     for name, given in errors.items():
         if name not in ("V", "N", "m", "k", "c"):
