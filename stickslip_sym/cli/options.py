@@ -26,6 +26,11 @@ _BELONGS = {
     "extrapolate": "it belongs to --from-csv: a formula holds at all speeds",
     "column radius speeds leave_out keep_outliers": "it belongs to a file of measurements",
     "x0 v0": "it belongs to --basins or --all",
+    "criterion": "it belongs to the value of a criterion, or --all",
+    "method": "every method is compared",
+    "within": "it belongs to one quantity, --of NAME",
+    "plot": "it draws the fit of one file",
+    "V N m k": "its critical values are computed",
     "c": "the damping has no part in this",
     "fragment steps symbol": "it belongs to --latex FILE",
 }
@@ -129,9 +134,7 @@ def _read_file(text: str, name: str, *, endings: Sequence[str]) -> Path:
     if endings is _PICTURES:
         drawing.require_matplotlib()
     if not click.get_current_context().params.get("overwrite") and files.is_kept(path):
-        raise InputError(
-            f"{text!r} exists, and {name} writes: name another file, or add --overwrite to replace it"
-        )
+        raise InputError(f"{text!r} exists: name another file by {name}, or add --overwrite to replace it")
     return path
 
 

@@ -87,7 +87,7 @@ def _explained(error: click.ClickException) -> str:
     context = getattr(error, "ctx", None)
     options = [name for option in (context.command.params if context else []) for name in option.opts]
     other_case = getattr(error, "option_name", "").swapcase()
-    if not message.endswith(("?", ".", ")")):
+    if not message.endswith(("?", ".")):
         message += "."
     if other_case in options:
         message += f" Did you mean {other_case}?"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from stickslip_sym.cli.fit import fitted, laws_to_fit
 from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_all, in_options, point_of
 from stickslip_sym.cli.reading import assignments, law_described, points, reading_of
-from stickslip_sym.core.errors import InputError, InputWarning
+from stickslip_sym.core.errors import InputError
 
 
 @options.command(
@@ -68,17 +67,15 @@ def run(given: Given) -> None:
     for one in at:
         suffix = f"-{one.file.stem}" if len(at) > 1 and one.file is not None else ""
         page, paper = (path and path.with_stem(path.stem + suffix) for path in (output, pdf))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", InputWarning)  # they head what is printed
-            found = ss.study(
-                fits or one.law, ss.Oscillator(**one.numbers), errors=one.texts, measured=measured, name=name,
-                defaults=(*one.typical, *one.defaults), time_limit=limit,
-            )  # fmt: skip
+        found = ss.study(
+            fits or one.law, ss.Oscillator(**one.numbers), errors=one.texts, measured=measured, name=name,
+            defaults=(*one.typical, *one.defaults), time_limit=limit,
+        )  # fmt: skip
         found.save(page)
         written = f"{page}: {len(found.page) / 1000:.0f} kB, in {found.seconds:.1f} s"
         if paper is not None:
             found.print(paper)
             written += f"\n{paper}: the same, printed"
         contents.append({**point_of(one), "study": found, "page": page, "pdf": paper})
-        texts.append(f"{one}\n\n{in_options(str(found))}\n{written}")
+        texts.append("\n".join([f"{one}\n", *map(in_options, found.findings), written]))
     echo_all(given, contents, texts)

@@ -271,6 +271,8 @@ _COMPARISONS = {
 
 def chosen(expr: Expr, point: Point) -> Expr:
     """Return an expression with each kink replaced by what holds at a point; its other symbols stay."""
+    if isinstance(expr, sp.Piecewise):  # looking through all pieces takes long where they are many
+        return _decided(expr, point)
     return expr.xreplace({node: _decided(node, point) for node in expr.atoms(sp.Piecewise, sp.Min, sp.Max)})
 
 

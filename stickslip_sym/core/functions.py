@@ -7,9 +7,10 @@ and programs in other languages look it up when they need it.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import mpmath
+import numpy as np
 import sympy as sp
 from flint import acb, arb, arb_series
 from sympy.codegen.cfunctions import expm1, log1p
@@ -57,6 +58,10 @@ class Function:
     r"""Its name in LaTeX; by default ``\operatorname{name}``, None where it is printed in a way of its own."""
     indexed: bool = False
     """Whether LaTeX writes the first argument as an index."""
+    floats: Callable[..., Any] | None = None
+    """From floats or arrays; None where SciPy, else NumPy, and math have it by its name."""
+    mpf: Callable[..., Mpf] | None = None
+    """From numbers of mpmath; None where mpmath has it by its name."""
     squared: bool = False
     """Whether LaTeX writes powers on the name."""
     meaning: str = ""
@@ -249,7 +254,7 @@ _ROWS = (
              gain=lambda x, a, gain: -sp.sinh(gain) / (sp.sinh(x) * sp.sinh(a)), in_laws=True, latex=r"\coth",
              squared=True, c="(1.0/tanh({}))", python="(1.0/np.tanh({}))"),
     Function(langevin.Langevin, langevin.in_balls, series=langevin.in_series, analytic=True, bounded=True,
-             latex=None),
+             floats=langevin.in_floats, mpf=langevin.in_mpmath, latex=None),
     Function(sp.csch, acb.csch, c="(1.0/sinh({}))", python="(1.0/np.sinh({}))"),
     # Arb's own asinh is not finite on wide balls.
     Function(sp.asinh, lambda z: (z + (z * z + 1).sqrt()).log(), _outside_imaginary_unit,
@@ -268,7 +273,7 @@ _ROWS = (
              meaning=r"$\operatorname{erf}$ is the error function", c="erf", python="_erf"),
     Function(sp.erfc, acb.erfc, series=arb_series.erfc, analytic=True, bounded=True, c="erfc", python="_erfc"),
     Function(sp.erfi, acb.erfi, series=arb_series.erfi, analytic=True),
-    Function(expm1, acb.expm1, c="expm1", python="np.expm1"),
+    Function(expm1, acb.expm1, floats=np.expm1, c="expm1", python="np.expm1"),
     Function(log1p, acb.log1p, lambda z: _below_zero(1 + z), c="log1p", python="np.log1p"),
     Function(sp.besseli, lambda order, z: z.bessel_i(order), _anywhere, domain=_of_whole_order,
              hypergeometric=_bessel(1), latex="I", indexed=True,
@@ -301,7 +306,7 @@ _ROWS = (
     Function(sp.elliptic_pi, acb.elliptic_pi, _anywhere, domain=lambda n, m: (1 - n, 1 - m), latex=r"\Pi",
              meaning=r"$\Pi(n, m)$ is the one of the third kind, of the characteristic $n$"),
     Function(Lerch, lambda z, s, a: z.lerch_phi(s, a), _anywhere,
-             domain=lambda z, s, a: () if z.is_nonpositive else None, latex=r"\Phi"),
+             domain=lambda z, s, a: () if z.is_nonpositive else None, mpf=lerch, latex=r"\Phi"),
     Function(sp.Ei, acb.ei, _anywhere),
     Function(sp.Si, acb.si, _anywhere),
     Function(sp.Ci, acb.ci, _anywhere),

@@ -8,23 +8,21 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, Literal
 
-import numpy as np
 import sympy as sp
 
-from stickslip_sym.core import langevin
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import lerch
+from stickslip_sym.core.functions import FUNCTIONS
 
 Backend = Literal["numpy", "math", "mpmath"]
 
+_OWN = {
+    column: {row.name: getattr(row, column) for row in FUNCTIONS.values() if getattr(row, column) is not None}
+    for column in ("floats", "mpf")
+}
 _MODULES: dict[Backend, list[Any]] = {
-    "math": [{"Langevin": langevin.in_floats}, "math"],
-    "mpmath": [{"Lerch": lerch, "Langevin": langevin.in_mpmath}, "mpmath"],
-    "numpy": [
-        {"expm1": np.expm1, "Langevin": langevin.in_floats},
-        "scipy",
-        "numpy",
-    ],  # SciPy's expm1 takes no extended precision
+    "math": ["math", _OWN["floats"]],
+    "mpmath": [_OWN["mpf"], "mpmath"],
+    "numpy": [_OWN["floats"], "scipy", "numpy"],
 }
 _LONGEST = 2**62  # whole numbers above make NumPy leave its own types for Python's objects
 _DIGITS = 20  # of a number as text: enough that reading it back gives the nearest double
@@ -52,5 +50,7 @@ def _compiled(arguments: tuple[Expr, ...], expr: Expr | tuple[Expr, ...], backen
 
 def _in_floats(expr: Expr) -> Expr:
     """Replace the numbers in an expression that NumPy's integers do not hold."""
+    if isinstance(expr, sp.Piecewise):  # SymPy would compare all places again
+        return sp.Piecewise(*((_in_floats(part), _in_floats(holds)) for part, holds in expr.args), evaluate=False)
     long = [number for number in expr.atoms(sp.Rational) if max(abs(number.p), number.q) > _LONGEST]
     return expr.xreplace({number: sp.Float(number, _DIGITS) for number in long})

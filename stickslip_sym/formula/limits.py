@@ -14,7 +14,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import elementary, row
+from stickslip_sym.core.functions import elementary, row, without_squares
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import Average
 from stickslip_sym.formula.finding import search
@@ -47,7 +47,7 @@ def limits_of(averages: Iterable[tuple[Term, Average]], mu: Expr) -> Limits:
     for term, average in averages:
         share = -symbols.N * term.amplitude / term.scale
         # With V for v, which is positive where the slip speed may be 0: only then SymPy knows that exp(-v) falls.
-        slope = average.slope.xreplace({symbols.v: V})
+        slope = without_squares(average.slope).xreplace({symbols.v: V})
         for found, end in ((_at_rest, ends[0]), (_far, ends[1])):
             limit = found(slope, average.criterion)
             end.append(None if limit is None else share * term.in_parameters(limit))
@@ -83,16 +83,18 @@ def _at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
     value = rest.subs(V, 0)  # what is finite there is continuous
     roots = [power for power in rest.atoms(sp.Pow) if power.base.subs(V, 0) == 0]
     finite = all(power.exp.is_nonnegative for power in roots) and not value.has(sp.zoo, sp.nan, sp.oo)
-    if not poles and not finite:
-        limit = search.limit(slope, V, sp.S.Zero, _SECONDS)
-        # The average is infinite too where no part of the weight is negative.
-        changes = criterion.is_polynomial and any(0 < p < 2 for p in criterion.from_rest.real_roots())
-        return None if changes and limit in (sp.oo, -sp.oo) else limit
-    if not poles:
+    if finite and not poles:
         return value
-    (c, p), *others = poles
-    integrable = (p + criterion.order_at_rest + 1).is_positive is not False or criterion.weight is None
-    return c * criterion.mean_power(p) * V**p if finite and integrable and not others else None
+    if finite:
+        (c, p), *others = poles
+        integrable = (p + criterion.order_at_rest + 1).is_positive is not False or criterion.weight is None
+        return c * criterion.mean_power(p) * V**p if integrable and not others else None
+    if poles:
+        return None
+    limit = search.limit(slope, V, sp.S.Zero, _SECONDS)
+    # The average is infinite too where no part of the weight is negative.
+    changes = criterion.is_polynomial and any(0 < p < 2 for p in criterion.from_rest.real_roots())
+    return None if changes and limit in (sp.oo, -sp.oo) else limit
 
 
 @lru_cache(maxsize=256)

@@ -59,8 +59,12 @@ def limit_at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> float:
     if value is sp.nan:
         # Values of exponents decide the limit of v^p/v; those of other parameters stay out of the algebra.
         bound = lowest.replace(sp.Pow, lambda b, p: b ** (p if p.has(symbols.v) else number_at(p, values)))
-        limit = symbolic_limit_at_rest(bound)
-        value = limit if limit.has(sp.nan) or limit.is_infinite else number_at(limit, values)
+        infinite = sp.Dummy("infinite")
+        value = symbolic_limit_at_rest(bound).xreplace({sp.oo: infinite, -sp.oo: -infinite})
+        if value.has(infinite):  # times 1, or a sign that the values decide
+            value = number_at(value.coeff(infinite), values) * sp.oo
+        elif not value.has(sp.nan, sp.zoo):
+            value = number_at(value, values)
     return math.nan if value.has(sp.zoo) else float(value)
 
 

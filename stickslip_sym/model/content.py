@@ -20,16 +20,16 @@ _ABOUT = ("name", "source", "validity")
 
 
 def law_out(law: FrictionLaw) -> dict[str, object]:
-    """Return a law as nested dictionaries and lists of text."""
+    """Return a law as nested dictionaries and lists of text: its formula as it was read, and will be again."""
     content: dict[str, object] = {key: getattr(law, key) for key in _ABOUT} | {
         "parameters": [asdict(parameter) for parameter in law.parameters.values()],
         "values": {name: str(value) for name, value in law.values.items()},
-        "static": None if law.static is None else text(law.static),
+        "static": law._static_formula,
     }
     if law.uncertain:
         content["errors"] = _errors_out(law.uncertain)
     if law.curve is None:
-        return content | {"formula": text(law.expr)}
+        return content | {"formula": law._formula or text(law.expr)}
     cubics = [[str(coefficient) for coefficient in cubic] for cubic in law.curve.cubics]
     end = None if law.curve.end is None else str(law.curve.end)
     return content | {"places": [str(place) for place in law.curve.places], "cubics": cubics, "end": end}
@@ -80,5 +80,5 @@ def _errors_in(content: dict[str, Any], law: FrictionLaw) -> dict[str, UFloat]:
 
 
 def text_of_law(law: FrictionLaw) -> str:
-    """Return a law as one text, the same for the same law."""
+    """Return a law as one text."""
     return json.dumps(law_out(law), sort_keys=True)

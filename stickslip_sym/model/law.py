@@ -23,7 +23,7 @@ from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import places
-from stickslip_sym.model.expression.reading import read_formula, read_static
+from stickslip_sym.model.expression.reading import as_text, read_formula, read_static
 from stickslip_sym.model.expression.units import check_units
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
@@ -99,13 +99,18 @@ class FrictionLaw:
             require_type(key, value, str | None, "text")
         described = _described(parameters, units)
         table = dict(described)
-        self.expr = read_formula(formula, table)
-        self.static: Expr | None = None if static is None else read_static(static, table)
+        self._formula: str | None = as_text(formula)
+        self.expr = read_formula(self._formula, table)
+        self._read_static(static, table)
         self.curve: SampledCurve | None = None
         self.name, self.source, self.validity = name, source, validity
         self._values: dict[str, Rational] = {}
         self._uncertain: dict[str, UFloat] = {}
         self._take(table, described)
+
+    def _read_static(self, static: str | float | Expr | None, table: dict[str, Parameter]) -> None:
+        self._static_formula = None if static is None else as_text(static)
+        self.static: Expr | None = None if static is None else read_static(as_text(static), table)
 
     def _take(self, table: Mapping[str, Parameter], described: Iterable[str]) -> None:
         """Keep the parameters that occur, with their values; refuse others that are described, and wrong units."""
@@ -142,7 +147,7 @@ class FrictionLaw:
             raise InputError(f"the parameter {known!r} has its description already, by the law")
         table = {**self.parameters, **described}
         law = copy.copy(self)
-        law.static = None if static is None else read_static(static, table)
+        law._read_static(static, table)
         law._take(table, described)
         return law
 
@@ -274,7 +279,7 @@ class FrictionLaw:
             law.expr = symbols.v * self.slope_expr - self.expr
         else:
             law.expr = sp.diff(self.expr, self._parameters[name].symbol)
-        law.curve = law.static = None
+        law.curve = law.static = law._formula = law._static_formula = None
         return law
 
     # -- values --------------------------------------------------------------------------------------

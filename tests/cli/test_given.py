@@ -78,6 +78,7 @@ REFUSED = [
     # measurements
     ("study linear --fit disc.csv --from-csv disc.csv", "given twice, by --fit and by --from-csv"),
     ("study --fit disc.csv --static 0.7", "--static does nothing here"),
+    ("fit disc.csv --law linear -p mu_s=0.5+/-0.1", "linear: mu_s is fixed with a standard error, which no fit"),
     ("study --fit bad.csv", "line 3, column 2, 'mu'"),
     ("study linear -o page.txt", "--output page.txt: its ending is none of .html, .htm, .xhtml"),
     ("study linear -c 1 --point ok.toml --point q/ok.toml", "several files of values are called 'ok'"),
@@ -94,7 +95,10 @@ REFUSED = [
     ("derive linear --extrapolate", "--extrapolate does nothing here: it belongs to --from-csv"),
     ("export linear --c --latex", "--c --latex: an option is no name of a file; write --c FILE, or ./--latex"),
     ("tradeoff linear --x0 0:1", "--x0 does nothing here: it belongs to --basins or --all"),
-    ("critical linear --of N -c 1 -N 2", "-N does nothing here"),
+    ("critical linear --of N -c 1 -N 2", "-N does nothing here: its critical values are computed"),
+    ("critical linear -c 1 --within 1:2", "--within does nothing here: it belongs to one quantity, --of NAME"),
+    ("damping linear --all --method orbit", "--method does nothing here: every method is compared"),
+    ("damping exponential --static 0.4", "the static coefficient 0.4 is below mu(0+) = 0.5"),
     # standard errors that would be dropped
     ("derive exponential -p mu_s=0.5+/-0.1", "derive takes no standard errors: leave +/- out of -p mu_s"),
     ("simulate exponential -V 0.5(1)", "simulate takes no standard errors: leave +/- out of -V"),
@@ -106,6 +110,16 @@ REFUSED = [
     ("damping --point latin.toml", "latin.toml is no text in UTF-8; save it as UTF-8"),
     ("damping --point number.toml", "law = 3 is no text; write law = \"NAME\", or a formula in v"),
     ("simulate --point ok.toml --point ok.toml", "simulate takes one --point; damping and study take several"),
+    # files to write
+    *((f"export {line}", message) for line, message in (
+        ("exponental --c x", "did you mean 'exponential'"), ("exponential", "nothing to write"),
+        ("--c x", "no law"), ("exponential --c x --c y", "--c is given twice"),
+        ("exponential --c x --save ./x", "two outputs have the same file"),
+        ("linear linear --c x", "'linear' is given twice"), ("linear --all --c x", "--all is every law already"),
+        ("linear --c x --steps", "belongs to --latex"), ("linear --latex x --symbol a_1=a+b", "is not one symbol"),
+        ("exponential --latex x --symbol alfa=a", "did you mean 'alpha'"),
+        ("linear --latex x --c nowhere/y", "cannot write 'nowhere/y'"),
+    )),
 ]  # fmt: skip
 
 
@@ -142,7 +156,7 @@ def test_nothing_is_overwritten_unless_asked(line, run, tmp_path):
     path.write_text(POINTS)
     code, out, err = run(*words)
     assert (code, out, path.read_text()) == (2, "", POINTS)
-    assert f"'{path.name}' exists, and --" in err
+    assert f"'{path.name}' exists: name another file by --" in err
     assert "add --overwrite to replace it" in err
     assert run(*words, "--overwrite")[0] == 0
     assert path.read_bytes() != POINTS.encode()

@@ -11,6 +11,7 @@ from pages import XHTML, check_well_formed, look_at
 import stickslip_sym as ss
 from stickslip_sym.comparison.study import study as studies
 from stickslip_sym.model.measured.measurements import Measurements
+from stickslip_sym.motion.thresholds.threshold import Threshold
 
 OSC = ss.Oscillator(m=1, k=100, c=2, V=0.5, N=9.81)
 PARTS = ["headline", "verdict", "thresholds", "law", "sensitivities", "margins", "formulas", "assumed", "versions"]
@@ -97,6 +98,9 @@ def test_the_page_has_the_numbers_of_functions(seed, monkeypatch):
         scale = 0.01 if "%" in shown else 1.0
         number = float(shown.removeprefix("< ").removesuffix(" %")) * scale
         assert value < number if shown.startswith("<") else number == pytest.approx(value, rel=0.06, abs=6e-4)
+    (threshold,) = (node for node in root.iter() if node.get("id") == "threshold")
+    error = "".join(list(threshold.iter("data"))[1].itertext())
+    assert len(error.replace(".", "").lstrip("0")) == 2  # both to two digits of the error
     below = studied(seed).oscillator.c < studied(seed).threshold.value
     assert ("c is below it" in page) == below
 
@@ -231,11 +235,13 @@ def test_the_headline_is_a_decision(c):
         (ss.laws.polynomial.typical(), {"errors": {"N": "9.0(1)"}}, "give the same value"),
         (ss.laws.polynomial.typical(), {"errors": {"N": "9.81+/-x"}}, "not a number with a standard error"),
         (ss.laws.polynomial.typical(), {"time_limit": -1}, "time_limit = -1"),
+        (ss.laws.polynomial.typical(), {"osc": 3}, "osc is an Oscillator, got int: 3"),
+        (ss.laws.polynomial.typical(), {"errors": 3}, "errors is a mapping such as"),
     ],
 )
 def test_what_cannot_be_studied_is_refused(law, change, reason):
     with pytest.raises(ss.InputError, match=re.escape(reason)):
-        ss.study(law, OSC, **change)
+        ss.study(law, **{"osc": OSC} | change)
 
 
 def test_parts_that_take_too_long_are_named(monkeypatch):
@@ -247,3 +253,17 @@ def test_parts_that_take_too_long_are_named(monkeypatch):
     text = "".join(check_well_formed(page).itertext())
     assert "The margins could not be computed: the time limit was reached" in text
     assert "There is no threshold here" in text
+
+
+def test_second_order_without_time_is_named(monkeypatch):
+    def late(_):
+        raise ss.OutOfTime("the time limit was reached")
+
+    monkeypatch.setattr(Threshold, "nonlinearity", property(late))
+    law, osc, errors = point(1)
+    study = ss.study(law, osc, errors=errors, time_limit=300)
+    why = "The second order of its standard error could not be computed: the time limit was reached."
+    assert why in study.findings
+    assert study.needed[1] == studied(1).needed[1]
+    text = "".join(check_well_formed(drawn_without(study, monkeypatch)).itertext())
+    assert "To second order it could not be computed." in text

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from strategies import laws, operating_points
 
 import stickslip_sym as ss
+from stickslip_sym.core import deadline
 
 LAW = ss.laws.exponential.typical()
 OSC = ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)
@@ -85,3 +86,13 @@ def test_a_time_limit_holds_for_any_law(law, osc, name):
     with warnings.catch_warnings(action="ignore"), suppress(ss.StickSlipError):
         CALLS[name](law, replace(osc, c=0.5 * osc.impedance), 0.2)
     assert time.process_time() - start < LAST
+
+
+def test_compiling_counts_in_no_limit(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(deadline, "_uncounted", 0.0)
+    monkeypatch.setattr(deadline.time, "monotonic", lambda: now[0])
+    with deadline.time_limit(10):
+        with deadline.uncounted():
+            now[0] += 100.0
+        assert deadline.time_left() == 10

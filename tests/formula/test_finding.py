@@ -6,6 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.lambdify import function_of
@@ -143,8 +144,10 @@ POLYNOMIAL = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("criterion", [ss.criteria.least_squares, EARLY], ids=lambda one: one.name)
-@pytest.mark.parametrize("term", POLYNOMIAL, ids=str)
+BY_WEIGHTS = [(term, criterion) for term in POLYNOMIAL for criterion in (ss.criteria.least_squares, EARLY)]
+
+
+@sweep(("term", "criterion"), BY_WEIGHTS, *BY_WEIGHTS[::3], ids=str)
 def test_a_polynomial_weight_is_served_too(term, criterion):
     """Also a user's, that is not symmetric; what is found by antiderivatives is proved without them."""
     value = average_of(term, criterion).find()

@@ -97,7 +97,7 @@ def test_a_refused_sensitivity_says_that_a_function_has_no_value():
 # -- conditions --------------------------------------------------------------------------------------
 
 
-@sweep(("criterion", "bound"), [("harmonic", 0.5), ("least_squares", 1.0)], 0)
+@sweep(("criterion", "bound"), [("harmonic", 0.5), ("least_squares", 1.0)], 1)
 def test_a_divergent_integral_has_no_value(criterion, bound):
     """The average of v^-n exists for n below the order at which the weight vanishes at rest."""
     form = ss.derive(ss.FrictionLaw("mu_0 + mu_1*(v/v_1)^(-n)"), criterion)

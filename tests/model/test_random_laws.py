@@ -27,6 +27,21 @@ def test_a_law_is_kept_whole_as_text(law):
         assert law_in(content | {"formula": content["formula"] + " + 0.001*v"}) != law
 
 
+LINES = ", ".join(f"0.5 + a*({i * i}/50 - {i}/7*v)" for i in range(9))
+
+
+@pytest.mark.parametrize(
+    "formula",
+    ["Min(Max(mu_s - a*v, mu_d), 1)", f"Max({LINES})",
+     "mu_s" + "".join(f" + 0.01*Abs(v - 0.{place})" for place in range(10, 49)),
+     "*".join(f"(1 + 0.1*Max(v - v_{i}, 0))" for i in range(1, 5))],
+)  # fmt: skip
+def test_a_saved_law_loads_as_equal(formula, tmp_path):
+    law = ss.FrictionLaw(formula)
+    ss.save(law, tmp_path / "law.json")
+    assert ss.load(tmp_path / "law.json") == law
+
+
 @given(laws())
 def test_rises_and_slopes_are_those_of_the_coefficient(law):
     begins = [begin for begin, _ in law.rises()]

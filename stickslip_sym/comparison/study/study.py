@@ -34,6 +34,7 @@ from stickslip_sym.motion.regimes.regime import Regime, regime
 from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
+from stickslip_sym.motion.thresholds.uncertainty import Budget
 from stickslip_sym.output import printing
 from stickslip_sym.output.browser import print_to_pdf
 from stickslip_sym.output.files import write_text
@@ -53,6 +54,7 @@ _REACH = 3.0
 """Times a value, and its inverse: where margins are sought; no decision turns on those beyond."""
 _LEAST = 0.001
 """A probability below it is shown as no more than that."""
+_DERIVATIVES, _SECOND_ORDER = "derivatives of the threshold", "second order of its standard error"
 _TEMPLATE = Path(__file__).with_name("study.html")
 _WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
 _LONGEST = 1500  # characters that are shown at all
@@ -118,9 +120,23 @@ class Study:
 
     @property
     def threshold(self) -> Threshold | None:
-        """The pure-slip damping by the orbit, else by simulation; None where neither has one."""
-        by_method = {one.method: one.threshold for one in self.answers if one.threshold is not None}
-        return by_method.get("orbit") or by_method.get("simulation")
+        """The pure-slip damping by simulation or by the orbit, the more accurate; None where neither has one."""
+        exact = [one.threshold for one in self.answers if one.method in ("simulation", "orbit")]
+        return min(filter(None, exact), key=lambda found: found.relative_error, default=None)
+
+    @property
+    def budget(self) -> Budget | None:
+        """Which standard error brings how much of the threshold's; None where none does, or it was not found."""
+        found = self.threshold
+        return None if found is None or _DERIVATIVES in self.refused else found.budget
+
+    @property
+    def nonlinearity(self) -> float:
+        """The standard error of the threshold to second order over that to first; NaN where it was not found."""
+        found = self.threshold
+        if found is None or self.budget is None or _SECOND_ORDER in self.refused:
+            return math.nan
+        return float(found.nonlinearity)
 
     @property
     def by_law(self) -> tuple[ByLaw, ...]:
@@ -134,8 +150,7 @@ class Study:
             return self.choice.value, self.choice.standard_error
         if self.threshold is None:
             return None
-        budget = self.threshold.budget
-        return float(self.threshold.value), None if budget is None else float(budget.uncertainty)
+        return float(self.threshold.value), None if self.budget is None else float(self.budget.uncertainty)
 
     @property
     def nearest(self) -> Margin | None:
@@ -145,7 +160,7 @@ class Study:
 
     @property
     def probability(self) -> float | None:
-        """That stick-slip is possible, c below the threshold; averaged over laws, if more than one fits."""
+        """The probability that stick-slip is possible, c below the threshold; averaged if several laws fit."""
         if self.choice is not None:
             return self.choice.above(self.oscillator.c, self.standard_error("c") or 0.0)
         if self.margins is None:
@@ -368,9 +383,9 @@ def study(
     fit = law.best if isinstance(law, Fits) else law if isinstance(law, Fit) else None
     friction = fit.law.bind(**fit.uncertain) if fit is not None else as_law(law)
     friction.function("numpy")  # refuses a law with parameters that have no value
-    friction.at_speeds(np.array([osc.V]))  # and one that was not measured so far
     carried = carried_by(osc, errors or {})
-    with limited(time_limit):  # refuses what is no time
+    friction.at_speeds(np.array([osc.V]))  # refuses a law that was not measured so far
+    with limited(time_limit):  # refuses a limit that is no number of seconds
         refused: dict[str, str] = {}
     seconds = _EACH if time_limit is None else time_limit
     each = seconds / _SHARE
@@ -429,7 +444,8 @@ def study(
         **parts,
     )
     if (threshold := found.threshold) is not None:
-        part("derivatives of the threshold", lambda: threshold.sensitivity)
+        part(_DERIVATIVES, lambda: threshold.sensitivity)
+        part(_SECOND_ORDER, lambda: found.nonlinearity)
     return found
 
 

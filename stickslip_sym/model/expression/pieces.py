@@ -55,30 +55,34 @@ def _cases(expr: Expr) -> Cases:
     """Return the smooth pieces of an expression with any number of kinks."""
     if not (nodes := kinked(expr)):
         return [(expr, None)]
-    cases: Cases = []
-    for branch, end in _ends(nodes[0]):
-        for part, inner in _cases(expr.xreplace({nodes[0]: branch})):
-            place = _nearer(end, inner)
-            if not (cases and _is_empty(cases[-1][1], place)):
-                cases.append((part, place))
-        _check_count(cases)
-    return cases
+    return _smooth([(expr.xreplace({nodes[0]: branch}), end) for branch, end in _ends(nodes[0])])
+
+
+def _smooth(cases: Cases) -> Cases:
+    """Return pieces without kinks; those of a piece hold up to its place.
+
+    Empty ones are left out, and equal ones joined: SymPy would join their conditions by Or, and one place keeps
+    every condition of the one form.
+    """
+    smooth: Cases = []
+    for piece, end in cases:
+        for branch, inner in _cases(piece):
+            place, before = _nearer(end, inner), smooth[-1][1] if smooth else sp.S.Zero
+            if before is None or (place is not None and bool((place - before).is_nonpositive)):
+                continue
+            if smooth and smooth[-1][0] == branch:
+                smooth.pop()
+                place = None if place is None else larger(before, place)
+            smooth.append((branch, place))
+    if len(smooth) > _MOST_PIECES:
+        raise InputError(f"the kinks of the law part it into more than {_MOST_PIECES} pieces")
+    return smooth
 
 
 def _nearer(first: Expr | None, second: Expr | None) -> Expr | None:
     if first is None or second is None:
         return second if first is None else first
     return smaller(first, second)
-
-
-def _is_empty(before: Expr | None, place: Expr | None) -> bool:
-    """Return whether no speed lies from the end of one piece to that of the next."""
-    return before is None or (place is not None and bool((place - before).is_nonpositive))
-
-
-def _check_count(cases: Cases) -> None:
-    if len(cases) > _MOST_PIECES:
-        raise InputError(f"the kinks of the law part it into more than {_MOST_PIECES} pieces")
 
 
 def piecewise(cases: Cases) -> Expr:
@@ -88,18 +92,9 @@ def piecewise(cases: Cases) -> Expr:
     """
     if any(place is not None and place.has(symbols.v) for _, place in cases):
         raise InputError("the places of a Piecewise are parameters or numbers; they cannot depend on v")
-    pairs: Cases = []
-    for piece, end in cases:
-        for branch, inner in _cases(piece):
-            place = _nearer(end, inner)
-            if pairs and pairs[-1][0] == branch:
-                # SymPy would join the two conditions by Or; one place keeps every condition of the one form.
-                before = pairs.pop()[1]
-                place = None if place is None else larger(before, place)
-            pairs.append((branch, place))
-    _check_count(pairs)
+    pairs = ((piece, True if place is None else symbols.v < place) for piece, place in _smooth(cases))
     try:
-        return sp.Piecewise(*((branch, True if place is None else symbols.v < place) for branch, place in pairs))
+        return sp.Piecewise(*pairs)
     except TypeError:
         raise InputError("the places of a Piecewise are real numbers") from None
 

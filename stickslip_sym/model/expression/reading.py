@@ -46,7 +46,24 @@ _DEPTH = 5  # calls from a line that makes a law to the warning
 _SHOWN = 5  # names in a message
 
 
-def read_formula(formula: str | float | Expr, table: dict[str, Parameter], *, constant: bool = False) -> Expr:
+def as_text(formula: object) -> str:
+    """Return a coefficient as the text that is read: as it was typed, or of a SymPy expression or number."""
+    if isinstance(formula, str):
+        return formula
+    if isinstance(formula, int | float) and not isinstance(formula, bool):
+        return text(exact(formula, "the coefficient"))
+    if not isinstance(formula, sp.Expr):
+        raise InputError(f"a law is text or a SymPy expression, got {type(formula).__name__}")
+    for symbol in formula.free_symbols:  # every name in it is that of a parameter, or v
+        if symbol.name != "v":
+            Parameter(symbol.name)
+    try:
+        return text(formula.xreplace({number: sp.Rational(number) for number in formula.atoms(sp.Float)}))
+    except ValueError:  # Python prints no integer of over 4300 digits
+        raise InputError("a number in the formula has too many digits") from None
+
+
+def read_formula(formula: str, table: dict[str, Parameter], *, constant: bool = False) -> Expr:
     """Read a coefficient; parameters that it uses and `table`, of those described, does not have are added there.
 
     A static coefficient is `constant`: it needs no v.
@@ -64,37 +81,19 @@ def read_formula(formula: str | float | Expr, table: dict[str, Parameter], *, co
             undescribed.append(name)
         return table[name].symbol
 
-    if isinstance(formula, str):
-        expr = parse_expression(formula, symbol)
-    elif isinstance(formula, sp.Expr):
-        expr = parse_expression(_text_of(formula), symbol)
-    elif isinstance(formula, int | float) and not isinstance(formula, bool):
-        expr = exact(formula, "the coefficient")
-    else:
-        raise InputError(f"a law is text or a SymPy expression, got {type(formula).__name__}")
+    expr = parse_expression(formula, symbol)
     _check_value(expr)
     expr = normal_form(expr)
     _check_speed(undescribed, has_v=constant or "v" in names, bare=expr.is_Symbol)
     return expr
 
 
-def read_static(static: str | float | Expr, table: dict[str, Parameter]) -> Expr:
+def read_static(static: str, table: dict[str, Parameter]) -> Expr:
     """Read a static coefficient, as `read_formula` reads a coefficient; it does not depend on v."""
     read = read_formula(static, table, constant=True)
     if read.has(symbols.v):
         raise InputError("the static coefficient is one number; it cannot depend on v")
     return read
-
-
-def _text_of(expr: Expr) -> str:
-    """Return a SymPy expression as text that the parser reads; every name in it is that of a parameter, or v."""
-    for symbol in expr.free_symbols:
-        if symbol.name != "v":
-            Parameter(symbol.name)
-    try:
-        return text(expr.xreplace({number: sp.Rational(number) for number in expr.atoms(sp.Float)}))
-    except ValueError:  # Python prints no integer of over 4300 digits
-        raise InputError("a number in the formula has too many digits") from None
 
 
 # -- what later algebra can hold -------------------------------------------------------------------

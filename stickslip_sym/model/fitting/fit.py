@@ -118,6 +118,11 @@ def _laws(given: str | FrictionLaw | Iterable[str | FrictionLaw] | None) -> dict
             raise InputError(
                 f"{name} goes through measured points, and has nothing to fit; name a law or a formula"
             )
+        if law.uncertain:
+            raise InputError(
+                f"{name}: {min(law.uncertain)} is fixed with a standard error, which no fit carries on; give its "
+                "value without it, or leave it free"
+            )
         if name in laws:
             raise InputError(f"the law {name} is given twice; give each once, or another name")
         laws[name] = law

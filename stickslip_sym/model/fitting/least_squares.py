@@ -48,7 +48,7 @@ class Problem:
         )
         linear: list[Expr] = []  # jointly: each with those before it
         for symbol, slope in zip(free, slopes, strict=True):
-            if not slope.has(symbol, *linear):
+            if slope != 0 and not slope.has(symbol, *linear):  # it is 0 for the place of a jump
                 linear.append(symbol)
         self._known = [float(law.values[name]) for name in known]
         self.positive = np.array([used[name].positive for name in self.names], dtype=bool)

@@ -264,6 +264,11 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], count: int, separ
                 for i, quantity in read.items():
                     table.cells[quantity].append(row[i].replace(sign, "."))
                 continue
+            if is_header(row) and not all(table.columns[read[i]].text.startswith(row[i]) for i in read):
+                raise InputError(
+                    f"{table.name}, line {line}: another header, {separator.join(row)[:60]!r}, begins a second "
+                    "table; save each as a file of its own"
+                )
             i, rule, reason = wrong[0], "a finite number is needed, like 0.35", "without a number"
             named = f", {table.columns[read[i]].text!r}" if i in read else ""
             column, got = f"{i + 1}{named}", row[i][:40]

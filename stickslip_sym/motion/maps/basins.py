@@ -19,7 +19,7 @@ from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.oscillator import Oscillator, as_oscillator
+from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.cells import LATE
 from stickslip_sym.motion.maps.drawing import paint, regions_of_motions
 from stickslip_sym.motion.maps.table import Axis, Table, count_of, read_values, require_few
@@ -181,7 +181,7 @@ def basin_map(
     >>> f"{found.share[Motion.REST].value:.6f} of the box come to rest"
     '0.223441 of the box come to rest'
     """
-    law, osc = as_law(law), as_oscillator(osc)
+    law = as_law(law)
     rtol = read_rtol(rtol)
     axes = (
         Axis("x0", read_values("x0", x0), "m", "initial displacement"),

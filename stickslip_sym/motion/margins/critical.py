@@ -167,7 +167,7 @@ def critical(
     values = {"c": c, "V": V, "N": N, "m": m, "k": k}
     numbers = {name: real(name, value) for name, value in values.items() if value is not None}
     if of in numbers:
-        raise InputError(f"{of} is what is sought; leave its value out")
+        raise InputError(f"{of} is sought; leave its value out")
     if osc is not None:
         numbers = of_oscillator(osc, numbers, [name for name in values if name != of])
     missing = [name for name in ("c", "V", "N") if name not in (of, *numbers)]

@@ -17,7 +17,7 @@ from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.oscillator import Oscillator, as_oscillator
+from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.needed import gap, halves, needed_ratio
 from stickslip_sym.motion.roots import NEAREST, amplitude, closest, orbit_signs, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
@@ -177,7 +177,7 @@ def limit_cycles(
     >>> f"{cycle.amplitude:.6f} m/s, {'stable' if cycle.stable else 'unstable'}"
     '0.376589 m/s, unstable'
     """
-    law, osc = as_law(law), as_oscillator(osc)
+    law = as_law(law)
     with deadline.time_limit(time_limit):
         need = needed_damping(law, osc)
         return tuple(_cycle(need, osc, A) for A in need.amplitudes(2 * osc.zeta).tolist())

@@ -132,8 +132,8 @@ def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool
     - `jump`: whether a static coefficient matters, as it does where orbits touch the belt's speed.
     """
     if jump and law.static is not None:
-        static, onset = law.number(law.static), law.onset
-        if not static <= onset * (1 + _SAME):
+        static, onset = law.static_value, law.onset
+        if static > onset * (1 + _SAME):
             return f"its static coefficient {static:g} lies above mu(0+) = {onset:g}"
     reach = float(np.max(V, initial=0.0)) * (1 - lowest)
     kinks = [float(place) for place in law.kinks() if place < reach]

@@ -16,7 +16,7 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.oscillator import Oscillator, as_oscillator
+from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import End
 from stickslip_sym.output import markup
@@ -93,7 +93,7 @@ def stick_slip_cycle(
     >>> print(ss.stick_slip_cycle(ss.laws.exponential.typical(), osc))
     stick-slip of period 0.651445 s, of which stick 0.120047 s
     """
-    law, osc, rtol = as_law(law), as_oscillator(osc), read_rtol(rtol)
+    law, rtol = as_law(law), read_rtol(rtol)
     with deadline.time_limit(time_limit):
         system = Dimensionless.of(law, osc)
         slips = [system.slip(0.0, 0.0, until=End.MINIMUM, level=1.0, rtol=rtol)]

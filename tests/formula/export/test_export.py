@@ -200,26 +200,3 @@ def test_command_writes_all_outputs(tmp_path):
     assert "v_b^{2}" in (tmp_path / "a.latex").read_text()
     (form,) = ss.load(tmp_path / "a.save")
     assert form.code("octave") == (tmp_path / "a.octave").read_text()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "complaint"),
-    [
-        (["exponental", "--c", "x"], "did you mean 'exponential'"),
-        (["exponential"], "nothing to write"),
-        (["--c", "x"], "no law"),
-        (["exponential", "--c", "x", "--c", "y"], "c is given twice"),
-        (["exponential", "--c", "x", "--save", "./x"], "two outputs have the same file"),
-        (["exponential", "exponential", "--c", "x"], "'exponential' is given twice"),
-        (["exponential", "--all", "--c", "x"], "--all is every law already"),
-        (["exponential", "--c", "x", "--steps"], "belongs to --latex"),
-        (["exponential", "--latex", "x", "--symbol", "alpha=a+b"], "is not one symbol"),
-        (["exponential", "--latex", "x", "--symbol", "alfa=a"], "did you mean 'alpha'"),
-        (["exponential", "--latex", "x", "--c", "nowhere/y"], "cannot write 'nowhere/y'"),
-    ],
-)
-def test_command_refuses_and_writes_nothing(arguments, complaint, tmp_path, run):
-    code, _, said = run("export", *arguments)
-    assert code == 2
-    assert re.search(complaint, said)
-    assert list(tmp_path.iterdir()) == []

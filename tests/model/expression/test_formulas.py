@@ -85,7 +85,7 @@ KINKED = [
     ("|v^2 - w|", lambda v: abs(v**2 - w), None),
     ("Piecewise((1, v < 0.5), (v, v < 2*a), exp(-v))",
      lambda v: 1 if v < 0.5 else v if v < 2 * a else math.exp(-v), ["0.5", "1.4"]),
-    ("Piecewise((1, v < 2), (5, v < 1), v)", lambda v: 1 if v < 2 else v, ["1", "2"]),
+    ("Piecewise((1, v < 2), (5, v < 1), v)", lambda v: 1 if v < 2 else v, ["2"]),
     ("Piecewise((1, v < b), (5, v < a), v)", lambda v: 1 if v < b else v, ["0.7", "0.8"]),
     ("Piecewise((v, v < a), (v, v < b), 2)", lambda v: v if v < b else 2, ["0.8"]),
     ("Piecewise((v, v < b), (v, v < a), 2)", lambda v: v if v < b else 2, ["0.8"]),

@@ -161,6 +161,10 @@ def test_rows_with_faults_are_left_out_and_counted(tmp_path):
         assert f"1 {str(read).split('rows left out: 1 ')[1]}" in str(read)
     path = write(tmp_path, "\n".join(["v,mu", *rows, "0.55,0.9"]))
     assert len(ss.read_measurements(path, keep_outliers=True)) == 41
+    path = write(tmp_path, "\n".join(["v [m/s],mu", *rows, "v [m/s],mu", *rows]))
+    assert len(ss.read_measurements(path, leave_out=True)) == 80
+    with pytest.raises(ss.InputError, match=r"line 42: another header, 'v .mm/s.,mu', begins a second table"):
+        ss.read_measurements(write(tmp_path, "\n".join(["v,mu", *rows, "v [mm/s],mu", *rows])), leave_out=True)
 
 
 SOME = ["exponential", "stribeck", "andersson", "quintic"]
@@ -189,6 +193,7 @@ READ = [
     ("Time [s]  Sliding Speed [mm/s]  COF  Temp [C]\n0 100 0.40 22\n1 200 0.35 23\n", "utf-8", [0.1, 0.2],
      [0.4, 0.35], "2 rows"),
     ("Speed [mm/s]\tCOF []\n100\t0,4\n200\t0,35\n", "utf-16-le", [0.1, 0.2], [0.4, 0.35], "2 rows"),
+    ("v [um/s],mu\n999,0.4\n5000,0.35\n", "utf-8", [0.000999, 0.005], [0.4, 0.35], "2 rows"),
     ("v [µm/s];µ\n5;0,25\n", "cp1252", [5e-6], [0.25], "1 row"),
     ("v [m/s],F_t [N],F_n [N]\n" + "0.1,4,10\n0.1,-4,10\n" * 5, "utf-8", [0.1] * 10, [0.4] * 10,
      "both signs of F_t folded"),
@@ -292,8 +297,9 @@ def test_thousands_of_rows_are_read_and_binned(tmp_path):
     assert bins.sigma == pytest.approx(0.2 / 12**0.5 / 200**0.5, rel=0.05)
     with pytest.raises(ss.InputError, match=r"fit a law to so many .*binned\(60\)"):
         ss.FrictionLaw.from_csv(tmp_path / "pin.csv")
-    with pytest.raises(ss.InputError, match="0 bins of 8000 rows; take 1 to 8000"):
-        read.binned(0)
+    for count in (0, 8001):
+        with pytest.raises(ss.InputError, match=f"{count} bins of 8000 rows; take 1 to 8000"):
+            read.binned(count)
 
 
 FORCES = "v [m/s],F_t [N],F_n [N]\n"

@@ -11,7 +11,6 @@ from scipy.optimize import brentq
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
-from stickslip_sym.motion.regimes.separatrix import SlipCurve
 
 BISTABLE = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2), ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)
 
@@ -88,33 +87,6 @@ def test_shares_are_areas_within_the_unstable_cycle(seed):
         found = ss.basin_map(law, osc, x0=tuple(box[0]), v0=tuple(box[1])).share
         value = found[Motion.REST].value if Motion.REST in found else 0.0
         assert value == pytest.approx(area / np.prod(np.ptp(box, axis=1)), abs=1e-7)
-
-
-def disc_in_box(radius, x, y):
-    """Integrate the width of a disc about 0, cut at x, over y from its trace."""
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    corners = np.sqrt(np.maximum(radius**2 - np.array(x) ** 2, 0.0))
-    ends = np.unique(np.clip([*y, *corners, *-corners, -radius, radius], max(y[0], -radius), min(y[1], radius)))
-    low, high = np.arcsin(ends[:-1, None] / radius), np.arcsin(ends[1:, None] / radius)
-    half = radius * np.cos((low + high) / 2 + (high - low) / 2 * nodes)
-    return float(((high - low) / 2 * (np.clip(half, *x) - np.clip(-half, *x)) * half * weights).sum())
-
-
-def test_areas_of_circles_in_boxes():
-    """Without friction and damping orbits are circles, whose areas within boxes are known, and what is inside."""
-    rng, nodes = np.random.default_rng(5), -np.cos(np.pi * np.arange(13) / 12)
-    for _ in range(20):
-        radius, begin = rng.uniform((0.05, 0), (0.99, 7))
-        extremes = np.pi * np.ceil([begin / np.pi, begin / np.pi + 1])  # of w, where steps end
-        times = np.unique([*(begin + np.linspace(0, 2 * np.pi, 25)), *extremes])
-        t = (times[1:, None] * (1 + nodes) + times[:-1, None] * (1 - nodes)) / 2
-        curve = SlipCurve.through(radius * np.array([np.sin(t), -np.cos(t)]) + [[[0]], [[1]]])
-        q, w = np.sort(rng.uniform(-1, 1, 2)), np.sort(rng.uniform(0, 2, 2))
-        assert curve.area_within(q, w) == pytest.approx(disc_in_box(radius, q, w - 1), abs=1e-10)
-        assert curve.area_within(*np.array([[-1, 1], [0, 2]])) == pytest.approx(np.pi * radius**2, abs=1e-10)
-        angle, off = rng.uniform(0, 7, 50), rng.choice([-1, 1], 50) * 10 ** rng.uniform(-9, -1, 50)
-        x, y = (1 + off) * radius * np.array([np.sin(angle), np.cos(angle)])
-        assert curve.surrounds(x, y + 1, 1e-12).tolist() == (off < 0).tolist()
 
 
 def test_wrong_sides_are_noticed(monkeypatch):

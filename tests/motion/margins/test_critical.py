@@ -45,6 +45,9 @@ def test_put_back_they_give_the_damping(method):
             if one.method == "orbit":
                 other = ss.pure_slip_damping(there, **point_there, method="simulation", rtol=1e-10)
                 assert other.value == pytest.approx(c, rel=1e-9)
+            if method == "second_order":
+                (exact,) = ss.critical(law, of, c=c, **given | {"method": "orbit"}, within=within)
+                assert abs(one.value / exact.value - 1) <= one.relative_error
             assert one.sensitivity["c"] == pytest.approx(1 / same.sensitivity[of], rel=1e-6)
             expected = -same.sensitivity["V"] / same.sensitivity[of]
             assert one.sensitivity["V"] == pytest.approx(expected, rel=1e-6)
@@ -96,6 +99,9 @@ def test_polynomial_averages_need_no_range():
     law = ss.FrictionLaw("0.6 - b*v + b^2*v^2*a", parameters=signed).bind(a=0.3)
     for c in (0.5, -0.5):  # c = N (b - b^2 a) at V = 0.5
         roots = ss.critical(law, "b", c=c, V=0.5, N=9.81, method="equilibrium")
+        last = max(one.value for one in roots)
+        near = ss.critical(law, "b", c=c, V=0.5, N=9.81, method="equilibrium", within=(0.9 * last, 1.1 * last))
+        assert [one.value for one in near] == [last]
         assert [one.value for one in roots] == pytest.approx(sorted(np.roots([-9.81 * 0.3, 9.81, -c])), rel=1e-12)
     assert ss.critical(ss.laws.coulomb_viscous.typical(), "N", c=1.0, V=0.5, method="equilibrium") == ()
 
@@ -160,7 +166,7 @@ def test_proved_values_enclose_what_the_orbit_finds():
 OSC = ss.Oscillator(c=2.8, **POINT)
 REFUSED = [
     (ss.critical, "mu_x", {"c": 1, "V": 1, "N": 1}, "there is no quantity or parameter 'mu_x'"),
-    (ss.critical, "N", {"c": 1, "V": 1, "N": 1}, "N is what is sought"),
+    (ss.critical, "N", {"c": 1, "V": 1, "N": 1}, "N is sought; leave its value out"),
     (ss.critical, "mu_s", {"V": 1, "N": 1}, r"c must be given to find mu_s: c=\.\.\."),
     (ss.critical, "k", {"c": 1, "V": 1, "N": 1, "method": "harmonic"}, "both the mass m and the stiffness k"),
     (ss.critical, "k", {"c": 1, "V": 1, "N": 1, "m": 1, "method": "harmonic"}, "does not depend on k"),

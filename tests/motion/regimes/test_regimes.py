@@ -25,16 +25,9 @@ def names(found):
     return [kinds[type(attractor)] for attractor in found.attractors]
 
 
-@pytest.mark.parametrize("wrong", [None, {"m": 1.0}, 0.5, "osc"])
-@pytest.mark.parametrize(
-    "call",
-    [
-        ss.regime, ss.classify, ss.limit_cycles, ss.stick_slip_cycle, ss.margins,
-        lambda law, osc: ss.simulate(law, osc, t_end=1.0), lambda law, osc: ss.basin_map(law, osc, x0=[0], v0=[0]),
-        lambda law, osc: ss.basin_sweep(law, osc, ("c", [1, 2]), x0=(0, 1), v0=(0, 1)),
-    ],
-)  # fmt: skip
-def test_what_is_no_oscillator_is_refused(call, wrong):
+@pytest.mark.parametrize("wrong", [None, {"m": 1.0}])
+@pytest.mark.parametrize("call", [ss.regime, ss.classify, lambda law, osc: ss.simulate(law, osc, t_end=1.0)])
+def test_unhashable_and_missing_oscillators_are_refused(call, wrong):
     with pytest.raises(ss.InputError, match=r"osc is an Oscillator.* got"):
         call("exponential", wrong)
 

@@ -99,3 +99,13 @@ def test_jump_is_the_limit_of_steep_changes(first, second, place, side):
     )
     assert sharp.at(t).x == pytest.approx(smooth.at(t).x, abs=2e-5)
     assert [event.begins for event in sharp.events] == [event.begins for event in smooth.events]
+
+
+def test_jump_at_belt_speed_holds_the_mass():
+    """Anywhere between its two coefficients, as friction does that sticks; with c = 50 it creeps there."""
+    motion = jump(0.3, 0.5, 0.5, paper_oscillator(0.0), 3.0)
+    assert motion.outcome is Outcome.AT_REST
+    assert 0.3 <= (motion.x[-1] * 100 / 9.81) <= 0.5
+    assert (motion.x[motion.t > 1.5] == motion.x[-1]).all()
+    law = ss.FrictionLaw("Piecewise((0.3, v < 0.5), 0.5)")
+    assert {ss.classify(law, paper_oscillator(c), x0=0.1, v0=0.4) for c in (0.0, 50.0)} == {ss.Motion.REST}

@@ -25,7 +25,7 @@ def points_of_every_kind(count):
         yield law, {"V": V, "m": m, "k": k, "N": eta * V * (k * m) ** 0.5}, 10 ** rng.uniform(-11, -3)
 
 
-@sweep("count", [8, 300], 8)
+@sweep("count", [5, 300], 5)
 def test_stated_errors_hold_against_enclosures(count):
     """Of 300 points the errors of all 515 values bound the true ones; what cannot be bounded is refused."""
     held, total = 0, 0
@@ -57,17 +57,11 @@ def test_the_error_of_the_last_secant_is_stated():
 
 def test_what_has_no_digits_left_is_proved():
     """Weak friction, of which time stepping has too few digits: nothing is refused that a proof answers."""
-    law, rng, proved = ss.laws.brown_mcphee.typical(), np.random.default_rng(3), 0
-    for _ in range(2):
-        V, eta = rng.uniform(0.6, 1.0), 10 ** rng.uniform(-3.5, -2.5)
-        point = {"V": V, "N": 10 * eta * V, "m": 1.0, "k": 100.0}
-        found = ss.pure_slip_damping(law, **point, rtol=2e-11)
-        sure = ss.pure_slip_damping(law, **point, method="proof", rtol=1e-13)
-        assert found.relative_error <= 2e-11
-        assert abs(found.value / sure.value - 1) <= found.relative_error + 1e-13
-        proved += found.method == "proof"
-        assert (found.method == "proof") == (found.status is ss.Status.PROVED) == (found.enclosure is not None)
-    assert proved
+    law, point = ss.laws.brown_mcphee.typical(), {"V": 0.977222, "N": 0.0100304, "m": 1.0, "k": 100.0}
+    found = ss.pure_slip_damping(law, **point, rtol=2e-11)
+    sure = ss.pure_slip_damping(law, **point, method="proof", rtol=1e-13)
+    assert (found.method, found.status) == ("proof", ss.Status.PROVED)
+    assert abs(found.value / sure.value - 1) <= found.relative_error + 1e-13 < 3e-11
 
 
 def test_auto_gives_the_first_good_value():

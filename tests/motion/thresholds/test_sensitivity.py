@@ -71,6 +71,12 @@ def test_simulation_against_differences(name):
     assert error_along(law, POINT | {"V": 0.45}, "simulation", 7, 5e-3, 1e-11) < 1e-8
 
 
+def test_stiff_slips_against_differences():
+    """Of a light mass, whose implicit steps have a wedge of their own."""
+    law, light = ss.laws.exponential.typical(), POINT | {"m": 1e-6}
+    assert error_along(law, light, "simulation", 7, 5e-3, 1e-10) < 1e-7
+
+
 AVERAGED = [
     (text, criterion)
     for text in ("mu_m + (mu_s - mu_m)*exp(-alpha*v)", JUMPS["down"])
