@@ -55,6 +55,8 @@ def test_every_method_says_no_damping_is_needed(V):
     found = [ss.pure_slip_damping(POLYNOMIAL, **point, method=method) for method in methods]
     assert all(one.value < 0 and "no damping is needed" in str(one) for one in found)
     assert found[1].value == pytest.approx(found[2].value, rel=1e-5)
+    several = ss.pure_slip_damping(POLYNOMIAL, **point | {"V": [0.5, V]}, method="harmonic")
+    assert "no damping is needed" in str(several)
     rising = ss.FrictionLaw("mu_0 + b*v").bind(mu_0=0.3, b=0.1)
     assert ss.pure_slip_damping(rising, **point, method="simulation").value == pytest.approx(-0.981, rel=1e-9)
 
