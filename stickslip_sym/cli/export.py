@@ -1,4 +1,4 @@
-"""``stickslip export``: criteria as LaTeX, Python, C or Octave, or exactly, several at once or none at all."""
+"""``stickslip export``: criteria as LaTeX, code or exact text; if one file cannot be written, none is."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def _notation(given: Given, laws: list[ss.FrictionLaw]) -> dict[str, str]:
 
 
 def _unbound(laws: list[ss.FrictionLaw], every: bool) -> list[ss.FrictionLaw]:
-    """Return the laws that need values before they can be code; they are left out of all, and else refused."""
+    """Return the laws that code cannot be written for without values; without --all they are refused."""
     from stickslip_sym.formula.code.writer import require_shapes
 
     unbound = []

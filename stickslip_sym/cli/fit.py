@@ -56,7 +56,7 @@ def _lines(fits: Fits, intervals: dict[str, tuple[float, float]]) -> Iterator[st
 
 
 def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
-    """Return the fits of laws to a file of measurements, the last that asks for options."""
+    """Return the fits of laws to a file of measurements; all other options were read before."""
     reading = reading_of(given)
     given.all_used()
     measured = ss.read_measurements(file, **reading)

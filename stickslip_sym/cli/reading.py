@@ -83,7 +83,7 @@ def points(
             friction = law_described(given, given["law"] or content.get("law")).typical(**values)
             typical = tuple(name for name in friction.values if name not in values)
         found.append(Point(friction, typical, texts, tuple(defaults), file))
-        _ = found[-1].numbers  # refuses what is no number
+        _ = found[-1].numbers  # refuses text that is no number
     return found
 
 

@@ -7,13 +7,14 @@ from typing import Any, TypeVar
 
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputError, StickSlipError
-from stickslip_sym.core.numbers import lookup
+from stickslip_sym.core.numbers import lookup, read_rtol
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.methods import find_method
 from stickslip_sym.motion.thresholds.methods import methods as every_method
+from stickslip_sym.motion.thresholds.operating_points import of_oscillator
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import duration, table
@@ -151,9 +152,9 @@ def compare(
     """
     law = as_law(law)
     if (osc is None) == (not point):
-        raise InputError("the operating point is wanted once: give an Oscillator, or V=, N=, m= and k=")
+        raise InputError("give the operating point once: an Oscillator, or V=, N=, m= and k=")
     if osc is not None:
-        point = {name: getattr(osc, name) for name in "VNmk"}
+        point = of_oscillator(osc, {}, "VNmk")
     if unknown := sorted(point.keys() - set("VNmk")):
         raise InputError(f"an operating point has V, N, m and k, not {', '.join(unknown)}")
     if methods is None:
@@ -162,7 +163,8 @@ def compare(
         methods = [methods]
     for name in methods:
         find_method(name)
-    with limited(time_limit):  # refuses what is no time: below, an error is a method's answer
+    read_rtol(rtol, least=0.0, most=1.0)
+    with limited(time_limit):  # refuses a limit that is no number of seconds: below, an error is a method's answer
         pass
     options = {"rtol": rtol, "time_limit": time_limit, **point}
     answers = (Answer(name, *timed(pure_slip_damping, law, method=name, **options)) for name in methods)

@@ -36,7 +36,7 @@ _ANGLES = (np.arange(2**15) + 0.5) * np.pi / 2**15
 
 @dataclass(frozen=True)
 class Check:
-    """One row: a value in kg/s, its relative difference from the first row's; or, without that, words."""
+    """One row: a value in kg/s and its relative difference from that of the first row; or a remark."""
 
     method: str
     value: str

@@ -263,7 +263,7 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
     """Measure every method for a threshold, the paper's scan and SciPy, against the grazing orbit to 1e-11."""
 
     def by(name: str, V: float = point["V"]) -> Threshold:
-        """Return the threshold by a method; averages of slopes are not made to look for their error."""
+        """Return the threshold by a method; slope averages do not compute their errors."""
         method = methods()[name]
         numbers = {**point, "V": V} if method.oscillator else {"V": V, "N": point["N"]}
         return pure_slip_damping(law, **numbers, method=method, rtol=_FINE if method.converges else 1.0)

@@ -1,4 +1,4 @@
-"""Names of the types that annotations say again and again."""
+"""Names of the types that many annotations share."""
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 

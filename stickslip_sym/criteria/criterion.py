@@ -153,7 +153,7 @@ _HARMONIC_WEIGHT = 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
 
 
 def _checked_weight(name: str, weight: Expr) -> Expr:
-    """Return a weight in the symbol s of this package, if it can be served."""
+    """Return a weight in the symbol s of this package, if it can be integrated."""
     what = f"the weight of the criterion {name!r}"
     if not isinstance(weight, str):  # a text would be evaluated as code
         weight = sp.sympify(weight)

@@ -93,7 +93,7 @@ class Enclosure:
         return float(self.mid)
 
     def __str__(self) -> str:
-        """Return the digits that both ends share, as in 2.545949602905103[...]."""
+        """Return the digits that both ends share, as in 2.545949602905103755[...]."""
         if self.low == self.high and self.low.denominator == 1:
             return str(self.low)
         if self.digits < 1:
@@ -180,6 +180,12 @@ def enclose(
         For an unbound law, unusable numbers, or a function that has no enclosure here.
     NotConverged
         If the integral is not enclosed, as where mu is infinite at v = 0.
+
+    Examples
+    --------
+    >>> from stickslip_sym import laws
+    >>> print(enclose(laws.exponential.typical(), V="0.5", N="9.81", digits=12))
+    2.545949602905103755[...]
     """
     law = as_law(law)
     criterion, speed, force = read_operating_point(law, criterion, V, N, digits)

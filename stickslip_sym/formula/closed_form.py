@@ -316,6 +316,12 @@ def derive(
     NoClosedForm
         If a term resists, or the result does not pass every check, or the time is up. The message names the term,
         or what was under way.
+
+    Examples
+    --------
+    >>> form = derive("mu_s - a*v")
+    >>> print(form.expr, form.verdict.status)
+    N*a PROVED
     """
     law = as_law(law)
     criterion = find(criterion)

@@ -133,15 +133,20 @@ def export_latex(
     ------
     InputError
         For symbols that cannot be used, or a law of measured points, which has no formula to print.
+
+    Examples
+    --------
+    >>> from stickslip_sym import derive
+    >>> text = export_latex(derive("mu_s - a*v"), fragment=True, symbols={"V": "v_b"})
+    >>> text.count(r"\begin{equation}")
+    2
     """
     listed = _listed(forms, ClosedForm, "closed forms: derive(law)")
     laws, given = dict.fromkeys(form.law for form in listed), symbols or {}
     every = ["mu", *quantities.QUANTITIES]
     check_known(given, [*every, *(name for law in laws for name in law.parameters)])
     if any(law.curve is not None for law in laws):
-        raise InputError(
-            "a law of measured points has no formula to print; export it as --json, --python, --c or --octave"
-        )
+        raise InputError("a law of measured points has no formula to print; write it by export_code or save")
     parts, marks = [_FRAGMENT if fragment else _PREAMBLE + _introduction(notation_of(every, given))], set[str]()
     for law in laws:
         plain = key(law.name)

@@ -12,6 +12,7 @@ import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ import sympy as sp
 from stickslip_sym import criteria
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import exact
+from stickslip_sym.core.numbers import exact, require_type
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.closed_form import ClosedForm, derive
 from stickslip_sym.model.content import law_in, law_out
@@ -52,7 +53,17 @@ def save(items: Item | Sequence[Item], path: str | Path) -> None:
     ------
     InputError
         If the file cannot be written, or an item is none of these.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from stickslip_sym import derive
+    >>> with TemporaryDirectory() as folder:
+    ...     save(derive("mu_s - a*v"), Path(folder, "linear.json"))
+    ...     load(Path(folder, "linear.json")).expr
+    N*a
     """
+    require_type("path", path, str | PathLike, "the name of a file")
     files.write_text(Path(path), text_of(items))
 
 
@@ -68,7 +79,7 @@ def text_of(items: Item | Sequence[Item]) -> str:
 
 
 def load(path: str | Path) -> Item | tuple[Item, ...]:
-    """Read what `save` or ``stickslip export --json`` wrote.
+    """Read what `save` or ``stickslip export --save`` wrote.
 
     A closed form is derived, proved and compared with its definition again, which takes up to a second; its
     verdict is computed, and not read.
@@ -88,7 +99,17 @@ def load(path: str | Path) -> Item | tuple[Item, ...]:
         that is not that of its law and criterion.
     NoClosedForm
         If there is none for a law and a criterion in the file.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from stickslip_sym import derive
+    >>> with TemporaryDirectory() as folder:
+    ...     save(derive("mu_s - a*v"), Path(folder, "linear.json"))
+    ...     load(Path(folder, "linear.json")).expr
+    N*a
     """
+    require_type("path", path, str | PathLike, "the name of a file")
     name = repr(str(path))
     content = _read(Path(path), name)
     if not isinstance(content, dict) or content.get("format") != _FORMAT:

@@ -14,7 +14,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import elementary, row
+from stickslip_sym.core.functions import elementary, row, without_squares
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import Average
 from stickslip_sym.formula.finding import search
@@ -47,7 +47,7 @@ def limits_of(averages: Iterable[tuple[Term, Average]], mu: Expr) -> Limits:
     for term, average in averages:
         share = -symbols.N * term.amplitude / term.scale
         # With V for v, which is positive where the slip speed may be 0: only then SymPy knows that exp(-v) falls.
-        slope = average.slope.xreplace({symbols.v: V})
+        slope = without_squares(average.slope).xreplace({symbols.v: V})
         for found, end in ((_at_rest, ends[0]), (_far, ends[1])):
             limit = found(slope, average.criterion)
             end.append(None if limit is None else share * term.in_parameters(limit))

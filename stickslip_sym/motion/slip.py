@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
+from stickslip_sym.core.numbers import require_type
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
@@ -163,6 +164,7 @@ class Dimensionless:
     @classmethod
     def of(cls, law: FrictionLaw, osc: Oscillator) -> "Dimensionless":
         """Make an oscillator with a bound law dimensionless; raises as `FrictionTable.of`."""
+        require_type("osc", osc, Oscillator, "an Oscillator")
         return cls(osc.eta, osc.zeta, FrictionTable.of(law), osc.V)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What every drawing needs: matplotlib, or a word that it is missing; one style; the same file each time.
+"""What every drawing needs: matplotlib, or a message without it; one style; the same file each time.
 
 Colours are Okabe and Ito's, which colour-blind readers distinguish. Colour alone carries no meaning: lines
 differ in style or width too, regions are hatched, and each is labelled.

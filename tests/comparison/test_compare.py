@@ -42,11 +42,13 @@ def test_compare_without_an_oscillator_has_averages_only():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({}, "wanted once"),
-        ({"osc": ss.Oscillator(c=0.0, **POINT), "V": 1.0}, "wanted once"),
+        ({}, "give the operating point once"),
+        ({"osc": ss.Oscillator(c=0.0, **POINT), "V": 1.0}, "give the operating point once"),
         ({"V": 1.0, "N": 1.0, "c": 1.0}, "V, N, m and k, not c"),
         ({**POINT, "methods": "orbits"}, "did you mean 'orbit'"),
         ({**POINT, "methods": 3}, "there is no method '3'"),
+        ({"osc": 3}, "got 3 where an Oscillator is expected"),
+        ({**POINT, "rtol": "x"}, "rtol = 'x'"),
     ],
 )
 def test_compare_refuses_what_is_no_operating_point(given, words):

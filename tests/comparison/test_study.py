@@ -98,6 +98,9 @@ def test_the_page_has_the_numbers_of_functions(seed, monkeypatch):
         scale = 0.01 if "%" in shown else 1.0
         number = float(shown.removeprefix("< ").removesuffix(" %")) * scale
         assert value < number if shown.startswith("<") else number == pytest.approx(value, rel=0.06, abs=6e-4)
+    (threshold,) = (node for node in root.iter() if node.get("id") == "threshold")
+    error = "".join(list(threshold.iter("data"))[1].itertext())
+    assert len(error.replace(".", "").lstrip("0")) == 2  # both to two digits of the error
     below = studied(seed).oscillator.c < studied(seed).threshold.value
     assert ("c is below it" in page) == below
 
@@ -232,11 +235,13 @@ def test_the_headline_is_a_decision(c):
         (ss.laws.polynomial.typical(), {"errors": {"N": "9.0(1)"}}, "give the same value"),
         (ss.laws.polynomial.typical(), {"errors": {"N": "9.81+/-x"}}, "not a number with a standard error"),
         (ss.laws.polynomial.typical(), {"time_limit": -1}, "time_limit = -1"),
+        (ss.laws.polynomial.typical(), {"osc": 3}, "osc is an Oscillator, got int: 3"),
+        (ss.laws.polynomial.typical(), {"errors": 3}, "errors is a mapping such as"),
     ],
 )
 def test_what_cannot_be_studied_is_refused(law, change, reason):
     with pytest.raises(ss.InputError, match=re.escape(reason)):
-        ss.study(law, OSC, **change)
+        ss.study(law, **{"osc": OSC} | change)
 
 
 def test_parts_that_take_too_long_are_named(monkeypatch):

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from strategies import laws, operating_points
 
 import stickslip_sym as ss
+from stickslip_sym.core import deadline
 
 LAW = ss.laws.exponential.typical()
 OSC = ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)
@@ -52,6 +53,8 @@ def test_every_call_with_a_time_limit_is_here():
 def test_what_is_no_time_is_refused(name, seconds):
     with pytest.raises(ss.InputError, match=r"time_limit = .* from 0 to 86400"):
         CALLS[name](LAW, OSC, seconds)
+    with pytest.raises(ss.InputError, match=r"time_limit = .* is not a number"):
+        CALLS[name](LAW, OSC, [1.0])
 
 
 GIVEN_UP = ["derive", "pure_slip_damping", "critical", "margins", "classify", "limit_cycles", "stick_slip_cycle"]
@@ -83,3 +86,13 @@ def test_a_time_limit_holds_for_any_law(law, osc, name):
     with warnings.catch_warnings(action="ignore"), suppress(ss.StickSlipError):
         CALLS[name](law, replace(osc, c=0.5 * osc.impedance), 0.2)
     assert time.process_time() - start < LAST
+
+
+def test_compiling_counts_in_no_limit(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(deadline, "_uncounted", 0.0)
+    monkeypatch.setattr(deadline.time, "monotonic", lambda: now[0])
+    with deadline.time_limit(10):
+        with deadline.uncounted():
+            now[0] += 100.0
+        assert deadline.time_left() == 10

@@ -70,6 +70,7 @@ def test_conventions(expr, latex):
     ("expr", "text"),
     [
         (2 * sp.Derivative(V, V), "2*Derivative(V, V)"),
+        (sp.Derivative(symbols.mu(V), (V, 2)), "mu''(V)"),
         (sp.Symbol("u") - 2 * sp.Dummy("u"), "u - 2*u_"),
         (sp.Symbol("E") * sp.E, "exp(1)*E"),
     ],

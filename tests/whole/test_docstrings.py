@@ -3,6 +3,7 @@
 import ast
 import doctest
 import importlib
+import inspect
 import pkgutil
 import re
 from pathlib import Path
@@ -40,6 +41,11 @@ def run_example(example):
 @pytest.mark.parametrize("example", list(examples()))
 def test_examples_print_what_they_say(example):
     assert run_example(example) == ""
+
+
+@pytest.mark.parametrize("name", [name for name in ss.__all__ if inspect.isfunction(getattr(ss, name))])
+def test_public_functions_have_an_example(name):
+    assert re.search(r"^Examples\n-+\n(.+\n)*>>> ", inspect.getdoc(getattr(ss, name)), re.M)
 
 
 def test_a_wrong_example_is_noticed():

@@ -1,4 +1,4 @@
-"""The figures of a study. No text of a user's stands in them: what the law is called, the page says."""
+"""The figures of a study. They hold no text of the user's; the name of the law stands on the page."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ _AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "ha
 
 @dataclass(frozen=True)
 class Plane:
-    """Averages by slopes and exact thresholds over belt speed, in kg/s; NaN where there is none."""
+    """Slope averages and exact thresholds over belt speed, in kg/s; NaN where there is none."""
 
     V: FloatArray
     averages: Mapping[str, FloatArray]

@@ -160,7 +160,7 @@ class Study:
 
     @property
     def probability(self) -> float | None:
-        """That stick-slip is possible, c below the threshold; averaged over laws, if more than one fits."""
+        """The probability that stick-slip is possible, c below the threshold; averaged if several laws fit."""
         if self.choice is not None:
             return self.choice.above(self.oscillator.c, self.standard_error("c") or 0.0)
         if self.margins is None:
@@ -383,9 +383,9 @@ def study(
     fit = law.best if isinstance(law, Fits) else law if isinstance(law, Fit) else None
     friction = fit.law.bind(**fit.uncertain) if fit is not None else as_law(law)
     friction.function("numpy")  # refuses a law with parameters that have no value
-    friction.at_speeds(np.array([osc.V]))  # and one that was not measured so far
     carried = carried_by(osc, errors or {})
-    with limited(time_limit):  # refuses what is no time
+    friction.at_speeds(np.array([osc.V]))  # refuses a law that was not measured so far
+    with limited(time_limit):  # refuses a limit that is no number of seconds
         refused: dict[str, str] = {}
     seconds = _EACH if time_limit is None else time_limit
     each = seconds / _SHARE

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import lru_cache
 
 import sympy as sp
 
@@ -18,7 +19,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time, time_left
 
 Progress = Callable[[str], None]
-"""Told in a few words what is being done."""
+"""Called with a few words on the present step."""
 
 RULE = "SymPy's integrator"
 _PATIENCE = 8.0  # times as long as its own time a process may take on a busy machine
@@ -46,6 +47,7 @@ def antiderivative(f: Expr, polynomial: Expr, x: Expr, seconds: float, progress:
     return sp.Add(*[coefficient * value for (_, coefficient), value in zip(terms, result, strict=True)])
 
 
+@lru_cache(maxsize=256)  # criteria share the slopes of their profiles
 def limit(expr: Expr, variable: Expr, place: Expr, seconds: float) -> Expr | None:
     """Return the finite limit of an expression from above, or from below at infinity; None if none came."""
     try:

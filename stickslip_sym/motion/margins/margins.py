@@ -4,11 +4,13 @@ import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields
+from typing import SupportsIndex
 
 import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NO_RESULT, InputError, OutOfTime, StickSlipError
+from stickslip_sym.core.numbers import real, require_type
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
@@ -101,7 +103,7 @@ class Margins:
 
     @property
     def stick_slip(self) -> bool:
-        """Whether stick-slip is possible as things are: c lies below the threshold."""
+        """Whether stick-slip is possible: c lies below the threshold."""
         return bool(self.c < self.threshold.value)
 
     @property
@@ -182,12 +184,25 @@ def margins(
         As `critical`, and for an error of what has none, or of another value than the oscillator's.
     OutOfTime
         When the time limit is reached.
+
+    Examples
+    --------
+    >>> from stickslip_sym import Oscillator, laws
+    >>> found = margins(laws.linear.typical(), Oscillator(m=1, k=100, c=2, V=0.5, N=9.81))
+    >>> print(found.rows[0].name, f"{found.rows[0].change:+.3f}")
+    c -0.264
     """
     law = as_law(law)
+    require_type("samples", samples, SupportsIndex, "a whole number")
+    reach = real("reach", reach)
     if not reach > 1:
         raise InputError(f"reach = {reach:g} is no factor above 1, by which a value may change; 10 is usual")
-    quantities = {one.name: getattr(osc, one.name) for one in fields(osc)}
     carried = carried_by(osc, errors or {})
+    quantities = {one.name: getattr(osc, one.name) for one in fields(osc)}
+    if samples < 0:
+        raise InputError(f"samples = {samples} must not be negative; 0 is for none")
+    with deadline.time_limit(each):
+        pass  # which refuses what is no number of seconds
     with deadline.time_limit(time_limit):
         numbers = {name: carried.get(name, quantities[name]) for name in "VNmk"}
         threshold = pure_slip_damping(law, **numbers, method=method, rtol=rtol)
@@ -202,7 +217,7 @@ def margins(
                     found = critical(law, name, **others, method=method, rtol=rtol, within=(low, high))
             except StickSlipError as error:
                 deadline.check_time()  # raises if it was the limit on all of them
-                refused[name] = f"not found within {each:g} s" if isinstance(error, OutOfTime) else str(error)
+                refused[name] = f"not found within {each} s" if isinstance(error, OutOfTime) else str(error)
                 continue
             below = [one for one in found if one.value <= value]
             above = found[len(below) :]
@@ -215,6 +230,8 @@ def margins(
 
 def carried_by(osc: Oscillator, errors: Mapping[str, str | UFloat]) -> dict[str, UFloat]:
     """Return the quantities that carry a standard error; each must have the oscillator's value."""
+    require_type("osc", osc, Oscillator, "an Oscillator")
+    require_type("errors", errors, Mapping, "a mapping such as {'V': '0.50(1)'}")
     carried = {}
     for name, given in errors.items():
         if name not in ("V", "N", "m", "k", "c"):

@@ -1,1 +1,1 @@
-"""Every attractor of an oscillator, what parts their basins, and where a start leads."""
+"""Every attractor of an oscillator, what parts their basins, and where an initial condition leads."""

@@ -166,13 +166,18 @@ def test_proved_values_enclose_what_the_orbit_finds():
 OSC = ss.Oscillator(c=2.8, **POINT)
 REFUSED = [
     (ss.critical, "mu_x", {"c": 1, "V": 1, "N": 1}, "there is no quantity or parameter 'mu_x'"),
-    (ss.critical, "N", {"c": 1, "V": 1, "N": 1}, "N is what is sought"),
+    (ss.critical, "N", {"c": 1, "V": 1, "N": 1}, "N is sought; leave its value out"),
     (ss.critical, "mu_s", {"V": 1, "N": 1}, r"c must be given to find mu_s: c=\.\.\."),
     (ss.critical, "k", {"c": 1, "V": 1, "N": 1, "method": "harmonic"}, "both the mass m and the stiffness k"),
     (ss.critical, "k", {"c": 1, "V": 1, "N": 1, "m": 1, "method": "harmonic"}, "does not depend on k"),
     *((ss.critical, "alpha", {"c": 1, "V": 1, "N": 1, "within": within}, "two numbers of one sign, ascending")
       for within in ((2, 1), 5)),
     (ss.critical, "alpha", {"c": 1, "V": 1, "N": 1, "within": ("x", 1)}, "is not a number or an array"),
+    (ss.margins, OSC, {"errors": "9.8(2)"}, "errors is a mapping such as"),
+    (ss.margins, OSC, {"samples": "many"}, "samples is a whole number"),
+    (ss.margins, OSC, {"samples": -1}, "samples = -1 must not be negative"),
+    (ss.margins, OSC, {"reach": "far"}, "reach = 'far' is not a number"),
+    (ss.margins, OSC, {"each": -1}, "time_limit = -1 is not a number of seconds"),
     (ss.margins, OSC, {"errors": {"N": "9.8(2)"}}, "N is 9.81 in the oscillator and 9.8 in errors; give the same"),
     (ss.margins, OSC, {"errors": {"mu_s": "0.5(1)"}}, "errors has 'mu_s'; it takes V, N, m, k and c"),
 ]  # fmt: skip

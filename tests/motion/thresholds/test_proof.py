@@ -1,6 +1,7 @@
 """Thresholds as theorems: boxes that hold the motion, decisions that agree with simulation, checked hypotheses."""
 
 import random
+from dataclasses import replace
 from functools import cache
 
 import mpmath
@@ -13,7 +14,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.balls import working_precision
-from stickslip_sym.motion.thresholds import boxes
+from stickslip_sym.motion.thresholds import boxes, theorem
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, flow, transit
 from stickslip_sym.motion.thresholds.theorem import checked_hypotheses, prove_threshold
 
@@ -203,6 +204,18 @@ def test_a_proof_by_name():
     assert several.theorem is None
     assert (estimated.status, estimated.enclosure) == (ss.Status.ESTIMATED, None)
     assert abs(estimated.value - found.value) <= estimated.relative_error * found.value + 1e-15
+
+
+def test_no_theorem_without_a_return_undamped(monkeypatch):
+    """A hypothesis of the lemma that no law is known to fail: a decision is turned round."""
+
+    def undamped_turned(point, c, bits):
+        found = transit(point, c, bits)
+        return replace(found, returns=False) if c == 0 else found
+
+    monkeypatch.setattr(theorem, "transit", undamped_turned)
+    with pytest.raises(ss.NoThreshold, match="not without any"):
+        prove_threshold(point(LAWS["polynomial"]), simulated(LAWS["polynomial"]).value, 1e-8, 1e-4)
 
 
 def test_a_negative_threshold_is_proved_too():
