@@ -36,7 +36,7 @@ def uncounted() -> Iterator[None]:
 @contextmanager
 def time_limit(seconds: float | str | None) -> Iterator[None]:
     """Let `check_time` raise `OutOfTime` within this block once so many seconds have passed; None is no limit."""
-    if isinstance(seconds, str):
+    if not isinstance(seconds, float | int | None):
         seconds = real("time_limit", seconds)
     if seconds is not None and not 0 <= seconds <= LONGEST:
         raise InputError(f"time_limit = {seconds} is not a number of seconds from 0 to {LONGEST:.0f}")

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import real
+from stickslip_sym.core.numbers import real, require_type
 from stickslip_sym.model.law import FrictionLaw
 
 _NO_BELT = (
@@ -82,3 +82,9 @@ class Oscillator:
     def onset(self, law: FrictionLaw) -> float:
         """Return the displacement x_P = (mu_static N - c V)/k in m at which every forward stick phase ends."""
         return (law.static_value * self.N - self.c * self.V) / self.k
+
+
+def as_oscillator(osc: Oscillator) -> Oscillator:
+    """Return an oscillator itself, or refuse what is none."""
+    require_type("osc", osc, Oscillator, "an Oscillator(m=..., k=..., c=..., V=..., N=...)")
+    return osc

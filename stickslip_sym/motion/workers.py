@@ -45,6 +45,8 @@ def collect(
     Raises `NotConverged` if a process of ours ends before its work is done.
     Raises `KeyboardInterrupt` if Ctrl-C comes before the first result.
     """
+    if not (progress is None or callable(progress)):
+        raise InputError(f"progress is a function of two numbers, got {progress!r:.60}")
     results: list[Result | None] = [None] * len(tasks)
     report = progress or (lambda done, total: None)
     left = time_left()

@@ -53,6 +53,8 @@ def test_every_call_with_a_time_limit_is_here():
 def test_what_is_no_time_is_refused(name, seconds):
     with pytest.raises(ss.InputError, match=r"time_limit = .* from 0 to 86400"):
         CALLS[name](LAW, OSC, seconds)
+    with pytest.raises(ss.InputError, match=r"time_limit = .* is not a number"):
+        CALLS[name](LAW, OSC, [1.0])
 
 
 GIVEN_UP = ["derive", "pure_slip_damping", "critical", "margins", "classify", "limit_cycles", "stick_slip_cycle"]

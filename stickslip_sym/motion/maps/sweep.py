@@ -17,10 +17,9 @@ import numpy as np
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.core.numbers import require_type
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.maps.basins import FINEST, Share, shares_by_area
 from stickslip_sym.motion.maps.drawing import regions_of_motions
 from stickslip_sym.motion.maps.table import Axis, AxisValues, Table, placed, read_axis, read_values
@@ -161,9 +160,8 @@ def basin_sweep(
     >>> [f"{change.kind} {change.value:.6f}" for change in found.changes]
     ['Hopf 1.970016', 'graze 2.573079']
     """
-    law = as_law(law)
+    law, osc = as_law(law), as_oscillator(osc)
     axis = read_axis(law, "over", over)
-    require_type("osc", osc, Oscillator, "an Oscillator")
     box = _limits("x0", x0), _limits("v0", v0)
 
     def at(value: float) -> tuple[FrictionLaw, Oscillator]:
@@ -192,12 +190,12 @@ def basin_sweep(
 
 
 def _limits(name: str, given: tuple[float, float]) -> tuple[float, float]:
-    low, high = read_values(name, given).tolist() if len(given) == 2 else (0.0, 0.0)
-    if not low < high:
+    box = read_values(name, given).tolist()
+    if len(box) != 2:
         raise InputError(
             f"the box of initial conditions goes from one {name} to a higher one, got {str(given)[:60]}"
         )
-    return low, high
+    return box[0], box[1]
 
 
 def _critical(law: FrictionLaw, osc: Oscillator, axis: Axis) -> list[Change]:

@@ -2,7 +2,8 @@
 
 An average that is a polynomial in the quantity gives all values as its roots. Otherwise threshold minus c is
 followed on a grid, to every change of sign, and to every extremum that comes close to one. Its sign is that of
-the gap between both halves of the grazing orbit at c (`needed`): it takes one gap, and a threshold some.
+the gap between both halves of the grazing orbit at c (`needed`): it takes one gap, and a threshold some. Where a
+half creeps to rest, or is driven away, the sign is known too.
 """
 
 import math
@@ -17,7 +18,7 @@ import sympy as sp
 
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold
+from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged
 from stickslip_sym.core.numbers import lookup, read_array, read_rtol, real
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.criteria.enclosure import Enclosure
@@ -42,7 +43,7 @@ _WEAKEST, _STRONGEST = 1e-3, 1e2  # N/(V sqrt(k m)) between which V, N, m and k 
 _AROUND = 100.0  # factor above and below a parameter's value within which it is sought
 _NEAR = 0.5  # relative distance of a harmonic average from c, within which a quantity is sought in any case
 _SHARE = 0.4  # of the last measured speed, up to which belt speeds are sought: motions slip at a little over 2 V
-_LOOSE = 1e-6  # relative error of the gap, or threshold, on the grid
+_LOOSE = 1e-6  # relative error of a threshold by a method that does not converge
 _STEPS = 1e-11  # tolerance of the steps of a gap
 _FINER, _TIGHTEST = 1e-3, 1e-12  # of rtol, the relative error of a threshold at a root; and the smallest
 _CLOSE = 1e-9  # tolerance of a root, relative, which a Newton step with the exact slope then refines
@@ -182,29 +183,25 @@ def critical(
         return _Search(law, of, numbers, find_method(method), rtol).found(_places(within))
 
 
-def excess(points: OperatingPoints, c: float, method: Method | None, rtol: float = _LOOSE) -> FloatArray:
+def excess(points: OperatingPoints, c: float, method: Method | None) -> FloatArray:
     """Return for each operating point a number with the sign of threshold minus c; NaN where there is none.
 
     - `method`: an average, or one that does not converge, has a threshold of its own; the others have one.
     """
     deadline.check_time()
-    if method is not None and method.criterion is not None:
-        return points.N * slope_mean(points.law, method.criterion, points.V) - c
-    off = np.full(len(points), np.inf)
     if method is None or method.converges:
-        off = np.array([_gap(points, row, c) for row in range(len(points))])
-    rows = np.flatnonzero(np.isinf(off))  # a half of the orbit does not come to w = 1, or is not found
-    if rows.size:
-        found, _ = ask(points.rows(rows), method, rtol)
-        off[rows] = np.where(np.isfinite(found.relative_error), found.value, np.nan) - c
-        for row, refusal in found.refusals.items():
-            if isinstance(refusal, NoThreshold):
-                off[rows[row]] = -1.0  # below c, by an unknown amount
-    return off
+        return np.array([_gap(points, row, c) for row in range(len(points))])
+    if method.criterion is not None:
+        return points.N * slope_mean(points.law, method.criterion, points.V) - c
+    found, _ = ask(points, method, _LOOSE)
+    return np.where(np.isfinite(found.relative_error), found.value, math.nan) - c
 
 
 def _gap(points: OperatingPoints, row: int, c: float) -> float:
-    """Return the gap of the grazing orbit at a damping, infinite where it has none; NaN where it is not known."""
+    """Return the gap of the grazing orbit at a damping, cut at -1 and 1; NaN where its sign is not known.
+
+    Where a half of the orbit does not come to w = 1 the gap is infinite, with its sign.
+    """
     try:
         system = Dimensionless.of(points.law, points.oscillator(row, c))
     except NO_RESULT:
@@ -213,7 +210,7 @@ def _gap(points: OperatingPoints, row: int, c: float) -> float:
         system.rise, system.eta, system.zeta, system.push(1), 1.0, _STEPS, False, 0.0, by_zeta(system)
     )
     deadline.check_time()
-    return math.nan if outside and math.isfinite(system.w_max) else float(value)
+    return math.nan if outside and math.isfinite(system.w_max) else min(max(float(value), -1.0), 1.0)
 
 
 def _places(within: Sequence[float] | None) -> FloatArray | None:
@@ -258,10 +255,10 @@ class _Search:
             return OperatingPoints.of(self.law, **self.quantities, **{self.of: x})
         return OperatingPoints.of(self.law.bind(**{self.of: x}), **self.quantities)
 
-    def excess(self, x: FloatArray, rtol: float = _LOOSE) -> FloatArray:
+    def excess(self, x: FloatArray) -> FloatArray:
         """Return `excess` at values of what is sought."""
         points = [self.at(x)] if self.is_quantity else map(self.at, x.tolist())
-        return np.concatenate([[], *(excess(some, self.c, self.method, rtol) for some in points)])
+        return np.concatenate([[], *(excess(some, self.c, self.method) for some in points)])
 
     def found(self, within: FloatArray | None) -> tuple[Critical, ...]:
         """Return the critical values, ascending."""
@@ -315,11 +312,11 @@ class _Search:
     def _roots(self, x: FloatArray) -> list[float]:
         """Return where the excess changes its sign, up to where motions leave the measured speeds."""
 
-        def value(x: float, rtol: float = _LOOSE) -> float:
-            return float(self.excess(np.array([x]), rtol)[0])
+        def value(x: float) -> float:
+            return float(self.excess(np.array([x]))[0])
 
-        def fine(x: float) -> float:
-            found = value(x, self.tight)
+        def value_or_refusal(x: float) -> float:
+            found = value(x)
             return found if not math.isnan(found) else self._no_threshold(x)
 
         with np.errstate(all="ignore"):
@@ -343,7 +340,7 @@ class _Search:
                 if sign * beyond < 0:
                     nodes[place] = beyond
         places = sorted(nodes)
-        return list(sign_changes(fine, places, [nodes[x] for x in places], _CLOSE))
+        return list(sign_changes(value_or_refusal, places, [nodes[x] for x in places], _CLOSE))
 
     def _no_threshold(self, x: float) -> NoReturn:
         raise NotConverged(f"there is no threshold at {self.of} = {x:.6g}; try another method")

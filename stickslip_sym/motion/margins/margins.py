@@ -4,12 +4,13 @@ import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields
+from typing import SupportsIndex
 
 import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NO_RESULT, InputError, OutOfTime, StickSlipError
-from stickslip_sym.core.numbers import require_type
+from stickslip_sym.core.numbers import real, require_type
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
@@ -192,10 +193,16 @@ def margins(
     c -0.264
     """
     law = as_law(law)
+    require_type("samples", samples, SupportsIndex, "a whole number")
+    reach = real("reach", reach)
     if not reach > 1:
         raise InputError(f"reach = {reach:g} is no factor above 1, by which a value may change; 10 is usual")
     carried = carried_by(osc, errors or {})
     quantities = {one.name: getattr(osc, one.name) for one in fields(osc)}
+    if samples < 0:
+        raise InputError(f"samples = {samples} must not be negative; 0 is for none")
+    with deadline.time_limit(each):
+        pass  # which refuses what is no number of seconds
     with deadline.time_limit(time_limit):
         numbers = {name: carried.get(name, quantities[name]) for name in "VNmk"}
         threshold = pure_slip_damping(law, **numbers, method=method, rtol=rtol)
@@ -210,7 +217,7 @@ def margins(
                     found = critical(law, name, **others, method=method, rtol=rtol, within=(low, high))
             except StickSlipError as error:
                 deadline.check_time()  # raises if it was the limit on all of them
-                refused[name] = f"not found within {each:g} s" if isinstance(error, OutOfTime) else str(error)
+                refused[name] = f"not found within {each} s" if isinstance(error, OutOfTime) else str(error)
                 continue
             below = [one for one in found if one.value <= value]
             above = found[len(below) :]

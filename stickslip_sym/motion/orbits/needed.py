@@ -181,7 +181,9 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
                 slope = max(slope, _FALL)
             return FOUND, zeta, off / -slope + _TABULATED * largest, low, high, slope
         if math.isfinite(high - low) and high - low <= _CLOSE * max(abs(low), abs(high)):
-            # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits.
+            # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits;
+            # or the law ends there, and the forward half leaves its table for less damping.
+            _, _, outside, _ = gap(rise, eta, low, push, A, rtol, False, 0.0, by_zeta)
             if outside:
                 return BEYOND, zeta, math.inf, low, high, slope
             error = _spread(rise, eta, push, A, _LOOSER * tight, by_zeta, low, high)

@@ -16,7 +16,7 @@ from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.phase_plane import NEAR, PhasePlane, phase_plane
 from stickslip_sym.motion.regimes.regime import by_side, regime
@@ -97,7 +97,7 @@ def classify(
     >>> [motion.name for motion in ss.classify(ss.laws.exponential.typical(), osc, x0=[-0.1, 0.0], v0=0.0)]
     ['STICK_SLIP', 'REST']
     """
-    law, rtol = as_law(law), read_rtol(rtol)
+    law, osc, rtol = as_law(law), as_oscillator(osc), read_rtol(rtol)
     x, v = read_initial_conditions(x0, osc.V if v0 is None else v0)
     found = np.full(x.shape, None, dtype=object)
     with deadline.time_limit(time_limit):

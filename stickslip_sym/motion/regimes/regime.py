@@ -18,7 +18,7 @@ from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
@@ -208,7 +208,7 @@ def regime(
     rest at x = 0.0261867 m
     stick-slip of period 0.631968 s, of which stick 0.0453196 s
     """
-    law = as_law(law)
+    law, osc = as_law(law), as_oscillator(osc)
     rtol = read_rtol(rtol)
     with deadline.time_limit(time_limit):
         return _found(phase_plane(law, osc, rtol))

@@ -20,7 +20,7 @@ from stickslip_sym.core.errors import InputError, OutOfTime
 from stickslip_sym.core.numbers import read_array, read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectories, Trajectory
 from stickslip_sym.motion.slip import Dimensionless, Slip
@@ -100,7 +100,7 @@ def simulate(
     >>> motion.motion.value, len(motion.starts_of(ss.Phase.STICK))
     ('stick-slip', 8)
     """
-    law = as_law(law)
+    law, osc = as_law(law), as_oscillator(osc)
     t_end = real("t_end", t_end)
     if t_end <= 0:
         raise InputError(f"t_end = {t_end:g} must be positive")

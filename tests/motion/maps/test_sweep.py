@@ -52,6 +52,7 @@ def test_a_fold_is_where_two_cycles_meet(tmp_path):
         ({"over": ("V", [2, 1])}, "do not ascend"),
         ({"x0": (1, -1)}, "x0 do not ascend"),
         ({"v0": (1, 1)}, "do not ascend"),
+        ({"x0": 1.0}, "the values of x0 are one row of numbers"),
         ({"v0": (1, 2, 3)}, "goes from one v0 to a higher one"),
     ],
 )

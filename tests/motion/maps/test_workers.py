@@ -75,10 +75,12 @@ def test_a_dask_cluster_is_an_executor(serial, tmp_path):
         assert same(serial, ss.motion_map(LAW, **PLANE, workers=client.get_executor()))
 
 
-@pytest.mark.parametrize("wrong", [0, -2, 1.5, True, "2", None, map])
+@pytest.mark.parametrize("wrong", [0, -2, 1.5, True, "2", None, [1]])
 def test_unusable_workers_are_refused(wrong):
     with pytest.raises(ss.InputError, match=r"workers = .* must be a number of threads"):
         ss.motion_map(LAW, **PLANE, workers=wrong)
+    with pytest.raises(ss.InputError, match="progress is a function of two numbers, got"):
+        ss.motion_map(LAW, **PLANE, progress=wrong or 0)
 
 
 @pytest.fixture

@@ -173,6 +173,11 @@ REFUSED = [
     *((ss.critical, "alpha", {"c": 1, "V": 1, "N": 1, "within": within}, "two numbers of one sign, ascending")
       for within in ((2, 1), 5)),
     (ss.critical, "alpha", {"c": 1, "V": 1, "N": 1, "within": ("x", 1)}, "is not a number or an array"),
+    (ss.margins, OSC, {"errors": "9.8(2)"}, "errors is a mapping such as"),
+    (ss.margins, OSC, {"samples": "many"}, "samples is a whole number"),
+    (ss.margins, OSC, {"samples": -1}, "samples = -1 must not be negative"),
+    (ss.margins, OSC, {"reach": "far"}, "reach = 'far' is not a number"),
+    (ss.margins, OSC, {"each": -1}, "time_limit = -1 is not a number of seconds"),
     (ss.margins, OSC, {"errors": {"N": "9.8(2)"}}, "N is 9.81 in the oscillator and 9.8 in errors; give the same"),
     (ss.margins, OSC, {"errors": {"mu_s": "0.5(1)"}}, "errors has 'mu_s'; it takes V, N, m, k and c"),
 ]  # fmt: skip

@@ -101,6 +101,25 @@ def test_a_threshold_of_pieces_separates_return_from_none(count):
     assert count / 2 <= positive < count
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_the_last_measured_speed_is_no_threshold(seed):
+    """Where motions leave the measured speeds at the threshold it is refused, else they do not matter."""
+    rng = np.random.default_rng([7, seed])
+    v = np.r_[0, np.sort(rng.uniform(0.02, 2, int(rng.integers(4, 20)) - 1))]
+    mu = 0.2 + 0.3 * np.exp(-rng.uniform(1, 5) * v) + rng.uniform(0, 0.03) * rng.standard_normal(v.size)
+    held, measured = (ss.FrictionLaw.from_samples(v, mu, extrapolate=held) for held in (True, False))
+    refused = 0
+    for V in v[-1] * np.linspace(0.42, 0.8, 8):
+        point = {"V": V, "N": 10 ** rng.uniform(-1, 1.5), "m": 1, "k": 100, "method": "simulation"}
+        try:
+            threshold = ss.pure_slip_damping(measured, **point).value
+        except ss.InputError as error:
+            refused += "measure further" in str(error)
+            continue
+        assert threshold == pytest.approx(ss.pure_slip_damping(held, **point).value, rel=1e-7)
+    assert 0 < refused < 8
+
+
 def test_without_an_oscillator_the_error_is_unknown():
     found = ss.pure_slip_damping(EXPONENTIAL, V=0.5, N=9.81)
     assert (found.method, found.relative_error) == ("harmonic", None)
