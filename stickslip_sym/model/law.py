@@ -18,7 +18,7 @@ from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import Backend
-from stickslip_sym.core.numbers import Number, exact, real, require_type, suggestion
+from stickslip_sym.core.numbers import Number, exact, read_array, real, require_type, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.expression.parameters import Parameter
@@ -414,7 +414,7 @@ class FrictionLaw:
         return self._evaluate(v, derivative=True)
 
     def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
-        speed = np.asarray(v, dtype=np.float64)
+        speed = np.asarray(read_array("v", v, finite=False), np.float64)
         wrong = ~((speed >= 0) & np.isfinite(speed))
         if wrong.any():
             first = speed[wrong].flat[0]

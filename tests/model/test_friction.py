@@ -44,6 +44,8 @@ REFUSED = [
     )),
     *(("is not a finite number >= 0", lambda speed=speed: LAW.typical().mu(speed))
       for speed in (-1e-300, math.nan, math.inf, [0.1, -0.2])),
+    *(("is not a number or an array of numbers", lambda speed=speed: LAW.typical().mu(speed))
+      for speed in ("x", None, 1j, [1, [2]], {1})),
     *(("has a kink at v = .* which is not real",
        lambda place=place: ss.FrictionLaw(f"Piecewise((1, v < {place}), 2)").bind(a="0.5"))
       for place in ("log(a - 1)", "log(a - 0.5)", "1/(a - 0.5)")),

@@ -24,13 +24,7 @@ from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import average_ball
 from stickslip_sym.formula.evaluation.branches import Branch, Branches, Sum, Table, value_of
 from stickslip_sym.formula.evaluation.interpolation import chebyshev
-from stickslip_sym.formula.evaluation.values import (
-    BITS,
-    MeanSlope,
-    Unresolved,
-    Values,
-    slope_of,
-)
+from stickslip_sym.formula.evaluation.values import BITS, MeanSlope, Unresolved, Values, slope_of
 from stickslip_sym.formula.proof.gate import kinks_of
 from stickslip_sym.formula.proof.proving import Verdict
 

@@ -59,21 +59,14 @@ def _cases(expr: Expr) -> Cases:
 
 
 def _smooth(cases: Cases) -> Cases:
-    """Return pieces without kinks; those of a piece hold up to its place.
-
-    Empty ones are left out, and equal ones joined: SymPy would join their conditions by Or, and one place keeps
-    every condition of the one form.
-    """
+    """Return pieces without kinks, and none that is empty; those of a piece hold up to its place."""
     smooth: Cases = []
     for piece, end in cases:
         for branch, inner in _cases(piece):
             place, before = _nearer(end, inner), smooth[-1][1] if smooth else sp.S.Zero
-            if before is None or (place is not None and bool((place - before).is_nonpositive)):
-                continue
-            if smooth and smooth[-1][0] == branch:
-                smooth.pop()
-                place = None if place is None else larger(before, place)
-            smooth.append((branch, place))
+            is_empty = before is None or (place is not None and (place - before).is_nonpositive)
+            if not is_empty:
+                smooth.append((branch, place))
     if len(smooth) > _MOST_PIECES:
         raise InputError(f"the kinks of the law part it into more than {_MOST_PIECES} pieces")
     return smooth
@@ -92,9 +85,15 @@ def piecewise(cases: Cases) -> Expr:
     """
     if any(place is not None and place.has(symbols.v) for _, place in cases):
         raise InputError("the places of a Piecewise are parameters or numbers; they cannot depend on v")
-    pairs = ((piece, True if place is None else symbols.v < place) for piece, place in _smooth(cases))
+    pairs: Cases = []
+    for piece, place in _smooth(cases):
+        if pairs and pairs[-1][0] == piece:
+            # SymPy would join the two conditions by Or; one place keeps every condition of the one form.
+            before = pairs.pop()[1]
+            place = None if place is None else sp.Max(before, place)
+        pairs.append((piece, place))
     try:
-        return sp.Piecewise(*pairs)
+        return sp.Piecewise(*((piece, True if place is None else symbols.v < place) for piece, place in pairs))
     except TypeError:
         raise InputError("the places of a Piecewise are real numbers") from None
 

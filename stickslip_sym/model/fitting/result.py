@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, StickSlipError
-from stickslip_sym.core.numbers import lookup
+from stickslip_sym.core.numbers import lookup, read_array, real
 from stickslip_sym.core.uncertain import UFloat, with_error
 from stickslip_sym.model.fitting.curve import band, draw_law, draw_points
 from stickslip_sym.model.fitting.least_squares import Problem
@@ -207,13 +207,13 @@ class Fit(_Report):
 
     def band(self, v: ArrayLike, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
         """Return the lower and upper end of the interval that holds the true mu at each speed, to first order."""
-        speeds = np.asarray(v, dtype=np.float64)
+        speeds = np.asarray(read_array("v", v), np.float64)
         return band(self.law.bind(**self.uncertain), speeds, self._quantile(level))
 
     def _quantile(self, level: float) -> float:
         from scipy.special import ndtri, stdtrit
 
-        if not 0 < level < 1:
+        if not 0 < real("level", level) < 1:
             raise InputError(f"level = {level:g} is no probability between 0 and 1; 0.95 is usual")
         above = (1 + level) / 2
         return float(ndtri(above) if self.measured.sigma is not None else stdtrit(self.dof, above))

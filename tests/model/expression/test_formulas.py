@@ -90,6 +90,8 @@ KINKED = [
     ("Piecewise((v, v < a), (v, v < b), 2)", lambda v: v if v < b else 2, ["0.8"]),
     ("Piecewise((v, v < b), (v, v < a), 2)", lambda v: v if v < b else 2, ["0.8"]),
     ("Piecewise((9, v < -1), (9, v < 0), v)", lambda v: v, []),
+    ("Piecewise((a*v, v >= b), (Piecewise((mu_m, v < w), mu_s), v < w), mu_m)",
+     lambda v: a * v if v >= b else mu_m, ["0.8"]),
     ("Piecewise((v, v < 1), log(v - 0.99))", lambda v: v if v < 1 else math.log(v - 0.99), ["1"]),
     ("Piecewise((sin(pi*v), v < pi/3), v)", lambda v: math.sin(math.pi * v) if v < math.pi / 3 else v, None),
     ("Piecewise((a*(1 - exp(-3)), v < 0.5), (b*Abs(v - 1), True))",

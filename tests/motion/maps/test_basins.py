@@ -87,6 +87,10 @@ def test_shares_are_areas_within_the_unstable_cycle(seed):
         found = ss.basin_map(law, osc, x0=tuple(box[0]), v0=tuple(box[1])).share
         value = found[Motion.REST].value if Motion.REST in found else 0.0
         assert value == pytest.approx(area / np.prod(np.ptp(box, axis=1)), abs=1e-7)
+    places, off = rng.integers(x.size, size=400), rng.choice([-1e-3, 1e-3], 400)
+    places[::2] = (np.argmax(v), np.argmin(v))[seed % 2] + rng.integers(-5000, 5000, 200)  # where the curve turns
+    x0, v0 = rest + (x[places % x.size] - rest) * (1 + off), v[places % x.size] * (1 + off)
+    assert ((ss.classify(law, osc, x0=x0, v0=v0) == Motion.REST) == (off < 0)).all()
 
 
 def test_wrong_sides_are_noticed(monkeypatch):
