@@ -131,6 +131,9 @@ def tradeoff(
         raise InputError(f"of = {of!r} names nothing to measure; known: {', '.join(KINDS)}")
     for kind in kinds:
         lookup("trade of", kind, dict.fromkeys(KINDS))
+    for name, value in {"x0": x0, "v0": v0, "c": c}.items():
+        if value is not None and "basin" not in kinds:
+            raise InputError(f'{name} belongs to the basins of attraction: of = "basin"')
     if law.missing:
         raise InputError(f"the law has no value for {', '.join(law.missing)}; bind it first")
     chosen = find(criterion)

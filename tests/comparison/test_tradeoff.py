@@ -64,6 +64,8 @@ def test_a_criterion_by_every_method(tmp_path):
         *((LAW, {"of": of}, "names nothing to measure; known: criterion, threshold, basin")
           for of in ((), None, 3)),
         (LAW, {"of": "threshold", "time_limit": 0}, "time"),
+        (LAW, {"of": "criterion", "x0": (-1, 1)}, "x0 belongs to the basins of attraction"),
+        (LAW, {"of": ["criterion", "threshold"], "c": 1.0}, "c belongs to the basins of attraction"),
     ],
 )  # fmt: skip
 def test_refusals(law, options, message):

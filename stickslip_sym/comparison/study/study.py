@@ -18,6 +18,7 @@ from stickslip_sym.comparison.study.pictures import Plane, pictures, plane
 from stickslip_sym.core import symbols
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputWarning
+from stickslip_sym.core.numbers import require_type
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.core.uncertain import with_error as text_with_error
@@ -380,6 +381,9 @@ def study(
     'There is no stick-slip: c = 2 kg/s is 36 % above the threshold of 1.472 kg/s.'
     """
     begin = time.perf_counter()
+    require_type("measured", measured, Measurements | None, "what read_measurements gives")
+    require_type("name", name, str | None, "text")
+    require_type("defaults", defaults, Iterable, "an iterable of names")
     fit = law.best if isinstance(law, Fits) else law if isinstance(law, Fit) else None
     friction = fit.law.bind(**fit.uncertain) if fit is not None else as_law(law)
     friction.function("numpy")  # refuses a law with parameters that have no value
