@@ -113,7 +113,7 @@ class BasinSweep(Table):
                 ha="right", backgroundcolor=(1, 1, 1, 0.7),
             )  # fmt: skip
         ax.set(xlabel=self.x.label, ylabel="share of the box of initial conditions", ylim=(0, 1))
-        ax.set_xlim(self.x.values[0], self.x.values[-1])
+        ax.margins(x=0)
         edges = np.vstack([np.zeros(shares.shape[1]), np.cumsum(shares, axis=0)])
         return [ax.fill_between(values, *edges[i : i + 2], **one.look) for i, one in enumerate(regions.values())]
 

@@ -45,6 +45,11 @@ def test_a_fold_is_where_two_cycles_meet(tmp_path):
     assert ">share of the box of initial conditions</text>" in text
 
 
+def test_a_sweep_of_one_value_is_drawn(tmp_path):
+    ss.basin_sweep(LAW, OSC, ("c", [OSC.c]), **BOX).plot(tmp_path / "one.svg")
+    assert ">share of the box of initial conditions</text>" in (tmp_path / "one.svg").read_text()
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
