@@ -19,7 +19,7 @@ from sympy.printing.printer import Printer
 
 from stickslip_sym.core import langevin
 from stickslip_sym.core.aliases import Expr, Mpf
-from stickslip_sym.core.numbers import to_mpf
+from stickslip_sym.core.numbers import bits, to_mpf
 
 T = TypeVar("T")
 
@@ -166,14 +166,16 @@ class NumberPower(sp.Function):  # type: ignore[misc]  # SymPy is untyped
     _sympystr = _latex = _numpycode = _pythoncode = _mpmathcode = _printed
 
 
-_LARGEST_ROOT = 64  # of a rational number that SymPy simplifies: as (1/4)^(3/2) = 1/8
+_MOST_BITS = 128  # of a rational number times the index of its root, up to which SymPy simplifies (1/4)^(3/2)
 
 
 def power(base: Expr, exponent: Expr) -> Expr:
     """Return a power, its rational factor kept as it is written where SymPy would expand it."""
     number, rest = base.as_coeff_Mul(rational=True) if not base.is_Rational else (base, sp.S.One)
-    harmless = not exponent.is_Rational or exponent.q <= _LARGEST_ROOT or number in (0, 1) or number.is_negative
-    return base**exponent if harmless else NumberPower(number, exponent) * rest**exponent
+    harmless = not exponent.is_Rational or exponent.is_Integer or number in (0, 1) or number.is_negative
+    if harmless or bits(number) * exponent.q <= _MOST_BITS:
+        return base**exponent
+    return NumberPower(number, exponent) * rest**exponent
 
 
 # -- where branch cuts lie, and differences without cancellation -----------------------------------

@@ -198,3 +198,9 @@ def test_numbers_under_roots_are_not_expanded():
     assert ss.FrictionLaw(law.text).expr == law.expr
     assert "0.0788816" in ss.FrictionLaw("0.5 - 0.0788816*v").text
     assert ss.FrictionLaw("0.5 - 0.3*exp(-v/0.0788816)").text == "1/2 - 3*exp(-v/0.0788816)/10"
+    fitted = ss.FrictionLaw("0.2 + 0.3*exp(-(v/2.1674688334945524)^2.46)")  # 401 digits under a root of 50
+    assert len(fitted.text) < 90
+    for backend in ("math", "numpy", "mpmath"):
+        assert fitted.function(backend)(0.1) == pytest.approx(
+            0.2 + 0.3 * math.exp(-((0.1 / 2.1674688334945524) ** 2.46))
+        )
