@@ -57,11 +57,12 @@ def save(items: Item | Sequence[Item], path: str | Path) -> None:
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
-    >>> from stickslip_sym import derive
+    >>> from stickslip_sym import laws
     >>> with TemporaryDirectory() as folder:
-    ...     save(derive("mu_s - a*v"), Path(folder, "linear.json"))
-    ...     load(Path(folder, "linear.json")).expr
-    N*a
+    ...     path = Path(folder, "laws.json")
+    ...     save([laws.linear, laws.cubic], path)
+    ...     print([law.name for law in load(path)])
+    ['linear', 'cubic']
     """
     require_type("path", path, str | PathLike, "the name of a file")
     files.write_text(Path(path), text_of(items))

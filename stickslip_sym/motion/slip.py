@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
-from stickslip_sym.core.numbers import require_type
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.steps import SLIDING, End, entered, follow, rate_at, stepped
 from stickslip_sym.motion.table import FARTHEST, FrictionTable, Pieces, Rise
@@ -164,7 +163,7 @@ class Dimensionless:
     @classmethod
     def of(cls, law: FrictionLaw, osc: Oscillator) -> "Dimensionless":
         """Make an oscillator with a bound law dimensionless; raises as `FrictionTable.of`."""
-        require_type("osc", osc, Oscillator, "an Oscillator")
+        osc = as_oscillator(osc)
         return cls(osc.eta, osc.zeta, FrictionTable.of(law), osc.V)
 
     @cached_property

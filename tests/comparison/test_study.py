@@ -235,7 +235,7 @@ def test_the_headline_is_a_decision(c):
         (ss.laws.polynomial.typical(), {"errors": {"N": "9.0(1)"}}, "give the same value"),
         (ss.laws.polynomial.typical(), {"errors": {"N": "9.81+/-x"}}, "not a number with a standard error"),
         (ss.laws.polynomial.typical(), {"time_limit": -1}, "time_limit = -1"),
-        (ss.laws.polynomial.typical(), {"osc": 3}, "osc is an Oscillator, got int: 3"),
+        (ss.laws.polynomial.typical(), {"osc": 3}, "V=..., N=...), got int: 3"),
         (ss.laws.polynomial.typical(), {"errors": 3}, "errors is a mapping such as"),
         (ss.laws.polynomial.typical(), {"measured": 3}, "measured is what read_measurements gives, got int: 3"),
         (ss.laws.polynomial.typical(), {"name": 3}, "name is text, got int: 3"),

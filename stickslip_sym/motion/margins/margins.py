@@ -15,7 +15,7 @@ from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.margins.critical import Critical, critical, excess
 from stickslip_sym.motion.thresholds.methods import Method
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
@@ -230,7 +230,7 @@ def margins(
 
 def carried_by(osc: Oscillator, errors: Mapping[str, str | UFloat]) -> dict[str, UFloat]:
     """Return the quantities that carry a standard error; each must have the oscillator's value."""
-    require_type("osc", osc, Oscillator, "an Oscillator")
+    osc = as_oscillator(osc)
     require_type("errors", errors, Mapping, "a mapping such as {'V': '0.50(1)'}")
     carried = {}
     for name, given in errors.items():
