@@ -167,8 +167,10 @@ class ClosedForm:
         ]
         law = FrictionLaw(slope, parameters=kept, name=f"d {self.law.name or 'mu'}/d {name}")
         law = law.bind(**{key: value for key, value in self.law.values.items() if key in law.parameters})
-        terms = [part for term in self.terms for part in _differentiated(term, self.criterion, symbol)]
-        form = ClosedForm(law, self.criterion, tuple(terms))
+        terms = tuple(part for term in self.terms for part in _differentiated(term, self.criterion, symbol))
+        if any(term.expr.free_symbols - slope.free_symbols - {v} for term in terms):  # those of a v + b v^2 share one
+            terms = law.terms
+        form = ClosedForm(law, self.criterion, terms)
         for term, average in form.averages:
             if average.closed is None:
                 raise NoClosedForm(f"{printing.text(term.expr)}, a term of dmu/d{name}, has no closed form here")
