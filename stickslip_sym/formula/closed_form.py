@@ -51,7 +51,11 @@ class ClosedForm(SlopeAverage):
     law : FrictionLaw
     criterion : Criterion
     terms : tuple of Term
+    origin : tuple of ClosedForm and str, optional
+        Of a sensitivity, what it is the derivative of, and by which parameter.
     """
+
+    origin: "tuple[ClosedForm, str] | None" = None
 
     @property
     def averages(self) -> tuple[tuple[Term, Average], ...]:
@@ -153,8 +157,10 @@ class ClosedForm(SlopeAverage):
         ]
         law = FrictionLaw(slope, parameters=kept, name=f"d {self.law.name or 'mu'}/d {name}")
         law = law.bind(**{key: value for key, value in self.law.values.items() if key in law.parameters})
-        terms = [part for term in self.terms for part in _differentiated(term, self.criterion, symbol)]
-        form = ClosedForm(law, self.criterion, tuple(terms))
+        terms = tuple(part for term in self.terms for part in _differentiated(term, self.criterion, symbol))
+        if any(term.expr.free_symbols - slope.free_symbols - {v} for term in terms):
+            terms = law.terms  # a v + b v^2 is one term, whose scale holds both: it cancels out
+        form = ClosedForm(law, self.criterion, terms, (self, name))
         for term, average in form.averages:
             if average.closed is None:
                 raise NoClosedForm(f"{printing.text(term.expr)}, a term of dmu/d{name}, has no closed form here")

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from operator import le
 from typing import Any, Literal
 
 import numpy as np
@@ -28,8 +29,9 @@ from stickslip_sym.output import printing
 
 OnInvalid = Literal["raise", "nan"]
 
-_BLOCK = 16384  # elements: the arrays of a block stay in the processor's cache
+_BLOCK = 16000  # elements: the arrays of a block stay in the cache, below 128 kB, from where each is a system call
 _DIGITS = 17  # of a value by balls
+_LARGEST = float(np.finfo(np.float64).max)
 _CANCELLED = 4.0  # the sum of the terms' sizes over the size of their sum, from where the slope is looked at
 _ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, from where balls are asked
 
@@ -144,11 +146,10 @@ class SlopeAverage:
         self.require(given)
         if on_invalid not in ("raise", "nan"):
             raise InputError(f'on_invalid = {on_invalid!r} must be "raise" or "nan"')
-        ordered = [given[name] for name in self.arguments]
-        if all(type(value) is float or (type(value) is int and value.bit_length() < 1000) for value in ordered):
-            floats = [float(value) for value in ordered]  # type: ignore[arg-type]  # just looked
-            if all(low <= x < np.inf for x, low in zip(floats, self._lowest, strict=True)):
-                return self._of_floats(floats)
+        ordered: list[Any] = [given[name] for name in self.arguments]
+        numbers = {float, int}.issuperset(map(type, ordered))
+        if numbers and all(map(le, self._lowest, ordered)) and max(ordered) <= _LARGEST:
+            return self._of_floats(list(map(float, ordered)))
         return self._over_arrays(ordered, on_invalid)
 
     @cached_property
@@ -158,8 +159,7 @@ class SlopeAverage:
     @cached_property
     def _lowest(self) -> list[float]:
         """The lowest value that each argument may have."""
-        least = -float(np.finfo(np.float64).max)
-        return [0.0 if symbol.is_nonnegative else least for symbol in self.arguments.values()]
+        return [0.0 if symbol.is_nonnegative else -_LARGEST for symbol in self.arguments.values()]
 
     def _over_arrays(self, values: list[ArrayLike], on_invalid: OnInvalid) -> Any:
         arrays = [_array(name, value) for name, value in zip(self.arguments, values, strict=True)]

@@ -39,7 +39,7 @@ _HIGH = 60  # binary exponent of r up to which a profile is followed
 _WHERE = (60, 120, 300)  # binary exponents at which the power of r is read off by which F goes
 _POWERS = [sp.Rational(k, 2) for k in range(-12, 17)]  # that are tried for it, beside those of the profile
 _STRAIGHT, _LEVEL = 1e-6, 1e-4  # F over the right power of r is linear in log(r); with no slope it is constant
-_ENDS = {1: (11, 9, 7, 6, 5, 4, 3), -1: (-9, -6, -4, -3, -2, -1, 0, 1)}
+_ENDS = {1: (11, 9, 7, 6, 5, 4, 3), -1: (-9, -6, -4, -3, -2, -1, 0, 1, 2, 3)}
 """Binary exponents of the r from where, or up to where, one polynomial is tried."""
 _FIT_NODES, _TERMS = 27, 23  # of a polynomial that is then written in as few terms as it takes
 _LARGEST_ROOT = 4  # of r, in which a polynomial is tried too

@@ -11,10 +11,10 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Numbers
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.lambdify import function_of, power_of
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import average_of
-from stickslip_sym.formula.evaluation.branches import Branches, alike, power_of
+from stickslip_sym.formula.evaluation.branches import Branches, alike
 from stickslip_sym.formula.evaluation.making import branches_of
 from stickslip_sym.formula.evaluation.values import reach_of
 from stickslip_sym.model.terms import Term
