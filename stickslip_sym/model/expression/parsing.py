@@ -28,8 +28,8 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 """What a name looks like: ASCII letters, digits and underscores, at most 40."""
 
 KINKED: dict[str, Callable[..., Expr]] = {
-    "Abs": lambda x: larger(x, -x), "sign": sign,
-    "Min": lambda *parts: reduce(smaller, parts), "Max": lambda *parts: reduce(larger, parts),
+    "Abs": lambda x: larger(x, -x), "Min": lambda *parts: reduce(smaller, parts),
+    "Max": lambda *parts: reduce(larger, parts), "sign": sign,
 }  # fmt: skip
 """The functions that make kinks; Min and Max take two arguments or more."""
 
