@@ -12,8 +12,9 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Status, symbols
-from stickslip_sym.core.functions import Lerch, without_squares
+from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.numbers import bits
+from stickslip_sym.core.special import Lerch
 from stickslip_sym.core.symbols import V, a, b, mu, s, u
 from stickslip_sym.formula.proof.normal_form import expand_above, normal_form
 from stickslip_sym.formula.proof.proving import prove_equal, prove_positive
