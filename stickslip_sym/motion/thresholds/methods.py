@@ -21,7 +21,7 @@ from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.compiled import is_compiling
-from stickslip_sym.motion.orbits.expansion import averages, expansion_changes, of_layer
+from stickslip_sym.motion.orbits.expansion import averages, expand, expansion_changes, of_layer
 from stickslip_sym.motion.orbits.orbit import derivatives, obstacle, orbits
 from stickslip_sym.motion.thresholds.averages import average, average_changes
 from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
@@ -35,8 +35,8 @@ _REFERENCE = 1e-8  # relative error of the threshold from which the error of an 
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
-_FEW, _BENT = 192, 0.3  # phases and distortion up to which collocation is faster than steps
-_FEWEST, _DIGITS = 32, 1e-9  # the same phases for an rtol below, which takes finer grids
+_BENT = 0.3  # distortion of an orbit up to which collocation is faster than steps
+_COARSE, _RESOLVED = 32, 1e-5  # phases, and the tail that the law may have on them; nor may it pass rtol
 _GUESS = 1e-9  # tolerance of the simulation that says where a proof has to look
 
 
@@ -347,8 +347,9 @@ def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
     """Return less than a simulation that is not compiled, for weak friction and a law that few phases resolve."""
     if len(points) >= _MANY and is_compiling():
         return np.full(len(points), 10.0)
-    few = points.weak.phases <= (_FEW if rtol >= _DIGITS else _FEWEST)
-    return np.where(few & (points.weak.distortion(points.strength) <= _BENT), 2.0, 10.0)
+    with np.errstate(all="ignore"):
+        resolved = expand(points.law, points.V, grid=_COARSE).tail <= min(rtol, _RESOLVED)
+    return np.where(resolved & (points.weak.distortion(points.strength) <= _BENT), 2.0, 10.0)
 
 
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
