@@ -146,6 +146,11 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     # -- sums and products -----------------------------------------------------------------------------
 
+    def _print_Infinity(self, expr: Expr) -> str:
+        return r"\infty" if expr.is_positive else r"-\infty"
+
+    _print_NegativeInfinity = _print_Infinity
+
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
         # Polynomials first; what decays comes after them.
         terms = sorted(
