@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from uncertainties import covariance_matrix
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.model.law import FrictionLaw
@@ -19,8 +20,6 @@ def band(law: FrictionLaw, v: FloatArray, quantile: float = _NORMAL) -> tuple[Fl
     """Return mu less and plus so many of its standard errors, which are those of the parameters to first order."""
     mu, half = law.at_speeds(v), np.zeros(v.shape)
     if law.uncertain:
-        from uncertainties import covariance_matrix
-
         covariance = np.array(covariance_matrix(list(law.uncertain.values())))
         by = np.array([law.partial(name).at_speeds(v) for name in law.uncertain])
         half = quantile * np.sqrt(np.einsum("in,ij,jn->n", by, covariance, by))

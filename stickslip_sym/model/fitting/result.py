@@ -11,11 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+from scipy.special import ndtr, ndtri, stdtrit
+from uncertainties import UFloat, correlated_values
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.numbers import lookup, read_array, real
-from stickslip_sym.core.uncertain import UFloat, with_error
+from stickslip_sym.core.uncertain import with_error
 from stickslip_sym.model.fitting.curve import band, draw_law, draw_points
 from stickslip_sym.model.fitting.least_squares import Problem
 from stickslip_sym.model.law import FrictionLaw
@@ -135,8 +138,6 @@ class Fit(_Report):
     @cached_property
     def uncertain(self) -> dict[str, UFloat]:
         """The fitted parameters as correlated `uncertainties.UFloat`."""
-        from uncertainties import correlated_values
-
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # that a standard error of 0 says nothing
             values = correlated_values(list(self.values.values()), self.covariance)
@@ -184,8 +185,6 @@ class Fit(_Report):
 
     def _end(self, problem: Problem, i: int, step: float, quantile: float) -> float:
         """Return where the sum of squares, least over the other values, has risen; infinite, or 0, if nowhere."""
-        from scipy.optimize import brentq
-
         p = np.array(list(self.values.values()))
         if step == 0:
             return float(p[i])
@@ -211,8 +210,6 @@ class Fit(_Report):
         return band(self.law.bind(**self.uncertain), speeds, self._quantile(level))
 
     def _quantile(self, level: float) -> float:
-        from scipy.special import ndtri, stdtrit
-
         if not 0 < real("level", level) < 1:
             raise InputError(f"level = {level:g} is no probability between 0 and 1; 0.95 is usual")
         above = (1 + level) / 2
@@ -310,8 +307,6 @@ class Averaged:
 
     def above(self, value: float, standard_error: float = 0.0) -> float:
         """Return the probability that the quantity, normal for each law, is above a value with an error."""
-        from scipy.special import ndtr
-
         weights, values, errors = _columns(self.rows)
         spreads = np.maximum(np.hypot(errors, standard_error), 1e-300)
         return float(np.average(ndtr((values - value) / spreads), weights=weights))
