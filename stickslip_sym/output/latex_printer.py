@@ -144,12 +144,13 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_ImaginaryUnit(self, _: Expr) -> str:
         return r"\sqrt{-1}" if "i" in self._taken else r"\mathrm{i}"
 
+    def _print_Infinity(self, _: Expr) -> str:
+        return r"\infty"
+
+    def _print_NegativeInfinity(self, _: Expr) -> str:
+        return r"-\infty"
+
     # -- sums and products -----------------------------------------------------------------------------
-
-    def _print_Infinity(self, expr: Expr) -> str:
-        return r"\infty" if expr.is_positive else r"-\infty"
-
-    _print_NegativeInfinity = _print_Infinity
 
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
         # Polynomials first; what decays comes after them.
