@@ -187,7 +187,7 @@ def enclose(
     --------
     >>> from stickslip_sym import laws
     >>> print(enclose(laws.exponential.typical(), V="0.5", N="9.81", digits=12))
-    2.545949602905103755[...]
+    2.545949602905103755781[...]
     """
     law = as_law(law)
     criterion, speed, force = read_operating_point(law, criterion, V, N, digits)

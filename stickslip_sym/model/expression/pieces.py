@@ -192,11 +192,6 @@ def sign(expr: Expr) -> Expr:
     return _select(sp.Integer(1), sp.Integer(-1), expr, sp.Max)
 
 
-def absolute(expr: Expr) -> Expr:
-    """Return abs(expr), in pieces where it changes sign with v."""
-    return larger(expr, -expr)
-
-
 def smaller(first: Expr, second: Expr) -> Expr:
     """Return the smaller of two expressions, in pieces, as `larger` does."""
     return _select(second, first, first - second, sp.Min)
