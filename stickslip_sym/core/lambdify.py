@@ -13,6 +13,7 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import Expr, Numbers
 from stickslip_sym.core.functions import FUNCTIONS
+from stickslip_sym.core.special import Special
 
 Backend = Literal["numpy", "math", "mpmath"]
 
@@ -40,14 +41,11 @@ def power_of(base: Numbers, exponent: float) -> Numbers:
     return result
 
 
-_OWN = {
-    column: {row.name: getattr(row, column) for row in FUNCTIONS.values() if getattr(row, column) is not None}
-    for column in ("floats", "mpf")
-}
+_FLOATS = {row.name: row.floats for row in FUNCTIONS.values() if row.floats is not None}
 _MODULES: dict[Backend, list[Any]] = {
-    "math": ["math", _OWN["floats"]],
-    "mpmath": [_OWN["mpf"], "mpmath"],
-    "numpy": [{"power_of": power_of}, _OWN["floats"], "scipy", "numpy"],
+    "math": ["math", _FLOATS],
+    "mpmath": [{kind.__name__: kind.mpf for kind in FUNCTIONS if issubclass(kind, Special)}, "mpmath"],
+    "numpy": [{"power_of": power_of}, _FLOATS, "scipy", "numpy"],
 }
 _LONGEST = 2**62  # whole numbers above make NumPy leave its own types for Python's objects
 _DIGITS = 20  # of a number as text: enough that reading it back gives the nearest double

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Self, SupportsFloat
+from typing import Any, Self, SupportsFloat
 
 import numpy as np
 import sympy as sp
@@ -25,13 +25,11 @@ from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.expression.reading import as_text, read_formula, read_static
 from stickslip_sym.model.expression.units import check_units
+from stickslip_sym.model.measured.measurements import Measurements, read_measurements
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.notation import notation_of
-
-if TYPE_CHECKING:
-    from stickslip_sym.model.measured.measurements import Measurements
 
 _ROUNDING = 1e-12  # of a static coefficient that is mu(0+), relative
 
@@ -189,7 +187,7 @@ class FrictionLaw:
     @classmethod
     def from_csv(
         cls,
-        path: "str | Path | Measurements",
+        path: str | Path | Measurements,
         *,
         extrapolate: bool = False,
         source: str | None = None,
@@ -201,8 +199,6 @@ class FrictionLaw:
         unless it is given one. Decimal numbers are taken exactly as they are written. What `from_samples` refuses
         is refused here.
         """
-        from stickslip_sym.model.measured.measurements import Measurements, read_measurements
-
         measured = path if isinstance(path, Measurements) else read_measurements(path)
         name = name or measured.name or "samples"
         return cls.from_samples(*measured.points(), extrapolate=extrapolate, name=name, source=source)

@@ -17,8 +17,9 @@ from flint import acb, arb, arb_mat, arb_poly
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import ball_value, rational, working_precision
+from stickslip_sym.core.balls import ball_value, rational
 from stickslip_sym.core.functions import elementary, row
+from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import average_ball

@@ -19,10 +19,11 @@ from flint import acb, arb, arb_mat, arb_poly
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import BallFunction, ball_function, ball_value, rational, working_precision
+from stickslip_sym.core.balls import BallFunction, ball_function, ball_value, rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.interpolation import legendre
 from stickslip_sym.model.expression.pieces import branch_from, jumps, places

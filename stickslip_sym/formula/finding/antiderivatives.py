@@ -9,8 +9,7 @@ from collections.abc import Callable
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import Lerch
-from stickslip_sym.core.langevin import Langevin
+from stickslip_sym.core.special import Langevin, Lerch
 from stickslip_sym.formula.finding.matching import (
     Rule,
     as_binomial,

@@ -6,7 +6,7 @@ functions) knows one kind of kink only, one in a term, and knows exactly where i
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -63,19 +63,14 @@ def _smooth(cases: Cases) -> Cases:
     smooth: Cases = []
     for piece, end in cases:
         for branch, inner in _cases(piece):
-            place, before = _nearer(end, inner), smooth[-1][1] if smooth else sp.S.Zero
+            ends = [one for one in (end, inner) if one is not None]
+            place, before = reduce(smaller, ends) if ends else None, smooth[-1][1] if smooth else sp.S.Zero
             is_empty = before is None or (place is not None and (place - before).is_nonpositive)
             if not is_empty:
                 smooth.append((branch, place))
     if len(smooth) > _MOST_PIECES:
         raise InputError(f"the kinks of the law part it into more than {_MOST_PIECES} pieces")
     return smooth
-
-
-def _nearer(first: Expr | None, second: Expr | None) -> Expr | None:
-    if first is None or second is None:
-        return second if first is None else first
-    return smaller(first, second)
 
 
 def piecewise(cases: Cases) -> Expr:
@@ -178,13 +173,11 @@ def in_pieces(branches: Sequence[tuple[Expr, Bound]], last: Expr) -> Expr:
             "a piece holds at v = 0 alone; a law is that of slip, so leave this piece out, and give its "
             "coefficient as the static one, static=..."
         )
-    cases: Cases = [(last, None)]
+    law = last
     for branch, bound in reversed(branches):
-        if bound.side == "<":
-            cases = [(branch, bound.place), *cases]
-        else:  # what comes later holds below the place only
-            cases = [*((one, _nearer(end, bound.place)) for one, end in cases), (branch, None)]
-    return piecewise(cases)
+        below, above = (branch, law) if bound.side == "<" else (law, branch)
+        law = piecewise([(below, bound.place), (above, None)])
+    return law
 
 
 # -- functions that make kinks ---------------------------------------------------------------------
@@ -197,11 +190,6 @@ def sign(expr: Expr) -> Expr:
             raise InputError("sign(...) of parameters alone; write what it is, 1 or -1")
         return value
     return _select(sp.Integer(1), sp.Integer(-1), expr, sp.Max)
-
-
-def absolute(expr: Expr) -> Expr:
-    """Return abs(expr), in pieces where it changes sign with v."""
-    return larger(expr, -expr)
 
 
 def smaller(first: Expr, second: Expr) -> Expr:
