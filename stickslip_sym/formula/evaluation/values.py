@@ -20,14 +20,14 @@ from flint import acb, arb, arb_mat, arb_poly
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import BallFunction, ball_function, ball_value, rational
+from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.interpolation import legendre
-from stickslip_sym.model.expression.pieces import branch_from, jumps, places
+from stickslip_sym.model.expression.pieces import branch_from, jumps, kinks_at
 
 BITS = 110
 """The working precision of values."""
@@ -97,7 +97,7 @@ class Values:
         self, profile: Expr, criterion: Criterion, closed: Expr | None, point: Mapping[Expr, Expr]
     ) -> None:
         self.profile, self.criterion, self.point = profile, criterion, point
-        self.kinks = sorted((end for end in _reals(places(profile), point) if bool(end > 0)), key=float)
+        self.kinks = [ball(kink).real for kink in kinks_at(profile, point)]
         inner = [sp.Rational(float(low + high) / 2) for low, high in pairwise([arb(0), *self.kinks])]
         outer = sp.Rational(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
         pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
