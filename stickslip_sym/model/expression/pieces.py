@@ -14,7 +14,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.balls import chosen
+from stickslip_sym.core.balls import chosen, number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import power, row
 
@@ -108,6 +108,21 @@ def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]]:
 def places(expr: Expr) -> list[Expr]:
     """Return the places of all kinks and jumps in an expression, as they stand there."""
     return list(dict.fromkeys(end for node in kinked(expr) for _, end in _ends(node) if end is not None))
+
+
+def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[Expr]:
+    """Return the slip speeds v > 0 at which an expression or its slope may jump, exact and ascending.
+
+    Raises
+    ------
+    InputError
+        For a place that is not real at the values of the parameters.
+    """
+    speeds = {number_at(place, point) for place in places(expr)}
+    for speed in speeds:
+        if not speed.is_real:
+            raise InputError(f"{what} has a kink at v = {str(speed)[:40]}, which is not real")
+    return sorted(speed for speed in speeds if speed > 0)
 
 
 def jumps(expr: Expr) -> list[tuple[Expr, Expr]]:
