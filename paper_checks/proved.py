@@ -9,7 +9,8 @@ import sympy as sp
 
 from paper_checks.computed import SPEEDS, law, oscillator, threshold, thresholds
 from stickslip_sym import symbols
-from stickslip_sym.core.balls import ball_value, working_precision
+from stickslip_sym.core.balls import ball_value
+from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, transit
 from stickslip_sym.motion.thresholds.theorem import Theorem, checked_hypotheses, prove_threshold

@@ -65,7 +65,7 @@ def command(*parameters: click.Parameter | Sequence[click.Parameter]) -> Callabl
     listed = [[one] if isinstance(one, click.Parameter) else one for one in parameters]
     flat = [
         *(one for some in listed for one in some),
-        option("--json", is_flag=True, help="Print JSON instead of text."),
+        option("--json", is_flag=True, is_eager=True, help="Print JSON instead of text."),
     ]
     if any(one.metavar == "FILE" and one.type is click.STRING for one in flat):
         flat.append(option("--overwrite", is_flag=True, is_eager=True, help="Let files be replaced."))
@@ -133,7 +133,10 @@ def _read_file(text: str, name: str, *, endings: Sequence[str]) -> Path:
         raise InputError(f"{name} {path}: its ending is none of {', '.join(endings)}")
     if endings is _PICTURES:
         drawing.require_matplotlib()
-    if not click.get_current_context().params.get("overwrite") and files.is_kept(path):
+    given = click.get_current_context().params
+    if given.get("json") and text == "/dev/stdout":
+        raise InputError(f"{name} {text} and --json would print into each other; give {name} a file")
+    if not given.get("overwrite") and files.is_kept(path):
         raise InputError(f"{text!r} exists: name another file by {name}, or add --overwrite to replace it")
     return path
 

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputError, StickSlipError
@@ -19,7 +19,7 @@ from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_dampi
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import duration, table
 
-Quantity = float | str | UFloat
+Quantity: TypeAlias = float | str | UFloat
 """A quantity of an operating point in SI units, perhaps with a standard error."""
 Result = TypeVar("Result")
 HEADER = ("method", "c in kg/s", "relative error", "status", "time")

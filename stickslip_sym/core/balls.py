@@ -7,9 +7,7 @@ ball: a branch cut that is not reported gives a tight ball around a wrong number
 
 import copyreg
 import operator
-import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
 from typing import Any, TypeAlias, TypeVar, cast
 
@@ -20,6 +18,7 @@ from flint import acb, arb, arb_series, ctx, fmpq
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, Function, fold, row
+from stickslip_sym.core.precision import in_mpmath, working_precision
 
 Z = TypeVar("Z", acb, arb_series)
 BallFunction = Callable[[acb, bool], acb]
@@ -33,21 +32,8 @@ _Part: TypeAlias = acb | Callable[..., Any]
 
 _LARGEST_POWER = 64  # of an integer exponent that is multiplied out; a power by logarithm fails around 0
 _NUMBER_BITS = 4000  # of a number that is no rational one: beyond the digits of any answer
-_lock = threading.RLock()  # Arb's precision is one setting of the whole process
 _NOWHERE = acb("nan")
 copyreg.pickle(arb, lambda one: (arb, tuple(tuple(map(int, part.man_exp())) for part in (one.mid(), one.rad()))))
-
-
-@contextmanager
-def working_precision(bits: int, terms: int | None = None) -> Iterator[None]:
-    """Compute with so many bits, and terms of a power series, inside the block; other threads wait."""
-    with _lock:
-        before = ctx.prec, ctx.cap
-        ctx.prec, ctx.cap = bits, ctx.cap if terms is None else terms
-        try:
-            yield
-        finally:
-            ctx.prec, ctx.cap = before
 
 
 def rational(value: Expr) -> fmpq:
@@ -240,9 +226,8 @@ def number_at(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
         value = ball_value(expr, point)
         if not (value.is_finite() and value.imag.contains(0)):
             return sp.nan
-        mantissa, power = value.real.mid().man_exp()
     with mpmath.workprec(_NUMBER_BITS + 64):
-        return sp.Float(mpmath.ldexp(int(mantissa), int(power)), precision=_NUMBER_BITS)
+        return sp.Float(in_mpmath(value.real), precision=_NUMBER_BITS)
 
 
 def _rationals(point: Mapping[Expr, Expr]) -> Callable[[Expr, list[Expr]], Expr]:

@@ -9,17 +9,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, TypeVar
 
-import mpmath
 import numpy as np
 import sympy as sp
 from flint import acb, arb, arb_series
 from sympy.codegen.cfunctions import expm1, log1p
-from sympy.printing.precedence import PRECEDENCE
-from sympy.printing.printer import Printer
 
-from stickslip_sym.core import langevin
-from stickslip_sym.core.aliases import Expr, Mpf
-from stickslip_sym.core.numbers import bits, to_mpf
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.numbers import bits
+from stickslip_sym.core.special import Langevin, Lerch, NumberPower, Removable, polylog
 
 T = TypeVar("T")
 
@@ -48,6 +45,9 @@ class Function:
     """From the arguments of any other: what must be positive for it to be analytic; None where it is not known."""
     hypergeometric: Callable[..., Expr] | None = None
     """From the arguments: the same by hypergeometric series around 0."""
+    ladder: Callable[[Expr, int, int], Expr] | None = None
+    """From x, n and j: the j-th integral of the n-th power, or of the n-th derivative where it has an order; None
+    where it has none."""
     bounded: bool = False
     """Whether its size has a bound over all real arguments."""
     in_laws: bool = False
@@ -60,8 +60,6 @@ class Function:
     """Whether LaTeX writes the first argument as an index."""
     floats: Callable[..., Any] | None = None
     """From floats or arrays; None where SciPy, else NumPy, and math have it by its name."""
-    mpf: Callable[..., Mpf] | None = None
-    """From numbers of mpmath; None where mpmath has it by its name."""
     squared: bool = False
     """Whether LaTeX writes powers on the name."""
     meaning: str = ""
@@ -95,75 +93,6 @@ class Constant:
     ball: Callable[[], acb]
     latex: str
     in_laws: bool = False
-
-
-class Lerch(sp.Function):  # type: ignore[misc]  # SymPy is untyped
-    """Lerch's transcendent sum_n z^n / (n + a)^s for -1 <= z <= 0, a > 0 and s = 0, 1, 2, ...
-
-    SymPy has it as `lerchphi`; mpmath's function behind that takes up to seconds a value, and gives
-    complex numbers for real arguments.
-    """
-
-    nargs = 3
-
-    @classmethod
-    def eval(cls, z: Expr, s: Expr, a: Expr) -> Expr:
-        """Reduce order 0 to an elementary function."""
-        return 1 / (1 - z) if s == 0 else None
-
-    def fdiff(self, argindex: int = 1) -> Expr:
-        """Differentiate with respect to z."""
-        if argindex != 1:
-            raise sp.core.function.ArgumentIndexError(self, argindex)
-        z, s, a = self.args
-        return (Lerch(z, s - 1, a) - a * Lerch(z, s, a)) / z
-
-    def _eval_evalf(self, prec: int) -> Expr:
-        with mpmath.workprec(prec + 10):
-            value = lerch(*(argument._to_mpmath(prec + 10) for argument in self.args))
-        return sp.Float._new(value._mpf_, prec)
-
-
-def lerch(z: Mpf, s: Mpf, a: Mpf) -> Mpf:
-    """Evaluate `Lerch` in mpmath; the error relative to the sum is 5.8^-terms.
-
-    H. Cohen, F. Rodriguez Villegas, D. Zagier, Convergence acceleration of alternating series,
-    Experimental Mathematics 9 (2000), algorithm 1.
-    """
-    with mpmath.extradps(5):
-        terms = int(1.31 * mpmath.mp.dps) + 2
-        scale = (3 + mpmath.sqrt(8)) ** terms
-        scale = (scale + 1 / scale) / 2
-        b, c, total, power = mpmath.mpf(-1), -scale, mpmath.mpf(0), mpmath.mpf(1)
-        for k in range(terms):
-            c = b - c
-            total += c * power / (k + a) ** s
-            power *= -z
-            b *= mpmath.mpf((k + terms) * (k - terms) * 2) / ((2 * k + 1) * (k + 1))
-        return total / scale
-
-
-class NumberPower(sp.Function):  # type: ignore[misc]  # SymPy is untyped
-    """A positive rational number to a rational power, which is not computed.
-
-    SymPy would expand a power such as 0.0788816^1.4144337 into factors with exponents near 1e15.
-    """
-
-    nargs = 2
-    is_positive = True
-    precedence = PRECEDENCE["Pow"]  # a power of it needs brackets
-
-    def _eval_evalf(self, prec: int) -> Expr:
-        with mpmath.workprec(prec + 10):
-            base, exponent = map(to_mpf, self.args)
-            return sp.Float._new((base**exponent)._mpf_, prec)
-
-    def _printed(self, printer: Printer) -> str:
-        """Print it as the power of two symbols would be, the numbers in their place."""
-        base, exponent = (f"({printer._print(argument)})" for argument in self.args)
-        return str(printer._print(sp.Symbol("B") ** sp.Symbol("E"))).replace("B", base).replace("E", exponent)
-
-    _sympystr = _latex = _numpycode = _pythoncode = _mpmathcode = _printed
 
 
 _MOST_BITS = 128  # of a rational number times the index of its root, up to which SymPy simplifies (1/4)^(3/2)
@@ -224,21 +153,68 @@ def _of_whole_order(order: Expr, z: Expr) -> Sequence[Expr] | None:
     return () if order.is_Integer else None
 
 
+# -- repeated integrals ----------------------------------------------------------------------------
+
+
+def _trigonometric_ladder(function: type[Expr]) -> Callable[[Expr, int, int], Expr]:
+    return lambda x, n, j: function(x - j * sp.pi / 2) if n == 1 else None
+
+
+def _tanh_ladder(x: Expr, n: int, j: int) -> Expr:
+    """Tanh = 1 + 2 Li_0(-exp(-2 x)), Li_s integrates to Li_(s+1); tanh^n = tanh^(n-2) - (tanh^(n-1))'/(n - 1)."""
+    if j == 0 or n == 0:
+        return sp.tanh(x) ** n * x**j / sp.factorial(j)
+    if n > 1:
+        return _tanh_ladder(x, n - 2, j) - _tanh_ladder(x, n - 1, j - 1) / (n - 1)
+    z = -sp.exp(-2 * x)
+    last = -sp.log(1 - z) if j == 1 else polylog(j, z)
+    return x**j / sp.factorial(j) + 2 * sp.Rational(-1, 2) ** j * last
+
+
+def _sech_ladder(x: Expr, n: int, j: int) -> Expr:
+    """Note that sech = 2 Ti_0(exp(-x)), Ti_j(y) = Im Li_j(i y).
+
+    (n - 1) sech^n = (n - 2) sech^(n-2) - (sech^(n-2))''/(n - 2), sech^2 = tanh'.
+    """
+    if j <= 0:
+        return sp.diff(sp.sech(x) ** n, x, -j)
+    if n == 1:
+        y = sp.exp(-x)
+        return 2 * (-1) ** j * (sp.atan(y) if j == 1 else sp.im(polylog(j, sp.I * y)))
+    if n == 2:
+        return _tanh_ladder(x, 1, j - 1)
+    return ((n - 2) * _sech_ladder(x, n - 2, j) - _sech_ladder(x, n - 2, j - 2) / (n - 2)) / (n - 1)
+
+
+def _langevin_ladder(x: Expr, order: int, j: int) -> Expr:
+    """Note that coth = 1 + 2 Li_0(exp(-2 x)), and that 1/x has the integrals x^(j-1)/(j-1)! (log x - H_(j-1))."""
+    if j <= order:
+        return sp.diff(sp.coth(x) - 1 / x, x, order - j)
+    j -= order
+    z = sp.exp(-2 * x)
+    if j == 1:
+        return x + sp.log((1 - z) / x)
+    pole = x ** (j - 1) / sp.factorial(j - 1) * (sp.log(x) - sp.harmonic(j - 1))
+    return x**j / sp.factorial(j) + 2 * sp.Rational(-1, 2) ** j * polylog(j, z) - pole
+
+
 _HALF = sp.Rational(1, 2)
 _ROWS = (
     Function(sp.exp, acb.exp, series=arb_series.exp, gain=lambda x, a, gain: sp.exp(a) * expm1(gain),
-             inverse=sp.log, analytic=True, hypergeometric=lambda z: sp.hyper((), (), z), in_laws=True, latex=None,
-             c="exp", python="np.exp"),
+             inverse=sp.log, analytic=True, hypergeometric=lambda z: sp.hyper((), (), z),
+             ladder=lambda x, n, j: sp.exp(x), in_laws=True, latex=None, c="exp", python="np.exp"),
     Function(sp.log, acb.log, _below_zero, arb_series.log, gain=lambda x, a, gain: log1p(gain / a), inverse=sp.exp,
              domain=lambda z: (z,), in_laws=True, aliases=("ln",), latex=r"\ln", c="log", python="np.log"),
     Function(sp.sin, acb.sin, series=arb_series.sin,
              gain=lambda x, a, gain: 2 * sp.cos((x + a) / 2) * sp.sin(gain / 2), analytic=True, bounded=True,
              hypergeometric=lambda z: z * sp.hyper((), (3 * _HALF,), -(z**2) / 4),
-             in_laws=True, latex=r"\sin", squared=True, c="sin", python="np.sin"),
+             ladder=_trigonometric_ladder(sp.sin), in_laws=True, latex=r"\sin", squared=True, c="sin",
+             python="np.sin"),
     Function(sp.cos, acb.cos, series=arb_series.cos,
              gain=lambda x, a, gain: -2 * sp.sin((x + a) / 2) * sp.sin(gain / 2), analytic=True, bounded=True,
              hypergeometric=lambda z: sp.hyper((), (_HALF,), -(z**2) / 4),
-             in_laws=True, latex=r"\cos", squared=True, c="cos", python="np.cos"),
+             ladder=_trigonometric_ladder(sp.cos), in_laws=True, latex=r"\cos", squared=True, c="cos",
+             python="np.cos"),
     Function(sp.tan, acb.tan, series=arb_series.tan, in_laws=True, latex=r"\tan", squared=True, c="tan",
              python="np.tan"),
     Function(sp.sinh, acb.sinh, series=lambda z: (z.exp() - (-z).exp()) / 2,
@@ -248,15 +224,17 @@ _ROWS = (
              in_laws=True, latex=r"\cosh", squared=True, c="cosh", python="np.cosh"),
     Function(sp.tanh, acb.tanh, series=lambda z: 1 - 2 / ((2 * z).exp() + 1),
              gain=lambda x, a, gain: sp.tanh(gain) * (1 - sp.tanh(x) * sp.tanh(a)), analytic=True, bounded=True,
+             ladder=_tanh_ladder,
              in_laws=True, latex=r"\tanh", squared=True, c="tanh", python="np.tanh"),
     Function(sp.sech, acb.sech, series=lambda z: 2 / (z.exp() + (-z).exp()),
              gain=lambda x, a, gain: -_gain_of_cosh(x, a, gain) * sp.sech(x) * sp.sech(a), analytic=True,
-             bounded=True, in_laws=True, squared=True, c="(1.0/cosh({}))", python="(1.0/np.cosh({}))"),
+             bounded=True, ladder=_sech_ladder, in_laws=True, squared=True, c="(1.0/cosh({}))",
+             python="(1.0/np.cosh({}))"),
     Function(sp.coth, acb.coth, series=lambda z: 1 + 2 / ((2 * z).exp() - 1),
              gain=lambda x, a, gain: -sp.sinh(gain) / (sp.sinh(x) * sp.sinh(a)), in_laws=True, latex=r"\coth",
              squared=True, c="(1.0/tanh({}))", python="(1.0/np.tanh({}))"),
-    Function(langevin.Langevin, langevin.in_balls, series=langevin.in_series, analytic=True, bounded=True,
-             floats=langevin.in_floats, mpf=langevin.in_mpmath, latex=None),
+    Function(Langevin, Langevin.ball, series=Langevin.series, analytic=True, bounded=True, floats=Langevin.floats,
+             ladder=_langevin_ladder, latex=None),
     Function(sp.csch, acb.csch, c="(1.0/sinh({}))", python="(1.0/np.sinh({}))"),
     # Arb's own asinh is not finite on wide balls.
     Function(sp.asinh, lambda z: (z + (z * z + 1).sqrt()).log(), _outside_imaginary_unit,
@@ -307,8 +285,8 @@ _ROWS = (
              meaning="$E(m)$ is the complete elliptic integral of the second kind of the parameter $m$"),
     Function(sp.elliptic_pi, acb.elliptic_pi, _anywhere, domain=lambda n, m: (1 - n, 1 - m), latex=r"\Pi",
              meaning=r"$\Pi(n, m)$ is the one of the third kind, of the characteristic $n$"),
-    Function(Lerch, lambda z, s, a: z.lerch_phi(s, a), _anywhere,
-             domain=lambda z, s, a: () if z.is_nonpositive else None, mpf=lerch, latex=r"\Phi"),
+    Function(Lerch, Lerch.ball, _anywhere, domain=lambda z, s, a: () if z.is_nonpositive else None,
+             latex=r"\Phi"),
     Function(sp.Ei, acb.ei, _anywhere),
     Function(sp.Si, acb.si, _anywhere),
     Function(sp.Ci, acb.ci, _anywhere),
@@ -316,7 +294,7 @@ _ROWS = (
     Function(sp.Chi, acb.chi, _anywhere),
     Function(sp.fresnels, acb.fresnel_s, _anywhere, latex="S"),
     Function(sp.fresnelc, acb.fresnel_c, _anywhere, latex="C"),
-    Function(NumberPower, lambda base, exponent: base.pow(exponent), latex=None, c="pow({}, {})",
+    Function(NumberPower, NumberPower.ball, latex=None, c="pow({}, {})",
              python="({})**({})", octave="({})^({})"),
     Function(sp.re, lambda z: acb(z.real), _anywhere, latex=r"\operatorname{Re}"),
     Function(sp.im, lambda z: acb(z.imag), _anywhere, domain=lambda z: (), latex=r"\operatorname{Im}"),
@@ -365,8 +343,8 @@ def without_squares(expr: Expr) -> Expr:
 
 
 def elementary(expr: Expr) -> Expr:
-    """Write Langevin's function, which is one node, as coth(x) - 1/x."""
-    return expr.replace(langevin.Langevin, lambda x, n: langevin.Langevin(x, n).elementary())
+    """Write functions that are one node for a removable singularity, such as Langevin's, as coth(x) - 1/x."""
+    return expr.replace(lambda node: isinstance(node, Removable), lambda node: node.elementary())
 
 
 def in_laws() -> dict[str, Function]:

@@ -8,21 +8,44 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, Literal
 
+import numpy as np
 import sympy as sp
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Numbers
 from stickslip_sym.core.functions import FUNCTIONS
+from stickslip_sym.core.special import Special
 
 Backend = Literal["numpy", "math", "mpmath"]
 
-_OWN = {
-    column: {row.name: getattr(row, column) for row in FUNCTIONS.values() if getattr(row, column) is not None}
-    for column in ("floats", "mpf")
-}
+_LARGEST_POWER = 8  # of a whole exponent that is multiplied out
+
+
+def power_of(base: Numbers, exponent: float) -> Numbers:
+    """Raise floats or arrays to a power: whole and half ones by products, quotients and square roots."""
+    if exponent == 1.0:
+        return base
+    if exponent < 0:
+        return 1.0 / power_of(base, -exponent)
+    whole = int(exponent)
+    if whole > _LARGEST_POWER or exponent - whole not in (0.0, 0.5):
+        result: Numbers = np.power(base, exponent)
+        return result
+    result = np.sqrt(base) if exponent != whole else 1.0
+    square = base
+    while whole:
+        if whole & 1:
+            result = square if isinstance(result, float) and result == 1.0 else result * square
+        whole >>= 1
+        if whole:
+            square = square * square
+    return result
+
+
+_FLOATS = {row.name: row.floats for row in FUNCTIONS.values() if row.floats is not None}
 _MODULES: dict[Backend, list[Any]] = {
-    "math": ["math", _OWN["floats"]],
-    "mpmath": [_OWN["mpf"], "mpmath"],
-    "numpy": [_OWN["floats"], "scipy", "numpy"],
+    "math": ["math", _FLOATS],
+    "mpmath": [{kind.__name__: kind.mpf for kind in FUNCTIONS if issubclass(kind, Special)}, "mpmath"],
+    "numpy": [{"power_of": power_of}, _FLOATS, "scipy", "numpy"],
 }
 _LONGEST = 2**62  # whole numbers above make NumPy leave its own types for Python's objects
 _DIGITS = 20  # of a number as text: enough that reading it back gives the nearest double
@@ -49,8 +72,17 @@ def _compiled(arguments: tuple[Expr, ...], expr: Expr | tuple[Expr, ...], backen
 
 
 def _in_floats(expr: Expr) -> Expr:
-    """Replace the numbers in an expression that NumPy's integers do not hold."""
+    """Replace numbers that NumPy's integers do not hold, and powers that are multiplied out."""
     if isinstance(expr, sp.Piecewise):  # SymPy would compare all places again
         return sp.Piecewise(*((_in_floats(part), _in_floats(holds)) for part, holds in expr.args), evaluate=False)
     long = [number for number in expr.atoms(sp.Rational) if max(abs(number.p), number.q) > _LONGEST]
-    return expr.xreplace({number: sp.Float(number, _DIGITS) for number in long})
+    expr = expr.xreplace({number: sp.Float(number, _DIGITS) for number in long})
+    power_function = sp.Function("power_of")
+    return expr.replace(
+        lambda node: is_multiplied(node) and abs(node.exp) > 1, lambda node: power_function(*node.args)
+    )
+
+
+def is_multiplied(node: Expr) -> bool:
+    """Whether a node is a power by products, quotients and square roots: the same for a float as in an array."""
+    return bool(node.is_Pow and node.exp.is_Rational and node.exp.q <= 2 and abs(node.exp) < _LARGEST_POWER + 1)

@@ -1,33 +1,23 @@
 """Numbers that carry a standard error, as users give them: text like "0.50+/-0.02", or `uncertainties.ufloat`.
 
-The library `uncertainties` reads the text, and keeps which numbers are correlated. It is imported when a number
-carries a standard error, and not before.
+The library `uncertainties` reads the text, and keeps which numbers are correlated.
 """
 
 import math
 import re
 import warnings
 from collections.abc import Mapping
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
+
+from uncertainties import UFloat as UFloat
+from uncertainties import correlation_matrix, ufloat, ufloat_fromstr
+from uncertainties.core import NegativeStdDev
 
 from stickslip_sym.core.errors import InputError
 
 _WITH_ERROR = re.compile(r"\+/-|±|\(")
 _CORRELATION_DIGITS = 9  # of correlations that count as equal: files keep them to rounding
 _EXAMPLES = "write it like 0.50+/-0.02 or 0.50(2)"
-
-
-@runtime_checkable
-class UFloat(Protocol):
-    """A number with a standard error, as `uncertainties.UFloat` is one."""
-
-    @property
-    def nominal_value(self) -> float:
-        """The number itself."""
-
-    @property
-    def std_dev(self) -> float:
-        """Its standard error."""
 
 
 def split(value: Any, name: str) -> tuple[Any, UFloat | None]:
@@ -49,18 +39,14 @@ def split(value: Any, name: str) -> tuple[Any, UFloat | None]:
 
 
 def _from_text(text: str, name: str) -> UFloat:
-    import uncertainties
-    from uncertainties.core import NegativeStdDev
-
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # of a standard error that is 0, which is none here
-            read: UFloat = uncertainties.ufloat_fromstr(text)
+            return ufloat_fromstr(text)
     except NegativeStdDev:
         raise InputError(f"{name} = {text[:60]!r} has a negative standard error; {_EXAMPLES}") from None
     except (ValueError, OverflowError):
         raise InputError(f"{name} = {text[:60]!r} is not a number with a standard error; {_EXAMPLES}") from None
-    return read
 
 
 def separated(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, UFloat]]:
@@ -74,8 +60,6 @@ def spread(values: Mapping[str, UFloat]) -> tuple[object, ...]:
     """Return the names of numbers that carry a standard error, these errors, and the correlations, rounded."""
     if not values:
         return ()
-    from uncertainties import correlation_matrix
-
     names = sorted(values)
     correlations = correlation_matrix([values[name] for name in names]).round(_CORRELATION_DIGITS)
     return tuple(names), tuple(values[name].std_dev for name in names), tuple(correlations.ravel().tolist())
@@ -85,6 +69,4 @@ def with_error(value: float, error: float) -> str:
     """Return a number with its standard error as text, to two digits of that."""
     if not error > 0 or not math.isfinite(error):
         return f"{value:.10g} +/- {error:g}"
-    from uncertainties import ufloat
-
     return f"{ufloat(value, error):.2u}".replace("+/-", " +/- ")

@@ -19,17 +19,18 @@ from flint import acb, arb
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, working_precision
+from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, fraction
+from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_operating_point
-from stickslip_sym.model.expression.pieces import branch_from
+from stickslip_sym.model.expression.pieces import branch_from, kinks_at
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 
 _BITS = math.log2(10)  # per digit
-_GUARD = 30  # bits beyond the digits that are asked for, against rounding
+_MORE = 64  # bits with which an end is written, beyond those of the middle
 _MOST_LOST = 1400  # bits of cancellation that are followed, some 400 digits
 _EXTREME = 100_000  # bits, beyond which an end is rounded outwards instead of written in full
 _MOST_SHOWN = 4000  # where two enclosures are distinguished
@@ -120,14 +121,15 @@ def _truncated(value: Fraction, digits: int) -> str:
 
 
 def enclosure_of(value: arb) -> Enclosure:
-    """Return the ends of a real ball, exactly; those nearer to 0 than 2^-100000 as 0 and that.
+    """Return the ends of a real ball; those nearer to 0 than 2^-100000 as 0 and that.
 
     Raises
     ------
     NotConverged
         For an end beyond 2^100000.
     """
-    return Enclosure(_exact_end(value.lower(), -1), _exact_end(value.upper(), 1))
+    with working_precision(int(value.mid().man_exp()[0]).bit_length() + _MORE):
+        return Enclosure(_exact_end(value.lower(), -1), _exact_end(value.upper(), 1))
 
 
 def _exact_end(end: arb, side: int) -> Fraction:
@@ -185,30 +187,27 @@ def enclose(
     --------
     >>> from stickslip_sym import laws
     >>> print(enclose(laws.exponential.typical(), V="0.5", N="9.81", digits=12))
-    2.545949602905103755[...]
+    2.545949602905103755781[...]
     """
     law = as_law(law)
     criterion, speed, force = read_operating_point(law, criterion, V, N, digits)
     point = law.point
     if force == 0 or not law.expr.has(symbols.v):
         return Enclosure(Fraction(0), Fraction(0))  # every criterion averages a slope
+
+    def enclosed() -> arb:
+        value = ball(force).real * average_ball(law.expr, point, criterion, ball(speed).real)
+        if not value.is_finite():
+            raise NotConverged(
+                f"the {criterion.name} criterion of {law.text} is not enclosed at V = {float(speed):g}"
+            )
+        return value
+
     goal = int(digits * _BITS) + 2
-    bits = goal + _GUARD
-    while True:
-        with working_precision(bits):
-            value = ball(force).real * average_ball(law.expr, point, law.kinks(), criterion, ball(speed).real)
-            if not value.is_finite():
-                raise NotConverged(
-                    f"the {criterion.name} criterion of {law.text} is not enclosed at V = {float(speed):g}"
-                )
-            if (reached := value.rel_accuracy_bits()) >= goal or bits > goal + _GUARD + _MOST_LOST:
-                return enclosure_of(value)
-        bits += min(max(goal - reached + _GUARD, bits // 8), _MOST_LOST)
+    return enclosure_of(refined(enclosed, goal, goal + _MOST_LOST))
 
 
-def average_ball(
-    mu: Expr, point: Mapping[Expr, Expr | acb], kinks: Sequence[Expr], criterion: Criterion, speed: arb
-) -> arb:
+def average_ball(mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterion, speed: arb) -> arb:
     """Return a ball around -<mu'(V(1 + s))>_w at the working precision; not finite where none is found.
 
     Parameters
@@ -217,13 +216,11 @@ def average_ball(
         A function of `symbols.v`.
     point : mapping
         Values of its other symbols: exact, or balls where it has no kinks.
-    kinks : sequence of numbers
-        Its kinks and jumps, ascending and positive.
     criterion : Criterion
     speed : arb
         V, positive.
     """
-    reach = speed if criterion.weight is None else 2 * speed
+    reach, kinks = speed if criterion.weight is None else 2 * speed, kinks_at(mu, point)
     inside = [place for place in kinks if ball(place).real < reach]
     pieces = _pieces(mu, point, kinks, len(inside) + 1)
     if criterion.weight is None:

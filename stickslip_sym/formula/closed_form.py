@@ -1,9 +1,9 @@
 """`ClosedForm`: a criterion of a law as a sum of averages; `derive`, which finds and proves it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, SupportsIndex
+from dataclasses import dataclass
+from functools import cached_property
+from typing import SupportsIndex
 
 import sympy as sp
 
@@ -16,14 +16,13 @@ from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.average import Average, average_of
-from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.exact import exact_value
 from stickslip_sym.formula.finding.search import Progress
 from stickslip_sym.formula.limits import Limits, limits_of
 from stickslip_sym.formula.proof.gate import GATE_POINTS
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
-from stickslip_sym.formula.slope_average import OnInvalid, SlopeAverage
+from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.formula.tidy import tidy
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.law import FrictionLaw
@@ -31,10 +30,6 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.terms import Term, shapes_of
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.notation import check_known, notation_of
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
 
 _SEARCHING = 2.0  # seconds of the processor for SymPy: what it finds at all, it finds in that time
 _REMEDY = (
@@ -45,7 +40,7 @@ _LINEAR = "a criterion is linear in mu, and a change of the unit of speed scales
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedForm:
+class ClosedForm(SlopeAverage):
     """The damping coefficient of a criterion as a formula.
 
     It holds the terms of a law, and no formula: expression, call, LaTeX, code and verdict are made from the
@@ -56,11 +51,11 @@ class ClosedForm:
     law : FrictionLaw
     criterion : Criterion
     terms : tuple of Term
+    origin : tuple of ClosedForm and str, optional
+        Of a sensitivity, what it is the derivative of, and by which parameter.
     """
 
-    law: FrictionLaw
-    criterion: Criterion
-    terms: tuple[Term, ...]
+    origin: "tuple[ClosedForm, str] | None" = None
 
     @property
     def averages(self) -> tuple[tuple[Term, Average], ...]:
@@ -118,11 +113,6 @@ class ClosedForm:
         evidence = dict.fromkeys(gate.evidence for gate in gates)
         return Verdict(status, "; ".join([f"{count} steps" if count != 1 else "1 step", *evidence]))
 
-    @property
-    def conditions(self) -> tuple[Expr, ...]:
-        """Relations between the law's parameters without which the criterion has no value."""
-        return self.average.conditions
-
     @cached_property
     def limits(self) -> Limits:
         """What the criterion tends to as V falls to 0, and as V grows."""
@@ -167,8 +157,10 @@ class ClosedForm:
         ]
         law = FrictionLaw(slope, parameters=kept, name=f"d {self.law.name or 'mu'}/d {name}")
         law = law.bind(**{key: value for key, value in self.law.values.items() if key in law.parameters})
-        terms = [part for term in self.terms for part in _differentiated(term, self.criterion, symbol)]
-        form = ClosedForm(law, self.criterion, tuple(terms))
+        terms = tuple(part for term in self.terms for part in _differentiated(term, self.criterion, symbol))
+        if any(term.expr.free_symbols - slope.free_symbols - {v} for term in terms):
+            terms = law.terms  # a v + b v^2 is one term, whose scale holds both: it cancels out
+        form = ClosedForm(law, self.criterion, terms, (self, name))
         for term, average in form.averages:
             if average.closed is None:
                 raise NoClosedForm(f"{printing.text(term.expr)}, a term of dmu/d{name}, has no closed form here")
@@ -176,41 +168,15 @@ class ClosedForm:
         _require(prove_equal(sp.diff(self.expr, symbol), form.expr))
         return form
 
-    @property
-    def arguments(self) -> dict[str, Expr]:
-        """The symbols that a call takes by name: V, N, then the law's parameters."""
-        return self.average.arguments
-
     @cached_property
-    def average(self) -> SlopeAverage:
-        """The criterion over arrays, with its branches; what is written as code."""
-        return SlopeAverage(self.law, self.criterion, partial(self._exactly, digits=17), terms=self.terms)
-
-    @cached_property
-    def _exactly(self) -> partial[Mpf]:
-        """The value of the formula; of the slope itself where it is the criterion: there 1 - tanh^2 is seen."""
+    def _formula(self) -> tuple[Expr, Expr]:
+        """The formula, or the slope itself where it is the criterion: there 1 - tanh^2 is seen; and the slope."""
         slope = sp.Add(*[sp.diff(term.expr, v) for term in self.terms])
-        local = self.criterion.weight is None
-        return partial(exact_value, -N * slope.subs(v, V) if local else self.expr, slope)
+        return -N * slope.subs(v, V) if self.criterion.weight is None else self.expr, slope
 
-    def __call__(self, *, on_invalid: OnInvalid = "raise", **values: "ArrayLike") -> Any:
-        """Return the damping coefficient in kg/s, broadcast over all arguments, as a `SlopeAverage` does.
-
-        Parameters
-        ----------
-        on_invalid : {"raise", "nan"}
-        **values : float or array_like
-            V (m/s), N (N) and the law's parameters; those that the law has bound may be left out.
-
-        Returns
-        -------
-        float, numpy.ndarray or numpy.ma.MaskedArray
-
-        Raises
-        ------
-        InputError
-        """
-        return self.average(on_invalid=on_invalid, **values)
+    def _exactly(self, point: Mapping[Expr, Expr], digits: int) -> Mpf:
+        """Return the value at exact arguments, by the formula."""
+        return exact_value(*self._formula, point, digits)
 
     def evaluate(self, digits: int = 50, **values: Number) -> Mpf:
         """Return the damping coefficient in kg/s to any number of digits.
@@ -229,7 +195,7 @@ class ClosedForm:
         if not 1 <= digits <= 10_000:
             raise InputError(f"digits = {digits} is outside 1 to 10000")
         given = dict(self.law.values) | values
-        self.average.require(given)
+        self.require(given)
         point = {symbol: exact(given[name], name) for name, symbol in self.arguments.items()}
         for name, symbol in self.arguments.items():
             if symbol.is_nonnegative and point[symbol] < 0:
@@ -250,23 +216,6 @@ class ClosedForm:
         conditions = [f"\\quad {printing.latex(condition, names)}" for condition in self.conditions]
         return ", ".join([f"{names['c']} = {printing.latex(self.expr, names)}", *conditions])
 
-    def code(self, language: str) -> str:
-        """Return text of a language, "c", "python" or "octave", that defines a function ``damping`` of V, N, ...
-
-        It has the branches of a call, and gives NaN where a call refuses. Where terms cancel, a call turns to
-        ball arithmetic, and the text adds them up as they are.
-
-        Raises
-        ------
-        InputError
-            If there is no such language, or a profile has a shape without a value: bind it first.
-        """
-        return writer.code({"damping": (self.average, repr(self))}, language)
-
-    def __getstate__(self) -> dict[str, object]:
-        # What is compiled cannot be pickled, and is made again when it is needed.
-        return {field.name: getattr(self, field.name) for field in fields(self)}
-
     def _repr_html_(self) -> str:
         where = f"{self.law.name or self.law.text}, {self.criterion.name}: damping coefficient in kg/s"
         return markup.block(where, markup.formula(f"\\displaystyle {self.latex()}"), str(self.verdict))
@@ -275,8 +224,7 @@ class ClosedForm:
         return f"$\\displaystyle {self.latex()}$"
 
     def __repr__(self) -> str:
-        name = self.law.name or self.law.text
-        return f"ClosedForm: {name}, {self.criterion.name}, {self.verdict.status.value}"
+        return f"{super().__repr__()}, {self.verdict.status.value}"
 
 
 def derive(

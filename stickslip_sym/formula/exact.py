@@ -15,17 +15,15 @@ from flint import acb, arb, ctx
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Mpf
-from stickslip_sym.core.balls import ball_value, working_precision
+from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import arguments, without_squares
 from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.precision import from_mpmath, in_mpmath, refined
 from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 
-_GUARD = 40  # bits beyond those that are asked for
 _MOST_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
-_PATIENCE = (
-    4  # times the bits that are asked for, before a formula is taken apart by exact arithmetic, which takes long
-)
+_PATIENCE = 4  # times the bits asked for, before a formula is taken apart by exact arithmetic, which takes long
 _MORE = 64  # bits by which the second look of mpmath is more precise
 
 
@@ -41,30 +39,28 @@ def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, b
 
     A zero is believed only where the arithmetic of rationals gives it: everywhere else all digits cancelled.
     """
-    goal = math.ceil(digits * math.log2(10)) + 4
-    precision, finite = goal + _GUARD, False
-    while precision <= _MOST_BITS:
-        with working_precision(precision):
-            try:
-                value, alone = formula_ball(expr, point)
-            except (ZeroDivisionError, ValueError, OverflowError):
-                raise _no_value(point) from None
-            reached = value.real.rel_accuracy_bits() if value.is_finite() else 0
-            if value.is_finite():
-                finite = True
-                if not value.imag.contains(0):
-                    raise _no_value(point)
-                if reached >= goal:
-                    return value.real, alone
+    goal, alone = math.ceil(digits * math.log2(10)) + 4, True
+
+    def computed() -> arb:
+        nonlocal alone
+        try:
+            value, alone = formula_ball(expr, point)
+        except (ZeroDivisionError, ValueError, OverflowError):
+            raise _no_value(point) from None
+        if value.is_finite() and not value.imag.contains(0):
+            raise _no_value(point)
+        return value.real
+
+    for most in (min(_PATIENCE * goal, _MOST_BITS), _MOST_BITS):
+        value = refined(computed, goal, most)
+        if value.is_finite() and value.rel_accuracy_bits() >= goal:
+            return value, alone
         # What is the same and cancels for good, SymPy's rationals see; other powers it would factor for minutes.
-        if precision > _PATIENCE * goal and all(
-            (2 * node.exp.xreplace(dict(point))).is_integer for node in expr.atoms(sp.Pow)
-        ):
+        if all((2 * node.exp.xreplace(dict(point))).is_integer for node in expr.atoms(sp.Pow)):
             expr = expr.xreplace(dict(point))
             if expr.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
                 raise _no_value(point)
-        precision += max(min(goal - reached, precision) + 16, precision // 4)
-    if finite:
+    if value.is_finite():
         raise NotConverged(f"{digits} digits are out of reach of {_MOST_BITS} bits of working precision")
     raise _no_value(point)
 
@@ -112,26 +108,6 @@ def _function(kind: type[Expr], lengths: tuple[int, ...]) -> Callable[..., Mpf]:
     """Compile a function, of whose arguments some are tuples of so many."""
     node = kind(*(sp.Tuple(*sp.symbols(f"x:{n}", cls=sp.Dummy)) if n else sp.Dummy() for n in lengths))
     return function_of(arguments(node), node, "mpmath")
-
-
-def in_mpmath(value: arb | acb) -> Mpf:
-    """Return the middle of a ball as mpmath's number, exactly."""
-    if isinstance(value, acb):
-        real, imaginary = in_mpmath(value.real), in_mpmath(value.imag)
-        return mpmath.mpc(real, imaginary) if imaginary else real
-    mantissa, exponent = value.mid().man_exp()
-    return mpmath.ldexp(int(mantissa), int(exponent))
-
-
-def from_mpmath(value: Mpf, error: Mpf) -> acb:
-    """Return a ball around a number of mpmath, real or complex."""
-
-    def exactly(part: Mpf) -> arb:
-        sign, mantissa, exponent, _ = mpmath.mpmathify(part)._mpf_
-        return arb(((-1) ** sign * int(mantissa), int(exponent)))
-
-    real, imaginary = mpmath.re(value), mpmath.im(value)
-    return acb(arb(exactly(real), exactly(error)), arb(exactly(imaginary), exactly(error)) if imaginary else 0)
 
 
 def _no_value(point: Mapping[Expr, Expr]) -> InputError:

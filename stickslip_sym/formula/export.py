@@ -43,9 +43,6 @@ _TABLE = r"""\begin{center}
 \end{tabular}
 \end{center}"""
 
-Written = ClosedForm | SlopeAverage
-"""What can be written as code: a closed form, or the fast function of a criterion that has none."""
-
 
 def _listed(items: Any, kind: Any, expected: str) -> list[Any]:
     """Return one item, or several, as a list; refuse none, and any of another kind."""
@@ -58,14 +55,14 @@ def _listed(items: Any, kind: Any, expected: str) -> list[Any]:
     return listed
 
 
-def export_code(forms: Written | Sequence[Written], language: str) -> str:
+def export_code(forms: SlopeAverage | Sequence[SlopeAverage], language: str) -> str:
     """Return text of a language: one form as ``damping``, several as ``damping_<law>_<criterion>``.
 
     The text holds the branches of a call and needs nothing of this package. It gives NaN where a call refuses.
 
     Parameters
     ----------
-    forms : ClosedForm, SlopeAverage, or a sequence of them
+    forms : SlopeAverage, such as a ClosedForm, or a sequence of them
     language : str
         "python", "c" (C99 with libm) or "octave" (MATLAB reads it too).
 
@@ -85,7 +82,7 @@ def export_code(forms: Written | Sequence[Written], language: str) -> str:
     >>> export_code(derive("0.4 - 0.1*v"), "c").splitlines()[-2]
     '    return checked(damping_term_0(a), a, "11", HUGE_VAL);'
     """
-    listed = _listed(forms, Written, "closed forms or slope averages: derive(law), slope_average(law)")
+    listed = _listed(forms, SlopeAverage, "closed forms or slope averages: derive(law), slope_average(law)")
     if len(listed) == 1:
         return str(listed[0].code(language))
     laws = list(dict.fromkeys(form.law for form in listed))
@@ -95,7 +92,7 @@ def export_code(forms: Written | Sequence[Written], language: str) -> str:
         name = f"damping_{label or f'law_{laws.index(form.law) + 1}'}_{form.criterion.label}"
         if name in named:
             raise InputError(f"two of the forms would both be called {name}; give the laws different names")
-        named[name] = form.average if isinstance(form, ClosedForm) else form, repr(form)
+        named[name] = form, repr(form)
     return writer.code(named, language)
 
 

@@ -167,6 +167,9 @@ def _item_out(item: object) -> dict[str, object]:
         raise InputError(
             f"closed forms, laws and fits are saved, got {type(item).__name__}; save its .law, for example"
         )
+    if item.origin is not None:
+        source, parameter = item.origin
+        return {"kind": "sensitivity", "to": parameter, "of": _item_out(source), **_claims(item)}
     criterion = _criterion_out(item.criterion)
     return {"kind": "closed form", "law": law_out(item.law), "criterion": criterion, **_claims(item)}
 
@@ -183,10 +186,15 @@ def _item_in(content: dict[str, Any]) -> Item:
         if kind == "fits":
             return fits
         return replace(fits.best, weight=content["weight"], aicc=math.inf if aicc is None else aicc)
-    law = law_in(content["law"])
-    if kind == "law":
-        return law
-    form = derive(law, _criterion_in(content["criterion"]))
+    return law_in(content["law"]) if kind == "law" else _form_in(content)
+
+
+def _form_in(content: dict[str, Any]) -> ClosedForm:
+    """Return a closed form of a file, derived again, or refuse claims that are not its own."""
+    if content["kind"] == "sensitivity":
+        form = _form_in(content["of"]).sensitivity(content["to"])
+    else:
+        form = derive(law_in(content["law"]), _criterion_in(content["criterion"]))
     for name, right in _claims(form).items():
         if content[name] != right:
             wrong = str(content[name])[:80]

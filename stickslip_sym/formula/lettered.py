@@ -6,7 +6,7 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError, NoClosedForm
-from stickslip_sym.core.functions import NumberPower
+from stickslip_sym.core.special import NumberPower
 from stickslip_sym.formula.closed_form import ClosedForm, derive
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.law import FrictionLaw

@@ -2,8 +2,8 @@
 
 An average of -g' over slip speeds from 0 to 2 V has a bounded weight of unit integral. So where g' has a finite
 limit as v falls to 0, the average tends to minus that as V does, and likewise at infinity; where g' grows like
-v^n, an average grows like the mean of (1 + s)^n. What is left is the limit of the slope of a profile: by rules
-where one applies, else by SymPy in a process that is killed when its time is up.
+v^n, an average grows like the mean of (1 + s)^n. What is left is the limit of the slope of a profile, of its last
+piece for high belt speeds.
 """
 
 from collections.abc import Iterable
@@ -14,14 +14,12 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import elementary, row, without_squares
+from stickslip_sym.core.functions import row, without_squares
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import Average
-from stickslip_sym.formula.finding import search
 from stickslip_sym.formula.tidy import tidy
+from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import Term
-
-_SECONDS = 2.0  # that SymPy may take for a profile where no rule applies
 
 
 @dataclass(frozen=True)
@@ -60,13 +58,16 @@ def _leading(limits: list[Expr | None], sign: int) -> Expr | None:
     if None in limits:
         return None
     parts = [part for limit in limits for part in sp.Add.make_args(sp.expand(limit))]
+    if any(part.has(sp.oo, -sp.oo) for part in parts):
+        total = sp.nan if any(part.has(symbols.V) for part in parts) else sp.Add(*parts)
+        return total if total in (sp.oo, -sp.oo) else None
     powers = {part: part.as_coeff_exponent(symbols.V)[1] for part in parts}
     tops = [p for p in set(powers.values()) if all((sign * (p - q)).is_nonnegative for q in powers.values())]
     if len(tops) != 1:
         return sp.S.Zero if not parts else None
     total = sp.Add(*[part for part in parts if powers[part] == tops[0]])
     if tops[0] == 0:
-        return total if total in (sp.oo, -sp.oo) or not total.has(sp.oo, sp.nan) else None
+        return None if total.has(sp.nan) else total
     strength = sp.factor(total / symbols.V ** tops[0])
     return None if strength == 0 else strength * symbols.V ** tops[0]  # what is less grows then, and is not known
 
@@ -91,21 +92,26 @@ def _at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
         return c * criterion.mean_power(p) * V**p if integrable and not others else None
     if poles:
         return None
-    limit = search.limit(slope, V, sp.S.Zero, _SECONDS)
-    # The average is infinite too where no part of the weight is negative.
+    return _limit_at_rest(slope, criterion)
+
+
+def _limit_at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
+    """Return the limit of the average: infinite as that of the slope is, if no part of the weight is negative."""
+    limit = symbolic_limit_at_rest(slope.xreplace({symbols.V: symbols.v}))
     changes = criterion.is_polynomial and any(0 < p < 2 for p in criterion.from_rest.real_roots())
-    return None if changes and limit in (sp.oo, -sp.oo) else limit
+    return None if limit.has(sp.nan, sp.zoo) or (changes and limit.has(sp.oo, -sp.oo)) else limit
 
 
 @lru_cache(maxsize=256)
 def _far(slope: Expr, criterion: Criterion) -> Expr | None:
     """Return the limit of the average of a slope, or its leading term, as V grows."""
     V = symbols.V
-    terms = sp.Add.make_args(sp.expand(slope))
+    last = slope.replace(lambda node: isinstance(node, sp.Piecewise), lambda node: node.args[-1].expr)
+    terms = sp.Add.make_args(sp.expand(last))
     polynomial = sp.Add(*[term for term in terms if term.is_polynomial(V)])
     growths = [_growth(term) for term in terms if not term.is_polynomial(V)]
     if not all(growth is not None and growth < 0 for growth in growths):
-        return search.limit(elementary(slope), V, sp.oo, _SECONDS)
+        return _limit_at_rest(last.xreplace({V: 1 / V}), criterion)
     monomials = {power: c for (power,), c in sp.Poly(polynomial, V).terms() if sp.factor(c) != 0}
     top = max(monomials, default=0)
     return sp.factor(monomials.get(top, sp.S.Zero)) * criterion.mean_power(top) * V**top

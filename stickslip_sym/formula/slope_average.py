@@ -1,8 +1,10 @@
 """`slope_average`: a criterion of any law as a fast function, closed form or not."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
+from operator import le
 from typing import Any, Literal
 
 import numpy as np
@@ -11,13 +13,14 @@ from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Mpf, Numbers
-from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import read_array, suggestion, to_mpf
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.criteria.enclosure import enclose
 from stickslip_sym.formula.code import writer
-from stickslip_sym.formula.evaluation.evaluator import Evaluator, Exact
+from stickslip_sym.formula.evaluation.term_function import TermFunction, count_of
+from stickslip_sym.formula.evaluation.values import MeanSlope
 from stickslip_sym.formula.exact import exact_value
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -26,50 +29,52 @@ from stickslip_sym.output import printing
 
 OnInvalid = Literal["raise", "nan"]
 
-_BLOCK = 16384  # elements: the arrays of a block stay in the processor's cache
+_BLOCK = 16000  # elements: the arrays of a block stay in the cache, below 128 kB, from where each is a system call
 _DIGITS = 17  # of a value by balls
+_LARGEST = float(np.finfo(np.float64).max)
+_CANCELLED = 4.0  # the sum of the terms' sizes over the size of their sum, from where the slope is looked at
+_ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, from where balls are asked
 
 
+@dataclass(frozen=True, eq=False)
 class SlopeAverage:
     """The damping coefficient of a criterion, c = -N <mu'(V(1 + s))>_w, as a function over arrays.
 
-    Parameters
+    Attributes
     ----------
     law : FrictionLaw
         Bound values become the defaults of a call.
     criterion : Criterion
-    exact : callable, optional
-        The last resort, from the exact values of all arguments to the criterion; its enclosure if not given.
-    terms : tuple of Term, optional
-        Those of the law if not given.
+    terms : tuple of Term
+        Of the law: everything here is made from them.
     """
 
-    def __init__(
-        self,
-        law: FrictionLaw,
-        criterion: Criterion,
-        exact: Exact | None = None,
-        terms: tuple[Term, ...] | None = None,
-    ) -> None:
-        self.law, self.criterion, self._exact, self._terms = law, criterion, exact, terms
-        used = law.expr.free_symbols
-        parameters = {name: p.symbol for name, p in law.parameters.items() if p.symbol in used}
-        self.arguments = {"V": symbols.V, "N": symbols.N, **parameters}
-        self.evaluator = Evaluator(
-            law.terms if terms is None else terms,
-            criterion,
-            list(self.arguments.values()),
-            exact or self._by_definition,
-        )
-        self._defaults = {name: float(value) for name, value in law.values.items() if name in parameters}
+    law: FrictionLaw
+    criterion: Criterion
+    terms: tuple[Term, ...]
 
-    def _by_definition(self, point: Mapping[Expr, Expr]) -> Mpf:
-        """Take the last resort: an enclosure of the definition."""
+    @cached_property
+    def arguments(self) -> dict[str, Expr]:
+        """The symbols that a call takes by name: V, N, then the law's parameters."""
+        used = self.law.expr.free_symbols
+        parameters = {name: p.symbol for name, p in self.law.parameters.items() if p.symbol in used}
+        return {"V": symbols.V, "N": symbols.N, **parameters}
+
+    @cached_property
+    def functions(self) -> list[TermFunction]:
+        """The terms that vary with v, each by its branches: what is added up here, and written as code."""
+        arguments = list(self.arguments.values())
+        return [
+            TermFunction(term, self.criterion, arguments) for term in self.terms if term.profile.has(symbols.v)
+        ]
+
+    def _exactly(self, point: Mapping[Expr, Expr], digits: int) -> Mpf:
+        """Return the value at exact arguments, by an enclosure of the definition."""
         if point[symbols.V] == 0 or self.criterion.weight is None:
             slope = self.law.slope_expr
-            return exact_value(-symbols.N * slope.subs(symbols.v, symbols.V), slope, point, _DIGITS)
+            return exact_value(-symbols.N * slope.subs(symbols.v, symbols.V), slope, point, digits)
         law = self.law.bind(**{name: point[s] for name, s in self.arguments.items() if name not in ("V", "N")})
-        middle = enclose(law, self.criterion, V=point[symbols.V], N=point[symbols.N], digits=_DIGITS).mid
+        middle = enclose(law, self.criterion, V=point[symbols.V], N=point[symbols.N], digits=digits).mid
         return to_mpf(sp.Rational(middle.numerator, middle.denominator))
 
     @cached_property
@@ -77,7 +82,7 @@ class SlopeAverage:
         """Relations between the law's parameters without which the criterion has no value."""
         relations = [
             function.term.in_parameters(condition)
-            for function in self.evaluator.terms
+            for function in self.functions
             for condition in function.average.conditions
         ]
         return tuple(dict.fromkeys(relation for relation in relations if relation != sp.true))
@@ -141,18 +146,20 @@ class SlopeAverage:
         self.require(given)
         if on_invalid not in ("raise", "nan"):
             raise InputError(f'on_invalid = {on_invalid!r} must be "raise" or "nan"')
-        ordered = [given[name] for name in self.arguments]
-        if all(type(value) is float or (type(value) is int and value.bit_length() < 1000) for value in ordered):
-            floats = [float(value) for value in ordered]  # type: ignore[arg-type]  # just looked
-            if all(low <= x < np.inf for x, low in zip(floats, self._lowest, strict=True)):
-                return self.evaluator(floats)
+        ordered: list[Any] = [given[name] for name in self.arguments]
+        numbers = {float, int}.issuperset(map(type, ordered))
+        if numbers and all(map(le, self._lowest, ordered)) and max(ordered) <= _LARGEST:
+            return self._of_floats(list(map(float, ordered)))
         return self._over_arrays(ordered, on_invalid)
+
+    @cached_property
+    def _defaults(self) -> dict[str, ArrayLike]:
+        return {name: float(value) for name, value in self.law.values.items() if name in self.arguments}
 
     @cached_property
     def _lowest(self) -> list[float]:
         """The lowest value that each argument may have."""
-        least = -float(np.finfo(np.float64).max)
-        return [0.0 if symbol.is_nonnegative else least for symbol in self.arguments.values()]
+        return [0.0 if symbol.is_nonnegative else -_LARGEST for symbol in self.arguments.values()]
 
     def _over_arrays(self, values: list[ArrayLike], on_invalid: OnInvalid) -> Any:
         arrays = [_array(name, value) for name, value in zip(self.arguments, values, strict=True)]
@@ -172,7 +179,7 @@ class SlopeAverage:
                 block = start + np.flatnonzero(good[block])
                 if not block.size:
                     continue
-            flat_result[block] = self.evaluator(
+            flat_result[block] = self._of_floats(
                 [value if isinstance(value, float) else value[block] for value in flat]
             )
         result = flat_result.reshape(shape)
@@ -197,15 +204,102 @@ class SlopeAverage:
             good = (np.ones(shape, dtype=bool) if good is None else good) & ~(invalid | np.isnan(array))
         return None if good is None else good.ravel()
 
+    # -- floats and flat arrays of one length --------------------------------------------------------
+
+    def _of_floats(self, values: Sequence[Numbers]) -> Numbers:
+        """Evaluate at floats, or at floats and flat arrays of one length.
+
+        Raises
+        ------
+        InputError
+            For a value beyond the range of float64, or a speed for which the law is needed where it ends.
+        """
+        with np.errstate(all="ignore"):
+            total = self._total(values)
+        if isinstance(total, float):
+            return total + 0.0 if math.isfinite(total) else self._by_balls([float(value) for value in values])
+        if not np.isfinite(total.sum()):  # one pass; what overflows there is looked at
+            for i in np.flatnonzero(~np.isfinite(total)):
+                total[i] = self._by_balls([v if isinstance(v, float) else float(v[i]) for v in values])
+        total += 0.0  # -0.0 becomes 0.0
+        return total
+
+    def _total(self, values: Sequence[Numbers]) -> Numbers:
+        """Add up the terms; NaN where they cancel, or one has no branches."""
+        parts, count = [self._part(term, values) for term in self.functions], count_of(values)
+        if not count:
+            floats = [float(part) for part in parts]
+            total, sizes = sum(floats, 0.0), sum(map(abs, floats), 0.0)
+            kept = len(parts) < 2 or sizes <= _CANCELLED * abs(total) or sizes <= self._unit(values)[0]
+            return total if kept else math.nan
+        result = np.array(np.broadcast_to(parts[0] if parts else 0.0, count))
+        if len(parts) < 2:
+            return result
+        spread = np.abs(result)
+        for part in parts[1:]:
+            result += part
+            spread += np.abs(part)
+        here = np.flatnonzero(spread > _CANCELLED * np.abs(result))
+        if here.size:
+            some = [value if isinstance(value, float) else value[here] for value in values]
+            result[here[~(spread[here] <= self._unit(some))]] = np.nan
+        return result
+
+    @staticmethod
+    def _part(term: TermFunction, values: Sequence[Numbers]) -> Numbers:
+        try:
+            return term(values)
+        except ArithmeticError:  # of floats; arrays give infinity or NaN
+            return math.nan
+
+    @cached_property
+    def _mean_slope(self) -> MeanSlope:
+        mu = sp.Add(*[term.expr for term in self.terms])
+        return MeanSlope(mu, self.criterion, list(self.arguments.values())[2:])
+
+    def _unit(self, values: Sequence[Numbers]) -> FloatArray:
+        """Return the size of terms that N <|mu'|> allows: where the slope itself cancels, they are larger."""
+        speed, force, *rest = (np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in values)
+        return np.asarray(_ALLOWED * force * self._mean_slope(speed, *rest))
+
+    def _by_balls(self, values: Sequence[float]) -> float:
+        point = {symbol: sp.Rational(x) for symbol, x in zip(self.arguments.values(), values, strict=True)}
+        for term in self.functions:
+            term.require_reach(values)
+        try:
+            value = float(self._exactly(point, _DIGITS)) + 0.0
+        except NotConverged:  # as where mu is infinite at v = 0; branches know its power there
+            for term in self.functions:
+                term.ask_for_branches(values)
+            with np.errstate(all="ignore"):
+                value = float(self._total(values)) + 0.0
+            if math.isnan(value):
+                raise
+        if not math.isfinite(value):
+            raise InputError("the damping coefficient is beyond the range of float64; use evaluate(digits=...)")
+        return value
+
+    # -- what is made of it --------------------------------------------------------------------------
+
     def code(self, language: str) -> str:
-        """Return text of a language that defines a function ``damping`` of V, N, ...; see `ClosedForm.code`."""
+        """Return text of a language, "c", "python" or "octave", that defines a function ``damping`` of V, N, ...
+
+        It has the branches of a call, and gives NaN where a call refuses. Where terms cancel, a call turns to
+        ball arithmetic, and the text adds them up as they are.
+
+        Raises
+        ------
+        InputError
+            If there is no such language, or a profile has a shape without a value: bind it first.
+        """
         return writer.code({"damping": (self, repr(self))}, language)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return SlopeAverage, (self.law, self.criterion, self._exact, self._terms)
+    def __getstate__(self) -> dict[str, object]:
+        # What is compiled cannot be pickled, and is made again when it is needed.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def __repr__(self) -> str:
-        return f"SlopeAverage: {self.law.name or self.law.text}, {self.criterion.name}"
+        return f"{type(self).__name__}: {self.law.name or self.law.text}, {self.criterion.name}"
 
 
 def _array(name: str, value: ArrayLike) -> FloatArray:
@@ -239,4 +333,5 @@ def slope_average(law: FrictionLaw | str, criterion: str | Criterion = "least_sq
     >>> f"{damping(V=0.5, N=9.81):.12g}"
     '2.97253721817'
     """
-    return SlopeAverage(as_law(law), find(criterion))
+    law = as_law(law)
+    return SlopeAverage(law, find(criterion), law.terms)

@@ -7,10 +7,10 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+from uncertainties import UFloat, correlated_values_norm, correlation_matrix
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact, require_type
-from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.samples import SampledCurve
@@ -58,8 +58,6 @@ def law_in(content: dict[str, Any]) -> FrictionLaw:
 
 
 def _errors_out(uncertain: Mapping[str, UFloat]) -> dict[str, object]:
-    from uncertainties import correlation_matrix
-
     return {
         "standard": {name: value.std_dev for name, value in uncertain.items()},
         "correlation": correlation_matrix(list(uncertain.values())).tolist(),
@@ -68,14 +66,10 @@ def _errors_out(uncertain: Mapping[str, UFloat]) -> dict[str, object]:
 
 def _errors_in(content: dict[str, Any], law: FrictionLaw) -> dict[str, UFloat]:
     """Return the values of a law that carry a standard error, correlated as they were."""
-    from uncertainties import correlated_values_norm, ufloat
-
     pairs = {name: (float(law.values[name]), float(error)) for name, error in content["standard"].items()}
     correlation = np.array(content["correlation"], dtype=np.float64)
     if not all(0 < error < math.inf for _, error in pairs.values()) or correlation.shape != (len(pairs),) * 2:
         raise InputError("a standard error is positive and finite, and each has its row of correlations")
-    if (correlation == np.eye(len(pairs))).all():
-        return {name: ufloat(*pair) for name, pair in pairs.items()}
     return dict(zip(pairs, correlated_values_norm(list(pairs.values()), correlation), strict=True))
 
 

@@ -52,6 +52,7 @@ REFUSED = [
     ("derive exponential --latex missing/form.tex", "there is no folder 'missing'; make it first"),
     ("derive exponential -p alpha=1 -p alpha=2", "alpha is given twice, as 1 and 2; give it once"),
     ("simulate linear -V 1 -V2", "-V is given twice; give it once"),
+    ("simulate linear --json --csv /dev/stdout", "--csv /dev/stdout and --json would print into each other"),
     ("derive exponential -V 1e-400", "V is too small; give a size from 1e-20 to 1e+20"),
     ("derive exponential -p alpha", "'alpha' is not NAME=VALUE; write for example"),
     ("derive", "no law: give a name (see: stickslip laws), a formula in v, or --from-csv FILE"),

@@ -11,7 +11,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core import balls
-from stickslip_sym.formula.exact import from_mpmath
+from stickslip_sym.core.precision import from_mpmath
 
 x = sp.Symbol("x")
 NODES = [sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.atan, sp.asinh, sp.erf,

@@ -9,9 +9,11 @@ import sympy as sp
 from flint import acb, arb, arb_series
 
 import stickslip_sym as ss
-from stickslip_sym.core import balls, functions, langevin
+from stickslip_sym.core import balls, functions
 from stickslip_sym.core.functions import FUNCTIONS, Function
 from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.precision import working_precision
+from stickslip_sym.core.special import Langevin, Removable
 from stickslip_sym.model.at_rest import gain
 from stickslip_sym.motion.thresholds.theorem import lipschitz_evidence
 from stickslip_sym.output import printing
@@ -50,7 +52,7 @@ def test_a_new_function_is_one_row(name, monkeypatch):
     assert (row.latex or f"\\operatorname{{{name}}}") in printing.latex(bound.expr)
     enclosed, exact = ss.enclose(bound, V=1, N=1, digits=20), ss.quadrature.damping(bound, V=1, N=1, digits=20)
     assert float(enclosed) == pytest.approx(float(exact), rel=1e-15)
-    with balls.working_precision(200, 6):
+    with working_precision(200, 6):
         series = balls.series_function(row.kind(x), x, {})(arb_series([float(POINT), 1]))
         taylor = mpmath.taylor(value, float(POINT), 5)
         assert [float(series[n]) for n in range(6)] == pytest.approx(list(map(float, taylor)), rel=1e-9, abs=1e-12)
@@ -72,7 +74,7 @@ def test_every_row_is_what_sympy_computes(kind):
               "Langevin": [third, sp.Integer(1)]}  # fmt: skip
     numbers = others.get(name, [sp.Integer(2), third] if row.indexed else [third])
     expected = complex(kind(*numbers, evaluate=False).evalf(30))
-    with balls.working_precision(120, 4):
+    with working_precision(120, 4):
         assert complex(row.ball(*map(balls.ball, numbers))) == pytest.approx(expected, rel=1e-14)
         if row.in_laws:
             series = balls.series_function(kind(x), x, {})(arb_series([0.25, 1]))
@@ -85,25 +87,42 @@ def test_every_row_is_what_sympy_computes(kind):
         assert abs(got / direct - 1) < 1e-10
 
 
+class Sinc(Removable):
+    """Another such function, to show that its form and its series are all that is needed."""
+
+    form = staticmethod(lambda x: sp.sin(x) / x)
+    power_series = staticmethod(lambda x: x.sin() / x)
+
+
+@pytest.mark.parametrize("kind", [Langevin, Sinc])
 @pytest.mark.parametrize("order", range(4))
-def test_langevins_function_keeps_its_digits(order):
-    """In doubles, balls and mpmath against coth(x) - 1/x of many digits: where its parts cancel, and far out."""
+def test_removable_singularities_keep_digits(kind, order):
+    """In doubles, balls and mpmath against the form in many digits: where its parts cancel, and far out."""
     u = sp.Dummy()
-    plain = function_of([u], sp.diff(sp.coth(u) - 1 / u, u, order), "mpmath")
+    plain = function_of([u], kind(u, order).elementary(), "mpmath")
     for number in (1e-12, 1e-3, 0.7, 1.4999, 1.5001, 4.0, 50.0, 1e9):
         with mpmath.workdps(120):
             expected = plain(mpmath.mpf(number))
-        assert langevin.in_floats(number, order) == pytest.approx(float(expected), rel=3e-14)
+        assert kind.floats(number, order) == pytest.approx(float(expected), rel=3e-14)
         with mpmath.workdps(30):
-            assert langevin.in_mpmath(mpmath.mpf(number), order) == pytest.approx(expected, rel=1e-28)
-        with balls.working_precision(140, 4):
-            value = langevin.in_balls(acb(number), acb(order)).real
+            assert kind.mpf(mpmath.mpf(number), order) == pytest.approx(expected, rel=1e-28)
+        with working_precision(140, 4):
+            value = kind.ball(acb(number), acb(order)).real
             assert value.overlaps(arb(mpmath.nstr(expected, 60)))
             assert value.rel_accuracy_bits() > 100
-            wide = langevin.in_balls(acb(arb(number, 0.2), arb(0, 0.1)), acb(order))
-            assert wide.contains(langevin.in_balls(acb(number + 0.1, 0.05), acb(order))) or not wide.is_finite()
-            slope = langevin.in_series(arb_series([number, 1]), arb(order))[1]
-            assert slope.overlaps(langevin.in_balls(acb(number), acb(order + 1)).real)
+            wide = kind.ball(acb(arb(number, 0.2), arb(0, 0.1)), acb(order))
+            assert wide.contains(kind.ball(acb(number + 0.1, 0.05), acb(order))) or not wide.is_finite()
+            slope = kind.series(arb_series([number, 1]), arb(order))[1]
+            assert slope.overlaps(kind.ball(acb(number), acb(order + 1)).real)
+
+
+@pytest.mark.parametrize("kind", [Langevin, Sinc])
+def test_the_bound_on_removable_functions_holds(kind):
+    """By Cauchy's estimate the power series is cut off: from its size on a circle, here on each arc, in balls."""
+    with working_precision(80):
+        for k in range(1000):
+            z = 3 * acb(arb((k + 0.5) / 500, 1 / 1000)).exp_pi_i()
+            assert balls.ball_value(kind(x, 0).elementary(), {x: z}).abs_upper() < 8
 
 
 CUTS = {sp.log: [-2, 0], sp.atan: [2j, -3j], sp.asinh: [2j, -3j], sp.acosh: [0, -2], sp.asin: [2, -3],

@@ -10,7 +10,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.langevin import Langevin
+from stickslip_sym.core.special import Langevin
 from stickslip_sym.formula.average import average_of
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
 from stickslip_sym.formula.finding.averages import harmonic_average

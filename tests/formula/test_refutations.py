@@ -9,13 +9,13 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.core.balls import working_precision
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import to_mpf
+from stickslip_sym.core.precision import from_mpmath, working_precision
 from stickslip_sym.core.symbols import V, u
 from stickslip_sym.criteria.enclosure import average_ball
-from stickslip_sym.formula.exact import formula_ball, from_mpmath, to_digits
+from stickslip_sym.formula.exact import formula_ball, to_digits
 from stickslip_sym.formula.proof import gate
 from stickslip_sym.formula.proof.proving import prove_equal
 

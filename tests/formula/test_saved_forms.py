@@ -14,7 +14,7 @@ from uncertainties import correlated_values
 import stickslip_sym as ss
 from stickslip_sym import criteria
 
-LAWS = ["exponential", "polynomial", "tanh", "rational"]
+LAWS = ["exponential", "polynomial", "tanh", "rational", "a*sech(v/w)"]
 
 
 def rewrite(path, part, **changes):
@@ -33,13 +33,15 @@ def saved(law, criterion, tmp_path):
     return form, path
 
 
-@sweep("name", LAWS, 0, 2)
-def test_a_form_comes_back_as_it_was(name, tmp_path):
-    form, path = saved(ss.laws.catalogue[name].typical(), "least_squares", tmp_path)
-    again = ss.load(path)
-    assert (again.law, again.criterion, again.terms) == (form.law, form.criterion, form.terms)
-    assert (again.expr, again.verdict) == (form.expr, form.verdict)
-    assert again.derivation.text() == form.derivation.text()
+@sweep("name", LAWS, 0, 2, 4)
+def test_a_form_and_its_sensitivity_come_back(name, tmp_path):
+    form = ss.derive(ss.laws.catalogue[name].typical() if name in ss.laws.catalogue else name)
+    forms = form, form.sensitivity(list(form.law.parameters)[-1])
+    ss.save(forms, tmp_path / "forms.json")
+    for again, before in zip(ss.load(tmp_path / "forms.json"), forms, strict=True):
+        assert (again.law, again.criterion, again.terms) == (before.law, before.criterion, before.terms)
+        assert (again.expr, again.verdict) == (before.expr, before.verdict)
+        assert again.derivation.text() == before.derivation.text()
 
 
 def test_standard_errors_and_correlations_come_back(tmp_path):

@@ -54,16 +54,18 @@ def test_every_view_changes_with_one_coefficient():
 
 # -- sensitivities -----------------------------------------------------------------------------------
 
+CUBIC = ss.FrictionLaw("0.4 - a*v/w + b*(v/u)^3").bind(a=0.12, w=0.49, b=0.43, u=0.9)  # whose terms share a scale
 SENSITIVE = [
     ("exponential", "least_squares", "alpha"), ("exponential", "harmonic", "alpha"),
     ("sech", "least_squares", "v_s"), ("arctangent", "harmonic", "v_s"), ("stribeck", "least_squares", "v_s"),
-    ("polynomial", "harmonic", "mu_s"), ("hyperbolic", "equilibrium", "v_s"),
+    ("polynomial", "harmonic", "mu_s"), ("hyperbolic", "equilibrium", "v_s"), (CUBIC, "harmonic", "a"),
+    (CUBIC, "least_squares", "u"), (CUBIC, "equilibrium", "w"),
 ]  # fmt: skip
 
 
-@sweep(("name", "criterion", "parameter"), SENSITIVE, 0, 1, 2, 6)
-def test_a_sensitivity_is_the_quotient_of_differences(name, criterion, parameter):
-    law = ss.laws.catalogue[name].typical()
+@sweep(("law", "criterion", "parameter"), SENSITIVE, 0, 1, 2, 6, 7, 8)
+def test_a_sensitivity_is_the_quotient_of_differences(law, criterion, parameter):
+    law = law if law is CUBIC else ss.laws.catalogue[law].typical()
     form = ss.derive(law, criterion)
     found = form.sensitivity(parameter)
     assert found.verdict.status is ss.Status.PROVED

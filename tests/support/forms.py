@@ -7,7 +7,7 @@ import mpmath
 import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym.core.functions import Lerch
+from stickslip_sym.core.special import Lerch
 from stickslip_sym.output.notation import latex_name
 
 LAWS = list(ss.laws.catalogue)

@@ -8,7 +8,7 @@ import mpmath
 import sympy as sp
 from sympy.codegen.cfunctions import expm1, log1p
 
-from stickslip_sym.core.functions import Lerch
+from stickslip_sym.core.special import Lerch
 
 NAMES = (
     "V", "N", "v", "a", "b", "w", "v_0", "mu_s", "mu_m", "alpha", "beta", "a1", "a_1", "drop", "E", "K", "G", "e",

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Mapping
 from functools import reduce
 from string import Template
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import sympy as sp
 from sympy.printing.printer import Printer
@@ -16,25 +16,18 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import row
 from stickslip_sym.core.numbers import lookup
 from stickslip_sym.core.status import Status
-from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.code.languages import LANGUAGES, Language
 from stickslip_sym.formula.evaluation.branches import Branch, Table
-from stickslip_sym.formula.evaluation.evaluator import Evaluator, TermFunction
 from stickslip_sym.formula.evaluation.making import compared
+from stickslip_sym.formula.evaluation.term_function import TermFunction
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.law import FrictionLaw
 
-
-class Fast(Protocol):
-    """A `SlopeAverage`, whose terms and branches are written."""
-
-    law: FrictionLaw
-    criterion: Criterion
-    arguments: dict[str, Expr]
-    evaluator: Evaluator
+if TYPE_CHECKING:
+    from stickslip_sym.formula.slope_average import SlopeAverage
 
 
-def code(criteria: Mapping[str, tuple[Fast, str]], language: str) -> str:
+def code(criteria: Mapping[str, tuple["SlopeAverage", str]], language: str) -> str:
     """Return criteria by their names, each with words about it, as text of a language of the table.
 
     Raises
@@ -181,7 +174,7 @@ class _Writer:
         texts = [_number(value, self.language) for value in values]
         return self.language.next_line.join(", ".join(texts[i : i + 4]) for i in range(0, len(texts), 4))
 
-    def add(self, name: str, average: Fast, about: str) -> None:
+    def add(self, name: str, average: "SlopeAverage", about: str) -> None:
         """Write a criterion: its terms, and the function that adds them up."""
         law, language = average.law, self.language
         require_shapes(law)
@@ -193,7 +186,7 @@ class _Writer:
         reach = (
             math.inf if law.v_max is None else float(law.v_max) / (1 if average.criterion.weight is None else 2)
         )
-        terms = {f"{name}_term_{i}": term for i, term in enumerate(average.evaluator.terms)}
+        terms = {f"{name}_term_{i}": term for i, term in enumerate(average.functions)}
         verdicts = [self._add_term(key, term, point, texts, law) for key, term in terms.items()]
         arguments = [self._argument(key) for key in free]
         self.names.append(name)

@@ -17,31 +17,9 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray, Numbers
-from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.lambdify import function_of, is_multiplied, power_of
 
-_LARGEST_POWER = 8  # of a whole exponent that is multiplied out
 _BEFORE = 3  # the left end, the origin and the centre of a panel stand before its coefficients
-
-
-def power_of(base: Numbers, exponent: float) -> Numbers:
-    """Raise floats or arrays to a power: whole and half ones by products, quotients and square roots."""
-    if exponent == 1.0:
-        return base
-    if exponent < 0:
-        return 1.0 / power_of(base, -exponent)
-    whole = int(exponent)
-    if whole > _LARGEST_POWER or exponent - whole not in (0.0, 0.5):
-        result: Numbers = np.power(base, exponent)
-        return result
-    result = np.sqrt(base) if exponent != whole else 1.0
-    square = base
-    while whole:
-        if whole & 1:
-            result = square if isinstance(result, float) and result == 1.0 else result * square
-        whole >>= 1
-        if whole:
-            square = square * square
-    return result
 
 
 def horner(coefficients: Sequence[float], z: Numbers) -> Numbers:
@@ -59,9 +37,10 @@ def horner(coefficients: Sequence[float], z: Numbers) -> Numbers:
 def alike(function: Callable[..., Any], expr: Expr) -> Callable[..., Any]:
     """Return a function of an expression that has the same digits for floats as in arrays.
 
-    NumPy has other powers for a float than for an array; sums, products and its functions are the same.
+    NumPy has other powers for a float than for an array, but for those that are multiplied out; sums, products and
+    its functions are the same.
     """
-    if not any(node.exp != -1 for node in expr.atoms(sp.Pow)):
+    if all(map(is_multiplied, expr.atoms(sp.Pow))):
         return function
 
     def of_numbers(*values: Numbers) -> Any:
@@ -146,11 +125,11 @@ class Table:
         if self._has_roots:
             origin = origins[panel]
             position = np.where(np.isfinite(origin), np.sqrt(np.abs(r - origin)), r)
-        position = position - centres[panel]
-        total = coefficients[-1][panel]
+        position = position - centres.take(panel)
+        total, here = coefficients[-1].take(panel), np.empty_like(r)
         for column in coefficients[-2::-1]:
-            total = total * position
-            total += column[panel]
+            total *= position
+            total += column.take(panel, out=here, mode="clip")  # which needs no buffer of its own
         return total
 
 

@@ -17,15 +17,15 @@ from flint import acb, arb, arb_mat, arb_poly
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import ball_value, rational, working_precision
+from stickslip_sym.core.balls import ball_value, rational
 from stickslip_sym.core.functions import elementary, row
+from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import average_ball
 from stickslip_sym.formula.evaluation.branches import Branch, Branches, Sum, Table, value_of
 from stickslip_sym.formula.evaluation.interpolation import chebyshev
 from stickslip_sym.formula.evaluation.values import BITS, MeanSlope, Unresolved, Values, slope_of
-from stickslip_sym.formula.proof.gate import kinks_of
 from stickslip_sym.formula.proof.proving import Verdict
 
 _EPSILON = 2.0**-52
@@ -38,7 +38,7 @@ _HIGH = 60  # binary exponent of r up to which a profile is followed
 _WHERE = (60, 120, 300)  # binary exponents at which the power of r is read off by which F goes
 _POWERS = [sp.Rational(k, 2) for k in range(-12, 17)]  # that are tried for it, beside those of the profile
 _STRAIGHT, _LEVEL = 1e-6, 1e-4  # F over the right power of r is linear in log(r); with no slope it is constant
-_ENDS = {1: (11, 9, 7, 6, 5, 4, 3), -1: (-9, -6, -4, -3, -2, -1, 0, 1)}
+_ENDS = {1: (11, 9, 7, 6, 5, 4, 3), -1: (-9, -6, -4, -3, -2, -1, 0, 1, 2, 3)}
 """Binary exponents of the r from where, or up to where, one polynomial is tried."""
 _FIT_NODES, _TERMS = 27, 23  # of a polynomial that is then written in as few terms as it takes
 _LARGEST_ROOT = 4  # of r, in which a polynomial is tried too
@@ -84,7 +84,7 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
         for start, end in zip(branches.starts, ends, strict=True):
             low = start or (end / 4 if end < math.inf else 1.0)
             r = math.sqrt(low * min(end, 4 * low))
-            right = average_ball(profile, shapes, kinks_of(profile, shapes), criterion, arb(r))
+            right = average_ball(profile, shapes, criterion, arb(r))
             with np.errstate(all="ignore"):
                 value = float(branches(r))
             if not right.is_finite() or math.isnan(value):

@@ -1,8 +1,8 @@
-"""SymPy's integrator and limits as a last resort, in a process of its own that is killed when its time is up:
+"""SymPy's integrator as a last resort, in a process of its own that is killed when its time is up:
 seconds of the processor, so that what is found does not depend on what else runs.
 
-SymPy's `integrate` and `limit` may take minutes, hang, or return something wrong; none of that can be
-prevented from inside. Expressions travel between the two processes as pickles made here, never as text.
+SymPy's `integrate` may take minutes, hang, or return something wrong; none of that can be prevented from
+inside. Expressions travel between the two processes as pickles made here, never as text.
 """
 
 import contextlib
@@ -11,7 +11,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from functools import lru_cache
 
 import sympy as sp
 
@@ -47,18 +46,8 @@ def antiderivative(f: Expr, polynomial: Expr, x: Expr, seconds: float, progress:
     return sp.Add(*[coefficient * value for (_, coefficient), value in zip(terms, result, strict=True)])
 
 
-@lru_cache(maxsize=256)  # criteria share the slopes of their profiles
-def limit(expr: Expr, variable: Expr, place: Expr, seconds: float) -> Expr | None:
-    """Return the finite limit of an expression from above, or from below at infinity; None if none came."""
-    try:
-        found = _done(sp.Limit(expr, variable, place, "-" if place == sp.oo else "+"), seconds)
-    except NothingFound:
-        return None
-    return None if found.has(sp.Limit, sp.AccumBounds, variable, *_UNFINISHED) else found
-
-
 def _done(expr: Expr, seconds: float) -> Expr:
-    """Carry out an integral or a limit by SymPy."""
+    """Carry out integrals by SymPy."""
     if seconds <= 0:
         raise NothingFound(f"{RULE} was not asked")
     late = NothingFound(f"{RULE} found nothing in its {seconds:.0f} s")
@@ -99,7 +88,7 @@ def confine(seconds: float) -> None:
 
 
 def carried_out(expr: Expr) -> Expr | str:
-    """Carry out an integral or a limit, or say how that ended."""
+    """Carry out integrals, or say how that ended."""
     try:
         return expr.doit()
     except MemoryError:

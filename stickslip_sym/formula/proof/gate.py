@@ -7,26 +7,28 @@ does not.
 
 import random
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 
 import sympy as sp
-from flint import acb
+from flint import acb, arb
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.balls import ball, ball_value, working_precision
+from stickslip_sym.core.balls import ball, ball_value
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import exact
+from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import Enclosure, average_ball, enclosure_of
 from stickslip_sym.formula.exact import to_ball
 from stickslip_sym.formula.proof.proving import Verdict
-from stickslip_sym.model.expression.pieces import places
+from stickslip_sym.model.expression.pieces import kinks_at
 from stickslip_sym.model.terms import shapes_of
 
 GATE_POINTS = 12
@@ -39,9 +41,8 @@ _MOST_DRAWS = 40
 _DECADES = (-3, 3)  # of the belt speed and of every shape, for the points of the gate
 _EXPONENT_DECADES = (-0.5, 0.7)  # of a shape that is an exponent
 _LEAST_BITS = 64  # for a look at a profile
-_BITS = (140, 200, 300, 600)  # of working precision, until a side has the digits of the gate
+_BITS, _MOST_BITS = 100, 600  # of these digits; of working precision
 _NEARLY_AT_REST = sp.Rational(1, 10**6)  # of the belt speed, where a profile is looked at
-_PLACE_DIGITS = 1200  # of a kink at an irrational place
 
 
 def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequence[Expr] = ()) -> Verdict:
@@ -69,8 +70,7 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
             value, too = to_ball(without_squares(closed), point, GATE_DIGITS)
         except (InputError, NotConverged):
             continue
-        with working_precision(_BITS[0]):
-            got = enclosure_of(value)
+        got = enclosure_of(value)
         digits = GATE_DIGITS - _ROUNDED if surely else _QUADRATURE_DIGITS - _LOST
         if not all(_is_known(side, profile, point, digits) for side in (expected, got)):
             continue
@@ -110,28 +110,18 @@ def _is_known(side: Enclosure, profile: Expr, point: Mapping[Expr, Expr], digits
 def _definition(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr]) -> tuple[Enclosure, bool]:
     """Return the average by its definition, and whether it is enclosed for certain."""
     shapes = {symbol: value for symbol, value in point.items() if symbol != symbols.V}
-    kinks = kinks_of(profile, shapes)
-    for bits in _BITS:
-        with working_precision(bits):
-            try:
-                value = average_ball(profile, shapes, kinks, criterion, ball(point[symbols.V]).real)
-            except InputError:  # a function that is not enclosed
-                break
-            if not value.is_finite():
-                break
-            if value.rel_accuracy_bits() > GATE_DIGITS * 10 / 3 or bits == _BITS[-1]:
-                return enclosure_of(value), True
+
+    def enclosed() -> arb:
+        value = average_ball(profile, shapes, criterion, ball(point[symbols.V]).real)
+        if not value.is_finite():
+            raise NotConverged(f"the average of {profile} is not enclosed")
+        return value
+
+    with suppress(InputError, NotConverged):
+        return enclosure_of(refined(enclosed, _BITS, _MOST_BITS)), True
     # The profile is infinite at v = 0, or holds a function that is not enclosed.
     mu = function_of([symbols.v], profile.xreplace(shapes), "mpmath")
-    number = exact(quadrature.average(mu, kinks, criterion, point[symbols.V], _QUADRATURE_DIGITS), "value")
-    margin = abs(number) / sp.Integer(10) ** (_QUADRATURE_DIGITS - _LOST)
+    kinks, digits = kinks_at(profile, shapes), _QUADRATURE_DIGITS
+    number = exact(quadrature.average(mu, kinks, criterion, point[symbols.V], digits), "value")
+    margin = abs(number) / sp.Integer(10) ** (digits - _LOST)
     return Enclosure.of(number - margin, number + margin), False
-
-
-def kinks_of(profile: Expr, shapes: Mapping[Expr, Expr | acb]) -> list[Expr]:
-    """Return the places v > 0 of the kinks and jumps of a profile, ascending."""
-    found = {place.xreplace(dict(shapes)) for place in places(profile)}
-    if not all(place.is_real for place in found):
-        raise InputError(f"a kink of {profile} is at no real place")
-    numbers = {place if place.is_Rational else place.evalf(_PLACE_DIGITS) for place in found}
-    return sorted(place for place in numbers if place > 0)

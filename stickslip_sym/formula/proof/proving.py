@@ -21,11 +21,11 @@ from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 
 from stickslip_sym.core.aliases import Expr, Mpf
-from stickslip_sym.core.balls import working_precision
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.precision import from_mpmath, in_mpmath, refined, working_precision
 from stickslip_sym.core.status import Status
-from stickslip_sym.formula.exact import formula_ball, from_mpmath, in_mpmath
+from stickslip_sym.formula.exact import formula_ball
 from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
 from stickslip_sym.formula.proof.theorems import By
 from stickslip_sym.output import markup
@@ -36,8 +36,7 @@ _NOTHING = mpmath.mpf("1e-60")  # what both sides may differ by where they are 0
 _STRICT = (sp.StrictLessThan, sp.StrictGreaterThan)
 _BINDING = (sp.Integral, sp.Sum, sp.Product, sp.Derivative, sp.Subs, sp.Limit, sp.Lambda)
 
-_PRECISIONS = (98, 196, 392, 784)  # bits, from 30 digits, at which a formula is taken until its error is small
-_ENOUGH = 83  # bits of a value, 25 digits, that are enough
+_ENOUGH, _MOST_BITS = 83, 784  # bits of a value, 25 digits, that are enough; of working precision
 _QUADRATURE_DIGITS = 60  # next to an end, a root's integral below the rounding of x is below 1e-30
 _DEGREES = (7, 8)  # of the tanh-sinh rule: it halves its step so many times
 _DEGREE_OF_SIZE = 4  # of the rule that tells how large an integrand is
@@ -233,17 +232,15 @@ def certain_value(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[Mpf, Mpf]:
     expr = expr.xreplace(outer).xreplace(values)
     if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
         raise NotFinite("a function has no value there" if expr is sp.nan else f"it is {expr}")
-    for bits in _PRECISIONS:
-        with working_precision(bits):
-            try:
-                value, _ = formula_ball(expr, known)
-            except InputError as failure:
-                raise NotConverged(str(failure)) from None
-            except (ZeroDivisionError, ValueError, OverflowError) as failure:
-                raise NotFinite(str(failure) or "a function has no value there") from None
-            if value.is_finite() and (value.rel_accuracy_bits() >= _ENOUGH or bits == _PRECISIONS[-1]):
-                return in_mpmath(value), in_mpmath(arb(value.rad()))
-    raise NotConverged("its value is not certain")
+    try:
+        value = refined(lambda: formula_ball(expr, known)[0], _ENOUGH, _MOST_BITS)
+    except InputError as failure:
+        raise NotConverged(str(failure)) from None
+    except (ZeroDivisionError, ValueError, OverflowError) as failure:
+        raise NotFinite(str(failure) or "a function has no value there") from None
+    if not value.is_finite():
+        raise NotConverged("its value is not certain")
+    return in_mpmath(value), in_mpmath(arb(value.rad()))
 
 
 def _integral(integral: Expr) -> tuple[Mpf, Mpf]:

@@ -12,7 +12,7 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import fold, power, without_squares
-from stickslip_sym.core.langevin import Langevin
+from stickslip_sym.core.special import Langevin
 from stickslip_sym.model.expression.pieces import joined
 
 _MOST_EXPANDED = 6  # of a power of a sum of two terms that a rule makes

@@ -6,7 +6,7 @@ functions) knows one kind of kink only, one in a term, and knows exactly where i
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -14,16 +14,15 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.balls import chosen
+from stickslip_sym.core.balls import chosen, number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import power, row
 
 Cases: TypeAlias = list[tuple[Expr, Expr | None]]
 """Smooth pieces of an expression in order, and the place where each ends; None is beyond every place."""
 
-_MOST_UNORDERED = 6  # arguments of a Max whose order is unknown: SymPy compares all pairs of them, at length
+_MOST_UNORDERED = 6  # parameters in Max and Min whose order is unknown: SymPy compares all pairs, at length
 _MOST_PIECES = 64
-_UNKNOWN_ORDER = "Min and Max of parameters of unknown order stand in each other; say which is larger"
 
 
 # -- the pieces of an expression -------------------------------------------------------------------
@@ -63,19 +62,14 @@ def _smooth(cases: Cases) -> Cases:
     smooth: Cases = []
     for piece, end in cases:
         for branch, inner in _cases(piece):
-            place, before = _nearer(end, inner), smooth[-1][1] if smooth else sp.S.Zero
+            ends = [one for one in (end, inner) if one is not None]
+            place, before = reduce(smaller, ends) if ends else None, smooth[-1][1] if smooth else sp.S.Zero
             is_empty = before is None or (place is not None and (place - before).is_nonpositive)
             if not is_empty:
                 smooth.append((branch, place))
     if len(smooth) > _MOST_PIECES:
         raise InputError(f"the kinks of the law part it into more than {_MOST_PIECES} pieces")
     return smooth
-
-
-def _nearer(first: Expr | None, second: Expr | None) -> Expr | None:
-    if first is None or second is None:
-        return second if first is None else first
-    return smaller(first, second)
 
 
 def piecewise(cases: Cases) -> Expr:
@@ -114,6 +108,21 @@ def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]]:
 def places(expr: Expr) -> list[Expr]:
     """Return the places of all kinks and jumps in an expression, as they stand there."""
     return list(dict.fromkeys(end for node in kinked(expr) for _, end in _ends(node) if end is not None))
+
+
+def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[Expr]:
+    """Return the slip speeds v > 0 at which an expression or its slope may jump, exact and ascending.
+
+    Raises
+    ------
+    InputError
+        For a place that is not real at the values of the parameters.
+    """
+    speeds = {number_at(place, point) for place in places(expr)}
+    for speed in speeds:
+        if not speed.is_real:
+            raise InputError(f"{what} has a kink at v = {str(speed)[:40]}, which is not real")
+    return sorted(speed for speed in speeds if speed > 0)
 
 
 def jumps(expr: Expr) -> list[tuple[Expr, Expr]]:
@@ -178,13 +187,11 @@ def in_pieces(branches: Sequence[tuple[Expr, Bound]], last: Expr) -> Expr:
             "a piece holds at v = 0 alone; a law is that of slip, so leave this piece out, and give its "
             "coefficient as the static one, static=..."
         )
-    cases: Cases = [(last, None)]
+    law = last
     for branch, bound in reversed(branches):
-        if bound.side == "<":
-            cases = [(branch, bound.place), *cases]
-        else:  # what comes later holds below the place only
-            cases = [*((one, _nearer(end, bound.place)) for one, end in cases), (branch, None)]
-    return piecewise(cases)
+        below, above = (branch, law) if bound.side == "<" else (law, branch)
+        law = piecewise([(below, bound.place), (above, None)])
+    return law
 
 
 # -- functions that make kinks ---------------------------------------------------------------------
@@ -197,11 +204,6 @@ def sign(expr: Expr) -> Expr:
             raise InputError("sign(...) of parameters alone; write what it is, 1 or -1")
         return value
     return _select(sp.Integer(1), sp.Integer(-1), expr, sp.Max)
-
-
-def absolute(expr: Expr) -> Expr:
-    """Return abs(expr), in pieces where it changes sign with v."""
-    return larger(expr, -expr)
 
 
 def smaller(first: Expr, second: Expr) -> Expr:
@@ -228,10 +230,9 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
     # Expanding could take very long; a difference that is linear has a slope without v as it stands.
     slope, offset = sp.diff(difference, symbols.v), difference.subs(symbols.v, 0)
     if slope == 0:
-        if any(part.has(sp.Max, sp.Min) and not isinstance(part, constant) for part in (above, below)):
-            raise InputError(_UNKNOWN_ORDER)
         result = constant(above, below)
-        if len(result.args) > _MOST_UNORDERED and isinstance(result, constant):
+        unordered = [node for node in sp.preorder_traversal(result) if isinstance(node, sp.Max | sp.Min)]
+        if sum(len(node.args) - 1 for node in unordered) >= _MOST_UNORDERED:
             raise InputError(f"Abs, Min and Max of more than {_MOST_UNORDERED} parameters of unknown order")
         return result
     if not slope.has(symbols.v):

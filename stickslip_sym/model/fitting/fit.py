@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import chdtr, chdtrc, fdtrc
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
@@ -288,8 +289,6 @@ def _noise(correlation: float, count: int) -> Iterator[str]:
 
 def _scatter(chi_squared: float, measured: Measurements, k: int, inflation: float) -> Iterator[str]:
     """Yield whether residuals are too large or too small for sigma, or for the scatter of repeated speeds."""
-    from scipy.special import chdtr, chdtrc, fdtrc
-
     dof, known = len(measured) - k, measured.sigma is not None
     size = f"{np.sqrt(chi_squared / dof):.2g}{' times sigma' if known else ''}"
     if known and chdtrc(dof, chi_squared / inflation) <= _UNLIKELY:

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
+from scipy.optimize import least_squares, lsq_linear
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
@@ -75,8 +76,6 @@ class Problem:
 
     def minimum(self, start: FloatArray, fixed: int | None = None) -> Minimum | None:
         """Return the minimum that a start leads to, over all values but one; None if it does not converge."""
-        from scipy.optimize import least_squares
-
         varied = np.arange(len(start)) != fixed
         lowest = np.where(self._logarithmic, -_LARGEST_LOGARITHM, np.where(self.positive, 0.0, -np.inf))
         highest = np.where(self._logarithmic, _LARGEST_LOGARITHM, np.inf)
@@ -140,8 +139,6 @@ class Problem:
 
     def _with_linear(self, p: FloatArray) -> FloatArray:
         """Return the values with the best of those in which mu is linear, not below 0 where they are positive."""
-        from scipy.optimize import lsq_linear
-
         target, matrix = self.residuals(p), self.jacobian(p)[:, self.linear]
         if not (np.isfinite(target).all() and np.isfinite(matrix).all()):
             return np.full_like(p, np.nan)

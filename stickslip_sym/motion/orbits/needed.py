@@ -131,6 +131,16 @@ def gap(
 
 
 @compilable
+def sure_gap(rise: Any, eta: float, zeta: float, push: float, A: float, rtol: float, source: Any) -> Any:
+    """Return the gap, and whether the forward half left the table: by coarse steps where they show its sign."""
+    coarse = _STIFF if abs(eta) > _STRONG else _COARSE
+    value, _, outside, _ = gap(rise, eta, zeta, push, A, coarse, False, 0.0, source)
+    if outside or not _NEAR < abs(value) < math.inf:
+        value, _, outside, _ = gap(rise, eta, zeta, push, A, rtol, False, 0.0, source)
+    return value, outside
+
+
+@compilable
 def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any) -> Any:
     """Search for the damping ratio that an orbit needs.
 

@@ -22,9 +22,10 @@ from flint import acb, arb, arb_series, ctx
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
-from stickslip_sym.core.balls import BallFunction, ball, ball_function, series_function, working_precision
+from stickslip_sym.core.balls import BallFunction, ball, ball_function, series_function
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.precision import working_precision
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.law import FrictionLaw
 

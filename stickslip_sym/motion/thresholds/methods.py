@@ -20,7 +20,8 @@ from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.expansion import averages, expansion_changes, of_layer
+from stickslip_sym.motion.compiled import is_compiling
+from stickslip_sym.motion.orbits.expansion import averages, expand, expansion_changes, of_layer
 from stickslip_sym.motion.orbits.orbit import derivatives, obstacle, orbits
 from stickslip_sym.motion.thresholds.averages import average, average_changes
 from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
@@ -34,7 +35,8 @@ _REFERENCE = 1e-8  # relative error of the threshold from which the error of an 
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
-_FEW, _BENT, _DIGITS = 192, 0.3, 1e-7  # phases, distortion and rtol up to which collocation is faster than steps
+_BENT = 0.3  # distortion of an orbit up to which collocation is faster than steps
+_COARSE, _RESOLVED = 32, 1e-5  # phases, and the tail that the law may have on them; nor may it pass rtol
 _GUESS = 1e-9  # tolerance of the simulation that says where a proof has to look
 
 
@@ -342,9 +344,12 @@ def _expansion_changes(points: OperatingPoints, value: FloatArray) -> dict[str, 
 
 
 def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
-    """Return less than a simulation costs, for many digits of weak friction and a law that few phases resolve."""
-    few = (points.weak.phases <= _FEW) & (points.weak.distortion(points.strength) <= _BENT)
-    return np.where(few & (rtol <= _DIGITS), 2.0, 10.0)
+    """Return less than a simulation that is not compiled, for weak friction and a law that few phases resolve."""
+    if len(points) >= _MANY and is_compiling():
+        return np.full(len(points), 10.0)
+    with np.errstate(all="ignore"):
+        resolved = expand(points.law, points.V, grid=_COARSE).tail <= min(rtol, _RESOLVED)
+    return np.where(resolved & (points.weak.distortion(points.strength) <= _BENT), 2.0, 10.0)
 
 
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:

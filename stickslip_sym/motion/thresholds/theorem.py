@@ -24,9 +24,10 @@ from flint import acb
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
-from stickslip_sym.core.balls import ball, ball_function, ball_value, working_precision
+from stickslip_sym.core.balls import ball, ball_function, ball_value
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
 from stickslip_sym.core.functions import must_be_positive
+from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
 from stickslip_sym.model.expression.pieces import branch_from, jumps
 from stickslip_sym.model.law import FrictionLaw

@@ -8,6 +8,7 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+from uncertainties import covariance_matrix
 
 from stickslip_sym.core.aliases import FloatArray, Numbers, ObjectArray
 from stickslip_sym.core.errors import NO_RESULT, InputWarning
@@ -58,15 +59,13 @@ def standard_errors(points: OperatingPoints) -> Errors | None:
     carriers: dict[str, UFloat | ObjectArray] = {**points.uncertain, **points.law.uncertain}
     if not carriers:
         return None
-    import uncertainties
-
     single = all(isinstance(value, UFloat) for value in carriers.values())
     covariance = np.zeros((1 if single else len(points), len(carriers), len(carriers)))
     for row, found in enumerate(covariance):
         values = [value if isinstance(value, UFloat) else value[row] for value in carriers.values()]
         carrying = [i for i, value in enumerate(values) if isinstance(value, UFloat)]
         if carrying:
-            found[np.ix_(carrying, carrying)] = uncertainties.covariance_matrix([values[i] for i in carrying])
+            found[np.ix_(carrying, carrying)] = covariance_matrix([values[i] for i in carrying])
     return Errors(tuple(carriers), covariance)
 
 

@@ -20,8 +20,8 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from derivations import paper
-from stickslip_sym.formula.evaluation.evaluator import Evaluator
 from stickslip_sym.formula.evaluation.making import branches_of
+from stickslip_sym.formula.slope_average import SlopeAverage
 
 PAPER = ("exponential", "polynomial")
 BOTH = ("least_squares", "harmonic")
@@ -232,5 +232,5 @@ def test_the_terms_alone_fail_that_test(monkeypatch):
     """The negative control: every sum is believed."""
     average, columns = cancelling(HIDING[0])
     right = by_definition(average, columns)
-    monkeypatch.setattr(Evaluator, "_unit", lambda self, values: np.full(1, np.inf))
+    monkeypatch.setattr(SlopeAverage, "_unit", lambda self, values: np.full(1, np.inf))
     assert accuracy.units(average, columns, average(**columns), right).max() > 1e3

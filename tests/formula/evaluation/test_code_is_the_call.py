@@ -9,7 +9,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.formula.evaluation.branches import Table
-from stickslip_sym.formula.evaluation.evaluator import TermFunction
+from stickslip_sym.formula.evaluation.term_function import TermFunction
 
 LAWS = {
     "1/(1 + exp((v - v_0)/w))": {"v_0": 0.1, "w": 0.02},
@@ -53,7 +53,7 @@ def sizes(average, V):
     """The sum of the sizes of the terms, in the unit that errors are counted in."""
     with np.errstate(all="ignore"):
         values = [V, 2.0, *(float(average.law.values[name]) for name in list(average.arguments)[2:])]
-        return sum(np.abs(np.broadcast_to(term(values), V.shape)) for term in average.evaluator.terms)
+        return sum(np.abs(np.broadcast_to(term(values), V.shape)) for term in average.functions)
 
 
 @sweep("seed", range(45), 0, 15, 33, 5, 24, 29)
@@ -92,7 +92,7 @@ def test_what_is_written_is_checked(name, criterion):
 
 def test_a_wrong_coefficient_in_a_text_refutes_it(monkeypatch):
     average = ss.slope_average(ss.laws.tanh.typical())
-    right = average.evaluator.terms[-1].branches()
+    right = average.functions[-1].branches()
     rows = [getattr(branch, "rows", None) for branch in right.branches]
     wrong = tuple(
         b if row is None else Table(row * (1 + 1e-13)) for b, row in zip(right.branches, rows, strict=True)

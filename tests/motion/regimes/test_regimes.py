@@ -221,25 +221,25 @@ def test_roots_of_random_curves_are_found():
     curves = [Chebyshev(rng.normal(size=5) / (1 + np.arange(5)) ** 2, domain=[0, 1]) for _ in range(60)]
     levels = rng.uniform(-1, 1, (60, 7))
 
-    def value(rows, amplitudes):
-        return np.array([curves[row](amplitude) for row, amplitude in zip(rows, amplitudes, strict=True)])
+    rows = [(curve, level) for curve, some in zip(curves, levels, strict=True) for level in some]
 
-    found = orbit_signs(value, levels, np.array([curve(0.0) for curve in curves])[:, None] > levels)
-    left = {(row, level) for row, level, _, _ in found.open}
+    def value(numbers, amplitudes):
+        return np.array([rows[i][0](A) - rows[i][1] for i, A in zip(numbers, amplitudes, strict=True)])
+
+    found = orbit_signs(value, np.array([curve(0.0) > level for curve, level in rows]))
+    left = {row for row, _, _ in found.open}
     decided = stable = 0
-    for row, curve in enumerate(curves):
-        d = curve(A)
-        for i, level in enumerate(levels[row]):
-            above = d > level
-            if (row, i) in left:
-                turns = curve.deriv().roots()
-                turns = turns[(abs(turns.imag) < 1e-9) & (turns.real > 0) & (turns.real < 1)].real
-                assert np.abs(curve(turns) - level).min() < 1e-2
-                continue
-            decided += 1
-            assert found.cycle[row, i] == (above[1:] != above[:-1]).any()
-            assert found.stable[row, i] == (above[:-1] & ~above[1:]).any()
-            assert found.grows[row, i] == above[-1]
-            stable += found.stable[row, i]
+    for i, (curve, level) in enumerate(rows):
+        above = curve(A) > level
+        if i in left:
+            turns = curve.deriv().roots()
+            turns = turns[(abs(turns.imag) < 1e-9) & (turns.real > 0) & (turns.real < 1)].real
+            assert np.abs(curve(turns) - level).min() < 1e-2
+            continue
+        decided += 1
+        assert found.cycle[i] == (above[1:] != above[:-1]).any()
+        assert found.stable[i] == (above[:-1] & ~above[1:]).any()
+        assert found.grows[i] == above[-1]
+        stable += found.stable[i]
     assert decided > 400
     assert 50 < stable < 350

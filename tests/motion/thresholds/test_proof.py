@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from sweeps import sweep
 
 import stickslip_sym as ss
-from stickslip_sym.core.balls import working_precision
+from stickslip_sym.core.precision import working_precision
 from stickslip_sym.motion.thresholds import boxes, theorem
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, flow, transit
 from stickslip_sym.motion.thresholds.theorem import checked_hypotheses, prove_threshold

@@ -118,11 +118,11 @@ def test_arrays_each_with_its_own_error():
 def test_auto_goes_no_further_than_the_parameters_deserve():
     certain, uncertain = ss.laws.exponential.typical(), ss.laws.exponential.typical(mu_s="0.50(2)")
     exact = ss.pure_slip_damping(certain, **POINT, method="orbit").value
-    for text, method in (("0.5(3)", "second_order"), ("0.50(2)", "second_order"), ("0.5000(1)", "simulation")):
+    for text, method in (("0.5(3)", "second_order"), ("0.50(2)", "second_order"), ("0.5000(1)", "orbit")):
         found = ss.pure_slip_damping(certain.bind(mu_s=text), **POINT)
         assert found.method == method
         assert abs(found.value - exact) < max(0.11 * found.budget.uncertainty, 1e-3 * exact)
-        assert (found.deserved is None) == (method == "simulation")
+        assert (found.deserved is None) == (method == "orbit")
     asked = ss.pure_slip_damping(uncertain, **POINT, rtol=1e-9)
     assert (asked.method, asked.deserved) == ("orbit", None)
     assert ss.pure_slip_damping(certain, **POINT).deserved is None

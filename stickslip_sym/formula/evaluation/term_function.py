@@ -1,35 +1,28 @@
-"""A criterion of a law over floats and arrays: c = N sum_i amplitude_i/scale_i F_i(V/scale_i).
+"""A term of a law under a criterion, over floats and arrays: N amplitude/scale F(V/scale), F by its branches.
 
-Each F_i comes from the branches of its profile, and the powers of the arguments stand before it. Where terms
-cancel, or a profile has no branches, a value comes from balls, one at a time.
+The powers of the arguments stand before the branches, so that nothing over- or underflows on the way.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import sympy as sp
 
-from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Numbers
-from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.lambdify import function_of, power_of
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import average_of
-from stickslip_sym.formula.evaluation.branches import Branches, alike, power_of
+from stickslip_sym.formula.evaluation.branches import Branches, alike
 from stickslip_sym.formula.evaluation.making import branches_of
-from stickslip_sym.formula.evaluation.values import MeanSlope, reach_of
+from stickslip_sym.formula.evaluation.values import reach_of
 from stickslip_sym.model.terms import Term
 
 _BITS = 900.0  # binary exponents that no product may pass, lest something overflows on the way
-_CANCELLED = 4.0  # the sum of the terms' sizes over the size of their sum, from where the slope is looked at
-_ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, from where balls are asked
+_CANCELLED = 4.0  # the sum of the sizes in a factor over the size of their sum, from where balls are asked
 _WORTH_BRANCHES = 8  # values with the same shapes, from where their branches are made
 _LARGEST = 4000  # binary exponents beyond this are clipped: the value is 0 or infinite
-
-Exact = Callable[[Mapping[Expr, Expr]], Any]
-"""From the exact values of all arguments to the criterion, as a number."""
 
 
 def _factors(expr: Expr) -> tuple[float, dict[Expr, float]]:
@@ -125,7 +118,7 @@ class TermFunction:
         shapes = [shape(*values) for shape in self._shapes]
         if all(np.ndim(shape) == 0 for shape in shapes):
             return self._with_shapes(values, tuple(float(shape) for shape in shapes))
-        count = _count(values)
+        count = count_of(values)
         kinds, which = np.unique([np.broadcast_to(shape, count) for shape in shapes], axis=1, return_inverse=True)
         result = np.full(count, np.nan)
         for kind, kind_shapes in enumerate(kinds.T.tolist()):
@@ -135,7 +128,7 @@ class TermFunction:
         return result
 
     def _with_shapes(self, values: Sequence[Numbers], shapes: tuple[float, ...]) -> Numbers:
-        count = _count(values)
+        count = count_of(values)
         if shapes not in self._branches:
             self._asked[shapes] = asked = self._asked.get(shapes, 0) + max(count, 1)
             if shapes and asked < _WORTH_BRANCHES:
@@ -188,7 +181,7 @@ class TermFunction:
         return result
 
 
-def _count(values: Sequence[Numbers]) -> int:
+def count_of(values: Sequence[Numbers]) -> int:
     """Return the length of the arrays among some values; 0 where all are floats."""
     for value in values:
         if not isinstance(value, float):
@@ -227,88 +220,3 @@ def _scaled_product(start: FloatArray, factors: Sequence[tuple[FloatArray, float
         binary = binary + floor + carry
     with np.errstate(over="ignore", under="ignore"):
         return np.asarray(np.ldexp(mantissa, np.clip(binary, -_LARGEST, _LARGEST).astype(np.int32)))
-
-
-class Evaluator:
-    """A criterion of a law over floats and flat arrays.
-
-    The arguments are V, N and the parameters, in the order in which values come; `exact` is the last resort.
-    """
-
-    def __init__(
-        self, terms: Sequence[Term], criterion: Criterion, arguments: Sequence[Expr], exact: Exact
-    ) -> None:
-        self.arguments, self.criterion, self.exact = list(arguments), criterion, exact
-        self.terms = [TermFunction(term, criterion, arguments) for term in terms if term.profile.has(symbols.v)]
-        self._mean_slope: MeanSlope | None = None
-
-    def __call__(self, values: Sequence[Numbers]) -> Numbers:
-        """Evaluate at floats, or at floats and flat arrays of one length.
-
-        Raises
-        ------
-        InputError
-            For a value beyond the range of float64, or a speed for which the law is needed where it ends.
-        """
-        with np.errstate(all="ignore"):
-            total = self._sum(values)
-        if isinstance(total, float):
-            return total + 0.0 if math.isfinite(total) else self._by_balls([float(value) for value in values])
-        if not np.isfinite(total.sum()):  # one pass; what overflows there is looked at
-            for i in np.flatnonzero(~np.isfinite(total)):
-                total[i] = self._by_balls([v if isinstance(v, float) else float(v[i]) for v in values])
-        total += 0.0  # -0.0 becomes 0.0
-        return total
-
-    def _sum(self, values: Sequence[Numbers]) -> Numbers:
-        """Add up the terms; NaN where they cancel, or one has no branches."""
-        parts, count = [self._part(term, values) for term in self.terms], _count(values)
-        if not count:
-            floats = [float(part) for part in parts]
-            total, sizes = sum(floats, 0.0), sum(map(abs, floats), 0.0)
-            kept = len(parts) < 2 or sizes <= _CANCELLED * abs(total) or sizes <= self._unit(values)[0]
-            return total if kept else math.nan
-        result = np.array(np.broadcast_to(parts[0] if parts else 0.0, count))
-        if len(parts) < 2:
-            return result
-        spread = np.abs(result)
-        for part in parts[1:]:
-            result += part
-            spread += np.abs(part)
-        here = np.flatnonzero(spread > _CANCELLED * np.abs(result))
-        if here.size:
-            some = [value if isinstance(value, float) else value[here] for value in values]
-            result[here[~(spread[here] <= self._unit(some))]] = np.nan
-        return result
-
-    @staticmethod
-    def _part(term: TermFunction, values: Sequence[Numbers]) -> Numbers:
-        try:
-            return term(values)
-        except ArithmeticError:  # of floats; arrays give infinity or NaN
-            return math.nan
-
-    def _unit(self, values: Sequence[Numbers]) -> FloatArray:
-        """Return the size of terms that N <|mu'|> allows: where the slope itself cancels, they are larger."""
-        if self._mean_slope is None:
-            mu = sp.Add(*[function.term.expr for function in self.terms])
-            self._mean_slope = MeanSlope(mu, self.criterion, self.arguments[2:])
-        speed, force, *rest = (np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in values)
-        return np.asarray(_ALLOWED * force * self._mean_slope(speed, *rest))
-
-    def _by_balls(self, values: Sequence[float]) -> float:
-        point = {symbol: sp.Rational(x) for symbol, x in zip(self.arguments, values, strict=True)}
-        for term in self.terms:
-            term.require_reach(values)
-        try:
-            value = float(self.exact(point)) + 0.0
-        except NotConverged:  # as where mu is infinite at v = 0; branches know its power there
-            for term in self.terms:
-                term.ask_for_branches(values)
-            with np.errstate(all="ignore"):
-                value = float(self._sum(values)) + 0.0
-            if math.isnan(value):
-                raise
-        if not math.isfinite(value):
-            raise InputError("the damping coefficient is beyond the range of float64; use evaluate(digits=...)")
-        return value

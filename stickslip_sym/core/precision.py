@@ -1,0 +1,61 @@
+"""Arb's working precision, set for a block or raised until a ball is small; and numbers between Arb and mpmath."""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TypeVar
+
+import mpmath
+from flint import acb, arb, ctx
+
+from stickslip_sym.core.aliases import Mpf
+
+Ball = TypeVar("Ball", arb, acb)
+
+_GUARD = 40  # bits of working precision beyond those that are asked for
+_MORE = 16  # bits beyond those that were missing
+_lock = threading.RLock()  # Arb's precision is one setting of the whole process
+
+
+@contextmanager
+def working_precision(bits: int, terms: int | None = None) -> Iterator[None]:
+    """Compute with so many bits, and terms of a power series, inside the block; other threads wait."""
+    with _lock:
+        before = ctx.prec, ctx.cap
+        ctx.prec, ctx.cap = bits, ctx.cap if terms is None else terms
+        try:
+            yield
+        finally:
+            ctx.prec, ctx.cap = before
+
+
+def refined(compute: Callable[[], Ball], goal: int, most: float) -> Ball:
+    """Compute a ball at rising precision, until so many bits of it are certain, or at `most` bits of precision."""
+    bits = goal + _GUARD
+    while True:
+        with working_precision(bits):
+            value = compute()
+        reached = value.rel_accuracy_bits() if value.is_finite() else 0
+        if reached >= goal or bits >= most:
+            return value
+        bits = int(min(most, bits + max(min(goal - reached, bits) + _MORE, bits // 4)))
+
+
+def in_mpmath(value: arb | acb) -> Mpf:
+    """Return the middle of a ball as mpmath's number, exactly."""
+    if isinstance(value, acb):
+        real, imaginary = in_mpmath(value.real), in_mpmath(value.imag)
+        return mpmath.mpc(real, imaginary) if imaginary else real
+    mantissa, exponent = value.mid().man_exp()
+    return mpmath.ldexp(int(mantissa), int(exponent))
+
+
+def from_mpmath(value: Mpf, error: Mpf = 0) -> acb:
+    """Return a ball around a number of mpmath, real or complex."""
+
+    def exactly(part: Mpf) -> arb:
+        sign, mantissa, exponent, _ = mpmath.mpmathify(part)._mpf_
+        return arb(((-1) ** sign * int(mantissa), int(exponent)))
+
+    real, imaginary = mpmath.re(value), mpmath.im(value)
+    return acb(arb(exactly(real), exactly(error)), arb(exactly(imaginary), exactly(error)) if imaginary else 0)

@@ -1,0 +1,219 @@
+"""Functions that SymPy lacks, or differentiates or evaluates badly. Each says how its ball is found.
+
+`Removable` ones are 0/0 at x = 0, where their power series serves: a new one is its form and its series.
+"""
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, ClassVar
+
+import mpmath
+import numpy as np
+import sympy as sp
+from flint import acb, acb_poly, arb, arb_series, ctx, fmpq, fmpq_series
+from sympy.printing.precedence import PRECEDENCE
+from sympy.printing.printer import Printer
+
+from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
+from stickslip_sym.core.precision import from_mpmath, in_mpmath, refined, working_precision
+
+_MOST = 20_000  # bits of working precision for a value in mpmath
+_NEAR = 1.5  # largest argument of the power series of a removable singularity
+_CIRCLE, _BOUND = (
+    3,
+    8,
+)  # a removable function is below _BOUND on the circle of this radius: so its coefficients are
+_DOUBLE = 53  # bits of a double
+
+
+class Special(sp.Function):  # type: ignore[misc]  # SymPy is untyped
+    """A function whose numbers come from balls."""
+
+    ball: ClassVar[Callable[..., acb]]
+
+    @classmethod
+    def mpf(cls, *arguments: Mpf) -> Mpf:
+        """Return the value in mpmath's working precision."""
+        balls = [from_mpmath(argument) for argument in arguments]
+        return +in_mpmath(refined(lambda: cls.ball(*balls).real, mpmath.mp.prec, _MOST))
+
+    def _eval_evalf(self, prec: int) -> Expr:
+        with mpmath.workprec(prec + 10):
+            return sp.Float._new(self.mpf(*(part._to_mpmath(prec + 10) for part in self.args))._mpf_, prec)
+
+
+class Lerch(Special):
+    """Lerch's transcendent sum_n z^n / (n + a)^s for -1 <= z <= 0, a > 0 and s = 0, 1, 2, ...
+
+    SymPy has it as `lerchphi`; mpmath's function behind that takes up to seconds a value, and gives
+    complex numbers for real arguments.
+    """
+
+    nargs = 3
+
+    @staticmethod
+    def ball(z: acb, s: acb, a: acb) -> acb:
+        """Return a ball around the value."""
+        return z.lerch_phi(s, a)
+
+    @classmethod
+    def eval(cls, z: Expr, s: Expr, a: Expr) -> Expr:
+        """Reduce order 0 to an elementary function."""
+        return 1 / (1 - z) if s == 0 else None
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """Differentiate with respect to z."""
+        if argindex != 1:
+            raise sp.core.function.ArgumentIndexError(self, argindex)
+        z, s, a = self.args
+        return (Lerch(z, s - 1, a) - a * Lerch(z, s, a)) / z
+
+
+class polylog(sp.polylog):  # type: ignore[misc]  # noqa: N801  # SymPy is untyped; the name is what is printed
+    """Li_s(z) as SymPy's, which spends a tenth of a second on the question whether z = 1 whenever it is made."""
+
+    @classmethod
+    def eval(cls, s: Expr, z: Expr) -> Expr | None:
+        """Evaluate where it is known."""
+        return super().eval(s, z) if z in (-1, 0, 1) or (s, z) == (2, sp.I) else None
+
+    def fdiff(self, argindex: int = 2) -> Expr:
+        """Differentiate with respect to z."""
+        if argindex != 2:
+            return super().fdiff(argindex)
+        s, z = self.args
+        return 1 / (1 - z) if s == 1 else polylog(s - 1, z) / z
+
+
+class NumberPower(Special):
+    """A positive rational number to a rational power, which is not computed.
+
+    SymPy would expand a power such as 0.0788816^1.4144337 into factors with exponents near 1e15.
+    """
+
+    nargs = 2
+    is_positive = True
+    precedence = PRECEDENCE["Pow"]  # a power of it needs brackets
+
+    @staticmethod
+    def ball(base: acb, exponent: acb) -> acb:
+        """Return a ball around the value."""
+        return base.pow(exponent)
+
+    def _printed(self, printer: Printer) -> str:
+        """Print it as the power of two symbols would be, the numbers in their place."""
+        base, exponent = (f"({printer._print(argument)})" for argument in self.args)
+        return str(printer._print(sp.Symbol("B") ** sp.Symbol("E"))).replace("B", base).replace("E", exponent)
+
+    _sympystr = _latex = _numpycode = _pythoncode = _mpmathcode = _printed
+
+
+# -- functions that are 0/0 at x = 0 -----------------------------------------------------------------
+
+
+class Removable(Special):
+    """The n-th derivative, as a function of x and n, of a function with a removable singularity at 0."""
+
+    nargs = 2
+    is_real = True
+    form: ClassVar[Callable[..., Expr]]
+    """From x to the function: a sum of products of 1/x, and of functions that NumPy and Arb have by name."""
+    power_series: ClassVar[Callable[..., fmpq_series]]
+    """From the power series of x to that of the function, in exact rationals."""
+
+    @classmethod
+    def eval(cls, x: Expr, n: Expr) -> Expr:
+        """Evaluate at 0."""
+        return sp.Rational(str(cls._taylor(int(n), 1)[0])) if x == 0 else None
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """Differentiate with respect to x."""
+        x, n = self.args
+        return type(self)(x, n + 1)
+
+    def elementary(self) -> Expr:
+        """Return it as it is written."""
+        x, n = self.args
+        u = sp.Dummy()
+        return sp.diff(self.form(u), u, n).subs(u, x)
+
+    @classmethod
+    @lru_cache(maxsize=64)
+    def _taylor(cls, n: int, count: int) -> list[fmpq]:
+        """Return the first coefficients of the n-th derivative."""
+        with working_precision(_DOUBLE, n + count + 3):
+            series = cls.power_series(fmpq_series([0, 1]))
+            return [series[k + n] * int(sp.ff(k + n, n)) for k in range(count)]
+
+    @classmethod
+    @lru_cache(maxsize=64)
+    def _terms(cls, n: int) -> tuple[list[str], list[tuple[list[int], int]]]:
+        """Return the n-th derivative as a polynomial in 1/x and in functions: their names, and its terms.
+
+        Of the hyperbolic functions only those that stay finite far out are left.
+        """
+        u = sp.Dummy()
+        expr = sp.diff(cls.form(u), u, n).subs({sp.cosh(u): sp.coth(u) / sp.csch(u), sp.sinh(u): 1 / sp.csch(u)})
+        functions = sorted(expr.atoms(sp.Function), key=str)
+        terms = sp.Poly(sp.expand(expr), 1 / u, *functions).terms()
+        return [type(f).__name__ for f in functions], [(list(map(int, powers)), int(c)) for powers, c in terms]
+
+    @classmethod
+    def _by_terms(cls, x: Any, n: int, function: Callable[[str], Any]) -> Any:
+        """Return the value in any arithmetic by the terms, which cancel near 0."""
+        names, terms = cls._terms(n)
+        values, total = [1 / x, *(function(name) for name in names)], 0
+        for powers, coefficient in terms:
+            total = total + sp.prod(
+                [value**power for value, power in zip(values, powers, strict=True)], coefficient
+            )
+        return total
+
+    @classmethod
+    @lru_cache(maxsize=64)
+    def _near(cls, n: int, bits: int) -> tuple[acb_poly, arb]:
+        """Return the power series as a polynomial, and a bound on what it leaves out over the last power of |x|.
+
+        By Cauchy's estimate, summed as a geometric series: from 2 n terms on the next is below 3/4 of the last.
+        """
+        count = bits + 2 * n + 8
+        left_out = 4 * _BOUND * int(sp.ff(count + n, n)) / arb(_CIRCLE) ** (count + n)
+        return acb_poly(list(map(acb, cls._taylor(n, count)))), left_out
+
+    @classmethod
+    def ball(cls, z: acb, order: acb) -> acb:
+        """Return a ball around the value, also on balls around 0."""
+        n, size = round(float(order.real)), arb(z.abs_upper())
+        if not size <= _NEAR:
+            return acb(cls._by_terms(z, n, lambda name: getattr(z, name)()))
+        series, left_out = cls._near(n, ctx.prec)
+        rest = (left_out * size ** (ctx.prec + 2 * n + 8)).abs_upper()
+        return series(z) + acb(arb(0, rest), arb(0, rest))
+
+    @classmethod
+    def series(cls, inner: arb_series, order: arb) -> arb_series:
+        """Return the power series of the value, from that of the argument."""
+        n, factorial, terms = round(float(order)), 1, []
+        start, *others = list(inner) or [arb(0)]
+        for k in range(ctx.cap):
+            terms.append(cls.ball(acb(start), acb(n + k)).real / factorial)
+            factorial *= k + 1
+        return arb_series(terms)(arb_series([arb(0), *others]))
+
+    @classmethod
+    def floats(cls, x: Any, n: int) -> FloatArray:
+        """Return the values of an array."""
+        x = np.asarray(x, dtype=np.float64)
+        with np.errstate(all="ignore"):
+            inverse = {"coth": np.tanh, "csch": np.sinh}
+            parts = cls._by_terms(x, n, lambda f: 1 / inverse[f](x) if f in inverse else getattr(np, f)(x))
+            coefficients = [int(c.p) / int(c.q) for c in cls._taylor(n, _DOUBLE + 2 * n + 8)]
+            series = np.polynomial.polynomial.polyval(x, coefficients)
+            return np.asarray(np.where(np.abs(x) < _NEAR, series, parts))
+
+
+class Langevin(Removable):
+    """The n-th derivative of coth(x) - 1/x = x/3 - x^3/45 + ..., whose poles are i pi, 2 i pi, ..."""
+
+    form = staticmethod(lambda x: sp.coth(x) - 1 / x)
+    power_series = staticmethod(lambda x: (x * x.cosh() - x.sinh()) / (x * x.sinh()))
