@@ -238,13 +238,13 @@ def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, floa
     if found.basins is None:
         return {}
     osc = found.oscillator
-    least = [0.0 if one.kind == "graze" else float(one.curve.w(0.0)) for one in found.separatrices]
+    least = [0.0 if one.kind == "graze" else float(one.w(0.0)) for one in found.separatrices]
     coarse = kept_regime(found.law, osc, _COARSE).curves(least)
     q, w = (np.array(x0) - osc.onset(found.law)) / osc.length, np.clip(1 - np.array(v0[::-1]) / osc.V, 0.0, None)
     whole = float(q[1] - q[0]) * (v0[1] - v0[0]) / osc.V
 
     def areas(separatrices: Sequence[Separatrix]) -> dict[Motion, float]:
-        inside = [0.0, *(float(one.curve.area_within(q, w)) / whole for one in separatrices), 1.0]
+        inside = [0.0, *(float(one.area_within(q, w)) / whole for one in separatrices), 1.0]
         shares = dict.fromkeys(found.basins or (), 0.0)
         for motion, (low, high) in zip(found.basins or (), pairwise(inside), strict=True):
             shares[motion] += high - low
