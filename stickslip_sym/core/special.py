@@ -69,6 +69,22 @@ class Lerch(Special):
         return (Lerch(z, s - 1, a) - a * Lerch(z, s, a)) / z
 
 
+class polylog(sp.polylog):  # type: ignore[misc]  # noqa: N801  # SymPy is untyped; the name is what is printed
+    """Li_s(z) as SymPy's, which spends a tenth of a second on the question whether z = 1 whenever it is made."""
+
+    @classmethod
+    def eval(cls, s: Expr, z: Expr) -> Expr | None:
+        """Evaluate where it is known."""
+        return super().eval(s, z) if z in (-1, 0, 1) or (s, z) == (2, sp.I) else None
+
+    def fdiff(self, argindex: int = 2) -> Expr:
+        """Differentiate with respect to z."""
+        if argindex != 2:
+            return super().fdiff(argindex)
+        s, z = self.args
+        return 1 / (1 - z) if s == 1 else polylog(s - 1, z) / z
+
+
 class NumberPower(Special):
     """A positive rational number to a rational power, which is not computed.
 

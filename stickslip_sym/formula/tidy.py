@@ -85,9 +85,7 @@ def factored(expr: Expr) -> Expr:
         for factor, power in pairs:
             powers[factor] += power
     product = sp.Mul(*[factor**power for factor, power in powers.items()])
-    return (
-        sp.Mul(number, product, evaluate=False) if product.is_Add and number not in (1, -1) else number * product
-    )
+    return sp.Mul(number, product, evaluate=not product.is_Add or abs(number) == 1)
 
 
 def _flint_factors(polynomial: sp.Poly) -> tuple[Expr, list[tuple[Expr, int]]]:
@@ -95,12 +93,11 @@ def _flint_factors(polynomial: sp.Poly) -> tuple[Expr, list[tuple[Expr, int]]]:
     denominator, whole = polynomial.clear_denoms(convert=True)
     context = fmpz_mpoly_ctx.get([f"x{i}" for i in range(len(whole.gens))], Ordering.lex)
     content, factors = context.from_dict({powers: int(c) for powers, c in whole.terms()}).factor()
-    pairs = [
-        (sp.Poly({tuple(map(int, powers)): int(c) for powers, c in f.to_dict().items()}, *whole.gens), int(k))
-        for f, k in factors
-    ]
-    signs = sp.prod([sp.sign(factor.LC()) ** k for factor, k in pairs])
-    return signs * int(content) / denominator, [(sp.sign(f.LC()) * f.as_expr(), k) for f, k in pairs]
+    pairs = []
+    for factor, power in factors:
+        terms = {tuple(map(int, powers)): int(c) for powers, c in factor.to_dict().items()}
+        pairs.append((sp.Poly(terms, *whole.gens).as_expr(), int(power)))
+    return int(content) / denominator, pairs
 
 
 def _should_flip(factor: Expr, model: Expr, small: Expr) -> bool:

@@ -22,7 +22,7 @@ from stickslip_sym.core.numbers import Number, exact, read_array, real, require_
 from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.expression.parameters import Parameter
-from stickslip_sym.model.expression.pieces import places
+from stickslip_sym.model.expression.pieces import kinks_at
 from stickslip_sym.model.expression.reading import as_text, read_formula, read_static
 from stickslip_sym.model.expression.units import check_units
 from stickslip_sym.model.measured.measurements import Measurements, read_measurements
@@ -386,12 +386,7 @@ class FrictionLaw:
 
     def kinks(self) -> list[Expr]:
         """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
-        point = self.point
-        speeds = {number_at(place, point) for place in places(self.expr)}
-        for speed in speeds:
-            if not speed.is_real:
-                raise InputError(f"{self._label()} has a kink at v = {str(speed)[:40]}, which is not real")
-        return sorted(speed for speed in speeds if speed > 0)
+        return kinks_at(self.expr, self.point, self._label())
 
     # -- functions of the slip speed -----------------------------------------------------------------
 
