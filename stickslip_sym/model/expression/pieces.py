@@ -21,9 +21,8 @@ from stickslip_sym.core.functions import power, row
 Cases: TypeAlias = list[tuple[Expr, Expr | None]]
 """Smooth pieces of an expression in order, and the place where each ends; None is beyond every place."""
 
-_MOST_UNORDERED = 6  # arguments of a Max whose order is unknown: SymPy compares all pairs of them, at length
+_MOST_UNORDERED = 6  # parameters in Max and Min whose order is unknown: SymPy compares all pairs, at length
 _MOST_PIECES = 64
-_UNKNOWN_ORDER = "Min and Max of parameters of unknown order stand in each other; say which is larger"
 
 
 # -- the pieces of an expression -------------------------------------------------------------------
@@ -231,10 +230,9 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
     # Expanding could take very long; a difference that is linear has a slope without v as it stands.
     slope, offset = sp.diff(difference, symbols.v), difference.subs(symbols.v, 0)
     if slope == 0:
-        if any(part.has(sp.Max, sp.Min) and not isinstance(part, constant) for part in (above, below)):
-            raise InputError(_UNKNOWN_ORDER)
         result = constant(above, below)
-        if len(result.args) > _MOST_UNORDERED and isinstance(result, constant):
+        unordered = [node for node in sp.preorder_traversal(result) if isinstance(node, sp.Max | sp.Min)]
+        if sum(len(node.args) - 1 for node in unordered) >= _MOST_UNORDERED:
             raise InputError(f"Abs, Min and Max of more than {_MOST_UNORDERED} parameters of unknown order")
         return result
     if not slope.has(symbols.v):
