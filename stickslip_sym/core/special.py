@@ -50,11 +50,7 @@ class Lerch(Special):
     """
 
     nargs = 3
-
-    @staticmethod
-    def ball(z: acb, s: acb, a: acb) -> acb:
-        """Return a ball around the value."""
-        return z.lerch_phi(s, a)
+    ball = staticmethod(acb.lerch_phi)
 
     @classmethod
     def eval(cls, z: Expr, s: Expr, a: Expr) -> Expr:
@@ -94,11 +90,7 @@ class NumberPower(Special):
     nargs = 2
     is_positive = True
     precedence = PRECEDENCE["Pow"]  # a power of it needs brackets
-
-    @staticmethod
-    def ball(base: acb, exponent: acb) -> acb:
-        """Return a ball around the value."""
-        return base.pow(exponent)
+    ball = staticmethod(acb.pow)
 
     def _printed(self, printer: Printer) -> str:
         """Print it as the power of two symbols would be, the numbers in their place."""

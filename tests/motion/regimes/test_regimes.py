@@ -25,13 +25,6 @@ def names(found):
     return [kinds[type(attractor)] for attractor in found.attractors]
 
 
-@pytest.mark.parametrize("wrong", [None, {"m": 1.0}])
-@pytest.mark.parametrize("call", [ss.regime, ss.classify, lambda law, osc: ss.simulate(law, osc, t_end=1.0)])
-def test_unhashable_and_missing_oscillators_are_refused(call, wrong):
-    with pytest.raises(ss.InputError, match=r"osc is an Oscillator.* got"):
-        call("exponential", wrong)
-
-
 @pytest.mark.parametrize(
     ("name", "c", "expected", "separatrices"),
     [
