@@ -1,6 +1,6 @@
 """Functions that SymPy lacks, or differentiates or evaluates badly. Each says how its ball is found.
 
-`Removable` ones are 0/0 at x = 0, where their power series serves: a new one is its form and its series.
+`Removable` ones are 0/0 at x = 0, and near there power series: a new one is its form and its series.
 """
 
 from collections.abc import Callable
@@ -19,10 +19,7 @@ from stickslip_sym.core.precision import from_mpmath, in_mpmath, refined, workin
 
 _MOST = 20_000  # bits of working precision for a value in mpmath
 _NEAR = 1.5  # largest argument of the power series of a removable singularity
-_CIRCLE, _BOUND = (
-    3,
-    8,
-)  # a removable function is below _BOUND on the circle of this radius: so its coefficients are
+_CIRCLE, _BOUND = 3, 8  # a radius up to which a removable function is analytic, and a bound on its size there
 _DOUBLE = 53  # bits of a double
 
 
@@ -50,11 +47,7 @@ class Lerch(Special):
     """
 
     nargs = 3
-
-    @staticmethod
-    def ball(z: acb, s: acb, a: acb) -> acb:
-        """Return a ball around the value."""
-        return z.lerch_phi(s, a)
+    ball = staticmethod(acb.lerch_phi)
 
     @classmethod
     def eval(cls, z: Expr, s: Expr, a: Expr) -> Expr:
@@ -94,11 +87,7 @@ class NumberPower(Special):
     nargs = 2
     is_positive = True
     precedence = PRECEDENCE["Pow"]  # a power of it needs brackets
-
-    @staticmethod
-    def ball(base: acb, exponent: acb) -> acb:
-        """Return a ball around the value."""
-        return base.pow(exponent)
+    ball = staticmethod(acb.pow)
 
     def _printed(self, printer: Printer) -> str:
         """Print it as the power of two symbols would be, the numbers in their place."""
@@ -164,9 +153,8 @@ class Removable(Special):
         names, terms = cls._terms(n)
         values, total = [1 / x, *(function(name) for name in names)], 0
         for powers, coefficient in terms:
-            total = total + sp.prod(
-                [value**power for value, power in zip(values, powers, strict=True)], coefficient
-            )
+            factors = [value**power for value, power in zip(values, powers, strict=True)]
+            total = total + sp.prod(factors, coefficient)
         return total
 
     @classmethod

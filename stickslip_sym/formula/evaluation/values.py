@@ -47,6 +47,7 @@ _EXPANSION = 80  # terms of a weight that is no polynomial, which is expanded up
 _CLOSE = 5  # octaves from r to the innermost panel, at least
 _DEEPEST = -40  # octaves below that of the lowest kink, or below 1, where the innermost panel is looked for
 _LARGEST_ORDER = 16
+_P, _Q = sp.symbols("p q", cls=sp.Dummy)
 _BEFORE_THE_END = 2.0**-9  # of the speed at which a profile ends: nearer to it there are no values
 
 _Exact = tuple[int, int]
@@ -162,10 +163,11 @@ class Values:
         p = below.high / r
         total = below.average(p) * (arb(1) if polynomial else p.sqrt()) / r
         total += self._by_polynomials(near, r) if polynomial else self._by_roots(near, r)
-        weight = _weight(self.criterion)
         for place, height in self._jumps:
             if bool(place > 0) and bool(place < 2 * r):
-                total += height * weight(place / r) / r
+                p = place / r
+                weight = ball_value(self.criterion.from_ends(_P, _Q), {_P: acb(p), _Q: acb(2 - p)})
+                total += height * weight.real / r
         return -total
 
     def _slope(self, x: arb) -> BallFunction:
@@ -288,14 +290,6 @@ def _heights(balls: Sequence[arb]) -> tuple[list[arb], float]:
 
 def _middles(polynomial: arb_poly) -> arb_poly:
     return arb_poly([c.mid() for c in polynomial])
-
-
-def _weight(criterion: Criterion) -> Callable[[arb], arb]:
-    """Return w(s) as a function of p = 1 + s."""
-    if criterion.is_polynomial:
-        return _in_powers(criterion)
-    square = 4 / arb.pi() ** 2
-    return lambda p: (square * p * (2 - p)).sqrt()
 
 
 @lru_cache(maxsize=16)
