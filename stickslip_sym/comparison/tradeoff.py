@@ -42,7 +42,6 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.basins import basin_map
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import classify
-from stickslip_sym.motion.regimes.regime import by_side
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 
@@ -332,7 +331,7 @@ def _basin(
 
     rng = np.random.default_rng(_SEED)
     initial = np.column_stack([rng.uniform(*ends, max(SIMULATED)) for ends in (x0, v0)]).tolist()
-    sides = by_side(basins.regime, *np.transpose(initial)).tolist()
+    sides = basins.regime.by_side(*np.transpose(initial)).tolist()
     truth = [
         rests(*at) if motion is None else motion is Motion.REST for motion, at in zip(sides, initial, strict=True)
     ]

@@ -16,7 +16,7 @@ from sympy.codegen.cfunctions import expm1, log1p
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.numbers import bits
-from stickslip_sym.core.special import Langevin, Lerch, NumberPower, Removable
+from stickslip_sym.core.special import Langevin, Lerch, NumberPower, Removable, polylog
 
 T = TypeVar("T")
 
@@ -45,6 +45,9 @@ class Function:
     """From the arguments of any other: what must be positive for it to be analytic; None where it is not known."""
     hypergeometric: Callable[..., Expr] | None = None
     """From the arguments: the same by hypergeometric series around 0."""
+    ladder: Callable[[Expr, int, int], Expr] | None = None
+    """From x, n and j: the j-th integral of the n-th power, or of the n-th derivative where it has an order; None
+    where it has none."""
     bounded: bool = False
     """Whether its size has a bound over all real arguments."""
     in_laws: bool = False
@@ -150,21 +153,68 @@ def _of_whole_order(order: Expr, z: Expr) -> Sequence[Expr] | None:
     return () if order.is_Integer else None
 
 
+# -- repeated integrals ----------------------------------------------------------------------------
+
+
+def _trigonometric_ladder(function: type[Expr]) -> Callable[[Expr, int, int], Expr]:
+    return lambda x, n, j: function(x - j * sp.pi / 2) if n == 1 else None
+
+
+def _tanh_ladder(x: Expr, n: int, j: int) -> Expr:
+    """Tanh = 1 + 2 Li_0(-exp(-2 x)), Li_s integrates to Li_(s+1); tanh^n = tanh^(n-2) - (tanh^(n-1))'/(n - 1)."""
+    if j == 0 or n == 0:
+        return sp.tanh(x) ** n * x**j / sp.factorial(j)
+    if n > 1:
+        return _tanh_ladder(x, n - 2, j) - _tanh_ladder(x, n - 1, j - 1) / (n - 1)
+    z = -sp.exp(-2 * x)
+    last = -sp.log(1 - z) if j == 1 else polylog(j, z)
+    return x**j / sp.factorial(j) + 2 * sp.Rational(-1, 2) ** j * last
+
+
+def _sech_ladder(x: Expr, n: int, j: int) -> Expr:
+    """Note that sech = 2 Ti_0(exp(-x)), Ti_j(y) = Im Li_j(i y).
+
+    (n - 1) sech^n = (n - 2) sech^(n-2) - (sech^(n-2))''/(n - 2), sech^2 = tanh'.
+    """
+    if j <= 0:
+        return sp.diff(sp.sech(x) ** n, x, -j)
+    if n == 1:
+        y = sp.exp(-x)
+        return 2 * (-1) ** j * (sp.atan(y) if j == 1 else sp.im(polylog(j, sp.I * y)))
+    if n == 2:
+        return _tanh_ladder(x, 1, j - 1)
+    return ((n - 2) * _sech_ladder(x, n - 2, j) - _sech_ladder(x, n - 2, j - 2) / (n - 2)) / (n - 1)
+
+
+def _langevin_ladder(x: Expr, order: int, j: int) -> Expr:
+    """Note that coth = 1 + 2 Li_0(exp(-2 x)), and that 1/x has the integrals x^(j-1)/(j-1)! (log x - H_(j-1))."""
+    if j <= order:
+        return sp.diff(sp.coth(x) - 1 / x, x, order - j)
+    j -= order
+    z = sp.exp(-2 * x)
+    if j == 1:
+        return x + sp.log((1 - z) / x)
+    pole = x ** (j - 1) / sp.factorial(j - 1) * (sp.log(x) - sp.harmonic(j - 1))
+    return x**j / sp.factorial(j) + 2 * sp.Rational(-1, 2) ** j * polylog(j, z) - pole
+
+
 _HALF = sp.Rational(1, 2)
 _ROWS = (
     Function(sp.exp, acb.exp, series=arb_series.exp, gain=lambda x, a, gain: sp.exp(a) * expm1(gain),
-             inverse=sp.log, analytic=True, hypergeometric=lambda z: sp.hyper((), (), z), in_laws=True, latex=None,
-             c="exp", python="np.exp"),
+             inverse=sp.log, analytic=True, hypergeometric=lambda z: sp.hyper((), (), z),
+             ladder=lambda x, n, j: sp.exp(x), in_laws=True, latex=None, c="exp", python="np.exp"),
     Function(sp.log, acb.log, _below_zero, arb_series.log, gain=lambda x, a, gain: log1p(gain / a), inverse=sp.exp,
              domain=lambda z: (z,), in_laws=True, aliases=("ln",), latex=r"\ln", c="log", python="np.log"),
     Function(sp.sin, acb.sin, series=arb_series.sin,
              gain=lambda x, a, gain: 2 * sp.cos((x + a) / 2) * sp.sin(gain / 2), analytic=True, bounded=True,
              hypergeometric=lambda z: z * sp.hyper((), (3 * _HALF,), -(z**2) / 4),
-             in_laws=True, latex=r"\sin", squared=True, c="sin", python="np.sin"),
+             ladder=_trigonometric_ladder(sp.sin), in_laws=True, latex=r"\sin", squared=True, c="sin",
+             python="np.sin"),
     Function(sp.cos, acb.cos, series=arb_series.cos,
              gain=lambda x, a, gain: -2 * sp.sin((x + a) / 2) * sp.sin(gain / 2), analytic=True, bounded=True,
              hypergeometric=lambda z: sp.hyper((), (_HALF,), -(z**2) / 4),
-             in_laws=True, latex=r"\cos", squared=True, c="cos", python="np.cos"),
+             ladder=_trigonometric_ladder(sp.cos), in_laws=True, latex=r"\cos", squared=True, c="cos",
+             python="np.cos"),
     Function(sp.tan, acb.tan, series=arb_series.tan, in_laws=True, latex=r"\tan", squared=True, c="tan",
              python="np.tan"),
     Function(sp.sinh, acb.sinh, series=lambda z: (z.exp() - (-z).exp()) / 2,
@@ -174,15 +224,17 @@ _ROWS = (
              in_laws=True, latex=r"\cosh", squared=True, c="cosh", python="np.cosh"),
     Function(sp.tanh, acb.tanh, series=lambda z: 1 - 2 / ((2 * z).exp() + 1),
              gain=lambda x, a, gain: sp.tanh(gain) * (1 - sp.tanh(x) * sp.tanh(a)), analytic=True, bounded=True,
+             ladder=_tanh_ladder,
              in_laws=True, latex=r"\tanh", squared=True, c="tanh", python="np.tanh"),
     Function(sp.sech, acb.sech, series=lambda z: 2 / (z.exp() + (-z).exp()),
              gain=lambda x, a, gain: -_gain_of_cosh(x, a, gain) * sp.sech(x) * sp.sech(a), analytic=True,
-             bounded=True, in_laws=True, squared=True, c="(1.0/cosh({}))", python="(1.0/np.cosh({}))"),
+             bounded=True, ladder=_sech_ladder, in_laws=True, squared=True, c="(1.0/cosh({}))",
+             python="(1.0/np.cosh({}))"),
     Function(sp.coth, acb.coth, series=lambda z: 1 + 2 / ((2 * z).exp() - 1),
              gain=lambda x, a, gain: -sp.sinh(gain) / (sp.sinh(x) * sp.sinh(a)), in_laws=True, latex=r"\coth",
              squared=True, c="(1.0/tanh({}))", python="(1.0/np.tanh({}))"),
     Function(Langevin, Langevin.ball, series=Langevin.series, analytic=True, bounded=True, floats=Langevin.floats,
-             latex=None),
+             ladder=_langevin_ladder, latex=None),
     Function(sp.csch, acb.csch, c="(1.0/sinh({}))", python="(1.0/np.sinh({}))"),
     # Arb's own asinh is not finite on wide balls.
     Function(sp.asinh, lambda z: (z + (z * z + 1).sqrt()).log(), _outside_imaginary_unit,

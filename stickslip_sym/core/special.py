@@ -1,6 +1,6 @@
 """Functions that SymPy lacks, or differentiates or evaluates badly. Each says how its ball is found.
 
-`Removable` ones are 0/0 at x = 0, where their power series serves: a new one is its form and its series.
+`Removable` ones are 0/0 at x = 0, and near there power series: a new one is its form and its series.
 """
 
 from collections.abc import Callable
@@ -19,10 +19,7 @@ from stickslip_sym.core.precision import from_mpmath, in_mpmath, refined, workin
 
 _MOST = 20_000  # bits of working precision for a value in mpmath
 _NEAR = 1.5  # largest argument of the power series of a removable singularity
-_CIRCLE, _BOUND = (
-    3,
-    8,
-)  # a removable function is below _BOUND on the circle of this radius: so its coefficients are
+_CIRCLE, _BOUND = 3, 8  # a radius up to which a removable function is analytic, and a bound on its size there
 _DOUBLE = 53  # bits of a double
 
 
@@ -50,11 +47,7 @@ class Lerch(Special):
     """
 
     nargs = 3
-
-    @staticmethod
-    def ball(z: acb, s: acb, a: acb) -> acb:
-        """Return a ball around the value."""
-        return z.lerch_phi(s, a)
+    ball = staticmethod(acb.lerch_phi)
 
     @classmethod
     def eval(cls, z: Expr, s: Expr, a: Expr) -> Expr:
@@ -69,6 +62,22 @@ class Lerch(Special):
         return (Lerch(z, s - 1, a) - a * Lerch(z, s, a)) / z
 
 
+class polylog(sp.polylog):  # type: ignore[misc]  # noqa: N801  # SymPy is untyped; the name is what is printed
+    """Li_s(z) as SymPy's, which spends a tenth of a second on the question whether z = 1 whenever it is made."""
+
+    @classmethod
+    def eval(cls, s: Expr, z: Expr) -> Expr | None:
+        """Evaluate where it is known."""
+        return super().eval(s, z) if z in (-1, 0, 1) or (s, z) == (2, sp.I) else None
+
+    def fdiff(self, argindex: int = 2) -> Expr:
+        """Differentiate with respect to z."""
+        if argindex != 2:
+            return super().fdiff(argindex)
+        s, z = self.args
+        return 1 / (1 - z) if s == 1 else polylog(s - 1, z) / z
+
+
 class NumberPower(Special):
     """A positive rational number to a rational power, which is not computed.
 
@@ -78,11 +87,7 @@ class NumberPower(Special):
     nargs = 2
     is_positive = True
     precedence = PRECEDENCE["Pow"]  # a power of it needs brackets
-
-    @staticmethod
-    def ball(base: acb, exponent: acb) -> acb:
-        """Return a ball around the value."""
-        return base.pow(exponent)
+    ball = staticmethod(acb.pow)
 
     def _printed(self, printer: Printer) -> str:
         """Print it as the power of two symbols would be, the numbers in their place."""
@@ -148,9 +153,8 @@ class Removable(Special):
         names, terms = cls._terms(n)
         values, total = [1 / x, *(function(name) for name in names)], 0
         for powers, coefficient in terms:
-            total = total + sp.prod(
-                [value**power for value, power in zip(values, powers, strict=True)], coefficient
-            )
+            factors = [value**power for value, power in zip(values, powers, strict=True)]
+            total = total + sp.prod(factors, coefficient)
         return total
 
     @classmethod

@@ -3,40 +3,38 @@
 The parameters of friction laws are not here; each law brings its own (`Parameter`).
 """
 
-from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.errors import InputError
+
+_NO_BELT = (
+    "on a belt that stands still nothing drives the mass, so take a small speed such as 1e-6 instead",
+    "x counts along the belt, so where it runs backward change the signs of V, x0 and v0",
+)
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """A physical quantity: its name, what it means, its SI unit as text, and what SymPy may assume of it."""
+class Quantity(NamedTuple):
+    """A physical quantity: its symbol, what it means, and its SI unit as text."""
 
-    name: str
+    symbol: Expr
     meaning: str
     unit: str
-    assumption: str
-
-    @cached_property
-    def symbol(self) -> Expr:
-        """The symbol of the quantity."""
-        return sp.Symbol(self.name, **{self.assumption: True})
 
 
 QUANTITIES = {
-    quantity.name: quantity
+    quantity.symbol.name: quantity
     for quantity in (
-        Quantity("V", "belt speed", "m/s", "positive"),
-        Quantity("N", "normal force", "N", "positive"),
-        Quantity("m", "mass", "kg", "positive"),
-        Quantity("k", "spring stiffness", "N/m", "positive"),
-        Quantity("c", "viscous damping coefficient", "kg/s", "real"),
-        Quantity("v", "slip speed |x' - V|", "m/s", "nonnegative"),
-        Quantity("x", "displacement of the mass", "m", "real"),
-        Quantity("t", "time", "s", "real"),
+        Quantity(sp.Symbol("V", positive=True), "belt speed", "m/s"),
+        Quantity(sp.Symbol("N", positive=True), "normal force", "N"),
+        Quantity(sp.Symbol("m", positive=True), "mass", "kg"),
+        Quantity(sp.Symbol("k", positive=True), "spring stiffness", "N/m"),
+        Quantity(sp.Symbol("c", real=True), "viscous damping coefficient", "kg/s"),
+        Quantity(sp.Symbol("v", nonnegative=True), "slip speed |x' - V|", "m/s"),
+        Quantity(sp.Symbol("x", real=True), "displacement of the mass", "m"),
+        Quantity(sp.Symbol("t", real=True), "time", "s"),
     )
 }
 
@@ -49,3 +47,13 @@ mu: Expr = sp.Function("mu", real=True)
 # Used inside derivations only. Dummies, so that a law may use these names for its own parameters.
 u: Expr = sp.Dummy("u", nonnegative=True)
 s, theta, a, b = (sp.Dummy(name, real=True) for name in ("s", "theta", "a", "b"))
+
+
+def require_sign(name: str, value: float | Expr) -> None:
+    """Refuse a value of V, N, m or k that is not positive; a normal force may be 0."""
+    if value < 0 or (value == 0 and name != "N"):
+        required = "not be negative" if name == "N" else "be positive"
+        advice = f"; {_NO_BELT[bool(value < 0)]}" if name == "V" else ""
+        raise InputError(
+            f"{name} = {float(value):g} must {required}: it is the {QUANTITIES[name].meaning}{advice}"
+        )

@@ -25,7 +25,7 @@ from stickslip_sym.core.numbers import Number, fraction
 from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_operating_point
-from stickslip_sym.model.expression.pieces import branch_from
+from stickslip_sym.model.expression.pieces import branch_from, kinks_at
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 
@@ -196,7 +196,7 @@ def enclose(
         return Enclosure(Fraction(0), Fraction(0))  # every criterion averages a slope
 
     def enclosed() -> arb:
-        value = ball(force).real * average_ball(law.expr, point, law.kinks(), criterion, ball(speed).real)
+        value = ball(force).real * average_ball(law.expr, point, criterion, ball(speed).real)
         if not value.is_finite():
             raise NotConverged(
                 f"the {criterion.name} criterion of {law.text} is not enclosed at V = {float(speed):g}"
@@ -207,9 +207,7 @@ def enclose(
     return enclosure_of(refined(enclosed, goal, goal + _MOST_LOST))
 
 
-def average_ball(
-    mu: Expr, point: Mapping[Expr, Expr | acb], kinks: Sequence[Expr], criterion: Criterion, speed: arb
-) -> arb:
+def average_ball(mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterion, speed: arb) -> arb:
     """Return a ball around -<mu'(V(1 + s))>_w at the working precision; not finite where none is found.
 
     Parameters
@@ -218,13 +216,11 @@ def average_ball(
         A function of `symbols.v`.
     point : mapping
         Values of its other symbols: exact, or balls where it has no kinks.
-    kinks : sequence of numbers
-        Its kinks and jumps, ascending and positive.
     criterion : Criterion
     speed : arb
         V, positive.
     """
-    reach = speed if criterion.weight is None else 2 * speed
+    reach, kinks = speed if criterion.weight is None else 2 * speed, kinks_at(mu, point)
     inside = [place for place in kinks if ball(place).real < reach]
     pieces = _pieces(mu, point, kinks, len(inside) + 1)
     if criterion.weight is None:

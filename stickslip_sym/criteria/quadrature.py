@@ -121,10 +121,8 @@ def read_operating_point(
     """Return a criterion, V and N, exactly, or refuse what no criterion has a value for."""
     criterion = find(criterion)
     speed, force = exact(V, "V"), exact(N, "N")
-    if speed <= 0:
-        raise InputError(f"V = {float(speed):g} must be positive; at V = 0 there is nothing to integrate over")
-    if force < 0:
-        raise InputError(f"N = {float(force):g} must not be negative")
+    symbols.require_sign("V", speed)
+    symbols.require_sign("N", force)
     require_type("digits", digits, SupportsIndex, "a whole number")
     if not 1 <= digits <= MOST_DIGITS:
         raise InputError(f"digits = {digits} is outside 1 to {MOST_DIGITS}")

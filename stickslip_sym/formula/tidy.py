@@ -1,9 +1,10 @@
 """The shape in which a result is printed."""
 
+from collections import defaultdict
 from functools import lru_cache
 
 import sympy as sp
-from sympy.core.random import rng
+from flint import Ordering, fmpz_mpoly_ctx
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.formula.proof.normal_form import plain
@@ -69,13 +70,34 @@ def _rooted(factor: Expr) -> Expr:
 
 @lru_cache(maxsize=128, typed=True)
 def factored(expr: Expr) -> Expr:
-    """Factor a polynomial, once, with the same random numbers every time: with some it takes minutes."""
-    before = rng.getstate()
-    rng.seed(0)
-    try:
-        return sp.factor(expr)
-    finally:
-        rng.setstate(before)
+    """Factor as SymPy does, sums by FLINT, which takes no longer for some of them than for others."""
+    number, powers = sp.S.One, defaultdict[Expr, Expr](lambda: sp.S.Zero)
+    for part in sp.Mul.make_args(sp.together(expr)):
+        base, exponent = part.as_base_exp()
+        polynomial = sp.Poly(base) if base.is_Add and exponent.is_Integer else None
+        if polynomial is None or not (polynomial.domain.is_ZZ or polynomial.domain.is_QQ):
+            coefficient, rest = sp.factor(part).as_coeff_Mul(rational=True)
+            pairs = [rest.as_base_exp() if base.is_Add else (rest, sp.S.One)]
+        else:
+            content, factors = _flint_factors(polynomial)
+            coefficient, pairs = content**exponent, [(factor, k * exponent) for factor, k in factors]
+        number *= coefficient
+        for factor, power in pairs:
+            powers[factor] += power
+    product = sp.Mul(*[factor**power for factor, power in powers.items()])
+    return sp.Mul(number, product, evaluate=not product.is_Add or abs(number) == 1)
+
+
+def _flint_factors(polynomial: sp.Poly) -> tuple[Expr, list[tuple[Expr, int]]]:
+    """Return the content of a polynomial over the rationals, and its factors, each with its power."""
+    denominator, whole = polynomial.clear_denoms(convert=True)
+    context = fmpz_mpoly_ctx.get([f"x{i}" for i in range(len(whole.gens))], Ordering.lex)
+    content, factors = context.from_dict({powers: int(c) for powers, c in whole.terms()}).factor()
+    pairs = []
+    for factor, power in factors:
+        terms = {tuple(map(int, powers)): int(c) for powers, c in factor.to_dict().items()}
+        pairs.append((sp.Poly(terms, *whole.gens).as_expr(), int(power)))
+    return int(content) / denominator, pairs
 
 
 def _should_flip(factor: Expr, model: Expr, small: Expr) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from uncertainties import UFloat, correlated_values_norm, correlation_matrix, ufloat
+from uncertainties import UFloat, correlated_values_norm, correlation_matrix
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact, require_type
@@ -70,8 +70,6 @@ def _errors_in(content: dict[str, Any], law: FrictionLaw) -> dict[str, UFloat]:
     correlation = np.array(content["correlation"], dtype=np.float64)
     if not all(0 < error < math.inf for _, error in pairs.values()) or correlation.shape != (len(pairs),) * 2:
         raise InputError("a standard error is positive and finite, and each has its row of correlations")
-    if (correlation == np.eye(len(pairs))).all():
-        return {name: ufloat(*pair) for name, pair in pairs.items()}
     return dict(zip(pairs, correlated_values_norm(list(pairs.values()), correlation), strict=True))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Self, SupportsFloat
+from typing import Any, Self, SupportsFloat
 
 import numpy as np
 import sympy as sp
@@ -22,16 +22,14 @@ from stickslip_sym.core.numbers import Number, exact, read_array, real, require_
 from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.expression.parameters import Parameter
-from stickslip_sym.model.expression.pieces import places
+from stickslip_sym.model.expression.pieces import kinks_at
 from stickslip_sym.model.expression.reading import as_text, read_formula, read_static
 from stickslip_sym.model.expression.units import check_units
+from stickslip_sym.model.measured.measurements import Measurements, read_measurements
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.notation import notation_of
-
-if TYPE_CHECKING:
-    from stickslip_sym.model.measured.measurements import Measurements
 
 _ROUNDING = 1e-12  # of a static coefficient that is mu(0+), relative
 
@@ -189,7 +187,7 @@ class FrictionLaw:
     @classmethod
     def from_csv(
         cls,
-        path: "str | Path | Measurements",
+        path: str | Path | Measurements,
         *,
         extrapolate: bool = False,
         source: str | None = None,
@@ -201,8 +199,6 @@ class FrictionLaw:
         unless it is given one. Decimal numbers are taken exactly as they are written. What `from_samples` refuses
         is refused here.
         """
-        from stickslip_sym.model.measured.measurements import Measurements, read_measurements
-
         measured = path if isinstance(path, Measurements) else read_measurements(path)
         name = name or measured.name or "samples"
         return cls.from_samples(*measured.points(), extrapolate=extrapolate, name=name, source=source)
@@ -390,12 +386,7 @@ class FrictionLaw:
 
     def kinks(self) -> list[Expr]:
         """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
-        point = self.point
-        speeds = {number_at(place, point) for place in places(self.expr)}
-        for speed in speeds:
-            if not speed.is_real:
-                raise InputError(f"{self._label()} has a kink at v = {str(speed)[:40]}, which is not real")
-        return sorted(speed for speed in speeds if speed > 0)
+        return kinks_at(self.expr, self.point, self._label())
 
     # -- functions of the slip speed -----------------------------------------------------------------
 

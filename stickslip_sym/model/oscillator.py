@@ -3,15 +3,9 @@
 import math
 from dataclasses import dataclass, fields
 
-from stickslip_sym.core import symbols
-from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import real, require_type
+from stickslip_sym.core.symbols import require_sign
 from stickslip_sym.model.law import FrictionLaw
-
-_NO_BELT = (
-    "on a belt that stands still nothing drives the mass, so take a small speed such as 1e-6 instead",
-    "x counts along the belt, so where it runs backward change the signs of V, x0 and v0",
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,14 +39,10 @@ class Oscillator:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            name = field.name
-            value = real(name, getattr(self, name))
-            object.__setattr__(self, name, value)
-            required = {"N": "not be negative", "c": ""}.get(name, "be positive")
-            if required and (value < 0 or (value == 0 and name != "N")):
-                advice = f"; {_NO_BELT[value < 0]}" if name == "V" else ""
-                meaning = symbols.QUANTITIES[name].meaning
-                raise InputError(f"{name} = {value:g} must {required}: it is the {meaning}{advice}")
+            value = real(field.name, getattr(self, field.name))
+            object.__setattr__(self, field.name, value)
+            if field.name != "c":
+                require_sign(field.name, value)
 
     @property
     def omega(self) -> float:

@@ -28,34 +28,32 @@ Value = Callable[[IntArray, FloatArray], FloatArray]
 
 
 class OrbitSigns(NamedTuple):
-    """What slip orbits do at each level, arrays of shape (rows, levels).
+    """What the slip orbits of each row do.
 
     - `cycle`, `stable`: whether there is a limit cycle in pure slip up to the belt's speed, and a stable one.
     - `grows`: whether the orbits next to the belt's speed grow.
-    - `open`: row and level, and two amplitudes between which it is not known whether the value touches the level:
-      beside a fold.
+    - `open`: row, and two amplitudes between which it is not known whether the value touches 0: beside a fold.
     """
 
     cycle: BoolArray
     stable: BoolArray
     grows: BoolArray
-    open: list[tuple[int, int, float, float]]
+    open: list[tuple[int, float, float]]
 
 
-def orbit_signs(value: Value, levels: FloatArray, grows_at_rest: BoolArray) -> OrbitSigns:
-    """Return where a function of amplitude lies above levels and where below.
+def orbit_signs(value: Value, grows_at_rest: BoolArray) -> OrbitSigns:
+    """Return where functions of amplitude lie above 0 and where below.
 
-    - `value`: the needed damping, or the growth in a round, or any quantity that grows with either.
-    - `levels`: the dampings that there are, or the growth 0, shape (rows, levels).
-    - `grows_at_rest`: whether the value lies above the level in the limit of small amplitudes.
+    - `value`: of the sign of the growth in a round.
+    - `grows_at_rest`: whether it is positive in the limit of small amplitudes, an entry for each row.
     """
-    count = len(levels)
+    count = len(grows_at_rest)
     places = np.arange(_RANGES + 1) / _RANGES
     rows = np.repeat(np.arange(count), _RANGES + 1)
     values = value(rows, amplitude(np.tile(places, count))).reshape(count, _RANGES + 1)
     bends = np.abs(np.diff(values, n=2))
     bends = np.maximum(bends[:, [0, *range(_RANGES - 1)]], bends[:, [*range(_RANGES - 1), _RANGES - 2]])
-    grows = values[:, :1] > levels
+    grows = values[:, 0] > 0
     cycle = grows != grows_at_rest  # smaller than all that are looked at
     stable = cycle & grows_at_rest
     ranges = np.array([
@@ -65,16 +63,14 @@ def orbit_signs(value: Value, levels: FloatArray, grows_at_rest: BoolArray) -> O
     row = np.repeat(np.arange(count), _RANGES)
     for halvings in range(_MOST_HALVINGS + 1):
         low, high, at_low, at_high, bend = ranges
-        least, most = np.minimum(at_low, at_high)[:, None], np.maximum(at_low, at_high)[:, None]
-        level, margin = levels[row], _BENT * bend[:, None]
-        inside = (least <= level) & (level <= most)
-        unsure = ~(inside | (level < least - margin) | (level > most + margin))
-        left = unsure.any(axis=1)
+        least, most, margin = np.minimum(at_low, at_high), np.maximum(at_low, at_high), _BENT * bend
+        inside = (least <= 0) & (most >= 0)
+        unsure = ~(inside | (least > margin) | (most < -margin))
+        left = unsure | inside
         if halvings >= _SEARCHED:
             np.logical_or.at(cycle, row, inside)
-            np.logical_or.at(stable, row, inside & (at_low > at_high)[:, None])
-        else:
-            left |= inside.any(axis=1)
+            np.logical_or.at(stable, row, inside & (at_low > at_high))
+            left = unsure
         if halvings == _MOST_HALVINGS or not left.any():
             break
         row, (low, high, at_low, at_high, _) = row[left], ranges[:, left]
@@ -83,11 +79,8 @@ def orbit_signs(value: Value, levels: FloatArray, grows_at_rest: BoolArray) -> O
         bend = np.abs(at_low + at_high - 2 * at_middle)
         ranges = np.hstack([[low, middle, at_low, at_middle, bend], [middle, high, at_middle, at_high, bend]])
         row = np.tile(row, 2)
-    left_open = [
-        (int(row[i]), int(j), float(amplitude(low[i])), float(amplitude(high[i])))
-        for i, j in zip(*np.nonzero(unsure), strict=True)
-    ]
-    return OrbitSigns(cycle, stable, values[:, -1:] > levels, left_open)
+    left_open = [(int(row[i]), *amplitude(ranges[:2, i]).tolist()) for i in np.flatnonzero(unsure)]
+    return OrbitSigns(cycle, stable, values[:, -1] > 0, left_open)
 
 
 def amplitude(place: FloatArray) -> FloatArray:

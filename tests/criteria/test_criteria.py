@@ -1,10 +1,12 @@
 """A user's criterion: every way to its value agrees, or it is refused."""
 
 import inspect
+from functools import partial
 
 import numpy as np
 import pytest
 import sympy as sp
+from languages import PROGRAMS, runs, values_of
 from sweeps import sweep
 
 import stickslip_sym as ss
@@ -30,21 +32,38 @@ VALUES = {"mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0, "v_w": 0.7}
     ("not 0 at the ends", "smooth"), ("not 0 at the ends", "in pieces, with a jump"),
     ("asymmetric", "without a rule"),
 )  # fmt: skip
-def test_a_user_s_criterion_by_all_methods(weight, law):
-    criterion = ss.criteria.Criterion("mine", WEIGHTS[weight], "nobody")
+def test_a_user_s_criterion_by_all_methods(weight, law, tmp_path):
+    """Also saved and loaded, as a method for thresholds and critical speeds, and as code in every language."""
+    criterion = ss.Criterion(weight, WEIGHTS[weight], "nobody")
     law = ss.FrictionLaw(LAWS[law])
     law = law.bind(**{name: VALUES[name] for name in law.parameters})
-    methods = [ss.slope_average(law, criterion)]
+    average = ss.slope_average(law, criterion)
+
+    def threshold(**point):
+        return ss.pure_slip_damping(law, **point, m=1, k=100, method=criterion).value
+
+    def written(language, **point):
+        numbers = [(VALUES | point)[name] for name in names]
+        return values_of(language, average.code(language), [("damping", numbers)], tmp_path)[0]
+
+    methods = [average, threshold]
     if law.parameters:  # what has no rule has no branches to be written
-        form, namespace = ss.derive(law, criterion), {}
-        exec(methods[0].code("python"), namespace)
-        written = [name for name in inspect.signature(namespace["damping"]).parameters if name in VALUES]
-        methods += [form, lambda **point: float(form.evaluate(20, **point))]
-        methods.append(lambda V, N: namespace["damping"](V, N, *(VALUES[name] for name in written)))
+        form, module = ss.derive(law, criterion), {}
+        ss.save(form, tmp_path / "form.json")
+        kept = ss.load(tmp_path / "form.json")
+        assert kept.criterion == criterion
+        assert f"-{criterion.label}}}" in ss.export_latex(form)
+        exec(average.code("python"), module)
+        names = inspect.signature(module["damping"]).parameters
+        methods += [form, lambda **point: float(kept.evaluate(20, **point))]
+        methods += [partial(written, language) for language in filter(runs, PROGRAMS)]
     for V in (0.45, 3.0):
         expected = float(ss.quadrature.damping(law, criterion, V=V, N=2, digits=20))
         assert abs(expected) > 1e-3
         assert [method(V=V, N=2.0) for method in methods] == pytest.approx([expected] * len(methods), rel=1e-12)
+    if weight == "asymmetric":
+        (speed, *_) = ss.critical(law, "V", c=0.1, N=2.0, method=criterion)
+        assert average(V=speed.value, N=2.0) == pytest.approx(0.1, rel=1e-9)
 
 
 def test_random_weights_and_thin_layers():

@@ -42,6 +42,24 @@ def test_a_saved_law_loads_as_equal(formula, tmp_path):
     assert ss.load(tmp_path / "law.json") == law
 
 
+ORDERS = st.recursive(
+    st.sampled_from("abdf"),
+    lambda parts: st.builds("{}({}, {})".format, st.sampled_from(["Min", "Max"]), parts, parts),
+    max_leaves=6,
+)
+
+
+@given(ORDERS, ORDERS, st.lists(st.floats(0.1, 2), min_size=4, max_size=4))
+def test_nested_min_and_max_of_parameters(onset, level, values):
+    law = ss.FrictionLaw(f"Max({onset} - 0.5*v, {level})")
+    assert law_in(law_out(law)) == law
+    point = dict(zip("abdf", values, strict=True))
+    high, low = (eval(text, {"Min": min, "Max": max} | point) for text in (onset, level))
+    bound = law.bind(**{name: point[name] for name in law.parameters})
+    assert bound.mu(SPEEDS) == pytest.approx(np.maximum(high - 0.5 * SPEEDS, low), rel=1e-13, abs=1e-15)
+    assert [float(kink) for kink in bound.kinks()] == pytest.approx([2 * (high - low)] if high > low else [])
+
+
 @given(laws())
 def test_rises_and_slopes_are_those_of_the_coefficient(law):
     begins = [begin for begin, _ in law.rises()]

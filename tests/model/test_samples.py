@@ -90,6 +90,7 @@ def test_speeds_beyond_the_last_are_refused(law, form):
     refusal = r"measured up to v = 1\.2 m/s, and its value at 1\.3 m/s is needed"
     for call in (
         lambda: form(V=[0.1, 0.65], N=1.0), lambda: form.evaluate(V="0.65", N=1),
+        lambda: ss.slope_average(law)(V=0.65, N=1), lambda: ss.slope_average(law, "equilibrium")(V=1.3, N=1),
         lambda: ss.quadrature.damping(law, V="0.65", N=1), lambda: law.slope([0.1, 1.3]),
     ):  # fmt: skip
         with pytest.raises(ss.InputError, match=refusal):

@@ -10,7 +10,7 @@ import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.orbit import orbits
-from stickslip_sym.motion.regimes.phase_plane import PhasePlane
+from stickslip_sym.motion.regimes.regime import Regime
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
@@ -28,7 +28,7 @@ OVERTAKING = [
 def test_overtaking_cycles_are_those_of_simulations(law, changes):
     """Two motions that come close to it, from inside and from outside."""
     osc = paper_oscillator(**changes)
-    cycle = PhasePlane(law, osc, 1e-11).overtaking
+    cycle = Regime(law, osc, 1e-11).overtaking
     x0 = osc.N * float(law.mu(osc.V)) / osc.k
     settled = min(12 / abs(cycle.floquet), 300 * cycle.period)
     left = math.exp(cycle.floquet * settled)  # of what a start is off
@@ -64,13 +64,13 @@ def test_needed_damping_is_that_of_collocation(law):
 def test_the_least_negative_damping_frees_motions(measured):
     law = ss.FrictionLaw.from_samples([0, 0.2, 1, 3], [0.5, 0.4, 0.3, 0.3], extrapolate=not measured)
     for c in (0.0, *np.logspace(-9, 2, 6)):
-        assert PhasePlane(law, paper_oscillator(-c), 1e-10).unbounded == (c > 0)
-        assert not PhasePlane(law, paper_oscillator(c), 1e-10).unbounded
+        assert Regime(law, paper_oscillator(-c), 1e-10).unbounded == (c > 0)
+        assert not Regime(law, paper_oscillator(c), 1e-10).unbounded
     for crossing in np.logspace(1, 11, 3):  # far out the sign of mu = 0.3 -+ b v +- d v^2 is that of the last term
         for sign in (-1, 1):
             law = ss.FrictionLaw("0.3 + s*(v^2/p - v)", parameters=[ss.Parameter("s", positive=False)])
             law = law.bind(s=sign * 10.0, p=float(crossing))
-            assert PhasePlane(law, paper_oscillator(1.0), 1e-10).unbounded is (sign < 0)
+            assert Regime(law, paper_oscillator(1.0), 1e-10).unbounded is (sign < 0)
 
 
 OUTER = ss.FrictionLaw("0.3 + 1e-6*v^3", static="0.35")

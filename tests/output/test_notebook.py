@@ -64,7 +64,8 @@ NAMES = [
     "unknown", "speed", "cycle", "limit_cycle", "regime", "rest", "separatrix", "trajectory", "map", "basins",
 ]  # fmt: skip
 SAID = {
-    "law": ("exponential", "s/m", "decay rate", "source: Won & Chung 2016"), "sampled": ("piecewise cubic of 3",),
+    "law": ("exponential", "s/m", "decay rate", "source: Won & Chung 2016", r"\mu(v) = "),
+    "sampled": ("piecewise cubic of 3",),
     "form": ("kg/s", "PROVED: 3 steps"), "derivation": ("split the law into terms", "the difference reduces to 0"),
     "refuted": ("REFUTED: left",), "threshold": ("c in kg/s", "2.573078879", "simulation"),
     "thresholds": ("0, 4", "...", "2, 9"), "unknown": ("unknown",), "cycle": ("stick_time", "m/s"),

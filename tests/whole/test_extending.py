@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import sympy as sp
 from commands import inside
-from languages import runs, values_of
 
 import stickslip_sym as ss
 from stickslip_sym.formula.code.languages import LANGUAGES
@@ -19,12 +18,6 @@ from stickslip_sym.motion.thresholds import methods
 LAW = ss.laws.exponential.typical()
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 s = ss.symbols.s
-WEIGHTS = {
-    "late slip": sp.Rational(3, 4) * (1 - s**2) * (1 + s),
-    "edges": sp.Rational(3, 2) * s**2,
-    "tilted": sp.Rational(1, 2) - s,
-}
-"""Asymmetric; not 0 at the ends; both, and negative somewhere."""
 
 
 def command(*arguments):
@@ -43,48 +36,6 @@ def test_a_law(monkeypatch):
     assert value == pytest.approx(ss.slope_average(law)(V=0.5, N=2, mu_a=0.5, b=0.4, d=0.1), rel=1e-13)
     said = command("damping", "mine", "-p", "mu_a=0.5", "-p", "d=0.1", "-V", "0.5", "-N", "2", "--all")
     assert "harmonic" in said
-
-
-@pytest.fixture(scope="module")
-def forms():
-    law = ss.laws.exponential
-    return {name: ss.derive(law, ss.Criterion(name, weight)) for name, weight in WEIGHTS.items()}
-
-
-@pytest.mark.parametrize("name", WEIGHTS)
-def test_a_criterion_by_every_route(name, forms, tmp_path):
-    form, law = forms[name], LAW
-    right = float(ss.quadrature.damping(law, form.criterion, V=0.5, N=9.81, digits=20))
-    values = {parameter: float(value) for parameter, value in law.values.items()}
-    ss.save(form, tmp_path / "form.json")
-    kept = ss.load(tmp_path / "form.json")
-    assert kept.criterion == form.criterion
-    module = {}
-    exec(form.code("python"), module)
-    found = [
-        form(V=0.5, N=9.81, **values),
-        float(kept.evaluate(20, V="0.5", N=9.81, **law.values)),
-        module["damping"](0.5, 9.81, **values),
-        ss.slope_average(law, form.criterion)(V=0.5, N=9.81),
-        ss.pure_slip_damping(law, V=0.5, N=9.81, method=form.criterion).value,
-        ss.pure_slip_damping(law, **POINT, method=form.criterion).value,
-    ]
-    assert found == pytest.approx([right] * len(found), rel=1e-13)
-    (speed, *_) = ss.critical(law, "V", c=1.0, N=9.81, method=form.criterion)
-    assert ss.slope_average(law, form.criterion)(V=speed.value, N=9.81) == pytest.approx(1.0, rel=1e-12)
-    assert f"eq:exponential-{form.criterion.label}" in ss.export_latex(form)
-
-
-@pytest.mark.parametrize("language", ["c", "octave"])
-def test_own_criteria_in_c_and_octave(language, forms, tmp_path):
-    if not runs(language):
-        pytest.skip(f"nothing here runs {language}")
-    values = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
-    own = list(forms.values())
-    names = [f"damping_exponential_{form.criterion.label}" for form in own]
-    calls = [(name, [values[key] for key in own[0].arguments]) for name in names]
-    found = values_of(language, ss.export_code(own, language), calls, tmp_path)
-    assert found == pytest.approx([form(**values) for form in own], rel=1e-13)
 
 
 def test_a_criterion_of_the_catalogue(monkeypatch):

@@ -8,7 +8,6 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
@@ -16,7 +15,6 @@ from stickslip_sym.core.numbers import exact, fraction
 from stickslip_sym.output import tables
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
-MEASURED = [0, 1, 2, 3], [0.5, 0.4, 0.35, 0.33]
 POLYNOMIAL = ss.laws.polynomial.typical()
 
 
@@ -33,14 +31,6 @@ def test_every_kind_of_number_is_read_exactly():
     for wrong in (True, float("nan"), -np.inf, Decimal("inf"), mpmath.inf, sp.pi, sp.oo, "0x1", "1/0", None, [1]):
         with pytest.raises(ss.InputError):
             fraction(wrong, "x")
-
-
-@pytest.mark.parametrize(("criterion", "reach"), [("equilibrium", 3.0), ("least_squares", 1.5), ("harmonic", 1.5)])
-def test_measured_law_is_averaged_to_its_last_speed(criterion, reach):
-    average = ss.slope_average(ss.FrictionLaw.from_samples(*MEASURED), criterion)
-    assert np.isfinite(average(V=np.array([reach / 2, reach]), N=1.0)).all()
-    with pytest.raises(ss.InputError, match="measured up to"):
-        average(V=1.001 * reach, N=1.0)
 
 
 def nested(depth):
@@ -75,16 +65,6 @@ def test_limits_are_where_they_are_said(call, allowed, refused, message):
         call(**refused)
 
 
-@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
-def test_quadrature_splits_at_kinks(criterion):
-    law = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.36)")
-    weight = sp.lambdify(symbols.s, ss.criteria.catalogue[criterion].weight, "mpmath")
-    with mpmath.workdps(30):
-        exact = 2 * mpmath.mpf("0.2") * mpmath.quad(weight, [-1, mpmath.mpf("0.7") / mpmath.mpf("0.5") - 1])
-    value = ss.quadrature.damping(law, criterion, V="0.5", N=2, digits=20)
-    assert float(abs(value / exact - 1)) < 1e-18
-
-
 def test_symbols_have_the_signs_of_their_quantities():
     signs = {name: (one.symbol.is_positive, one.symbol.is_nonnegative) for name, one in symbols.QUANTITIES.items()}
     assert {signs[name] for name in "VNmk"} == {(True, True)}
@@ -100,19 +80,6 @@ def test_public_results_cannot_be_changed():
     assert {"ClosedForm", "Threshold", "Fit", "Trajectory", "Regime", "Study"} <= {one.__name__ for one in results}
     grow = {"Cells", "Derivation", "Table"}
     assert {one.__name__ for one in results if not one.__dataclass_params__.frozen} <= grow
-
-
-def test_notebooks_show_what_was_computed():
-    assert r"\mu(v) = " in ss.FrictionLaw("mu_s - a*v**2")._repr_html_()
-    curve = ss.FrictionLaw.from_samples(*MEASURED)._repr_html_()
-    assert "piecewise cubic" in curve
-    assert r"\mu(v) = " not in curve
-    motion = ss.simulate(POLYNOMIAL, paper_oscillator(), t_end=1.0)
-    assert all(f"{event.t:.9g}" in motion._repr_html_() for event in motion.events)
-    (cycle,) = ss.limit_cycles(POLYNOMIAL, paper_oscillator(c=3.2))
-    assert ">stable pure-slip" in cycle._repr_html_()
-    (unstable,) = ss.limit_cycles(ss.laws.exponential.typical(), paper_oscillator(c=2.3))
-    assert (cycle.stable, unstable.stable, "unstable" in repr(unstable)) == (True, False, True)
 
 
 @pytest.mark.parametrize(

@@ -128,14 +128,16 @@ def test_derivations_print_as_latex():
     assert derivations("nonsense").returncode == 2
 
 
-BY_POSITION = {"law": ss.laws.linear.typical(), "of": "N", "osc": 3, "over": ("c", [1.0, 2.0])}
+BY_POSITION = {"law": ss.laws.linear.typical(), "of": "N", "over": ("c", [1.0, 2.0])}
 BY_NAME = {"c": 1, "t_end": 1, "x0": (0, 1), "v0": (0, 1)}
 FUNCTIONS = {name: getattr(ss, name) for name in ss.__all__ if inspect.isfunction(getattr(ss, name))}
 TAKEN = {name: inspect.signature(function).parameters for name, function in FUNCTIONS.items()}
 
 
+@pytest.mark.parametrize("osc", [3, {"m": 1.0}])
 @pytest.mark.parametrize("name", [name for name, taken in TAKEN.items() if "osc" in taken])
-def test_what_is_no_oscillator_is_refused(name):
-    given = [value for key, value in BY_POSITION.items() if key in TAKEN[name]]
+def test_what_is_no_oscillator_is_refused(name, osc):
+    values = BY_POSITION | {"osc": osc}
+    given = [values[key] for key in TAKEN[name] if key in values]
     with pytest.raises(ss.InputError, match="an Oscillator"):
         FUNCTIONS[name](*given, **{key: value for key, value in BY_NAME.items() if key in TAKEN[name]})

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NotConverged, NoThreshold
 from stickslip_sym.core.uncertain import UFloat
-from stickslip_sym.model.fitting.curve import band, draw_law
+from stickslip_sym.model.fitting.result import band, draw_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.trajectory import Phase

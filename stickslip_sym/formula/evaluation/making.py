@@ -26,7 +26,6 @@ from stickslip_sym.criteria.enclosure import average_ball
 from stickslip_sym.formula.evaluation.branches import Branch, Branches, Sum, Table, value_of
 from stickslip_sym.formula.evaluation.interpolation import chebyshev
 from stickslip_sym.formula.evaluation.values import BITS, MeanSlope, Unresolved, Values, slope_of
-from stickslip_sym.formula.proof.gate import kinks_of
 from stickslip_sym.formula.proof.proving import Verdict
 
 _EPSILON = 2.0**-52
@@ -85,7 +84,7 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
         for start, end in zip(branches.starts, ends, strict=True):
             low = start or (end / 4 if end < math.inf else 1.0)
             r = math.sqrt(low * min(end, 4 * low))
-            right = average_ball(profile, shapes, kinks_of(profile, shapes), criterion, arb(r))
+            right = average_ball(profile, shapes, criterion, arb(r))
             with np.errstate(all="ignore"):
                 value = float(branches(r))
             if not right.is_finite() or math.isnan(value):

@@ -1,15 +1,16 @@
 """The average F(r) = -<g'(r(1 + s))>_w of a profile g(x), to some twenty digits more than a float has.
 
 From the closed form in ball arithmetic where there is one, else from the slope as polynomials, in the same
-arithmetic. Their panels double from x = 0, so that all scales are met, and part at kinks and in halves until each
-piece is one polynomial, whose average is exact; what lies far below x = r is summed up once for all r. Beside it:
+arithmetic. Their pieces double from x = 0, so that all scales are met, and part at kinks and in halves until each
+is one polynomial, whose average is exact; what lies far below x = r is summed up once for all r. Beside it:
 the mean size of the slope, and the speed at which a profile ends.
 """
 
 import math
+from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
@@ -19,14 +20,14 @@ from flint import acb, arb, arb_mat, arb_poly
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import BallFunction, ball_function, ball_value, rational
+from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.interpolation import legendre
-from stickslip_sym.model.expression.pieces import branch_from, jumps, places
+from stickslip_sym.model.expression.pieces import branch_from, jumps, kinks_at
 
 BITS = 110
 """The working precision of values."""
@@ -42,10 +43,11 @@ _EXACT = 2.0**-80  # of the largest coefficient: the last ones that are smaller 
 _NEGLIGIBLE = 2.0**-72  # of the moment of |g'|: a piece that need not be resolved
 _NOISE = 8  # times the radius of a ball around the slope: where the slope cancels no piece is resolved better
 _HALVINGS = 10  # of a piece
-_EXPANDED, _EXPANSION = 1, 80  # a weight that is no polynomial is expanded this many octaves below r; its terms
+_EXPANSION = 80  # terms of a weight that is no polynomial, which is expanded up to r
 _CLOSE = 5  # octaves from r to the innermost panel, at least
 _DEEPEST = -40  # octaves below that of the lowest kink, or below 1, where the innermost panel is looked for
 _LARGEST_ORDER = 16
+_P, _Q = sp.symbols("p q", cls=sp.Dummy)
 _BEFORE_THE_END = 2.0**-9  # of the speed at which a profile ends: nearer to it there are no values
 
 _Exact = tuple[int, int]
@@ -56,24 +58,15 @@ Samples = list[tuple[arb, arb]]
 
 @dataclass(frozen=True)
 class _Piece:
-    """Where the slope is one polynomial, in t from -1 to 1; its moment and average are as a panel's."""
+    """Where the slope is one polynomial, in t from -1 to 1; and what it adds to a moment and to an average.
+
+    The latter is 1/r times `average` in powers of high/r, and sqrt(high/r) where the weight is no polynomial. In a
+    list from 0 both are sums over all pieces up to this one.
+    """
 
     low: arb
     high: arb
     slope: arb_poly
-    moment: arb
-    average: arb_poly
-
-
-@dataclass(frozen=True)
-class _Panel:
-    """The pieces of an octave, and what is known of all up to its end: its moment, and its share of an average.
-
-    The share is 1/r times `average` in powers of end/r, and sqrt(end/r) where the weight is no polynomial.
-    """
-
-    pieces: list[_Piece]
-    end: arb
     moment: arb
     average: arb_poly
 
@@ -105,7 +98,7 @@ class Values:
         self, profile: Expr, criterion: Criterion, closed: Expr | None, point: Mapping[Expr, Expr]
     ) -> None:
         self.profile, self.criterion, self.point = profile, criterion, point
-        self.kinks = sorted((end for end in _reals(places(profile), point) if bool(end > 0)), key=float)
+        self.kinks = [ball(kink).real for kink in kinks_at(profile, point)]
         inner = [sp.Rational(float(low + high) / 2) for low, high in pairwise([arb(0), *self.kinks])]
         outer = sp.Rational(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
         pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
@@ -121,8 +114,8 @@ class Values:
         exponents = [node.exp.xreplace(dict(point)) for node in powers]
         order = 2 * math.lcm(*(int(e.q) if e.is_Rational else _LARGEST_ORDER for e in exponents))
         self._order = min(order, _LARGEST_ORDER)
-        self._panels: dict[int, list[_Panel]] = {}
         self._pieces: dict[int, list[_Piece]] = {}
+        self._resolved_pieces: dict[tuple[float, float], list[_Piece]] = {}
         self._close = max(_CLOSE, self._order)
         highest = min([-self._close, *(math.frexp(float(kink))[1] - 1 for kink in self.kinks)])
         tried = range(highest, highest + _DEEPEST, -_CLOSE)
@@ -162,17 +155,19 @@ class Values:
         if self.criterion.weight is None:
             return -self._slope(r)(acb(r), False).real
         r = r.mid()
-        last = math.frexp(float(r))[1] - 1  # the octave of r
-        whole = last if self.criterion.is_polynomial else last - _EXPANDED
-        below, *near = self._panels_up_to(min(last - self._close, self._first), whole, last + 1)
-        p = below.end / r
-        total = below.average(p) * (arb(1) if self.criterion.is_polynomial else p.sqrt()) / r
-        pieces = [piece for panel in near for piece in panel.pieces if piece.low < 2 * r]
-        total += self._by_polynomials(pieces, r) if self.criterion.is_polynomial else self._by_roots(pieces, r)
-        weight = _weight(self.criterion)
+        polynomial = self.criterion.is_polynomial
+        innermost = min(math.frexp(float(r))[1] - 1 - self._close, self._first)
+        pieces = self._pieces_up_to(innermost, 2 * r)
+        count = max(bisect_right(pieces, 2 * r if polynomial else r, key=lambda piece: piece.high), 1)
+        below, near = pieces[count - 1], [piece for piece in pieces[count:] if piece.low < 2 * r]
+        p = below.high / r
+        total = below.average(p) * (arb(1) if polynomial else p.sqrt()) / r
+        total += self._by_polynomials(near, r) if polynomial else self._by_roots(near, r)
         for place, height in self._jumps:
             if bool(place > 0) and bool(place < 2 * r):
-                total += height * weight(place / r) / r
+                p = place / r
+                weight = ball_value(self.criterion.from_ends(_P, _Q), {_P: acb(p), _Q: acb(2 - p)})
+                total += height * weight.real / r
         return -total
 
     def _slope(self, x: arb) -> BallFunction:
@@ -180,30 +175,28 @@ class Values:
 
     # -- the slope as polynomials --------------------------------------------------------------------
 
-    def _panels_up_to(self, innermost: int, first: int, last: int) -> list[_Panel]:
-        """Return the panels of the octaves from the first to the last; there is one panel up to 2^innermost."""
-        if innermost not in self._panels:
+    def _pieces_up_to(self, innermost: int, last: arb) -> list[_Piece]:
+        """Return pieces, the first up to 2^innermost, as far as a place at least, or to the end of the profile."""
+        if innermost not in self._pieces:
             samples, end = self._innermost(innermost)[0], arb(2) ** innermost
-            self._panels[innermost] = [_Panel([], end, self._moment(samples), self._average(samples, end))]
-        panels = self._panels[innermost]
-        while innermost + len(panels) <= last + 1:
-            octave, below = innermost + len(panels) - 1, panels[-1]
-            if octave not in self._pieces:
-                low, high = below.end, min(2 * below.end, arb(self.end))
-                places = [low, *(kink.mid() for kink in self.kinks if low < kink < high), high]
-                self._pieces[octave] = [
-                    piece
-                    for left, right in pairwise(places)
-                    if left < right
-                    for piece in self._resolved(left, right, 2 * low, below.moment, _HALVINGS)
-                ]
-            pieces = self._pieces[octave]
-            average = below.average(arb_poly([0, arb(0.5)]))
-            average *= arb(1) if self.criterion.is_polynomial else arb(0.5).sqrt()
-            average = sum((piece.average for piece in pieces), average)
-            moment = sum((piece.moment for piece in pieces), below.moment)
-            panels.append(_Panel(pieces, 2 * below.end, moment, average))
-        return panels[first - innermost + 1 : last - innermost + 2]
+            share = self._moment(samples), self._average(samples, end)
+            self._pieces[innermost] = [_Piece(arb(0), end, arb_poly([]), *share)]
+        pieces = self._pieces[innermost]
+        while pieces[-1].high < last and pieces[-1].high < self.end:
+            below, low = pieces[-1], pieces[-1].high
+            octave = arb(2) ** math.frexp(float(low))[1]
+            high = min([octave, arb(self.end), *(kink.mid() for kink in self.kinks if low < kink.mid())])
+            key = float(low), float(high)
+            if key not in self._resolved_pieces:
+                self._resolved_pieces[key] = self._resolved(low, high, below.moment, _HALVINGS)
+            for piece in self._resolved_pieces[key]:
+                ratio = (below.high / piece.high).mid()
+                before = below.average(arb_poly([0, ratio]))
+                before *= arb(1) if self.criterion.is_polynomial else ratio.sqrt()
+                average = _middles(before + piece.average)
+                below = replace(piece, moment=below.moment + piece.moment, average=average)
+                pieces.append(below)
+        return pieces
 
     def _innermost(self, octave: int) -> tuple[Samples, bool]:
         """Return samples from 0 to 2^octave, and whether the slope is resolved there."""
@@ -218,8 +211,8 @@ class Values:
         samples = [(x, h * w) for x, h, w in zip(places, heights, rule.weights, strict=True)]
         return samples, max(sizes[-2:]) <= _INTEGRATED * max(sizes) + _NOISE * noise
 
-    def _resolved(self, low: arb, high: arb, end: arb, moment: arb, halvings: int) -> list[_Piece]:
-        """Return the slope between two places as one polynomial, or as those of both halves.
+    def _resolved(self, low: arb, high: arb, below: arb, halvings: int) -> list[_Piece]:
+        """Return the slope between two places as one polynomial, or as those of both halves; `below` is a moment.
 
         Raises
         ------
@@ -230,17 +223,17 @@ class Values:
         heights, noise = _heights([slope(acb(x), False).real for x in places])
         samples = [(x, h * w * half) for x, h, w in zip(places, heights, rule.weights, strict=True)]
         coefficients = [c.mid() for c in rule.coefficients(heights)]
-        sizes, own = [abs(float(c)) for c in coefficients], self._moment(samples)
+        sizes, moment = [abs(float(c)) for c in coefficients], self._moment(samples)
         smooth = max(sizes[-2:]) <= _RESOLVED * max(sizes) + _NOISE * noise
-        if smooth or bool(own <= _NEGLIGIBLE * moment):
+        if smooth or bool(moment <= _NEGLIGIBLE * below):
             least = max(_EXACT * max(sizes), noise)
             kept = max((k for k, size in enumerate(sizes, 1) if size > least), default=1)
             polynomial = _middles(rule.monomials(coefficients[:kept]))
-            return [_Piece(low, high, polynomial, own, self._average(samples, end))]
+            return [_Piece(low, high, polynomial, moment, self._average(samples, high))]
         if halvings == 0:
             raise Unresolved(f"{self.profile} is not resolved at v = {float(places[0]):g}")
         parts = ((low, middle), (middle, high))
-        return [piece for part in parts for piece in self._resolved(*part, end, moment, halvings - 1)]
+        return [piece for part in parts for piece in self._resolved(*part, below, halvings - 1)]
 
     def _moment(self, samples: Samples) -> arb:
         """Return what |g'| contributes to an average over all that is larger."""
@@ -249,7 +242,7 @@ class Values:
 
     def _average(self, samples: Samples, end: arb) -> arb_poly:
         """Return what samples up to an end add to an average, in powers of end/r."""
-        places = tuple((x / end).man_exp() for x, _ in samples)
+        places = tuple((x / end).mid().man_exp() for x, _ in samples)
         powers = _powers(self.criterion, places)
         return _middles(arb_poly((powers * arb_mat([[product] for _, product in samples])).entries()))
 
@@ -297,14 +290,6 @@ def _heights(balls: Sequence[arb]) -> tuple[list[arb], float]:
 
 def _middles(polynomial: arb_poly) -> arb_poly:
     return arb_poly([c.mid() for c in polynomial])
-
-
-def _weight(criterion: Criterion) -> Callable[[arb], arb]:
-    """Return w(s) as a function of p = 1 + s."""
-    if criterion.is_polynomial:
-        return _in_powers(criterion)
-    square = 4 / arb.pi() ** 2
-    return lambda p: (square * p * (2 - p)).sqrt()
 
 
 @lru_cache(maxsize=16)

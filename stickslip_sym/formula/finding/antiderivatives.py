@@ -9,7 +9,8 @@ from collections.abc import Callable
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.special import Langevin, Lerch
+from stickslip_sym.core.functions import FUNCTIONS
+from stickslip_sym.core.special import Lerch, polylog
 from stickslip_sym.formula.finding.matching import (
     Rule,
     as_binomial,
@@ -24,8 +25,6 @@ from stickslip_sym.model.terms import grouped
 
 _HALF = sp.Rational(1, 2)
 
-# -- repeated integrals -----------------------------------------------------------------------------
-
 
 def by_parts(polynomial: Expr, ladder: Callable[[int], Expr], u: Expr) -> Expr:
     """Return sum_j (-1)^j polynomial^(j) ladder(j + 1), where ladder(j)' = ladder(j - 1)."""
@@ -34,71 +33,6 @@ def by_parts(polynomial: Expr, ladder: Callable[[int], Expr], u: Expr) -> Expr:
         total += sign * polynomial * ladder(j)
         polynomial, sign, j = sp.factor_terms(sp.diff(polynomial, u)), -sign, j + 1
     return total
-
-
-class polylog(sp.polylog):  # type: ignore[misc]  # noqa: N801  # SymPy is untyped; the name is what is printed
-    """Li_s(z) as SymPy's, which spends a tenth of a second on the question whether z = 1 whenever it is made."""
-
-    @classmethod
-    def eval(cls, s: Expr, z: Expr) -> Expr | None:
-        """Evaluate where it is known."""
-        return super().eval(s, z) if z in (-1, 0, 1) or (s, z) == (2, sp.I) else None
-
-    def fdiff(self, argindex: int = 2) -> Expr:
-        """Differentiate with respect to z."""
-        if argindex != 2:
-            return super().fdiff(argindex)
-        s, z = self.args
-        return 1 / (1 - z) if s == 1 else polylog(s - 1, z) / z
-
-
-def _tanh_ladder(x: Expr, n: int, j: int) -> Expr:
-    """Tanh = 1 + 2 Li_0(-exp(-2 x)), Li_s integrates to Li_(s+1); tanh^n = tanh^(n-2) - (tanh^(n-1))'/(n - 1)."""
-    if j == 0 or n == 0:
-        return sp.tanh(x) ** n * x**j / sp.factorial(j)
-    if n > 1:
-        return _tanh_ladder(x, n - 2, j) - _tanh_ladder(x, n - 1, j - 1) / (n - 1)
-    z = -sp.exp(-2 * x)
-    last = -sp.log(1 - z) if j == 1 else polylog(j, z)
-    return x**j / sp.factorial(j) + 2 * sp.Rational(-1, 2) ** j * last
-
-
-def _sech_ladder(x: Expr, n: int, j: int) -> Expr:
-    """Note that sech = 2 Ti_0(exp(-x)), Ti_j(y) = Im Li_j(i y).
-
-    (n - 1) sech^n = (n - 2) sech^(n-2) - (sech^(n-2))''/(n - 2), sech^2 = tanh'.
-    """
-    if j <= 0:
-        return sp.diff(sp.sech(x) ** n, x, -j)
-    if n == 1:
-        y = sp.exp(-x)
-        return 2 * (-1) ** j * (sp.atan(y) if j == 1 else sp.im(polylog(j, sp.I * y)))
-    if n == 2:
-        return _tanh_ladder(x, 1, j - 1)
-    return ((n - 2) * _sech_ladder(x, n - 2, j) - _sech_ladder(x, n - 2, j - 2) / (n - 2)) / (n - 1)
-
-
-def _langevin_ladder(x: Expr, order: int, j: int) -> Expr:
-    """Note that coth = 1 + 2 Li_0(exp(-2 x)), and that 1/x has the integrals x^(j-1)/(j-1)! (log x - H_(j-1))."""
-    if j <= order:
-        return sp.diff(sp.coth(x) - 1 / x, x, order - j)
-    j -= order
-    z = sp.exp(-2 * x)
-    if j == 1:
-        return x + sp.log((1 - z) / x)
-    pole = x ** (j - 1) / sp.factorial(j - 1) * (sp.log(x) - sp.harmonic(j - 1))
-    return x**j / sp.factorial(j) + 2 * sp.Rational(-1, 2) ** j * polylog(j, z) - pole
-
-
-LADDERS: dict[type[Expr], Callable[[Expr, int, int], Expr]] = {
-    sp.exp: lambda x, n, j: sp.exp(x),
-    sp.sin: lambda x, n, j: sp.sin(x - j * sp.pi / 2),
-    sp.cos: lambda x, n, j: sp.cos(x - j * sp.pi / 2),
-    sp.tanh: _tanh_ladder,
-    sp.sech: _sech_ladder,
-    Langevin: _langevin_ladder,
-}
-"""The j-th integral of a function; of tanh and sech, of the n-th power; of Langevin's, of the n-th derivative."""
 
 
 # -- rules ------------------------------------------------------------------------------------------
@@ -123,10 +57,10 @@ def _integral(polynomial: Expr, u: Expr) -> Expr:
 def _ladder(polynomial: Expr, node: Expr, line: list[Expr], u: Expr) -> Expr | None:
     """Integrate u^n times a power of a function of a linear argument."""
     base, power = (node, 1) if isinstance(node, sp.exp) else node.as_base_exp()
-    ladder, x = LADDERS[base.func], sp.Dummy("x", real=True)
-    if power != 1 and base.func not in (sp.tanh, sp.sech):
+    (_, *order), x, ladder = base.args, sp.Dummy("x", real=True), FUNCTIONS[base.func].ladder
+    n = int(order[0] if order else power)
+    if ladder is None or (order and power != 1) or ladder(x, n, 1) is None:
         return None
-    n = int(power if len(base.args) == 1 else base.args[1])
     return by_parts(polynomial, lambda j: ladder(x, n, j).subs(x, base.args[0]) / line[0] ** j, u)
 
 
@@ -331,7 +265,7 @@ def _exponential_tanh(polynomial: Expr, exponential: Expr, tanh: Expr, u: Expr) 
 _RULES = (
     Rule("polynomial", (), _integral),
     Rule("partial fractions", None, _rational),
-    Rule("repeated integrals", (tuple(LADDERS),), _ladder, degree=1),
+    Rule("repeated integrals", (tuple(kind for kind, row in FUNCTIONS.items() if row.ladder),), _ladder, degree=1),
     Rule("integration by parts", ((sp.log, sp.atan, sp.asinh, sp.erf),), _by_parts),
     Rule("power", (sp.Pow,), _power),
     Rule("square root of a quadratic", (sp.Pow,), _root),

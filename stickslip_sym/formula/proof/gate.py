@@ -28,7 +28,7 @@ from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import Enclosure, average_ball, enclosure_of
 from stickslip_sym.formula.exact import to_ball
 from stickslip_sym.formula.proof.proving import Verdict
-from stickslip_sym.model.expression.pieces import places
+from stickslip_sym.model.expression.pieces import kinks_at
 from stickslip_sym.model.terms import shapes_of
 
 GATE_POINTS = 12
@@ -43,7 +43,6 @@ _EXPONENT_DECADES = (-0.5, 0.7)  # of a shape that is an exponent
 _LEAST_BITS = 64  # for a look at a profile
 _BITS, _MOST_BITS = 100, 600  # of these digits; of working precision
 _NEARLY_AT_REST = sp.Rational(1, 10**6)  # of the belt speed, where a profile is looked at
-_PLACE_DIGITS = 1200  # of a kink at an irrational place
 
 
 def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequence[Expr] = ()) -> Verdict:
@@ -111,10 +110,9 @@ def _is_known(side: Enclosure, profile: Expr, point: Mapping[Expr, Expr], digits
 def _definition(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr]) -> tuple[Enclosure, bool]:
     """Return the average by its definition, and whether it is enclosed for certain."""
     shapes = {symbol: value for symbol, value in point.items() if symbol != symbols.V}
-    kinks = kinks_of(profile, shapes)
 
     def enclosed() -> arb:
-        value = average_ball(profile, shapes, kinks, criterion, ball(point[symbols.V]).real)
+        value = average_ball(profile, shapes, criterion, ball(point[symbols.V]).real)
         if not value.is_finite():
             raise NotConverged(f"the average of {profile} is not enclosed")
         return value
@@ -123,15 +121,7 @@ def _definition(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr])
         return enclosure_of(refined(enclosed, _BITS, _MOST_BITS)), True
     # The profile is infinite at v = 0, or holds a function that is not enclosed.
     mu = function_of([symbols.v], profile.xreplace(shapes), "mpmath")
-    number = exact(quadrature.average(mu, kinks, criterion, point[symbols.V], _QUADRATURE_DIGITS), "value")
-    margin = abs(number) / sp.Integer(10) ** (_QUADRATURE_DIGITS - _LOST)
+    kinks, digits = kinks_at(profile, shapes), _QUADRATURE_DIGITS
+    number = exact(quadrature.average(mu, kinks, criterion, point[symbols.V], digits), "value")
+    margin = abs(number) / sp.Integer(10) ** (digits - _LOST)
     return Enclosure.of(number - margin, number + margin), False
-
-
-def kinks_of(profile: Expr, shapes: Mapping[Expr, Expr | acb]) -> list[Expr]:
-    """Return the places v > 0 of the kinks and jumps of a profile, ascending."""
-    found = {place.xreplace(dict(shapes)) for place in places(profile)}
-    if not all(place.is_real for place in found):
-        raise InputError(f"a kink of {profile} is at no real place")
-    numbers = {place if place.is_Rational else place.evalf(_PLACE_DIGITS) for place in found}
-    return sorted(place for place in numbers if place > 0)

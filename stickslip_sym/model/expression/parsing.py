@@ -22,14 +22,14 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, in_laws, power
 from stickslip_sym.core.numbers import bits, suggestion, within
-from stickslip_sym.model.expression.pieces import Bound, absolute, bound_of, in_pieces, larger, sign, smaller
+from stickslip_sym.model.expression.pieces import Bound, bound_of, in_pieces, larger, sign, smaller
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 """What a name looks like: ASCII letters, digits and underscores, at most 40."""
 
 KINKED: dict[str, Callable[..., Expr]] = {
-    "Abs": absolute, "Min": lambda *parts: reduce(smaller, parts), "Max": lambda *parts: reduce(larger, parts),
-    "sign": sign,
+    "Abs": lambda x: larger(x, -x), "Min": lambda *parts: reduce(smaller, parts),
+    "Max": lambda *parts: reduce(larger, parts), "sign": sign,
 }  # fmt: skip
 """The functions that make kinks; Min and Max take two arguments or more."""
 

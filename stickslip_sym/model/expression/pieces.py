@@ -14,16 +14,15 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.balls import chosen
+from stickslip_sym.core.balls import chosen, number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import power, row
 
 Cases: TypeAlias = list[tuple[Expr, Expr | None]]
 """Smooth pieces of an expression in order, and the place where each ends; None is beyond every place."""
 
-_MOST_UNORDERED = 6  # arguments of a Max whose order is unknown: SymPy compares all pairs of them, at length
+_MOST_UNORDERED = 6  # parameters in Max and Min whose order is unknown: SymPy compares all pairs, at length
 _MOST_PIECES = 64
-_UNKNOWN_ORDER = "Min and Max of parameters of unknown order stand in each other; say which is larger"
 
 
 # -- the pieces of an expression -------------------------------------------------------------------
@@ -111,6 +110,21 @@ def places(expr: Expr) -> list[Expr]:
     return list(dict.fromkeys(end for node in kinked(expr) for _, end in _ends(node) if end is not None))
 
 
+def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[Expr]:
+    """Return the slip speeds v > 0 at which an expression or its slope may jump, exact and ascending.
+
+    Raises
+    ------
+    InputError
+        For a place that is not real at the values of the parameters.
+    """
+    speeds = {number_at(place, point) for place in places(expr)}
+    for speed in speeds:
+        if not speed.is_real:
+            raise InputError(f"{what} has a kink at v = {str(speed)[:40]}, which is not real")
+    return sorted(speed for speed in speeds if speed > 0)
+
+
 def jumps(expr: Expr) -> list[tuple[Expr, Expr]]:
     """Return the places where an expression itself may jump, and by how much: its right minus its left limit."""
     heights: list[tuple[Expr, Expr]] = []
@@ -192,11 +206,6 @@ def sign(expr: Expr) -> Expr:
     return _select(sp.Integer(1), sp.Integer(-1), expr, sp.Max)
 
 
-def absolute(expr: Expr) -> Expr:
-    """Return abs(expr), in pieces where it changes sign with v."""
-    return larger(expr, -expr)
-
-
 def smaller(first: Expr, second: Expr) -> Expr:
     """Return the smaller of two expressions, in pieces, as `larger` does."""
     return _select(second, first, first - second, sp.Min)
@@ -221,10 +230,9 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
     # Expanding could take very long; a difference that is linear has a slope without v as it stands.
     slope, offset = sp.diff(difference, symbols.v), difference.subs(symbols.v, 0)
     if slope == 0:
-        if any(part.has(sp.Max, sp.Min) and not isinstance(part, constant) for part in (above, below)):
-            raise InputError(_UNKNOWN_ORDER)
         result = constant(above, below)
-        if len(result.args) > _MOST_UNORDERED and isinstance(result, constant):
+        unordered = [node for node in sp.preorder_traversal(result) if isinstance(node, sp.Max | sp.Min)]
+        if sum(len(node.args) - 1 for node in unordered) >= _MOST_UNORDERED:
             raise InputError(f"Abs, Min and Max of more than {_MOST_UNORDERED} parameters of unknown order")
         return result
     if not slope.has(symbols.v):

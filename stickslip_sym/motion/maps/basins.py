@@ -25,8 +25,7 @@ from stickslip_sym.motion.maps.drawing import paint, regions_of_motions
 from stickslip_sym.motion.maps.table import Axis, Table, count_of, read_values, require_few
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import followed
-from stickslip_sym.motion.regimes.phase_plane import phase_plane
-from stickslip_sym.motion.regimes.regime import Regime, by_side, regime
+from stickslip_sym.motion.regimes.regime import Regime, kept_regime, regime
 from stickslip_sym.motion.regimes.separatrix import Separatrix
 from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import files
@@ -191,7 +190,7 @@ def basin_map(
     require_few(x.size, v.size)
     with deadline.time_limit(time_limit):
         found = regime(law, osc, rtol=FINEST)
-        sides = by_side(found, x, v[:, None])
+        sides = found.by_side(x, v[:, None])
         motion = sides.copy()
         known = np.flatnonzero(motion)
         check = np.random.default_rng(_SEED).choice(known, min(known.size, _CHECKED), replace=False)
@@ -239,13 +238,13 @@ def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, floa
     if found.basins is None:
         return {}
     osc = found.oscillator
-    least = [0.0 if one.kind == "graze" else float(one.curve.w(0.0)) for one in found.separatrices]
-    coarse = phase_plane(found.law, osc, _COARSE).curves(least)
+    least = [0.0 if one.kind == "graze" else float(one.w(0.0)) for one in found.separatrices]
+    coarse = kept_regime(found.law, osc, _COARSE).curves(least)
     q, w = (np.array(x0) - osc.onset(found.law)) / osc.length, np.clip(1 - np.array(v0[::-1]) / osc.V, 0.0, None)
     whole = float(q[1] - q[0]) * (v0[1] - v0[0]) / osc.V
 
     def areas(separatrices: Sequence[Separatrix]) -> dict[Motion, float]:
-        inside = [0.0, *(float(one.curve.area_within(q, w)) / whole for one in separatrices), 1.0]
+        inside = [0.0, *(float(one.area_within(q, w)) / whole for one in separatrices), 1.0]
         shares = dict.fromkeys(found.basins or (), 0.0)
         for motion, (low, high) in zip(found.basins or (), pairwise(inside), strict=True):
             shares[motion] += high - low

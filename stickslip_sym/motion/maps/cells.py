@@ -3,9 +3,8 @@
 Damping rotates the field of directions in the plane of x and x' one way, and moves P, where every forward stick
 phase ends, inwards. So the slip that leaves P returns, and there is stick-slip, exactly where c lies below the
 exact threshold. The damping d(A) that a slip orbit of amplitude A V needs gives every slip cycle as a root of
-d(A) = c, stable where d falls; d(0) is the equilibrium's threshold, below which rest is unstable. So where many
-dampings share an operating point, d decides them all. Where each has its own, the gap of the halves of an orbit is
-enough: it has the sign of d(A) - c.
+d(A) = c, stable where d falls; d(0) is the equilibrium's threshold, below which rest is unstable. The gap of the
+halves of an orbit is enough to decide: it has the sign of d(A) - c.
 
 A law with mu(0+) = 0 holds no mass. Where the slip from P returns then, motions go out to one that overtakes the
 belt each round, since damping and friction bring those far out back in.
@@ -29,11 +28,11 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.needed import FOUND, gap, needed
+from stickslip_sym.motion.orbits.needed import FOUND, needed, sure_gap
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
-from stickslip_sym.motion.regimes.phase_plane import friction_far_out, rounds
 from stickslip_sym.motion.regimes.regime import regime
+from stickslip_sym.motion.regimes.rounds import friction_far_out, rounds
 from stickslip_sym.motion.roots import closest, orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import slope_mean
@@ -47,7 +46,7 @@ CURVES = {
 """The thresholds of an operating point: their names in legends, and how they are drawn."""
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _STEPS = 1e-11  # tolerance of the steps of orbits
-_UNSURE = 1e-9  # gap of which they do not tell the sign
+_UNSURE = 1e-9  # gap of which they may not tell the sign
 _FOLD = 1e-7  # amplitude to which a fold is found; the damping there is known to its square
 _FINER = 1e-2  # tolerance of the motions of single cells over that of thresholds
 
@@ -132,7 +131,7 @@ def _needed_all(rise: Any, eta: Any, push: Any, A: Any, rtol: float, wedge: Any,
 def _gaps_all(rise: Any, eta: Any, push: Any, A: Any, zeta: Any, rtol: float, wedge: Any, found: Any) -> None:
     """Find the gaps of orbits, of the sign of the needed damping ratio minus the one there is."""
     for i in range(len(A)):
-        found[i, 0] = gap(rise, eta[i], zeta[i], push[i], A[i], rtol, False, 0.0, wedge[2])[0]
+        found[i, 0] = sure_gap(rise, eta[i], zeta[i], push[i], A[i], rtol, wedge[2])[0]
 
 
 class _Decider:
@@ -167,13 +166,14 @@ class _Decider:
         margin = max(self.rtol, _KNOWN) * largest + np.nan_to_num(self.error)
         near = (np.abs(zeta - exact) <= margin) | (np.abs(zeta - equilibrium) <= margin)
         returns, rest = zeta < exact, zeta > equilibrium
-        held, known = self._held(returns)
+        held, escapes, known = self._after_return(returns)
         known &= np.isfinite(exact + equilibrium)
         cycle, stable = self._slip_cycles(near, known, margin)
-        signs = Signs(rest=rest, falls=stable, returns=returns, held=held)
+        signs = Signs(rest=rest, falls=stable, returns=returns & ~escapes, held=held)
         motion, reason = np.full(zeta.shape, Motion.REST), np.full(zeta.shape, Reason.BETWEEN)
         motion[returns | cycle] = Motion.PURE_SLIP
         motion[returns & held] = Motion.STICK_SLIP
+        motion[escapes] = Motion.UNBOUNDED
         reason[~returns & rest & ~cycle] = Reason.ABOVE
         reason[returns & ~rest & ~cycle] = Reason.BELOW
         motion[near], reason[near] = Motion.UNDECIDED, Reason.TOLERANCE
@@ -195,11 +195,11 @@ class _Decider:
             self._follow(cells, i, j)
         return cells
 
-    def _held(self, returns: BoolArray) -> tuple[BoolArray, BoolArray]:
-        """Tell where the motion from x = 0, x' = V sticks for good, and where comparisons decide at all.
+    def _after_return(self, returns: BoolArray) -> tuple[BoolArray, BoolArray, BoolArray]:
+        """Tell where the motion from x = 0, x' = V sticks for good, where it grows without bound, and where known.
 
         Where the slip from P returns beyond what static friction holds the mass overtakes the belt. It may stick
-        after that; else it never sticks again.
+        after that; else it never sticks again. A motion that sticks at first leaves at P; any other is outside.
         """
         zeta, static = self.zeta, self.eta[:, None] * self.table.static
         begin = 2 * zeta - static  # q of the initial condition
@@ -208,17 +208,19 @@ class _Decider:
         def ends(cells: tuple[IntArray, ...], q: FloatArray) -> FloatArray:
             return rounds(self.system, q, _STEPS, eta=self.eta[cells[0]], zeta=zeta[cells], few=0)
 
-        held, known = np.zeros(zeta.shape, dtype=bool), ~returns & (zeta >= 0)
-        cells = np.nonzero(returns & (sticks | (static == 0)))
-        end = ends(cells, np.zeros(cells[0].size))
-        held[cells] = np.isnan(end)
+        end = np.zeros(zeta.shape)
+        cells = np.nonzero(returns)
+        end[cells] = ends(cells, np.zeros(cells[0].size))
+        held, on_it = np.isnan(end), sticks | (static == 0)
         comes_in = self.line.c + self.N * friction_far_out(self.law, self.system.V) >= 0
-        known[cells] = np.isnan(end) | (np.isfinite(end) & (end > 0) & comes_in[cells])
+        escapes = np.isinf(end) & ~comes_in & math.isinf(self.table.reach)
+        known = (held | (np.isfinite(end) & (end > 0) & comes_in)) & on_it | escapes
+        known |= ~returns & ((zeta >= 0) | sticks)
         if self.table.static == 0:
             # The initial condition is outside the orbit from P: it may be held back by one that overtakes.
             cells = np.nonzero(~returns & (zeta >= 0))
             known[cells] = ends(cells, begin[cells]) == 0
-        return held, known
+        return held, escapes, known
 
     def _slip_cycles(self, near: BoolArray, known: BoolArray, margin: FloatArray) -> tuple[BoolArray, BoolArray]:
         """Tell where there is a cycle in pure slip, and a stable one.
@@ -227,17 +229,14 @@ class _Decider:
         """
         zeta, grows_at_rest = self.zeta, self.zeta < self.equilibrium
         jumps = any(self.system.rise.jumps)
-        if zeta.shape[1] > 1 and not jumps:
-            found = orbit_signs(self._needed, zeta, grows_at_rest)
-        else:
-            found = orbit_signs(self._gaps, np.zeros((zeta.size, 1)), grows_at_rest.reshape(-1, 1))
+        found = orbit_signs(self._gaps, grows_at_rest.ravel())
         cycle, stable, grows = (part.reshape(zeta.shape) for part in (found.cycle, found.stable, found.grows))
         if self.table.static == self.table.onset:
             # A cycle may touch the belt's speed but for less than what is looked at.
             last = grows != (zeta < self.exact)
             cycle, stable = cycle | last, stable | last & grows
-        for entry, level, low, high in found.open:
-            i, j = divmod(entry * found.cycle.shape[1] + level, zeta.shape[1])
+        for cell, low, high in found.open:
+            i, j = divmod(cell, zeta.shape[1])
             if jumps:
                 known[i, j] = False
             elif known[i, j] and not near[i, j]:
@@ -249,20 +248,18 @@ class _Decider:
                 known[i, j] = not math.isnan(off)
         return cycle, stable
 
-    def _needed(self, row: IntArray, A: FloatArray) -> FloatArray:
-        return np.asarray(self._orbits(_needed_all, row, A)[:, 0])
-
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""
         rows, zeta = cell // self.zeta.shape[1], self.zeta.ravel()[cell]
         found = self._orbits(_gaps_all, rows, A, zeta)[:, 0]
-        return np.where(np.abs(found) < _UNSURE, math.nan, np.clip(found, -1.0, 1.0))
+        unsure = np.fmin(_UNSURE, 2 * math.pi * self.error[rows, 0])  # of weak friction all gaps are small
+        return np.where(np.abs(found) < unsure, math.nan, np.clip(found, -1.0, 1.0))
 
     def _beside_fold(self, i: int, zeta: float, low: float, high: float) -> tuple[bool, float]:
         """Tell whether the needed damping passes a given one between two amplitudes, and how near it comes."""
 
         def excess(A: float) -> float:
-            return float(self._needed(np.array([i]), np.array([A]))[0]) - zeta
+            return float(self._orbits(_needed_all, np.array([i]), np.array([A]))[0, 0]) - zeta
 
         sign = 1.0 if excess(low) > 0 else -1.0
         _, beyond = closest(excess, low, high, sign, _FOLD)

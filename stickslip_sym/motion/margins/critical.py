@@ -25,7 +25,7 @@ from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.needed import by_zeta, gap
+from stickslip_sym.motion.orbits.needed import sure_gap
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.roots import closest, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
@@ -206,9 +206,8 @@ def _gap(points: OperatingPoints, row: int, c: float) -> float:
         system = Dimensionless.of(points.law, points.oscillator(row, c))
     except NO_RESULT:
         return math.nan
-    value, _, outside, _ = gap(
-        system.rise, system.eta, system.zeta, system.push(1), 1.0, _STEPS, False, 0.0, by_zeta(system)
-    )
+    wedge = tuple(system.no_wedge)
+    value, outside = sure_gap(system.rise, system.eta, system.zeta, system.push(1), 1.0, _STEPS, wedge)
     deadline.check_time()
     return math.nan if outside and math.isfinite(system.w_max) else min(max(float(value), -1.0), 1.0)
 

@@ -18,7 +18,7 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.needed import gap, halves, needed_ratio
+from stickslip_sym.motion.orbits.needed import gap, halves, needed_ratio, sure_gap
 from stickslip_sym.motion.roots import NEAREST, amplitude, closest, orbit_signs, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.output import markup
@@ -26,6 +26,7 @@ from stickslip_sym.output import markup
 _RTOL = 1e-12  # tolerance of the steps
 _NEUTRAL = 3e-12  # gap below which an orbit is periodic within the errors of the steps
 _CLOSE, _FOLD = 1e-14, 1e-9  # tolerances of an amplitude over the belt's speed, and of one at a fold
+_BESIDE = 1e-6  # relative distance inside such an orbit, where the sign of its step is looked at
 _PARTED = 1e-7  # gap of an orbit beside which d jumps; where d is continuous it is that of rounding
 _STRONGEST = 1e-300  # contraction in a round, or backward, that is distinguished from 0
 
@@ -93,33 +94,31 @@ class NeededDamping:
             return -replace(self.system, zeta=0.0).decay(1.0)
         return 2 * needed_ratio(self.system, A, rtol=_RTOL)[0]
 
-    def gap(self, A: float, damping: float) -> tuple[float, float]:
-        """Return the gap of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping, and d gap/dA."""
+    def gap(self, A: float, damping: float) -> float:
+        """Return the gap of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping."""
         system = self.system
-        value, slope, *_ = gap(
-            system.rise, system.eta, damping / 2, 0.0, A, _RTOL, True, -A, tuple(system.no_wedge)
-        )
+        value, _ = sure_gap(system.rise, system.eta, damping / 2, 0.0, A, _RTOL, tuple(system.no_wedge))
         deadline.check_time()
         if math.isnan(value):
             raise NotConverged(
                 f"the slip orbit of amplitude {A * system.V:g} m/s takes too many steps: friction is too strong; "
                 "try simulate()"
             )
-        return (0.0 if abs(value) <= _NEUTRAL else value), slope
+        return 0.0 if abs(value) <= _NEUTRAL else float(value)
 
     def amplitudes(self, damping: float) -> FloatArray:
         """Return the amplitudes, over the belt speed, ascending, of all orbits with a damping over sqrt(k m)."""
         gaps = dict[float, float]()
 
         def gap(A: float) -> float:
-            gaps[A] = self.gap(A, damping)[0]
+            gaps[A] = self.gap(A, damping)
             return gaps[A]
 
         def clipped(_: IntArray, amplitudes: FloatArray) -> FloatArray:
             return np.clip([gap(A) for A in amplitudes.tolist()], -1.0, 1.0)
 
-        found = orbit_signs(clipped, np.zeros((1, 1)), np.zeros((1, 1), dtype=bool))
-        for _, _, low, high in found.open:  # beside a fold: the gap may change its sign twice
+        found = orbit_signs(clipped, np.zeros(1, dtype=bool))
+        for _, low, high in found.open:  # beside a fold: the gap may change its sign twice
             closest(gap, low, high, math.copysign(1.0, gap(low)), _FOLD)
         gap(1.0)
         nodes = sorted(gaps)
@@ -128,9 +127,10 @@ class NeededDamping:
     @cached_property
     def folds(self) -> FloatArray:
         """The amplitudes at which d turns: a stable and an unstable orbit meet there."""
+        system, wedge = self.system, tuple(self.system.no_wedge)
 
         def slope(A: float) -> float:
-            return self.gap(A, self._one(A))[1]
+            return float(gap(system.rise, system.eta, self._one(A) / 2, 0.0, A, _RTOL, True, -A, wedge)[1])
 
         nodes = amplitude(np.linspace(0, 1, 33)).tolist()
         return np.array(list(sign_changes(slope, nodes, [slope(A) for A in nodes], _CLOSE)))
@@ -191,8 +191,8 @@ def _cycle(need: NeededDamping, osc: Oscillator, A: float) -> LimitCycle:
     # A wedge is 0 where its half slides along a jump of mu. Forward, the motions beside it come to lie on it;
     # backward, it is one from which those beside it part at once.
     factor = min(ahead[2] / max(back[2], _STRONGEST), 1 / _STRONGEST)
-    if abs(need.gap(A, 2 * osc.zeta)[0]) > _PARTED:
-        # The orbit touches a speed where mu jumps. Those inside shrink, and the jump throws those outside on: d
-        # rises by a step through the damping that there is.
-        factor = math.inf
+    if abs(need.gap(A, 2 * osc.zeta)) > _PARTED:
+        # The orbit touches a speed where mu jumps, and d steps past the damping that there is. Where it rises
+        # those inside shrink, and the jump throws those outside on; where it falls both come to slide along it.
+        factor = 0.0 if need.gap(A * (1 - _BESIDE), 2 * osc.zeta) > 0 else math.inf
     return LimitCycle.of(osc, A, ahead[3] + back[3], factor)

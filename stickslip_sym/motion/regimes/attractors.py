@@ -15,7 +15,7 @@ class Signs(NamedTuple):
 
     - `rest`: c > d(0), where small motions about rest decay.
     - `falls`: d falls through c somewhere between A = 0 and A = 1: a stable limit cycle in pure slip.
-    - `returns`: c < d(1): the slip from P comes back to the belt's speed.
+    - `returns`: c < d(1): the slip from P comes back to the belt's speed, and then does not grow without bound.
     - `held`: static friction holds the mass at the end of such a slip, or of one that overtakes the belt after it.
     """
 

@@ -18,8 +18,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.regimes.phase_plane import NEAR, PhasePlane, phase_plane
-from stickslip_sym.motion.regimes.regime import by_side, regime
+from stickslip_sym.motion.regimes.regime import NEAR, Regime, kept_regime, regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions
 from stickslip_sym.motion.slip import Slip
 from stickslip_sym.motion.steps import End
@@ -104,7 +103,7 @@ def classify(
         deadline.check_time()  # what is kept from earlier calls may need no look at the time
         if x.size >= _MANY:
             with suppress(StickSlipError):  # where the phase plane is not known, some motions may be decided yet
-                found = by_side(regime(law, osc, rtol=rtol), x, v)
+                found = regime(law, osc, rtol=rtol).by_side(x, v)
         left = ~found.astype(bool)
         found[left] = followed(law, osc, x[left], v[left], rtol=rtol, workers=workers)
     for one in found.flat:
@@ -121,7 +120,7 @@ def followed(
     Slips are followed together, those slower than the belt and those faster, until each motion has come to stick,
     to a peak below the belt's speed, to rest, or round P's orbit.
     """
-    plane = phase_plane(law, osc, rtol)
+    plane = kept_regime(law, osc, rtol)
     system = plane.system
     q, w, side = (x - osc.onset(law)) / osc.length, np.abs(1 - v / osc.V), np.where(v < osc.V, 1.0, -1.0)
     found = np.full(q.shape, None, dtype=object)
@@ -164,7 +163,7 @@ def followed(
     return found
 
 
-def _away(plane: PhasePlane, slip: Slip) -> Motion:
+def _away(plane: Regime, slip: Slip) -> Motion:
     """Return what a slip that came out of the law's table leads to, or raise what kept it from an end."""
     refusal = plane.system.refusal(slip, plane.rtol)
     if refusal is not None:

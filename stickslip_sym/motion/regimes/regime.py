@@ -4,13 +4,21 @@ Damping rotates the field of directions one way, so the transit from P, where ev
 returns to the belt's speed for c below one threshold and not above. Rest attracts for c above -N mu'(V). Neither
 excludes the other: between the two thresholds rest and stick-slip coexist, or a pure-slip limit cycle takes the
 place of both.
+
+An orbit in slip has its peaks of velocity at A V. In a plane orbits do not cross, so from peak to peak A only
+grows or only shrinks, up to the next limit cycle, to rest, or to the belt's speed. A mass that sticks leaves at P,
+so what becomes of it is what becomes of the slip from there. A motion that overtakes the belt and is not held goes
+round outside P's orbit, and its rounds too only grow or only shrink, up to a limit cycle there.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray, ObjectArray
@@ -20,18 +28,27 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.cycles import LimitCycle
+from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles, needed_damping
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
-from stickslip_sym.motion.regimes.phase_plane import NEAR, PhasePlane, phase_plane
-from stickslip_sym.motion.regimes.separatrix import Separatrix
-from stickslip_sym.motion.simulation.cycle import StickSlipCycle
+from stickslip_sym.motion.regimes.rounds import friction_far_out, rounds
+from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated
+from stickslip_sym.motion.roots import NEAREST
+from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
 from stickslip_sym.motion.simulation.simulate import simulate
+from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.steps import End
 from stickslip_sym.output import drawing, markup
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
+NEAR = 100
+"""Tolerances within which an initial condition is on a separatrix, as far as integration can say."""
+_CLOSE = 1e-6  # slip speed over the belt's at a graze, below which its error is measured
+_FIRST, _ESCAPED = 1e-3, 1e6  # displacements q at which a round outside P's is tried first, and last
+_PERIODIC = 1e-9  # relative change of a round that is periodic
+_INWARD, _OUTWARD = 24, 12  # rounds that are looked at on the way in to P's, and out
 _ROUNDING = 1e-14  # of a damping coefficient's terms
 _SAME = 1e-12  # relative, of the belt's speed and a kink
 _SECONDS = 2.0  # of computation, for a curve that is a period of a motion
@@ -44,13 +61,13 @@ _LOOKS: dict[str, dict[str, Any]] = {
     _GRAZE: {"color": "0.45", "linewidth": 1.2, "linestyle": "-."},
     "belt speed": {"color": "black", "linewidth": 0.8, "linestyle": ":", "zorder": 0},
 }
-_PARTS = {
-    "whether the slip from P returns, and stick-slip": ("height", "stick_slip"),
-    "the limit cycles in pure slip": ("slip_cycles", "growth"),
-    "limit cycles that overtake the belt": ("overtaking",),
-    "separatrices": ("separatrices",),
+_PARTS: dict[str, dict[str, Any]] = {
+    "whether the slip from P returns, and stick-slip": {"height": 1.0, "stick_slip": None},
+    "the limit cycles in pure slip": {"slip_cycles": (), "growth": ()},
+    "limit cycles that overtake the belt": {"overtaking": None},
+    "separatrices": {"separatrices": ()},
 }
-"""What a regime needs of the phase plane, in the order in which it is looked for, in words and by name."""
+"""What takes time, in words and in the order in which it is found, and what stands for it where it is late."""
 
 
 @dataclass(frozen=True)
@@ -87,42 +104,297 @@ Attractor = Rest | LimitCycle | StickSlipCycle
 
 @dataclass(frozen=True)
 class Regime(drawing.Drawn):
-    """Every motion that an oscillator has.
+    """Every motion that an oscillator has, and where others lead to: found when it is first asked for, and kept.
 
     Attributes
     ----------
-    rest : Rest
-    stick_slip : StickSlipCycle or None
-    cycles : tuple of LimitCycle
-        All pure-slip limit cycles by ascending amplitude, unstable ones too; the last may overtake the belt.
-    separatrices : tuple of Separatrix
-        From inside out. That of motions without bound, where there are any, is not among them.
-    basins : tuple of Motion or None
-        The motions to which those come that begin inside the first separatrix, between it and the second, ...,
-        outside the last. None where separatrices do not settle it: a motion grows without bound or overtakes the
-        belt, or mu jumps, so that motions may slide at a constant slip speed.
-    unbounded : bool
-        Whether motions far out grow without bound: a negative damping that friction does not outdo, or a
-        coefficient of friction that falls below 0 for good.
-    undecided : tuple of str
-        What lies within the tolerance of a boundary, or was not found within the time limit, in words; empty as
-        a rule.
     law, oscillator : FrictionLaw, Oscillator
         Whose motions they are.
     rtol : float
         Relative tolerance of an integration step.
+    late : tuple of str
+        What was not found within the time limit, in words.
     """
 
-    rest: Rest
-    stick_slip: StickSlipCycle | None
-    cycles: tuple[LimitCycle, ...]
-    separatrices: tuple[Separatrix, ...]
-    basins: tuple[Motion, ...] | None
-    unbounded: bool
-    undecided: tuple[str, ...]
     law: FrictionLaw
     oscillator: Oscillator
     rtol: float
+    late: tuple[str, ...] = ()
+
+    @cached_property
+    def system(self) -> Dimensionless:
+        """The oscillator free of units."""
+        return Dimensionless.of(self.law, self.oscillator)
+
+    @cached_property
+    def height(self) -> float:
+        """The first minimum of the slip speed, over V, after P: 0 where integration cannot tell its sign.
+
+        That is up to the tolerance, and where a tolerance ten times wider changes it by half of itself or more.
+        """
+        height = first_minimum(self.system, 0.0, 0.0, self.rtol)
+        if abs(height) > _CLOSE:
+            return height
+        lost = abs(first_minimum(self.system, 0.0, 0.0, 10 * self.rtol) - height) >= abs(height) / 2
+        return 0.0 if lost or abs(height) <= self.rtol else height
+
+    # -- rest and periodic motions -----------------------------------------------------------------
+
+    @cached_property
+    def rest(self) -> Rest:
+        """The equilibrium."""
+        law, osc, rise = self.law, self.oscillator, self.system.rise
+        x = osc.N * float(law.mu(osc.V)) / osc.k
+        levels = rise.levels
+        kink = next((i for i in range(1, len(levels) - 1) if abs(levels[i] - 1) <= _SAME), None)
+        if kink is None:
+            rate, _ = _swing(osc, law.slope(osc.V))
+            return Rest(x, rate, rate < 0)
+        jump = rise.jumps[kink]
+        sides = [_swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
+        ends_here = any(rate < 0 and math.isinf(time) for rate, time in sides)
+        if jump != 0 and osc.N > 0:
+            # Where mu jumps up it holds the mass as static friction does; where it jumps down it drives it off.
+            return Rest(x, math.copysign(math.inf, -jump), jump > 0, jump < 0 and ends_here)
+        aperiodic = [rate for rate, time in sides if math.isinf(time)]
+        if aperiodic:  # motions on that side do not come back from it
+            rate = max(aperiodic)
+            return Rest(x, rate, rate < 0, rate >= 0 and ends_here)
+        rate = sum(rate * time for rate, time in sides) / sum(time for _, time in sides)
+        return Rest(x, rate, rate < 0)
+
+    @cached_property
+    def slip_cycles(self) -> tuple[LimitCycle, ...]:
+        """The limit cycles in pure slip up to the belt's speed, by ascending amplitude."""
+        return () if self._growth_of_all else limit_cycles(self.law, self.oscillator)
+
+    @cached_property
+    def growth(self) -> tuple[int, ...]:
+        """1 where slip orbits grow, -1 where they shrink, 0 where all are periodic.
+
+        Below the first limit cycle, between two, and above the last: an orbit grows where it needs more damping
+        than there is.
+        """
+        if self._growth_of_all:
+            return (self._growth_of_all,)
+        need, damping = needed_damping(self.law, self.oscillator), 2 * self.oscillator.zeta
+        bounds = [0.0, *(cycle.amplitude / self.oscillator.V for cycle in self.slip_cycles), 1.0]
+        return tuple(int(np.sign(need.gap((low + high) / 2, damping))) for low, high in pairwise(bounds))
+
+    @cached_property
+    def _growth_of_all(self) -> int:
+        """The growth of all slip orbits, where those at one end settle it; else 0.
+
+        The next peak grows with that before it, since orbits do not cross. Friction may be so strong that nothing
+        else can be integrated.
+        """
+        system = self.system
+        turn = system.turn(0.0)
+        if 1 - (first_minimum(system, turn, 0.0, self.rtol) if turn else self.height) <= NEAREST:
+            return -1
+        nearest = system.turn(1 - NEAREST), 1 - NEAREST
+        return int(system.decay(1.0) <= 0 and first_minimum(system, *nearest, self.rtol) <= 0)
+
+    @cached_property
+    def stick_slip(self) -> StickSlipCycle | None:
+        """The stick-slip cycle; None if the slip from P does not come back to stick."""
+        return stick_slip_cycle(self.law, self.oscillator, rtol=self.rtol) if self.height < 0 else None
+
+    @cached_property
+    def overtaking(self) -> LimitCycle | None:
+        """The innermost limit cycle that overtakes the belt each round and never sticks, or None.
+
+        Where friction is weak, N << V sqrt(k m), the mass arrives at the belt's speed where static friction cannot
+        hold it. It overtakes the belt, up to where the work of friction there balances the gain below. A law with
+        mu(0) = 0 never sticks, and its relaxation oscillation is of this kind.
+        """
+        if self.height >= 0 or self.stick_slip is not None or not self._gain(0.0) > 0:
+            return None
+        inner, outer = 0.0, _FIRST
+        while (gain := self._gain(outer)) > 0:
+            inner, outer = outer, 4 * outer
+            if outer > _ESCAPED:
+                return None
+        if math.isnan(gain):
+            return None
+        q = float(brentq(self._gain, inner, outer, xtol=1e-14, rtol=1e-13))
+        system, wedge, rtol = self.system, self.system.no_wedge, self.rtol
+        begin = system.acceleration(q, 0.0, 1)
+        slow = system.slip(q, 0.0, 1, until=End.MINIMUM, rtol=rtol, wedge=wedge, D=-begin)
+        moved = -slow.wedge / slow.rate  # the q at which the mass overtakes the belt, by that of the begin
+        begin = system.acceleration(slow.q, 0.0, -1)
+        fast = system.slip(slow.q, 0.0, -1, rtol=rtol, wedge=wedge, D=-begin * moved)
+        speed = 1 + fast.extremes[-1]
+        return LimitCycle.of(self.oscillator, speed, slow.tau + fast.tau, -fast.wedge / fast.rate)
+
+    @property
+    def cycles(self) -> tuple[LimitCycle, ...]:
+        """All pure-slip limit cycles by ascending amplitude, unstable ones too; the last may overtake the belt."""
+        return (*self.slip_cycles, *([] if self.overtaking is None else [self.overtaking]))
+
+    def _gain(self, q: float) -> float:
+        """Return by how much a round that begins at q >= 0 ends farther out."""
+        return float(rounds(self.system, np.array([q]), self.rtol)[0]) - q
+
+    # -- where other motions go --------------------------------------------------------------------
+
+    def of_peaks(self, peaks: FloatArray) -> ObjectArray:
+        """Return what slip orbits come to whose velocity has peaks below the belt's speed, over V."""
+        places = np.searchsorted([cycle.amplitude / self.oscillator.V for cycle in self.slip_cycles], peaks)
+        found = np.empty(peaks.shape, dtype=object)
+        for place in np.unique(places).tolist():
+            found[places == place] = self.fate(place)
+        for cycle in self.slip_cycles:
+            if not cycle.stable:
+                near = np.abs(cycle.amplitude / self.oscillator.V - peaks) <= NEAR * self.rtol
+                found[near] = Motion.UNDECIDED
+        return found
+
+    def fate(self, place: int) -> Motion:
+        """Return what slip orbits come to that lie beyond so many limit cycles in pure slip."""
+        growth = self.growth[place]
+        if growth == 0 or (place < len(self.slip_cycles) if growth > 0 else place > 0):
+            return Motion.PURE_SLIP
+        return self.returned if growth > 0 else Motion.REST
+
+    @property
+    def at_rest(self) -> Motion:
+        """What a motion that is at rest stays: one that crept to it on one side may leave on the other."""
+        return Motion.REST if self.system.decay(1.0) > 0 else Motion.UNDECIDED
+
+    @cached_property
+    def from_onset(self) -> Motion:
+        """What the slip from P leads to, and with it every motion that sticks."""
+        if self.height > 0:
+            motion: Motion = self.of_peaks(np.array([1 - self.height]))[0]
+            return motion
+        return self.returned
+
+    @cached_property
+    def returned(self) -> Motion:
+        """What an orbit that grows up to the belt's speed leads to: no orbits cross, so where P's goes."""
+        if self.height >= 0:
+            return Motion.UNDECIDED
+        if self.stick_slip is not None:
+            return Motion.STICK_SLIP
+        return self.beyond if self.overtaking is None else Motion.PURE_SLIP
+
+    @property
+    def beyond(self) -> Motion:
+        """What becomes of a motion for which no attractor was found farther out."""
+        return Motion.UNBOUNDED if self.unbounded else Motion.UNDECIDED
+
+    @property
+    def unbounded(self) -> bool:
+        """Whether motions far out grow without bound.
+
+        So they do with a negative damping that friction does not outdo, or a coefficient of friction that falls
+        below 0 for good.
+        """
+        osc = self.oscillator
+        return bool(osc.c + osc.N * friction_far_out(self.law, osc.V) < 0)
+
+    def of_rounds(self, begins: FloatArray, ends: FloatArray) -> ObjectArray:
+        """Return what rounds outside P's orbit lead to, by where they begin and end.
+
+        A periodic one stays. Any other goes on the way it went, unless a round ahead goes the other way: then
+        there is a limit cycle between.
+        """
+        found = np.full(begins.shape, Motion.PURE_SLIP, dtype=object)
+        moved = np.abs(ends - begins) > _PERIODIC * ends
+        if moved.any():
+            near = np.geomspace(ends[moved].min() / _INWARD, ends[moved].max(), _INWARD)
+            ahead = np.append(near, near[-1] * 4.0 ** np.arange(1, _OUTWARD + 1))
+            grow = rounds(self.system, ahead, self.rtol) > ahead
+            away = moved & (ends > begins) & (ends >= ahead[~grow].max(initial=0.0))
+            home = moved & (ends < begins) & (ends <= ahead[grow].min(initial=math.inf))
+            for some, name in ((away, "beyond"), (home, "from_onset")):
+                if some.any():
+                    found[some] = getattr(self, name)
+        return found
+
+    # -- separatrices and basins -------------------------------------------------------------------
+
+    @cached_property
+    def separatrices(self) -> tuple[Separatrix, ...]:
+        """The curves that part basins, from inside out, but for that of motions without bound.
+
+        They are the unstable limit cycles, and, where orbits inside it shrink while those that stick go on, the
+        orbit that just touches the belt's speed.
+        """
+        grazes = self.growth[-1] < 0 and self.stick_slip is not None
+        unstable = [cycle.amplitude for cycle in self.slip_cycles if not cycle.stable]
+        return self.curves([1 - A / self.oscillator.V for A in unstable] + [0.0] * grazes)
+
+    def curves(self, least: list[float]) -> tuple[Separatrix, ...]:
+        """Return the separatrices whose slip speeds, over V, have certain minima: 0 where one grazes."""
+        onset, found = self.oscillator.onset(self.law), []
+        back = self.system.backward
+        for w in least:
+            # Backward, since unstable orbits attract those beside them then.
+            slip = back.slip(-self.system.turn(w), w, until=End.MINIMUM, rtol=self.rtol, recorded=True)
+            if slip.end is not End.OUTSIDE:
+                curve = interpolated(back, slip, self.rtol)
+                found.append(Separatrix("limit cycle" if w else "graze", *curve, onset, self.oscillator))
+        return tuple(found)
+
+    @cached_property
+    def undecided(self) -> tuple[str, ...]:
+        """What lies within the tolerance of a boundary, or was not found in time, in words; empty as a rule."""
+        law, osc, rest, growth = self.law, self.oscillator, self.rest, self.growth
+        words = [f"{part}: not found within the time limit" for part in self.late]
+        if self.height == 0:
+            words.append("the slip from P grazes the belt's speed within the error of the integration")
+        if 0 in growth:
+            words.append("slip orbits neither grow nor shrink")
+        elif abs(rest.rate) * 2 * osc.m <= _ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
+            words.append("rest neither attracts nor repels to first order")
+        if rest.one_sided:
+            words.append("rest attracts motions on one side of it, and repels those on the other")
+        elif growth and rest.rate * growth[0] < 0:
+            kind = "a stable" if rest.rate > 0 else "an unstable"
+            words.append(f"{kind} limit cycle about rest is too small to find")
+        return tuple(words)
+
+    @cached_property
+    def basins(self) -> tuple[Motion, ...] | None:
+        """The motions that draw what begins inside the first separatrix, ..., outside the last.
+
+        None where separatrices do not settle it: a motion grows without bound or overtakes the belt, or mu jumps,
+        so that motions may slide at a constant slip speed.
+        """
+        returns = self.stick_slip is not None
+        if self.undecided or self.unbounded or any(self.system.rise.jumps) or not (self.height > 0 or returns):
+            return None
+        unstable = [place for place, cycle in enumerate(self.slip_cycles, 1) if not cycle.stable]
+        grazes = returns and self.growth[-1] < 0
+        curves = self.separatrices
+        if len(curves) < len(unstable) + grazes or (grazes and not curves[-1].ends_on_belt):
+            return None
+        return (*(self.fate(place) for place in (0, *unstable)), *([Motion.STICK_SLIP] * grazes))
+
+    def by_side(self, x0: FloatArray, v0: FloatArray) -> ObjectArray:
+        """Return what initial conditions lead to, arrays in m and m/s, by the separatrices that surround them.
+
+        What begins outside all separatrices comes to stick, or goes round without sticking as P's orbit does,
+        which lies outside them too: so does what begins faster than the belt, since it can only come down where
+        the mass sticks, or farther out. It is None near a separatrix, and where separatrices do not settle the
+        basins.
+        """
+        motions = np.full(np.broadcast_shapes(x0.shape, v0.shape), None, dtype=object)
+        if self.basins is None:
+            return motions
+        osc = self.oscillator
+        q, w = (x0 - osc.onset(self.law)) / osc.length, 1 - v0 / osc.V
+        around, clear = np.zeros(motions.shape, dtype=np.intp), np.ones(motions.shape, dtype=bool)
+        for separatrix in self.separatrices:
+            inside = separatrix.surrounds(q, np.where(w > 0, w, -1.0), NEAR * self.rtol)
+            around += inside
+            clear &= inside >= 0
+        motions[clear] = np.array(self.basins[::-1], dtype=object)[around[clear]]
+        return motions
+
+    # -- what is said of it ------------------------------------------------------------------------
 
     @property
     def attractors(self) -> tuple[Attractor, ...]:
@@ -210,87 +482,28 @@ def regime(
     """
     law, osc = as_law(law), as_oscillator(osc)
     rtol = read_rtol(rtol)
+    found = kept_regime(law, osc, rtol)
+    late = dict[str, dict[str, Any]]()
     with deadline.time_limit(time_limit):
-        return _found(phase_plane(law, osc, rtol))
+        for words, parts in _PARTS.items():
+            try:
+                for name in parts:
+                    getattr(found, name)
+            except OutOfTime:
+                late[words] = parts
+        if late:
+            known, found = vars(found), replace(found, late=tuple(late))
+            for words, parts in _PARTS.items():
+                vars(found).update({name: late.get(words, known)[name] for name in parts})
+        for name in ("rest", "undecided", "basins"):
+            getattr(found, name)
+    return found
 
 
-def by_side(found: Regime, x0: FloatArray, v0: FloatArray) -> ObjectArray:
-    """Return what initial conditions lead to, arrays in m and m/s, by the separatrices that surround them.
-
-    What begins outside all separatrices comes to stick, or goes round without sticking as P's orbit does, which
-    lies outside them too: so does what begins faster than the belt, since it can only come down where the mass
-    sticks, or farther out. It is None near a separatrix, and where separatrices do not settle the basins.
-    """
-    motions = np.full(np.broadcast_shapes(x0.shape, v0.shape), None, dtype=object)
-    if found.basins is None:
-        return motions
-    osc = found.oscillator
-    q, w = (x0 - osc.onset(found.law)) / osc.length, 1 - v0 / osc.V
-    around, clear = np.zeros(motions.shape, dtype=np.intp), np.ones(motions.shape, dtype=bool)
-    for separatrix in found.separatrices:
-        inside = separatrix.curve.surrounds(q, np.where(w > 0, w, -1.0), NEAR * found.rtol)
-        around += inside
-        clear &= inside >= 0
-    motions[clear] = np.array(found.basins[::-1], dtype=object)[around[clear]]
-    return motions
-
-
-def _found(plane: PhasePlane) -> Regime:
-    """Return what is found until the time is up: then every later part is left out, and named."""
-    law, osc, system = plane.law, plane.oscillator, plane.system
-    parts, undecided = dict[str, Any](), list[str]()
-    for words, names in _PARTS.items():
-        try:
-            parts |= {name: getattr(plane, name) for name in names}
-        except OutOfTime:
-            undecided.append(f"{words}: not found within the time limit")
-    rest, height, growth = _rest(plane), parts.get("height", 1.0), parts.get("growth", ())
-    cycles, separatrices = parts.get("slip_cycles", ()), parts.get("separatrices", ())
-    cycle, overtaking = parts.get("stick_slip"), parts.get("overtaking")
-    if height == 0:
-        undecided.append("the slip from P grazes the belt's speed within the error of the integration")
-    if 0 in growth:
-        undecided.append("slip orbits neither grow nor shrink")
-    elif abs(rest.rate) * 2 * osc.m <= _ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
-        undecided.append("rest neither attracts nor repels to first order")
-    if rest.one_sided:
-        undecided.append("rest attracts motions on one side of it, and repels those on the other")
-    elif growth and rest.rate * growth[0] < 0:
-        kind = "a stable" if rest.rate > 0 else "an unstable"
-        undecided.append(f"{kind} limit cycle about rest is too small to find")
-    basins = None
-    if not (undecided or plane.unbounded or any(system.rise.jumps)) and (height > 0 or cycle):
-        unstable = [place for place, one in enumerate(cycles, 1) if not one.stable]
-        grazes = cycle is not None and growth[-1] < 0
-        basins = (*(plane.fate(place) for place in (0, *unstable)), *([Motion.STICK_SLIP] * grazes))
-        if len(separatrices) < len(basins) - 1 or (grazes and not separatrices[-1].ends_on_belt):
-            basins = None
-    return Regime(
-        rest, cycle, (*cycles, *([overtaking] if overtaking else [])), separatrices, basins, plane.unbounded,
-        tuple(undecided), law, osc, plane.rtol,
-    )  # fmt: skip
-
-
-def _rest(plane: PhasePlane) -> Rest:
-    law, osc, rise = plane.law, plane.oscillator, plane.system.rise
-    x = osc.N * float(law.mu(osc.V)) / osc.k
-    levels = rise.levels
-    kink = next((i for i in range(1, len(levels) - 1) if abs(levels[i] - 1) <= _SAME), None)
-    if kink is None:
-        rate, _ = _swing(osc, law.slope(osc.V))
-        return Rest(x, rate, rate < 0)
-    jump = rise.jumps[kink]
-    sides = [_swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
-    ends_here = any(rate < 0 and math.isinf(time) for rate, time in sides)
-    if jump != 0 and osc.N > 0:
-        # Where mu jumps up it holds the mass as static friction does; where it jumps down it drives it off.
-        return Rest(x, math.copysign(math.inf, -jump), jump > 0, jump < 0 and ends_here)
-    aperiodic = [rate for rate, time in sides if math.isinf(time)]
-    if aperiodic:  # motions on that side do not come back from it
-        rate = max(aperiodic)
-        return Rest(x, rate, rate < 0, rate >= 0 and ends_here)
-    rate = sum(rate * time for rate, time in sides) / sum(time for _, time in sides)
-    return Rest(x, rate, rate < 0)
+@lru_cache(maxsize=256)  # the maps, basins and classification of one operating point ask for the same motions
+def kept_regime(law: FrictionLaw, osc: Oscillator, rtol: float) -> Regime:
+    """Return the regime of an oscillator, with what is known of it already."""
+    return Regime(law, osc, rtol)
 
 
 def _swing(osc: Oscillator, slope: float) -> tuple[float, float]:

@@ -167,8 +167,5 @@ def _column(name: str, value: ArrayLike) -> FloatArray:
     if np.ma.is_masked(value):
         raise InputError(f"{name} has masked entries; drop them, or fill them with a number")
     array: FloatArray = read_array(name, value).astype(np.float64, copy=False)
-    lowest = array.min(initial=np.inf)
-    if lowest < 0 or (lowest == 0 and name != "N"):
-        required = "not be negative" if name == "N" else "be positive"
-        raise InputError(f"{name} = {lowest:g} must {required}: it is the {symbols.QUANTITIES[name].meaning}")
+    symbols.require_sign(name, float(array.min(initial=np.inf)))
     return array

@@ -19,6 +19,7 @@ HELD = LAW.with_static("mu_p", parameters=[ss.Parameter("mu_p", "breakaway", "1"
 KINKED = ss.FrictionLaw("Piecewise((0.5 - 0.3*v, v < 0.7), (0.29, True))")
 JUMP = ss.FrictionLaw("0.2 + 0.2*exp(-3*v)", static="0.6")
 SMOOTHED = ss.FrictionLaw("(0.2 + 0.3*exp(-3*v))*tanh(v/0.2)")  # it never sticks, and overtakes the belt
+RISING = ss.FrictionLaw("0.4 - 0.02*v + 0.3*v^2 + 0.05*v^3")  # it needs a negative damping to stick and slip
 (MEASURED,) = laws_in_pieces(np.random.default_rng(52), 1)
 SPEED = {"V": 0.5, "m": 1, "k": 100}
 PLANES = {
@@ -33,6 +34,7 @@ PLANES = {
     "brown_mcphee": (
         ss.laws.brown_mcphee.typical(), {"x": ("V", [0.3, 0.6]), "y": ("N", [4, 9]), "c": 2, "m": 1, "k": 100},
     ),
+    "rising": (RISING, {"x": ("V", [0.2, 0.6]), "y": ("c", np.linspace(-7, 1, 6))} | POINT),
     "in pieces": (MEASURED, {"x": V, "y": FORCES, "c": 1.5, "m": 1, "k": 100}),
 }  # fmt: skip
 

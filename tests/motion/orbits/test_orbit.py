@@ -1,4 +1,4 @@
-"""Grazing orbits against two solutions in mpmath that share no code with them, and at their limits."""
+"""Grazing orbits against collocation in mpmath, which shares no code with them."""
 
 import mpmath
 import numpy as np
@@ -18,82 +18,6 @@ POINTS = [
 
 def orbit_damping(law, V, k, N=9.81, m=1.0, **options):
     return ss.pure_slip_damping(law, V=V, N=N, m=m, k=k, method="orbit", **({"rtol": 1e-12} | options)).value
-
-
-def series(law, v, w):
-    """Return Taylor coefficients in time of mu(V w) from those of V w, by the law's own recurrence."""
-    p = {name: mpmath.mpf(int(x.p)) / int(x.q) for name, x in law.values.items()}
-    n = len(v) - 1
-    if law.name == "exponential":
-        if n == 0:
-            w["e"] = [mpmath.exp(-p["alpha"] * v[0])]
-        else:
-            w["e"].append(-p["alpha"] * sum(j * v[j] * w["e"][n - j] for j in range(1, n + 1)) / n)
-        return (p["mu_m"] if n == 0 else 0) + (p["mu_s"] - p["mu_m"]) * w["e"][n]
-    assert law.name == "polynomial"
-    w.setdefault("square", []).append(sum(v[j] * v[n - j] for j in range(n + 1)))
-    cube = sum(v[j] * w["square"][n - j] for j in range(n + 1))
-    drop = p["mu_s"] - p["mu_m"]
-    return (p["mu_s"] if n == 0 else 0) - 3 * drop / (2 * p["v_m"]) * v[n] + drop / (2 * p["v_m"] ** 3) * cube
-
-
-def miss(law, V, eta, d, order, step):
-    """Integrate the slip from P by Taylor series to the next minimum of w, and return that minimum.
-
-    q' = 1 - w, w' = eta (mu(0) - mu(V w)) + q - d w, from q = w = 0.
-    """
-    q, w = mpmath.mpf(0), mpmath.mpf(0)
-    onset = series(law, [mpmath.mpf(0)], {})
-    turned = False
-    while True:
-        Q, W, work = [q], [w], {}
-        for n in range(order):
-            mu = series(law, [V * x for x in W], work)
-            rate = eta * ((onset if n == 0 else 0) - mu) + Q[n] - d * W[n]
-            Q.append(((1 if n == 0 else 0) - W[n]) / (n + 1))
-            W.append(rate / (n + 1))
-        slope = [n * W[n] for n in range(1, order + 1)][::-1]
-        end = mpmath.polyval(slope, step)
-        if end < 0:
-            turned = True
-        elif turned:
-            curve = [n * (n - 1) * W[n] for n in range(2, order + 1)][::-1]
-            t = step / 2
-            for _ in range(9):
-                t -= mpmath.polyval(slope, t) / mpmath.polyval(curve, t)
-            return mpmath.polyval(W[::-1], t)
-        q, w = mpmath.polyval(Q[::-1], step), mpmath.polyval(W[::-1], step)
-
-
-@sweep(
-    ("name", "V", "k", "digits", "step"),
-    [
-        ("polynomial", 0.5, 100, 20, "1/8"),
-        ("polynomial", 0.5, 100, 40, "1/16"),
-        ("exponential", 0.25, 4, 40, "1/16"),
-    ],
-    ("polynomial", 0.5, 100, 20, "1/8"),
-)
-def test_the_orbit_is_that_of_a_taylor_integration(name, V, k, digits, step):
-    """The slip from P by Taylor polynomials of as many digits as degrees; the graze by the secant method."""
-    law = ss.laws.catalogue[name].typical()
-    found = orbit_damping(law, V, float(k))
-    with mpmath.workdps(digits + 5):
-        step, agrees = mpmath.mpf(1) / int(step[2:]), mpmath.mpf(10) ** (5 - digits)
-        impedance = mpmath.sqrt(k)
-        speed, force = mpmath.mpf(V), mpmath.mpf(9.81)
-        eta = force / (speed * impedance)
-        d = [found * (1 + shift) / impedance for shift in (mpmath.mpf(0), mpmath.mpf("1e-9"))]
-        value = [miss(law, speed, eta, x, digits, step) for x in d]
-        for _ in range(3):
-            d.append(d[-1] - value[-1] * (d[-1] - d[-2]) / (value[-1] - value[-2]))
-            value.append(miss(law, speed, eta, d[-1], digits, step))
-            if abs(d[-1] - d[-2]) < agrees * abs(d[-1]):
-                break
-        assert abs(value[-1]) < agrees
-        assert abs(found / (d[-1] * impedance) - 1) < EXACT
-        # Another damping, a millionth off, does not graze.
-        assert abs(miss(law, speed, eta, d[-1] * (1 + mpmath.mpf("1e-6")), digits, step)) > 1e-9
 
 
 def collocated(law, V, k, points, N=9.81):

@@ -103,6 +103,15 @@ def test_the_lowest_slip_speed_is_mpmath_s(name, c, digits, friction):
         assert abs(middle - truth) < MP(10) ** (3 - digits)
 
 
+@sweep(("name", "friction"), [(name, friction) for name, _, _, friction in BY_MPMATH], 1)
+def test_the_orbit_grazes_by_mpmath(name, friction):
+    """Newton's step from its threshold, over two of mpmath's motions, is as small as its error."""
+    found = ss.pure_slip_damping(LAWS[name], V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-12).value
+    lowest, off = (by_mpmath(friction, repr(found * factor), 20) for factor in (1, 1 + 1e-6))
+    assert abs(off) > 1e-7
+    assert abs(lowest / (off - lowest)) * 1e-6 < 1e-12
+
+
 def random_box(rng, law):
     with working_precision(200):
         (segment, *_) = point(law).segments(R(rng.randint(1, 400), 100))
