@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import FloatArray, ObjectArray
+from stickslip_sym.core.aliases import ObjectArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
@@ -199,15 +199,17 @@ def basin_map(
         rows, columns = np.nonzero(chosen)
         points = np.array([x[columns], v[rows]])
         tasks = [points[:, i : i + _TOGETHER] for i in range(0, rows.size, _TOGETHER)]
-        results = collect(partial(_followed, law, osc, rtol), tasks, workers=workers, progress=progress)
+        results = collect(partial(followed, law, osc, rtol), tasks, workers=workers, progress=progress)
         share = dict[Motion, Share]()
         if min(x.size, v.size) > 1:
             with suppress(OutOfTime):
                 share = shares_by_area(found, (x[0], x[-1]), (v[0], v[-1]))
-    fates = np.full(rows.size, OutOfTime(LATE), dtype=object)
-    for i, part in enumerate(results):
-        if part is not None:
-            fates[i * _TOGETHER : i * _TOGETHER + len(part)] = part
+    late = OutOfTime(LATE)
+    fates = [
+        fate
+        for task, part in zip(tasks, results, strict=True)
+        for fate in ([late] * task.shape[1] if part is None else part)
+    ]
     notes, disagreements = dict[tuple[int, int], str](), 0
     for place, fate in zip(zip(rows.tolist(), columns.tolist(), strict=True), fates, strict=True):
         motion[place] = fate if isinstance(fate, Motion) else Motion.UNDECIDED
@@ -223,11 +225,6 @@ def basin_map(
             value = count / motion.size
             share[one] = Share(value, math.sqrt(value * (1 - value) / motion.size), counted=True)
     return BasinMap(axes, law, asdict(osc), motion, found, share, len(fates), disagreements, notes)
-
-
-def _followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray) -> ObjectArray:
-    """Return what initial conditions lead to, of rows x0 and v0, or the errors in their places."""
-    return followed(law, osc, *points, rtol=rtol)
 
 
 def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, float]) -> dict[Motion, Share]:
