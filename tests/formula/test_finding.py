@@ -21,6 +21,7 @@ u, V, s, HARMONIC = ss.symbols.v, ss.symbols.V, ss.symbols.s, ss.criteria.harmon
 p, q = sp.symbols("p q", positive=True)
 SLIGHTLY = 1 + sp.Rational(1, 10**30)
 THIRD, EIGHTH = sp.Rational(1, 3), sp.Rational(1, 8)
+STEEP = sp.Rational(3, 4)  # gamma functions give v^-STEEP a moment, but its average diverges
 
 BOTH = {
     "a polynomial": lambda a, b, c: a * u**3 - b * u + c,
@@ -192,7 +193,7 @@ TAMPERED = {
     "a pole in V": (u**0, 1 / V),
     "a pole on the way": (1 / (u - 1), average(1 / (u + p)).subs(p, -1)),
     "a kink on the way": (sp.sqrt(u**2 - 2 * u + 1), sp.Integer(1)),
-    "a power that has no average": (u ** sp.Rational(-3, 4), average(sp.sqrt(u)) / V),
+    "a power that has no average": (u**-STEEP, STEEP * V ** -(STEEP + 1) * HARMONIC.mean_power(-STEEP - 1)),
     "a parameter for another": (1 / (u + p), root_of(2 * V).subs(p, q)),
 }
 
