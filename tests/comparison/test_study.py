@@ -225,6 +225,8 @@ def test_the_headline_is_a_decision(c):
     assert study.headline.startswith(HEADLINES[c])
     assert "m = 1 kg (default)" in str(study)
     assert ", N = 9.81 N, m = 1 kg (default), k = 100 N/m. Motions come to " in repr(study)
+    sure = ss.study(ss.laws.linear.typical(), study.oscillator, errors={"N": "9.81(1)"}).headline
+    assert f"P {'> 0.999' if c < 1.4715 else '< 0.001'} that stick-slip is possible" in sure
 
 
 @pytest.mark.parametrize(
