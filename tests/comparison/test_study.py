@@ -263,10 +263,10 @@ def test_second_order_without_time_is_named(monkeypatch):
         raise ss.OutOfTime("the time limit was reached")
 
     monkeypatch.setattr(Threshold, "nonlinearity", property(late))
-    law, osc, errors = point(1)
+    law, osc, errors = point(0)
     study = ss.study(law, osc, errors=errors, time_limit=300)
     why = "The second order of its standard error could not be computed: the time limit was reached."
     assert why in study.findings
-    assert study.needed[1] == studied(1).needed[1]
+    assert study.needed[1] == studied(0).needed[1]
     text = "".join(check_well_formed(drawn_without(study, monkeypatch)).itertext())
     assert "To second order it could not be computed." in text

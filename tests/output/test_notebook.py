@@ -67,7 +67,7 @@ SAID = {
     "law": ("exponential", "s/m", "decay rate", "source: Won & Chung 2016", r"\mu(v) = "),
     "sampled": ("piecewise cubic of 3",),
     "form": ("kg/s", "PROVED: 3 steps"), "derivation": ("split the law into terms", "the difference reduces to 0"),
-    "refuted": ("REFUTED: left",), "threshold": ("c in kg/s", "2.573078879", "simulation"),
+    "refuted": ("REFUTED: left",), "threshold": ("c in kg/s", "2.573078879", "orbit"),
     "thresholds": ("0, 4", "...", "2, 9"), "unknown": ("unknown",), "cycle": ("stick_time", "m/s"),
     "limit_cycle": ("unstable pure-slip limit cycle", "1/s"), "speed": ("m/s",),
     "regime": ("rest at x = 0.0261867 m", "attracts", "does not attract", "stick-slip of period"),

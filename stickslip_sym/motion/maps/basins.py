@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import FloatArray, ObjectArray
+from stickslip_sym.core.aliases import ObjectArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
@@ -199,15 +199,17 @@ def basin_map(
         rows, columns = np.nonzero(chosen)
         points = np.array([x[columns], v[rows]])
         tasks = [points[:, i : i + _TOGETHER] for i in range(0, rows.size, _TOGETHER)]
-        results = collect(partial(_followed, law, osc, rtol), tasks, workers=workers, progress=progress)
+        results = collect(partial(followed, law, osc, rtol), tasks, workers=workers, progress=progress)
         share = dict[Motion, Share]()
         if min(x.size, v.size) > 1:
             with suppress(OutOfTime):
                 share = shares_by_area(found, (x[0], x[-1]), (v[0], v[-1]))
-    fates = np.full(rows.size, OutOfTime(LATE), dtype=object)
-    for i, part in enumerate(results):
-        if part is not None:
-            fates[i * _TOGETHER : i * _TOGETHER + len(part)] = part
+    late = OutOfTime(LATE)
+    fates = [
+        fate
+        for task, part in zip(tasks, results, strict=True)
+        for fate in ([late] * task.shape[1] if part is None else part)
+    ]
     notes, disagreements = dict[tuple[int, int], str](), 0
     for place, fate in zip(zip(rows.tolist(), columns.tolist(), strict=True), fates, strict=True):
         motion[place] = fate if isinstance(fate, Motion) else Motion.UNDECIDED
@@ -225,11 +227,6 @@ def basin_map(
     return BasinMap(axes, law, asdict(osc), motion, found, share, len(fates), disagreements, notes)
 
 
-def _followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray) -> ObjectArray:
-    """Return what initial conditions lead to, of rows x0 and v0, or the errors in their places."""
-    return followed(law, osc, *points, rtol=rtol)
-
-
 def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, float]) -> dict[Motion, Share]:
     """Return the shares of a box of initial conditions, by the areas inside the separatrices.
 
@@ -238,13 +235,13 @@ def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, floa
     if found.basins is None:
         return {}
     osc = found.oscillator
-    least = [0.0 if one.kind == "graze" else float(one.curve.w(0.0)) for one in found.separatrices]
+    least = [0.0 if one.kind == "graze" else float(one.w(0.0)) for one in found.separatrices]
     coarse = kept_regime(found.law, osc, _COARSE).curves(least)
     q, w = (np.array(x0) - osc.onset(found.law)) / osc.length, np.clip(1 - np.array(v0[::-1]) / osc.V, 0.0, None)
     whole = float(q[1] - q[0]) * (v0[1] - v0[0]) / osc.V
 
     def areas(separatrices: Sequence[Separatrix]) -> dict[Motion, float]:
-        inside = [0.0, *(float(one.curve.area_within(q, w)) / whole for one in separatrices), 1.0]
+        inside = [0.0, *(float(one.area_within(q, w)) / whole for one in separatrices), 1.0]
         shares = dict.fromkeys(found.basins or (), 0.0)
         for motion, (low, high) in zip(found.basins or (), pairwise(inside), strict=True):
             shares[motion] += high - low

@@ -46,7 +46,7 @@ CURVES = {
 """The thresholds of an operating point: their names in legends, and how they are drawn."""
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _STEPS = 1e-11  # tolerance of the steps of orbits
-_UNSURE = 1e-9  # gap of which they do not tell the sign
+_UNSURE = 1e-9  # gap of which they may not tell the sign
 _FOLD = 1e-7  # amplitude to which a fold is found; the damping there is known to its square
 _FINER = 1e-2  # tolerance of the motions of single cells over that of thresholds
 
@@ -252,7 +252,8 @@ class _Decider:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""
         rows, zeta = cell // self.zeta.shape[1], self.zeta.ravel()[cell]
         found = self._orbits(_gaps_all, rows, A, zeta)[:, 0]
-        return np.where(np.abs(found) < _UNSURE, math.nan, np.clip(found, -1.0, 1.0))
+        unsure = np.fmin(_UNSURE, 2 * math.pi * self.error[rows, 0])  # of weak friction all gaps are small
+        return np.where(np.abs(found) < unsure, math.nan, np.clip(found, -1.0, 1.0))
 
     def _beside_fold(self, i: int, zeta: float, low: float, high: float) -> tuple[bool, float]:
         """Tell whether the needed damping passes a given one between two amplitudes, and how near it comes."""

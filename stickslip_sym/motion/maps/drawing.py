@@ -1,35 +1,19 @@
 """Drawings of maps: regions by colour and hatching, and thresholds as curves."""
 
 from itertools import combinations, cycle
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.motion.maps.table import Axis
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.regimes.attractors import ATTRACTORS
+from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Region
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.path import Path
-
-
-class Region(NamedTuple):
-    """What cells have in common: how they are called and drawn, and their letter in text."""
-
-    name: str
-    color: str
-    hatch: str
-    letter: str
-
-    @property
-    def look(self) -> dict[str, Any]:
-        """Return how it is drawn, with its name for a legend."""
-        line = {"edgecolor": "0.25", "linewidth": 0.5}
-        return {"label": self.name, "facecolor": self.color, "hatch": self.hatch} | line
-
 
 _TOGETHER = [("#56B4E9", "oo"), ("#F0E442", "////"), ("#CC79A7", "xxxx"), ("#D55E00", "++")]
 """Colours and hatching of regions with several attractors, after Okabe and Ito like those of one."""
@@ -42,12 +26,10 @@ _LOGARITHMIC = 30.0  # ratio of an axis's ends from which equal ratios are drawn
 
 def regions_of_attractors() -> dict[tuple[str, ...], Region]:
     """Return the regions by the names of their attractors."""
-    found: dict[tuple[str, ...], Region] = {
-        (kind.name,): Region(kind.label, kind.color, kind.hatch, kind.letter) for kind in ATTRACTORS
-    }
+    found: dict[tuple[str, ...], Region] = {(kind.name,): kind.region for kind in ATTRACTORS}
     together = [kinds for count in range(2, len(ATTRACTORS) + 1) for kinds in combinations(ATTRACTORS, count)]
     for kinds, (color, hatch), letter in zip(together, cycle(_TOGETHER), cycle(_LETTERS)):
-        *first, last = [kind.label for kind in kinds]
+        *first, last = [kind.region.name for kind in kinds]
         name = f"{', '.join(first)} or {last}, by the initial condition"
         found[tuple(kind.name for kind in kinds)] = Region(name, color, hatch, letter)
     return found
@@ -55,9 +37,7 @@ def regions_of_attractors() -> dict[tuple[str, ...], Region]:
 
 def regions_of_motions() -> dict[Motion, Region]:
     """Return the regions of initial conditions by the motions that they lead to."""
-    found = {
-        kind.motion: Region(f"comes to {kind.label}", kind.color, kind.hatch, kind.letter) for kind in ATTRACTORS
-    }
+    found = {kind.motion: kind.region._replace(name=f"comes to {kind.region.name}") for kind in ATTRACTORS}
     return found | {Motion.UNBOUNDED: UNBOUNDED, Motion.UNDECIDED: UNDECIDED}
 
 

@@ -16,10 +16,10 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Line, Reason, decide, reason_of
-from stickslip_sym.motion.maps.drawing import FAILED, UNBOUNDED, UNDECIDED, Region, paint, regions_of_attractors
+from stickslip_sym.motion.maps.drawing import FAILED, UNBOUNDED, UNDECIDED, paint, regions_of_attractors
 from stickslip_sym.motion.maps.table import Axis, AxisValues, Table, count_of, read_plane
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.regimes.attractors import ATTRACTORS
+from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Region
 from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import files
 

@@ -26,6 +26,7 @@ from stickslip_sym.output import markup
 _RTOL = 1e-12  # tolerance of the steps
 _NEUTRAL = 3e-12  # gap below which an orbit is periodic within the errors of the steps
 _CLOSE, _FOLD = 1e-14, 1e-9  # tolerances of an amplitude over the belt's speed, and of one at a fold
+_BESIDE = 1e-6  # relative distance inside such an orbit, where the sign of its step is looked at
 _PARTED = 1e-7  # gap of an orbit beside which d jumps; where d is continuous it is that of rounding
 _STRONGEST = 1e-300  # contraction in a round, or backward, that is distinguished from 0
 
@@ -191,7 +192,7 @@ def _cycle(need: NeededDamping, osc: Oscillator, A: float) -> LimitCycle:
     # backward, it is one from which those beside it part at once.
     factor = min(ahead[2] / max(back[2], _STRONGEST), 1 / _STRONGEST)
     if abs(need.gap(A, 2 * osc.zeta)) > _PARTED:
-        # The orbit touches a speed where mu jumps. Those inside shrink, and the jump throws those outside on: d
-        # rises by a step through the damping that there is.
-        factor = math.inf
+        # The orbit touches a speed where mu jumps, and d steps past the damping that there is. Where it rises
+        # those inside shrink, and the jump throws those outside on; where it falls both come to slide along it.
+        factor = 0.0 if need.gap(A * (1 - _BESIDE), 2 * osc.zeta) > 0 else math.inf
     return LimitCycle.of(osc, A, ahead[3] + back[3], factor)

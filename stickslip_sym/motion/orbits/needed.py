@@ -38,6 +38,7 @@ _SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance
 _STRONG, _STIFF = 30.0, 1e-9  # eta from which halves are stiff, and the tolerance there, unless digits are wanted
 _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
 _NEAR = 1e-2  # gap at which the tight tolerance is taken
+_SHOWN = 1e-4  # gap above which coarse steps show its sign; they are off by a hundredth of that
 _SLOW = 0.5  # of the gap before, above which the tight steps are as good as they get
 _SLOPED = 1e-4  # relative error of the slope by coarse steps
 _DONE = 1e-10  # gap after which the next secant is the last one
@@ -135,7 +136,7 @@ def sure_gap(rise: Any, eta: float, zeta: float, push: float, A: float, rtol: fl
     """Return the gap, and whether the forward half left the table: by coarse steps where they show its sign."""
     coarse = _STIFF if abs(eta) > _STRONG else _COARSE
     value, _, outside, _ = gap(rise, eta, zeta, push, A, coarse, False, 0.0, source)
-    if outside or not _NEAR < abs(value) < math.inf:
+    if outside or not _SHOWN < abs(value) < math.inf:
         value, _, outside, _ = gap(rise, eta, zeta, push, A, rtol, False, 0.0, source)
     return value, outside
 

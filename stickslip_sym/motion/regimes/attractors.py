@@ -10,6 +10,21 @@ from stickslip_sym.core.aliases import BoolArray
 from stickslip_sym.motion.motion import Motion
 
 
+class Region(NamedTuple):
+    """What cells have in common: how they are called and drawn, and their letter in text."""
+
+    name: str
+    color: str
+    hatch: str
+    letter: str
+
+    @property
+    def look(self) -> dict[str, Any]:
+        """Return how it is drawn, with its name for a legend."""
+        line = {"edgecolor": "0.25", "linewidth": 0.5}
+        return {"label": self.name, "facecolor": self.color, "hatch": self.hatch} | line
+
+
 class Signs(NamedTuple):
     """What comparisons with the needed damping d(A) of slip orbits say of dampings c, as arrays.
 
@@ -30,18 +45,14 @@ class AttractorKind(NamedTuple):
 
     - `name`: in files, and as the key of `MotionMap.attractors`.
     - `motion`: that of what comes to it.
-    - `label`: in legends.
-    - `letter`, `color`, `hatch`: of a region of a map where this is the only attractor.
+    - `region`: of a map, where this is the only attractor.
     - `of`: returns those of this kind in a `Regime`.
     - `exists`: returns for which dampings there is one.
     """
 
     name: str
     motion: Motion
-    label: str
-    letter: str
-    color: str
-    hatch: str
+    region: Region
     of: Callable[[Any], tuple[Any, ...]]
     exists: Callable[[Signs], BoolArray]
 
@@ -49,17 +60,17 @@ class AttractorKind(NamedTuple):
 # Colours of Okabe and Ito, which colour-blind people tell apart, lightened.
 ATTRACTORS = [
     AttractorKind(
-        "rest", Motion.REST, "rest", ".", "#BFE0F5", "",
+        "rest", Motion.REST, Region("rest", "#BFE0F5", "", "."),
         of=lambda regime: (regime.rest,) if regime.rest.stable else (),
         exists=lambda signs: signs.rest,
     ),
     AttractorKind(
-        "pure_slip", Motion.PURE_SLIP, "pure slip", "p", "#009E73", "....",
+        "pure_slip", Motion.PURE_SLIP, Region("pure slip", "#009E73", "....", "p"),
         of=lambda regime: tuple(cycle for cycle in regime.cycles if cycle.stable),
         exists=lambda signs: signs.falls | signs.returns & ~signs.held,
     ),
     AttractorKind(
-        "stick_slip", Motion.STICK_SLIP, "stick-slip", "S", "#E69F00", "",
+        "stick_slip", Motion.STICK_SLIP, Region("stick-slip", "#E69F00", "", "S"),
         of=lambda regime: () if regime.stick_slip is None else (regime.stick_slip,),
         exists=lambda signs: signs.returns & signs.held,
     ),

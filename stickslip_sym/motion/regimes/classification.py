@@ -105,22 +105,20 @@ def classify(
             with suppress(StickSlipError):  # where the phase plane is not known, some motions may be decided yet
                 found = regime(law, osc, rtol=rtol).by_side(x, v)
         left = ~found.astype(bool)
-        found[left] = followed(law, osc, x[left], v[left], rtol=rtol, workers=workers)
+        found[left] = followed(law, osc, rtol, np.array([x[left], v[left]]), workers)
     for one in found.flat:
         if isinstance(one, StickSlipError):
             raise one
     return found if found.ndim else found.item()
 
 
-def followed(
-    law: FrictionLaw, osc: Oscillator, x: FloatArray, v: FloatArray, *, rtol: float, workers: int = 1
-) -> ObjectArray:
-    """Return what initial conditions in a row lead to, or errors, by slips up to where the phase plane knows more.
+def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray, workers: int = 1) -> ObjectArray:
+    """Return what initial conditions, rows x0 and v0, lead to, or errors: by slips, up to where the regime knows.
 
     Slips are followed together, those slower than the belt and those faster, until each motion has come to stick,
     to a peak below the belt's speed, to rest, or round P's orbit.
     """
-    plane = kept_regime(law, osc, rtol)
+    plane, (x, v) = kept_regime(law, osc, rtol), points
     system = plane.system
     q, w, side = (x - osc.onset(law)) / osc.length, np.abs(1 - v / osc.V), np.where(v < osc.V, 1.0, -1.0)
     found = np.full(q.shape, None, dtype=object)

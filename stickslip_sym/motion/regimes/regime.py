@@ -31,7 +31,7 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles, needed_damping
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.regimes.rounds import friction_far_out, rounds
-from stickslip_sym.motion.regimes.separatrix import Separatrix, SlipCurve
+from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated
 from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
 from stickslip_sym.motion.simulation.simulate import simulate
@@ -334,8 +334,8 @@ class Regime(drawing.Drawn):
             # Backward, since unstable orbits attract those beside them then.
             slip = back.slip(-self.system.turn(w), w, until=End.MINIMUM, rtol=self.rtol, recorded=True)
             if slip.end is not End.OUTSIDE:
-                curve = SlipCurve.of(back, slip, self.rtol)
-                found.append(Separatrix("limit cycle" if w else "graze", curve, onset, self.oscillator))
+                curve = interpolated(back, slip, self.rtol)
+                found.append(Separatrix("limit cycle" if w else "graze", *curve, onset, self.oscillator))
         return tuple(found)
 
     @cached_property
@@ -388,7 +388,7 @@ class Regime(drawing.Drawn):
         q, w = (x0 - osc.onset(self.law)) / osc.length, 1 - v0 / osc.V
         around, clear = np.zeros(motions.shape, dtype=np.intp), np.ones(motions.shape, dtype=bool)
         for separatrix in self.separatrices:
-            inside = separatrix.curve.surrounds(q, np.where(w > 0, w, -1.0), NEAR * self.rtol)
+            inside = separatrix.surrounds(q, np.where(w > 0, w, -1.0), NEAR * self.rtol)
             around += inside
             clear &= inside >= 0
         motions[clear] = np.array(self.basins[::-1], dtype=object)[around[clear]]

@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
-from numpy.polynomial import Chebyshev, Polynomial, chebyshev
+from numpy.polynomial import chebyshev
 from scipy.interpolate import PPoly
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
@@ -20,47 +20,43 @@ SeparatrixKind = Literal["limit cycle", "graze"]
 _SAMPLES = 257  # of a separatrix, in its public arrays
 _DEGREE = 12  # of the polynomials within a step, whose remainder is below the tolerance of steps of order 8
 _NODES = (1 + chebyshev.chebpts2(_DEGREE + 1)) / 2
-_CHEBYSHEV = np.linalg.inv(chebyshev.chebvander(2 * _NODES - 1, _DEGREE))
-_POWERS = np.zeros((_DEGREE + 1, _DEGREE + 1))  # of the Chebyshev polynomials on (0, 1), the highest first
-for _k in range(_DEGREE + 1):
-    _POWERS[_DEGREE - _k :, _k] = Chebyshev.basis(_k, domain=[0, 1]).convert(kind=Polynomial).coef[::-1]
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(_DEGREE)  # exact for the product q w' of two such polynomials
 _ON_BELT = 1e-9  # slip speed over the belt's, at the end of an orbit that returns
 _HALVINGS = 60  # bisections of a step, after which a place on it is known to rounding
 
 
-@dataclass(frozen=True)
-class SlipCurve:
-    """A slip below the belt's speed: displacement q and slip speed w, free of units.
+def interpolated(back: Dimensionless, slip: Slip, rtol: float) -> tuple[Any, Any]:
+    """Return q and w along a recorded slip of a system backward in time, as polynomials in each of its steps."""
+    steps = [step for step in slip.steps if step.length > 0]
+    tau = np.array([step.tau + step.length * _NODES for step in steps]).ravel()
+    q, w = back.states(steps, np.repeat(np.arange(len(steps)), _NODES.size), tau, 1, rtol)
+    powers, number = np.vander(_NODES, _DEGREE + 1), np.arange(len(steps) + 1.0)
+    q, w = (np.linalg.solve(powers, values.reshape(-1, _NODES.size).T) for values in (-q, w))
+    return PPoly(q, number), PPoly(w, number)
+
+
+@dataclass(frozen=True, repr=False)
+class Separatrix:
+    """A curve in the phase plane that parts two basins of attraction: a slip below the belt's speed.
 
     Attributes
     ----------
+    kind : str
+        "limit cycle": an unstable one, closed; "graze": the orbit that just touches the belt's speed, closed by
+        the part of the line v = V between its ends.
     q, w : scipy.interpolate.PPoly
-        Polynomials of the number of the step, with the part of it that is over.
+        Displacement and slip speed along it, free of units: polynomials of the number of the step, with the part
+        of it that is over.
+    onset : float
+        Displacement in m where q = 0.
+    oscillator : Oscillator
     """
 
+    kind: SeparatrixKind
     q: Any
     w: Any
-
-    @classmethod
-    def of(cls, backward: Dimensionless, slip: Slip, rtol: float) -> "SlipCurve":
-        """Interpolate a recorded slip of a system backward in time, in its own steps."""
-        steps = [step for step in slip.steps if step.length > 0]
-        tau = np.array([step.tau + step.length * _NODES for step in steps]).ravel()
-        which = np.repeat(np.arange(len(steps)), _NODES.size)
-        q, w = backward.states(steps, which, tau, 1, rtol)
-        return cls.through(np.array([-q, w]).reshape(2, len(steps), -1))
-
-    @classmethod
-    def through(cls, values: FloatArray) -> "SlipCurve":
-        """Interpolate q and w, of shape (2, steps, degree + 1), at Chebyshev points within each step."""
-        coefficients = _POWERS @ (_CHEBYSHEV @ np.moveaxis(values, 1, 2))
-        return cls(*(PPoly(rows, np.arange(values.shape[1] + 1.0)) for rows in coefficients))
-
-    @property
-    def length(self) -> float:
-        """The number of steps."""
-        return float(self.w.x[-1])
+    onset: float
+    oscillator: Oscillator
 
     def surrounds(self, q: FloatArray, w: FloatArray, margin: float) -> IntArray:
         """Return 1 for points inside the curve, 0 for those outside, and -1 for those within a margin of it.
@@ -108,46 +104,24 @@ class SlipCurve:
         inside = (centre > w[0]) & (centre < w[1])
         return abs(float((half * (integrand @ _WEIGHTS))[inside].sum()))
 
-
-@dataclass(frozen=True, repr=False)
-class Separatrix:
-    """A curve in the phase plane that parts two basins of attraction.
-
-    Attributes
-    ----------
-    kind : str
-        "limit cycle": an unstable one, closed; "graze": the orbit that just touches the belt's speed, closed by
-        the part of the line v = V between its ends.
-    curve : SlipCurve
-        The slip along it.
-    onset : float
-        Displacement in m where q = 0.
-    oscillator : Oscillator
-    """
-
-    kind: SeparatrixKind
-    curve: SlipCurve
-    onset: float
-    oscillator: Oscillator
-
     @property
     def ends_on_belt(self) -> bool:
         """Whether both ends are at the belt's speed: the orbit that touches it comes from there."""
-        return bool((np.abs(self.curve.w([0.0, self.curve.length])) <= _ON_BELT).all())
+        return bool((np.abs(self.w(self.w.x[[0, -1]])) <= _ON_BELT).all())
 
     @property
     def x(self) -> FloatArray:
         """Displacements in m along it."""
-        return np.asarray(self.onset + self.oscillator.length * self.curve.q(self._samples))
+        return np.asarray(self.onset + self.oscillator.length * self.q(self._samples))
 
     @property
     def v(self) -> FloatArray:
         """Velocities in m/s along it."""
-        return np.asarray(self.oscillator.V * (1 - self.curve.w(self._samples)))
+        return np.asarray(self.oscillator.V * (1 - self.w(self._samples)))
 
     @property
     def _samples(self) -> FloatArray:
-        return np.linspace(0.0, self.curve.length, _SAMPLES)
+        return np.linspace(0.0, self.w.x[-1], _SAMPLES)
 
     def __repr__(self) -> str:
         return f"Separatrix: {self.kind}, {_SAMPLES} points"

@@ -35,7 +35,7 @@ _REFERENCE = 1e-8  # relative error of the threshold from which the error of an 
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
-_BENT = 0.3  # distortion of an orbit up to which collocation is faster than steps
+_BENT = 0.5  # distortion of an orbit up to which collocation is faster than steps
 _COARSE, _RESOLVED = 32, 1e-5  # phases, and the tail that the law may have on them; nor may it pass rtol
 _GUESS = 1e-9  # tolerance of the simulation that says where a proof has to look
 

@@ -8,10 +8,10 @@ from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.cli.map import report
-from stickslip_sym.motion.regimes.attractors import ATTRACTORS, AttractorKind
+from stickslip_sym.motion.regimes.attractors import ATTRACTORS, AttractorKind, Region
 
 OVERTAKING = AttractorKind(
-    "overtaking", ss.Motion.PURE_SLIP, "overtaking", "V", "#0072B2", "\\\\",
+    "overtaking", ss.Motion.PURE_SLIP, Region("overtaking", "#0072B2", "\\\\", "V"),
     of=lambda regime: tuple(one for one in regime.cycles if one.amplitude > regime.oscillator.V),
     exists=lambda signs: signs.returns & ~signs.held,
 )  # fmt: skip

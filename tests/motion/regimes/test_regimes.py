@@ -112,6 +112,14 @@ def test_orbits_between_cycles_follow_solve_ivp(law, c):
     assert all(abs(growth(A)) < 1e-6 for A in bounds[1:-1])
 
 
+def test_a_jump_of_mu_holds_orbits_that_grow():
+    law, osc = ss.FrictionLaw("Piecewise((0.3 - 0.1*v, v < 0.1), 0.45)"), paper_oscillator(-0.1)
+    (cycle,) = ss.regime(law, osc).attractors
+    assert cycle.amplitude == pytest.approx(osc.V - 0.1, rel=1e-6)
+    motion = ss.simulate(law, osc, t_end=20.0, x0=osc.N * 0.45 / osc.k, v0=0.3)
+    assert motion.at(np.linspace(18, 20, 2001)).v.max() == pytest.approx(cycle.amplitude, rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("law", "c", "kind"), [(ss.laws.exponential.typical(), 2.3, "limit cycle"), (STATIC, 2.7, "graze")]
 )
