@@ -11,6 +11,9 @@ POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 SPEEDS = np.linspace(0.01, 1.0, 101)
 MANY = np.linspace(0.01, 1.0, 100_000)
 PLANE = {"x": ("V", np.linspace(0.01, 1, 100)), "y": ("c", np.linspace(0, 6, 100)), "N": 9.81, "m": 1, "k": 100}
+BISTABLE = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2)
+BISTABLE_OSC = ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)
+BOX = {"x0": (-2.0, 2.0), "v0": (0.0, 2.0)}
 
 
 @pytest.fixture(scope="module")
@@ -80,3 +83,17 @@ def test_plane(benchmark, name, workers):
     law = ss.laws.catalogue[name].typical()
     plane = benchmark.pedantic(ss.motion_map, (law,), PLANE | {"workers": workers}, rounds=1)
     assert plane.motion.size == 10_000
+
+
+@pytest.mark.parametrize("side", [10, 100, 1000])
+def test_a_map_of_starts(benchmark, side):
+    """The 200 motions that are followed as a check take most of it."""
+    places = {name: np.linspace(*ends, side) for name, ends in BOX.items()}
+    found = benchmark.pedantic(ss.basin_map, (BISTABLE, BISTABLE_OSC), places, rounds=3)
+    assert found.disagreements == 0
+
+
+def test_shares_over_the_belt_speed(benchmark):
+    speeds = ("V", np.linspace(0.5, 2.5, 100))
+    found = benchmark.pedantic(ss.basin_sweep, (BISTABLE, BISTABLE_OSC, speeds), BOX, rounds=1)
+    assert [change.kind for change in found.changes] == ["Hopf", "graze"]

@@ -1,8 +1,7 @@
-"""What a first call of a closed form costs: ``pytest tests/benchmarks/bench_evaluate.py -n 0``.
+"""Ratios of times within one run: ``python tests/benchmarks/bench_evaluate.py``.
 
-Run as a script it prints ratios within one run: the stable function of the exponential law against
-plain lambdify of (17) and one np.exp; its harmonic form against scipy.special.ive; the polynomial law against the
-same arithmetic by hand.
+The stable function of the exponential law against plain lambdify of (17) and one np.exp; its harmonic form against
+scipy.special.ive; the polynomial law against the same arithmetic by hand.
 """
 
 import time

@@ -8,14 +8,13 @@ import html
 import os
 import random
 import re
-import shutil
-import subprocess
-import sys
 
 import latex_reader
 import mpmath
+import numpy as np
 import pytest
 import sympy as sp
+from languages import PROGRAMS, runs, values_of
 from random_formulas import NOTATION, SEVERAL, Draws
 from text_reader import read_text
 
@@ -158,28 +157,14 @@ def test_reader_refuses_what_has_two_readings(latex):
 
 # -- code -------------------------------------------------------------------------------------------
 
-FLAGS = ["-std=c99", "-Wall", "-Wno-unused-parameter", "-Wno-parentheses", "-Werror", "-O0"]
-PROGRAMS = {
-    "python": ("a.py", "def f_{i}({names}):\n    return {text}\n",
-               "print(float(np.broadcast_to(f_{i}(*(np.array([x, 1.01 * x]) for x in [{values}])), 2)[0]))\n",
-               [[sys.executable, "-W", "ignore", "a.py"]]),
-    "c": ("a.c", "static double f_{i}({typed})\n{{\n    return {text};\n}}\n",
-          'printf("%.17g\\n", f_{i}({values}));\n',
-          [["cc", *FLAGS, "-o", "a", "a.c", "-lm"], ["./a"]]),
-    "octave": ("a.m", "function value = f_{i}({names})\n    value = {text};\nend\n",
-               'printf("%.17g\\n", f_{i}({values}));\n', [["octave-cli", "--norc", "--quiet", "a.m"]]),
-}  # fmt: skip
-"""A file, what a function and its call look like in it, and the commands that run it.
-
-Python gets each formula at the point and, in the same array, at a place beside it: nothing may hang on a scalar.
-"""
 PAGE = WRITTEN["python"].page
-AROUND = {
-    "python": (PAGE["head"] + PAGE["shared"] + "\n\n", "", ""),
-    "c": ("#include <math.h>\n#include <stdio.h>\n", "int main(void)\n{\n", "return 0;\n}\n"),
-    "octave": ("1;\n", "", ""),
+FUNCTIONS = {
+    "python": (PAGE["head"] + PAGE["shared"] + "\n\n", "def {name}({names}):\n    return {text}\n"),
+    "c": ("#include <math.h>\n", "double {name}({typed})\n{{\n    return {text};\n}}\n"),
+    "octave": ("1;\n", "function value = {name}({names})\n    value = {text};\nend\n"),
 }
-"""What stands before the functions, and before and after the calls."""
+"""What stands before the functions of a file, and what one looks like."""
+ALLOWED = ("-Wno-unused-parameter", "-Wno-parentheses")
 
 
 def written(name, batch):
@@ -192,27 +177,29 @@ def written(name, batch):
 
 
 def computed(name, batch, folder):
-    """Each formula of a batch with its text, the value that a program gives, and its own."""
-    file, function, call, commands = PROGRAMS[name]
-    head, before, after = AROUND[name]
+    """Each formula of a batch with its text, the value that a program gives, and its own.
+
+    Python gets it at the point and, in the same array, at a place beside it: nothing may hang on a scalar.
+    """
+    head, function = FUNCTIONS[name]
     given, functions, calls = list(written(name, batch)), [], []
     for i, (_, text, names, values, _) in enumerate(given):
         typed = ", ".join(f"double {name}" for name in names)
-        functions.append(function.format(i=i, names=", ".join(names), typed=typed, text=text))
-        calls.append(call.format(i=i, values=", ".join(map(repr, values))))
-    (folder / file).write_text("".join([head, *functions, before, *calls, after]))
-    for command in commands:
-        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120, cwd=folder)
-    values = map(float, done.stdout.split())
-    return [(expr, text, got, expected) for (expr, text, *_, expected), got in zip(given, values, strict=True)]
+        functions.append(function.format(name=f"f_{i}", names=", ".join(names), typed=typed, text=text))
+        calls.append((f"f_{i}", [np.array([x, 1.01 * x]) for x in values] if name == "python" else values))
+    with np.errstate(all="ignore"):
+        values = values_of(name, head + "".join(functions), calls, folder, ALLOWED)
+    return [
+        (expr, text, float(np.ravel(got)[0]), expected)
+        for (expr, text, *_, expected), got in zip(given, values, strict=True)
+    ]
 
 
 @batches
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_code_computes_what_it_is_written_of(name, batch, tmp_path):
-    program = PROGRAMS[name][-1][0][0]
-    if shutil.which(program) is None:
-        pytest.skip(f"there is no {program} on this machine; Debian has it")
+    if not runs(name):
+        pytest.skip(f"there is no {PROGRAMS[name]} on this machine; Debian has it")
     for expr, text, got, expected in computed(name, batch, tmp_path):
         assert agrees(got, expected), f"{expr!r}\n{text}\n{got} is not {expected}"
 

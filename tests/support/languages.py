@@ -16,10 +16,10 @@ def runs(language):
     return PROGRAMS[language] is None or shutil.which(PROGRAMS[language]) is not None
 
 
-def compiled(text, folder):
+def compiled(text, folder, allowed=()):
     """Compile C99; return what gives the value of a function of doubles by its name and its arguments."""
     (folder / "a.c").write_text(text)
-    strict = ["-std=c99", "-pedantic", "-O2", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off"]
+    strict = ["-std=c99", "-pedantic", "-O2", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off", *allowed]
     command = ["cc", *strict, "-shared", "-fPIC", "a.c", "-o", "a.so", "-lm"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr
@@ -33,18 +33,24 @@ def compiled(text, folder):
     return value
 
 
-def values_of(language, text, calls, folder):
-    """Return the values of calls, each a name and numbers (or arrays, but for C), of the functions in a text."""
+def values_of(language, text, calls, folder, allowed=()):
+    """Return the values of calls, each a name and numbers (or arrays, but for C), of the functions in a text.
+
+    `allowed` are options of the C compiler that take a warning back.
+    """
     if language == "python":
         exec(compile(text, "text", "exec"), module := {})
         return [module[name](*numbers) for name, numbers in calls]
     if language == "c":
-        value = compiled(text, folder)
+        value = compiled(text, folder, allowed)
         return [value(name, numbers) for name, numbers in calls]
     file = re.search(r"^function \w+ = (\w+)\(", text, re.M)[1]
-    (folder / f"{file}.m").write_text(text)
     several = file == "damping_criteria"
     head = "criteria = damping_criteria();\n" if several else ""
+    if text.startswith("1;"):  # a script
+        head = text
+    else:
+        (folder / f"{file}.m").write_text(text)
     lines = []
     for name, numbers in calls:
         arrays = ", ".join(str(np.ravel(number).astype(float).tolist()) for number in numbers)

@@ -104,6 +104,8 @@ def test_rest_gives_the_limit():
         law = ss.laws.catalogue[name].typical()
         form = ss.derive(law, "harmonic")
         assert form(V=[0.0, 1.0], N=2.0)[0] == pytest.approx(-2 * law.slope(0.0), rel=1e-15)
+    for text in ("a*v + a*w*exp(-v/w)", "a*v - a*w*log(1 + v/w)"):  # of which balls tell that terms cancel
+        assert ss.slope_average(text)(V=[0.0, 0.1], N=2.0, a=0.3, w=0.7)[0] == 0
     with pytest.raises(ss.InputError, match="infinite at v = 0"):
         form_of("stribeck", "least_squares")(V=0.0, N=1.0, mu_s=0.5, mu_m=0.2, v_s=1.0, delta=0.5)
 

@@ -101,6 +101,8 @@ def test_a_hidden_error_needs_no_second_order(method):
         assert line.uncertainty == pytest.approx(0, abs=1e-12)
         assert small.uncertainty > 0
     assert (line.nonlinearity, small.nonlinearity) == pytest.approx((1.0, 1.0))
+    averaged = ss.pure_slip_damping(ss.laws.linear.typical(mu_s="0.50(2)"), V=0.5, N=9.81, method="equilibrium")
+    assert str(averaged).startswith("1.4715 +/- 0 kg/s (parameters)")
 
 
 def test_arrays_each_with_its_own_error():
