@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Numbers
-from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.core.lambdify import function_of, power_of
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import average_of
@@ -88,6 +88,10 @@ class TermFunction:
     def branches(self, shapes: tuple[float, ...] = ()) -> Branches | None:
         """Return the branches for values of the shapes; None if there are none."""
         average = self.average
+        try:
+            average.require_integrable()
+        except NoClosedForm:  # a call refuses it, or another term cancels what is infinite
+            return None
         closed = None if average.profile.has(sp.Piecewise) else average.closed  # of many pieces it takes long
         return branches_of(average.profile, average.criterion, closed, tuple(self.exact_shapes(shapes).items()))
 
