@@ -33,12 +33,14 @@ class OrbitSigns(NamedTuple):
     - `cycle`, `stable`: whether there is a limit cycle in pure slip up to the belt's speed, and a stable one.
     - `grows`: whether the orbits next to the belt's speed grow.
     - `open`: row, and two amplitudes between which it is not known whether the value touches 0: beside a fold.
+    - `lost`: whether values are missing, so that no cycle was looked for.
     """
 
     cycle: BoolArray
     stable: BoolArray
     grows: BoolArray
     open: list[tuple[int, float, float]]
+    lost: BoolArray
 
 
 def orbit_signs(value: Value, grows_at_rest: BoolArray) -> OrbitSigns:
@@ -61,6 +63,10 @@ def orbit_signs(value: Value, grows_at_rest: BoolArray) -> OrbitSigns:
         values[:, :-1].ravel(), values[:, 1:].ravel(), bends.ravel(),
     ])  # fmt: skip
     row = np.repeat(np.arange(count), _RANGES)
+    # One value that is no number may lie at a zero; where two beside each other are, so would be those between.
+    unknown = np.isnan(values)
+    lost: BoolArray = np.any(unknown[:, 1:] & unknown[:, :-1], axis=1)
+    row, ranges = row[~lost[row]], ranges[:, ~lost[row]]
     for halvings in range(_MOST_HALVINGS + 1):
         low, high, at_low, at_high, bend = ranges
         least, most, margin = np.minimum(at_low, at_high), np.maximum(at_low, at_high), _BENT * bend
@@ -80,7 +86,7 @@ def orbit_signs(value: Value, grows_at_rest: BoolArray) -> OrbitSigns:
         ranges = np.hstack([[low, middle, at_low, at_middle, bend], [middle, high, at_middle, at_high, bend]])
         row = np.tile(row, 2)
     left_open = [(int(row[i]), *amplitude(ranges[:2, i]).tolist()) for i in np.flatnonzero(unsure)]
-    return OrbitSigns(cycle, stable, values[:, -1] > 0, left_open)
+    return OrbitSigns(cycle, stable, values[:, -1] > 0, left_open, lost)
 
 
 def amplitude(place: FloatArray) -> FloatArray:

@@ -230,7 +230,9 @@ class _Decider:
         zeta, grows_at_rest = self.zeta, self.zeta < self.equilibrium
         jumps = any(self.system.rise.jumps)
         found = orbit_signs(self._gaps, grows_at_rest.ravel())
-        cycle, stable, grows = (part.reshape(zeta.shape) for part in (found.cycle, found.stable, found.grows))
+        parts = found.cycle, found.stable, found.grows, found.lost
+        cycle, stable, grows, lost = (part.reshape(zeta.shape) for part in parts)
+        known &= ~lost
         if self.table.static == self.table.onset:
             # A cycle may touch the belt's speed but for less than what is looked at.
             last = grows != (zeta < self.exact)

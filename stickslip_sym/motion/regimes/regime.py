@@ -47,6 +47,7 @@ NEAR = 100
 """Tolerances within which an initial condition is on a separatrix, as far as integration can say."""
 _CLOSE = 1e-6  # slip speed over the belt's at a graze, below which its error is measured
 _FIRST, _ESCAPED = 1e-3, 1e6  # displacements q at which a round outside P's is tried first, and last
+_STEP = 1e-3  # relative, of a displacement by which a round is differentiated
 _PERIODIC = 1e-9  # relative change of a round that is periodic
 _INWARD, _OUTWARD = 24, 12  # rounds that are looked at on the way in to P's, and out
 _ROUNDING = 1e-14  # of a damping coefficient's terms
@@ -218,14 +219,12 @@ class Regime(drawing.Drawn):
         if math.isnan(gain):
             return None
         q = float(brentq(self._gain, inner, outer, xtol=1e-14, rtol=1e-13))
-        system, wedge, rtol = self.system, self.system.no_wedge, self.rtol
-        begin = system.acceleration(q, 0.0, 1)
-        slow = system.slip(q, 0.0, 1, until=End.MINIMUM, rtol=rtol, wedge=wedge, D=-begin)
-        moved = -slow.wedge / slow.rate  # the q at which the mass overtakes the belt, by that of the begin
-        begin = system.acceleration(slow.q, 0.0, -1)
-        fast = system.slip(slow.q, 0.0, -1, rtol=rtol, wedge=wedge, D=-begin * moved)
-        speed = 1 + fast.extremes[-1]
-        return LimitCycle.of(self.oscillator, speed, slow.tau + fast.tau, -fast.wedge / fast.rate)
+        # By differences: where mu falls without bound at rest, as v^0.8, a wedge is lost in the first step.
+        step = _STEP * q
+        factor = 1 + (self._gain(q + step) - self._gain(q - step)) / (2 * step)
+        slow = self.system.slip(q, 0.0, 1, until=End.MINIMUM, rtol=self.rtol)
+        fast = self.system.slip(slow.q, 0.0, -1, rtol=self.rtol)
+        return LimitCycle.of(self.oscillator, 1 + fast.extremes[-1], slow.tau + fast.tau, factor)
 
     @property
     def cycles(self) -> tuple[LimitCycle, ...]:

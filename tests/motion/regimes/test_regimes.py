@@ -224,6 +224,19 @@ def test_a_slow_belt_sees_the_slope_at_rest(name):
             assert (regime.stick_slip is not None) == (motion is ss.Motion.STICK_SLIP)
 
 
+@pytest.mark.parametrize("exponent", [0.6, 0.8, 1.0])
+@pytest.mark.parametrize("height", [0.99, 1.02])
+def test_a_cycle_that_overtakes_attracts(exponent, height):
+    """Where mu falls without bound at rest, too: motions on both sides come to it, at its exponent."""
+    law = ss.FrictionLaw(f"0.16 + 0.39*exp(-(v/0.04)^{exponent})")
+    osc = ss.Oscillator(m=0.12, k=540, c=0.0155, V=0.37, N=0.118)
+    (cycle,) = (one for one in ss.regime(law, osc).attractors if isinstance(one, LimitCycle))
+    assert cycle.amplitude > osc.V
+    run = ss.simulate(law, osc, t_end=10 * cycle.period, x0=0.0, v0=height * osc.V, rtol=1e-12)
+    *_, before, last = np.diff([event.x for event in run.events][::2])  # where each round passes the belt's speed
+    assert last / before == pytest.approx(math.exp(cycle.floquet * cycle.period), rel=0.01)
+
+
 def test_roots_of_random_curves_are_found():
     rng, A = np.random.default_rng(61), np.linspace(0, 1, 20_001)
     curves = [Chebyshev(rng.normal(size=5) / (1 + np.arange(5)) ** 2, domain=[0, 1]) for _ in range(60)]
