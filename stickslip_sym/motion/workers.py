@@ -1,24 +1,20 @@
 """A function over many tasks: here, in several threads, or by any executor of `concurrent.futures`.
 
-Compiled code releases the interpreter, so threads share the processors; where nothing is compiled, processes do. A
-time limit around the call goes with each task. Ctrl-C ends the work and keeps what is done.
+Compiled code releases the interpreter, so threads share the processors. A time limit around the call goes with
+each task. Ctrl-C ends the work and keeps what is done.
 """
 
 import math
 import os
-import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor, as_completed
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
-from multiprocessing import get_context
 from typing import TypeVar
 
 from stickslip_sym.core.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.motion.compiled import is_compiling
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -42,7 +38,7 @@ def collect(
     - `progress`: called with the number of finished tasks and of all.
 
     Raises `InputError` for unusable workers.
-    Raises `NotConverged` if a process of ours ends before its work is done.
+    Raises `NotConverged` if the executor ends before its work is done.
     Raises `KeyboardInterrupt` if Ctrl-C comes before the first result.
     """
     if not (progress is None or callable(progress)):
@@ -82,11 +78,8 @@ def _results(
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result()
-        except BrokenProcessPool:
-            raise NotConverged(
-                "a worker process ended before its work was done: memory may be short, or a script that starts "
-                'workers lacks its `if __name__ == "__main__":`; try workers=1'
-            ) from None
+        except BrokenExecutor as error:
+            raise NotConverged(f"the executor ended before its work was done ({error}); try workers=1") from None
         finally:
             for future in futures:
                 future.cancel()
@@ -96,27 +89,10 @@ def _executor(workers: Workers, tasks: int) -> AbstractContextManager[Executor |
     """Give an executor of ours, which ends with the block, one of the caller's, which does not, or None."""
     if isinstance(workers, Executor):
         return nullcontext(workers)
-    count = min(_count(workers), tasks)
-    if count < 2:
-        return nullcontext()
-    if is_compiling():
-        return ThreadPoolExecutor(count)
-    # Spawned, not forked: a fork of a process with threads may hang.
-    return ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_ignore_interrupts)
-
-
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C to the process that started this one."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _count(workers: int) -> int:
-    """Return a number of threads, for -1 as many as there are processors that this process may use."""
     if isinstance(workers, bool) or not isinstance(workers, int) or (workers < 1 and workers != -1):
         raise InputError(
             f"workers = {workers!r} must be a number of threads, at least 1, or -1 for all processors, or an "
             "executor of concurrent.futures"
         )
-    if workers > 0:
-        return workers
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    count = min(workers if workers > 0 else os.cpu_count() or 1, tasks)
+    return nullcontext() if count < 2 else ThreadPoolExecutor(count)

@@ -1,11 +1,12 @@
-"""Maps by several processes and other executors, and what is kept when they are interrupted."""
+"""Maps by several threads and other executors, and what is kept when they are interrupted."""
 
 import os
 import pickle
 import subprocess
 import sys
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import nullcontext
+from multiprocessing import get_context
 
 import numpy as np
 import pytest
@@ -83,20 +84,13 @@ def test_unusable_workers_are_refused(wrong):
         ss.motion_map(LAW, **PLANE, progress=wrong or 0)
 
 
-@pytest.fixture
-def uncompiled(monkeypatch):
-    """Where nothing is compiled the workers are processes."""
-    monkeypatch.setattr(workers, "is_compiling", lambda: False)
+def test_executors_that_break_are_an_error():
+    spawned = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+    with spawned, pytest.raises(ss.NotConverged, match="the executor ended before its work"):
+        workers.collect(os._exit, [1, 1], workers=spawned)
 
 
-@pytest.mark.usefixtures("uncompiled")
-def test_processes_that_die_are_an_error():
-    with pytest.raises(ss.NotConverged, match="a worker process ended before its work was done"):
-        workers.collect(os._exit, [1, 1], workers=2)
-
-
-@pytest.mark.usefixtures("uncompiled")
-def test_time_that_is_left_goes_to_processes():
+def test_time_that_is_left_goes_to_workers():
     with deadline.time_limit(100):
         assert all(0 < left < 100 for left in workers.collect(_left, [1, 2], workers=2))
     assert workers.collect(_left, [1]) == [np.inf]
