@@ -98,8 +98,8 @@ def _follow_all(
     """Follow many slips, an entry of each array for each, into rows of `found`."""
     for i in range(len(q)):
         end, tau, q_end, w_end, rate, D, taken, extremes, _ = follow(
-            rise, eta[i], zeta[i], push[i], side[i], q[i], w[i], horizon[i], rtol, until, level, most[i], wedge,
-            False,
+            rise, eta[i], zeta[i], push[i], side[i], q[i], w[i], horizon[i], rtol, until, level, int(most[i]),
+            wedge, False,
         )  # fmt: skip
         found[i, 0], found[i, 1], found[i, 2], found[i, 3] = end, tau, q_end, w_end
         found[i, 4], found[i, 5], found[i, 6] = rate, D, taken

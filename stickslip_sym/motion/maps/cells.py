@@ -28,7 +28,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.needed import FOUND, needed, sure_gap
+from stickslip_sym.motion.orbits.needed import FOUND, needed_all, sure_gap
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.regime import regime
@@ -118,16 +118,6 @@ def decide(law: FrictionLaw, rtol: float, lines: Sequence[Line]) -> list[Cells |
 
 
 @compilable
-def _needed_all(rise: Any, eta: Any, push: Any, A: Any, rtol: float, wedge: Any, found: Any) -> None:
-    """Find needed damping ratios and their errors, a row for each entry of the arrays; NaN where there is none."""
-    source = wedge[2]
-    by_zeta = (0.0, -2.0, 0.0, source[3], source[4])
-    for i in range(len(A)):
-        end, zeta, error, _, _, _ = needed(rise, eta[i], push[i], A[i], rtol, by_zeta)
-        found[i, 0], found[i, 1] = (zeta, error) if end == FOUND else (math.nan, math.nan)
-
-
-@compilable
 def _gaps_all(rise: Any, eta: Any, push: Any, A: Any, zeta: Any, rtol: float, wedge: Any, found: Any) -> None:
     """Find the gaps of orbits, of the sign of the needed damping ratio minus the one there is."""
     for i in range(len(A)):
@@ -148,16 +138,23 @@ class _Decider:
         self.N = np.array([[osc.N] for osc in self.oscillators])
         at_kink = any(abs(kink / V - 1) <= _KNOWN for kink in self.table.kinks)
         self.equilibrium = -self.N * (math.nan if at_kink else float(law.slope(V))) / self.ratio
-        found = self._orbits(_needed_all, np.arange(len(self.eta)), np.ones(len(self.eta)))
+        found = self._needed(np.arange(len(self.eta)), np.ones(len(self.eta)))
         self.exact, self.error = found[:, :1], found[:, 1:]
 
-    def _orbits(self, loop: Callable[..., None], row: IntArray, A: FloatArray, *columns: FloatArray) -> FloatArray:
+    def _orbits(
+        self, loop: Callable[..., None], width: int, row: IntArray, A: FloatArray, *columns: FloatArray
+    ) -> FloatArray:
         """Return what a loop finds of orbits, by oscillators' numbers and amplitudes over V."""
         eta = self.eta[row]
         push = eta * (self.table.static - self.table.onset)
-        found = self.system.spread(loop, (eta, push, A, *columns), (_STEPS,), 2, few=0)
+        found = self.system.spread(loop, (eta, push, A, *columns), (_STEPS,), width, few=0)
         check_time()
         return found
+
+    def _needed(self, row: IntArray, A: FloatArray) -> FloatArray:
+        """Return needed damping ratios and their errors, a row for each orbit; NaN where there is none."""
+        found = self._orbits(needed_all, 6, row, A)
+        return np.where(found[:, :1] == FOUND, found[:, 1:3], math.nan)
 
     def cells(self) -> Cells:
         """Decide the cells."""
@@ -253,7 +250,7 @@ class _Decider:
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""
         rows, zeta = cell // self.zeta.shape[1], self.zeta.ravel()[cell]
-        found = self._orbits(_gaps_all, rows, A, zeta)[:, 0]
+        found = self._orbits(_gaps_all, 1, rows, A, zeta)[:, 0]
         unsure = np.fmin(_UNSURE, 2 * math.pi * self.error[rows, 0])  # of weak friction all gaps are small
         return np.where(np.abs(found) < unsure, math.nan, np.clip(found, -1.0, 1.0))
 
@@ -261,7 +258,7 @@ class _Decider:
         """Tell whether the needed damping passes a given one between two amplitudes, and how near it comes."""
 
         def excess(A: float) -> float:
-            return float(self._orbits(_needed_all, np.array([i]), np.array([A]))[0, 0]) - zeta
+            return float(self._needed(np.array([i]), np.array([A]))[0, 0]) - zeta
 
         sign = 1.0 if excess(low) > 0 else -1.0
         _, beyond = closest(excess, low, high, sign, _FOLD)

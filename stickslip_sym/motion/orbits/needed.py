@@ -25,7 +25,7 @@ import numpy as np
 
 from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
-from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
+from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.slip import Dimensionless, Wedge
 from stickslip_sym.motion.steps import End, follow, rise_at, slope_at
 
@@ -181,7 +181,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         else:
             return LOST, zeta, math.inf, low, high, slope
         before, unchanged, gap_before = zeta, abs(value) > _SLOW * abs(gap_before), value
-        if not coarse and (abs(value) <= _DONE or (unchanged and abs(value) <= _NEAR)):
+        if not coarse and (abs(value) <= _DONE or (unchanged and abs(value) <= _NEAR and not beyond)):
             loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
             off = abs(loose - value) + rounding + (_STEPPED * tight if tight > _TIGHTEST else 0.0)
             if abs(value) <= _DONE:
@@ -219,9 +219,14 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
 
 
 @compilable
-def _search(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any) -> Any:
-    """Call `needed` from Python: machine code that maps call too is kept without a way in."""
-    return needed(rise, eta, push, A, tight, by_zeta)
+def needed_all(rise: Any, eta: Any, push: Any, A: Any, tight: float, wedge: Any, found: Any) -> None:
+    """Search for the damping ratios that many orbits need: a row of what `needed` returns for each."""
+    source = wedge[2]
+    by_zeta = (0.0, -2.0, 0.0, source[3], source[4])
+    for i in range(len(A)):
+        end, zeta, error, low, high, slope = needed(rise, eta[i], push[i], A[i], tight, by_zeta)
+        found[i, 0], found[i, 1], found[i, 2] = end, zeta, error
+        found[i, 3], found[i, 4], found[i, 5] = low, high, slope
 
 
 @compilable
@@ -272,12 +277,10 @@ def needed_ratio(
     wanted = _SHARE * rtol * abs(_harmonic(system.rise, eta, A)[0])
     loosest = _STIFF if abs(eta) > _STRONG else _TIGHT
     tight = next((steps for steps in (loosest, _TIGHT) if steps <= wanted), _TIGHTEST)
-    fast = fast and is_compiling()
-    rise, source = system.table.at(system.V, arrays=fast), tuple(by_zeta(system))
-    if fast:
-        source = (*source[:3], rise.pieces, np.zeros(len(rise.jumps)))
-    run = compiled(_search) if fast else needed
-    how, zeta, error, low, high, slope = run(rise, eta, push, A, tight, source)
+    orbit = tuple(np.array([value]) for value in (eta, push, A))
+    how, zeta, error, low, high, slope = system.spread(needed_all, orbit, (tight,), 6, few=0 if fast else 1)[
+        0
+    ].tolist()
     if how == LATE or is_late():  # then the last gap may be wrong
         raise OutOfTime(
             f"the time limit was reached; the best value so far is c = {2 * zeta:.6g} sqrt(k m), and c lies "
