@@ -59,12 +59,14 @@ class Rise(NamedTuple):
       ends.
     - `firsts`: number of the first interval of each segment, and after the last how many intervals there are.
     - `jumps`: by how much mu rises at the beginning of each segment; 0 at a kink without jump.
+    - `steepest`: the largest slope to either side at the ends of intervals.
     """
 
     pieces: Pieces
     levels: list[float] | FloatArray
     firsts: list[int] | FloatArray
     jumps: list[float] | FloatArray
+    steepest: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,14 +150,26 @@ class FrictionTable:
             jumps.append(above - below if abs(above - below) > _ROUNDING * max(abs(above), abs(below)) else 0.0)
         return np.array(jumps)
 
+    @cached_property
+    def steepest(self) -> float:
+        """The largest slope to either side at the ends of intervals, in s/m."""
+        low, origin, scale = self.pieces[:, :3].T
+        t = np.array([(low - origin) * scale, np.ones(low.size)])[..., None]
+        with np.errstate(over="ignore"):  # of a law that grows up to the largest number
+            slopes = (_POWERS[1:] * t ** _POWERS[:-1] * self.pieces[:, 4:]).sum(axis=-1) * scale
+            return float(np.abs(slopes).max())
+
 
 @lru_cache(maxsize=64)
 def _in_units(table: FrictionTable, V: float, arrays: bool) -> Rise:
     pieces = table.pieces / np.array([V, V, 1 / V, *np.ones(_DEGREE + 1)])
     levels = np.array([0.0, *table.kinks, table.end]) / V
+    firsts, steepest = np.array(table.firsts), table.steepest * V
     if arrays:
-        return Rise(pieces, levels, np.array(table.firsts), table.jumps)
-    return Rise(list(map(tuple, pieces.tolist())), levels.tolist(), list(table.firsts), table.jumps.tolist())
+        return Rise(pieces, levels, firsts, table.jumps, steepest)
+    return Rise(
+        list(map(tuple, pieces.tolist())), levels.tolist(), firsts.tolist(), table.jumps.tolist(), steepest
+    )
 
 
 def _segment(
