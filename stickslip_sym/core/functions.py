@@ -50,6 +50,8 @@ class Function:
     where it has none."""
     bounded: bool = False
     """Whether its size has a bound over all real arguments."""
+    dies: Callable[..., bool] = lambda *z: False
+    """From an argument whose size grows without bound: whether it falls to 0 faster than any power of that."""
     in_laws: bool = False
     """Whether the formula of a friction law may have it."""
     aliases: tuple[str, ...] = ()
@@ -202,7 +204,8 @@ _HALF = sp.Rational(1, 2)
 _ROWS = (
     Function(sp.exp, acb.exp, series=arb_series.exp, gain=lambda x, a, gain: sp.exp(a) * expm1(gain),
              inverse=sp.log, analytic=True, hypergeometric=lambda z: sp.hyper((), (), z),
-             ladder=lambda x, n, j: sp.exp(x), in_laws=True, latex=None, c="exp", python="np.exp"),
+             ladder=lambda x, n, j: sp.exp(x), dies=lambda z: bool(z.is_negative), in_laws=True, latex=None,
+             c="exp", python="np.exp"),
     Function(sp.log, acb.log, _below_zero, arb_series.log, gain=lambda x, a, gain: log1p(gain / a), inverse=sp.exp,
              domain=lambda z: (z,), in_laws=True, aliases=("ln",), latex=r"\ln", c="log", python="np.log"),
     Function(sp.sin, acb.sin, series=arb_series.sin,
@@ -228,8 +231,8 @@ _ROWS = (
              in_laws=True, latex=r"\tanh", squared=True, c="tanh", python="np.tanh"),
     Function(sp.sech, acb.sech, series=lambda z: 2 / (z.exp() + (-z).exp()),
              gain=lambda x, a, gain: -_gain_of_cosh(x, a, gain) * sp.sech(x) * sp.sech(a), analytic=True,
-             bounded=True, ladder=_sech_ladder, in_laws=True, squared=True, c="(1.0/cosh({}))",
-             python="(1.0/np.cosh({}))"),
+             bounded=True, dies=lambda z: True, ladder=_sech_ladder, in_laws=True, squared=True,
+             c="(1.0/cosh({}))", python="(1.0/np.cosh({}))"),
     Function(sp.coth, acb.coth, series=lambda z: 1 + 2 / ((2 * z).exp() - 1),
              gain=lambda x, a, gain: -sp.sinh(gain) / (sp.sinh(x) * sp.sinh(a)), in_laws=True, latex=r"\coth",
              squared=True, c="(1.0/tanh({}))", python="(1.0/np.tanh({}))"),

@@ -122,12 +122,12 @@ def _growth(expr: Expr) -> Expr | None:
     V = symbols.V
     if not expr.has(V) or expr == V:
         return sp.Integer(expr == V)
-    if isinstance(expr, sp.exp | sp.sech):
-        argument = expr.args[0]
-        inside = None if argument.is_Add else _growth(argument)
-        dies = inside is not None and inside.is_positive and (argument.is_negative or isinstance(expr, sp.sech))
-        return -sp.oo if dies else None
     known = row(expr)
+    if known is not None and known.dies(*expr.args):
+        (argument,) = expr.args
+        inside = None if argument.is_Add else _growth(argument)
+        if inside is not None and inside.is_positive:
+            return -sp.oo
     if known is not None and known.bounded:
         return sp.S.Zero
     parts = [_growth(argument) for argument in expr.args]

@@ -7,8 +7,8 @@ import numpy as np
 from stickslip_sym.core.errors import InputWarning
 from stickslip_sym.model.law import FrictionLaw
 
-_NEAREST = 1e-9  # first speed over the last: at 0 itself the logarithm of rate and state has no value
-_GRID = np.unique([*np.geomspace(_NEAREST, 1, 100), *np.linspace(0, 1, 201)[1:]])  # speeds over the last
+_GRID = np.union1d(np.geomspace(1e-9, 1, 300), np.linspace(0, 1, 4001)[1:])
+"""Speeds over the last; at 0 itself the logarithm of rate and state has no value."""
 _LARGEST = 1e300  # m/s, short of overflow
 _ROUNDING = 1e-12  # of mu, which is of the order of 1
 
@@ -16,7 +16,7 @@ _ROUNDING = 1e-12  # of mu, which is of the order of 1
 def lowest(law: FrictionLaw, end: float) -> tuple[float, float]:
     """Return the slip speed in m/s above 0 and up to `end`, where known, where mu is lowest, and mu there.
 
-    A dip to below 0 that is narrower than a 200th of `end` may be missed.
+    A dip to below 0 that is narrower than a 4000th of `end` may be missed.
     """
     end = min(end, float(law.v_max)) if law.v_max is not None else end
     speeds = min(end, _LARGEST) * _GRID
@@ -24,11 +24,6 @@ def lowest(law: FrictionLaw, end: float) -> tuple[float, float]:
     if not np.isfinite(mu).any():
         return end, float("nan")
     place = int(np.nanargmin(mu))
-    around = slice(max(place - 1, 0), place + 2)
-    if 0 < mu[place] < np.ptp(mu[around]):  # between two points it may still be negative
-        speeds = np.linspace(speeds[around][0], speeds[around][-1], len(_GRID))
-        mu = law.at_speeds(speeds)
-        place = int(np.nanargmin(mu))
     return float(speeds[place]), float(mu[place])
 
 

@@ -67,7 +67,7 @@ EXPLICIT, IMPLICIT, SLIDING = 0, 1, 2
 _OPEN = -1
 _RETURN, _MINIMUM, _MAXIMUM, _LEVEL, _REST, _HORIZON, _STEPS, _OUTSIDE, _FAILED, _LATE = (int(end) for end in End)
 
-_LONGEST_STEP = 0.35  # explicit; at half as much again what a step is off shows in thresholds
+_LONGEST_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
 _LOOK = 100  # steps between two looks at the time limit
@@ -85,7 +85,7 @@ _AMPLIFIED = 4e3  # their rounding errors by it, the sum of its weights
 _ULP = 2.0**-52
 _GUESSES = 20  # steps of Newton's method, after which a bracket is halved
 _OFF = 1e-9  # of tau, over which a straight line is off by less than rounding
-_CLOSE = 0.5  # of a step, times rtol^(1/3), over which a power series of three terms is off by a part of rtol
+_CLOSE = 0.1  # of a step, times rtol^(1/3), over which a power series of three terms is off by a part of rtol
 
 _A: tuple[tuple[float, ...], ...] = tuple(map(tuple, DOP853.A.tolist()))
 _B, _E, _F = (tuple(row[:12].tolist()) for row in (DOP853.B, DOP853.E5, DOP853.E3))

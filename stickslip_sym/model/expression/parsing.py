@@ -49,12 +49,6 @@ _INSTEAD = {
 _CASES = "Piecewise((formula, v < place), last formula)"
 _PIECEWISE = "a law in pieces is written Piecewise((formula, v < place), ..., last formula)"
 """At a place itself, the formula above it holds."""
-_WORDS = {
-    "if": f"write {_CASES} for cases", "else": f"write {_CASES} for cases",
-    "and": f"write one place for each piece: {_CASES}", "or": f"write one place for each piece: {_CASES}",
-    "lambda": "write the formula alone, in v",
-}  # fmt: skip
-"""Words of programs, with what to do."""
 _LIBRARIES = ("np", "numpy", "math", "sp", "sympy", "scipy", "mpmath")
 _SIGNS = {
     "·": "*", "×": "*", "∙": "*", "⋅": "*", "∗": "*", "\\cdot": "*", "−": "-", "–": "-", "÷": "/", "**": "^",
@@ -172,8 +166,10 @@ def _number_and_name(text: str, match: re.Match[str]) -> list[_Token]:
 def _name(text: str, position: int, word: str) -> str:
     """Return a name with its Greek letters spelled out, and a function's in small letters as it is known."""
     spelled = re.sub(r"[Ͱ-Ͽµ]", lambda letter: _greek(text, position, letter[0]), word.removeprefix("\\"))
-    if spelled in _WORDS:
-        _refuse(text, position, f"{spelled!r} is no part of a formula; {_WORDS[spelled]}")
+    if keyword.iskeyword(spelled) and spelled != "True":
+        _refuse(
+            text, position, f"{spelled!r} is no part of a formula; write it alone, in v, and cases as {_CASES}"
+        )
     called = text[position + len(word) :].lstrip()[:1] == "("
     return spelled.lower() if called and spelled not in taken() and spelled.lower() in taken() else spelled
 
