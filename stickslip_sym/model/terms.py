@@ -240,18 +240,13 @@ def _named(meaning: Expr, names: dict[Expr, Expr]) -> Expr:
 
 def expand_above(expr: Expr) -> Expr:
     """Multiply out a product of sums but leave denominators whole: 1/(u + w)^2 stays what it is."""
-    if expr.is_Add:
-        return sp.Add(*map(expand_above, expr.args))
-    terms = [sp.Integer(1)]
-    for factor in sp.Mul.make_args(expr):
-        base, power = factor.as_base_exp()
-        if not (base.is_Add and power.is_Integer and power > 0):
-            base, power = factor, 1
-        summands = sp.Add.make_args(expand_above(base)) if base.is_Add else (base,)
-        for _ in range(power):
-            total = sp.Add(*(term * summand for term in terms for summand in summands))
-            terms = list(sp.Add.make_args(total))
-    return sp.Add(*terms)
+    nodes = expr.atoms(sp.Pow, sp.Function, sp.Integral)
+    whole = {
+        node: sp.Dummy()
+        for node in nodes
+        if not (node.is_Pow and node.base.is_Add and node.exp.is_Integer and node.exp > 0)
+    }
+    return sp.expand(expr.xreplace(whole)).xreplace({dummy: node for node, dummy in whole.items()})
 
 
 def grouped(f: Expr, u: Expr) -> dict[Expr, Expr]:

@@ -372,7 +372,7 @@ def follow(
     system = (eta, push, side, damping)
     steps = [(0.0, 0.0, 0.0, 0.0, 0.0, 0, 0)]
     steps.pop()
-    tau, count, held, kind = 0.0, 0, 0, EXPLICIT
+    tau, count, held, kind, h, again = 0.0, 0, 0, EXPLICIT, 0.0, False
     q_least, q_most, w_least, w_most = q, q, w, w
     segments = len(firsts) - 1
     farthest = levels[segments]
@@ -430,13 +430,24 @@ def follow(
         if end != _OPEN:
             break
 
+        # The kind of the step: implicit where stability holds explicit ones short. A step that is taken again is
+        # held short by accuracy, as where mu is singular.
+        if not again:
+            decay = eta * slope_at(law, w) + damping
+            if kind == IMPLICIT and decay <= _STIFF / 3.0:  # less, so that the method does not change to and fro
+                kind, held, length = EXPLICIT, 0, rtol**0.125 / max(1.0, abs(r))
+            elif kind == EXPLICIT:
+                held = held + 1 if decay > _STIFF and decay * h > _STABLE else 0
+                if held >= _PATIENCE:
+                    kind = IMPLICIT
         h = min(length, horizon - tau)
         if kind == EXPLICIT:
             h = min(h, _LONGEST_STEP)
         wedge = (wanted, D, source)
         q_now, w_now, r_now, D_now, error = stepped(kind, law, system, q, w, r, h, rtol, wedge)
         shortest = _SHORTEST * max(tau, 1.0)
-        if not error < 1.0:
+        again = not error < 1.0
+        if again:
             if h <= shortest:
                 end = _FAILED
             length = h * max(0.2, 0.9 * error**-0.125 if error < math.inf else 0.0)
@@ -465,17 +476,11 @@ def follow(
             event, w_now, r_now = _LEVEL, target, rate_at(law, system, q_now, target)
         if event != _OPEN and not error < 1.0 and taken > shortest:
             length = 0.5 * taken  # as where mu is singular at the level: its step is taken in shorter ones
+            again = True
             continue
 
         if recorded:
             steps.append((tau, q, w, r, taken, segment, kind))
-        # The kind of the next step: implicit where stability holds explicit ones short, by the mean decay in this.
-        decay = (side * (q_now - q) - (r_now - r)) / (w_now - w) if w_now != w else 0.0
-        if kind == EXPLICIT:
-            held = held + 1 if decay > _STIFF and decay * taken > _STABLE else 0
-            kind = IMPLICIT if held >= _PATIENCE else EXPLICIT
-        elif decay <= _STIFF / 3.0:  # less, so that the method does not change to and fro
-            kind, held, length = EXPLICIT, 0, rtol**0.125 / max(1.0, abs(r_now))
         tau = horizon if event == _OPEN and h == horizon - tau else tau + taken
         q, w, r, D = q_now, w_now, r_now, D_now
         q_least, q_most, w_least, w_most = min(q_least, q), max(q_most, q), min(w_least, w), max(w_most, w)

@@ -68,7 +68,7 @@ def test_a_late_threshold_is_given_as_known():
     """A clock that stands still until so many looks at it: where it stops does not depend on the machine."""
     law = ss.laws.exponential.typical()
     exact = ss.pure_slip_damping(law, **POINT, method="simulation", rtol=1e-10).value
-    for looks, off in ((3, 0.1), (7, 1e-4), (15, 1e-5)):  # the harmonic balance, and Newton steps
+    for looks, off in ((4, 0.1), (10, 1e-4), (16, 1e-5)):  # the harmonic balance, and Newton steps
         with pytest.MonkeyPatch.context() as patch:
             clock = iter([0.0] * looks)
             patch.setattr(deadline.time, "monotonic", lambda clock=clock: next(clock, 1e9))

@@ -60,7 +60,6 @@ _RELATIONS = ("<", "<=", ">", ">=")
 _OPERATORS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
 _BINDING = {"+": 1, "-": 1, "*": 2, "/": 2, "^": 4}
 """How tightly operators bind; a sign binds as a product."""
-_ADVICE = {":": ": write one formula, without assignments", "%": ": write a decimal number"}
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _LEFT_SIDE = re.compile(r"\s*\\?(?:mu|μ|µ)\s*(?:\(\s*v\s*\))?\s*=(?!=)")
 _TOKEN = re.compile(
@@ -139,9 +138,7 @@ def _tokens(text: str) -> list[_Token]:
         elif match["blank"] is None:
             sign = _SIGNS.get(word, word)
             if sign not in _PLAIN:
-                _refuse(
-                    text, position, f"the character {word!r} has no meaning in a formula{_ADVICE.get(sign, '')}"
-                )
+                _refuse(text, position, f"the character {word!r} has no meaning in a formula")
             if sign == "." and tokens and tokens[-1].text in _LIBRARIES:
                 tokens.pop()  # np.exp is exp
             elif sign == ".":
