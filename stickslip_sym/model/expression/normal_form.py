@@ -3,7 +3,9 @@
 Every rule is an identity for real v >= 0 and positive parameters. Closed forms are known for the right sides.
 """
 
+from collections.abc import Callable
 from functools import reduce
+from operator import mul
 
 import sympy as sp
 
@@ -15,6 +17,11 @@ from stickslip_sym.model.expression.pieces import joined
 
 _MOST_EXPANDED = 6  # of a power of a sum of two terms that a rule makes
 _RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.cosh: sp.sech, sp.tanh: sp.coth}
+_OF_LOGARITHMS: dict[type[Expr], Callable[[Expr], Expr]] = {
+    sp.tanh: lambda x: (x**2 - 1) / (x**2 + 1), sp.sech: lambda x: 2 * x / (x**2 + 1),
+    sp.sinh: lambda x: (x - 1 / x) / 2, sp.cosh: lambda x: (x + 1 / x) / 2,
+}  # fmt: skip
+"""Hyperbolic functions of log(x)."""
 
 
 def normal_form(expr: Expr) -> Expr:
@@ -23,7 +30,8 @@ def normal_form(expr: Expr) -> Expr:
     - ``1/cosh(x)`` is sech(x), 1 - tanh(x)^2 is sech(x)^2, and ``1/(exp(x) + exp(-x))`` sech(x)/2.
     - ``1/(b + a*exp(x))`` is (1 - tanh(y/2))/(2 b) with y = x + log(a/b).
     - ``a^x`` is exp(x*log(a)), and exp(p*log(x)) is x^p.
-    - log(b + a/v^p) is a difference of logarithms without the quotient.
+    - A product of an exponential and hyperbolic functions is a sum of exponentials.
+    - tanh(log(x)) is (x^2 - 1)/(x^2 + 1), and log(b + a/v^p) a difference of logarithms without the quotient.
     - ``1/(5*v + 5)`` is (1/5)/(v + 1).
     - coth(x) - 1/x is Langevin's function, one node.
     - No two kinks stand in one term.
@@ -32,7 +40,6 @@ def normal_form(expr: Expr) -> Expr:
 
 
 def _rebuilt(node: Expr, parts: list[Expr]) -> Expr:
-    """Return a node of normal arguments in its normal form."""
     if not parts or not node.has(symbols.v) or isinstance(node, sp.core.relational.Relational):
         return node
     if isinstance(node, sp.Piecewise):
@@ -44,6 +51,10 @@ def _rebuilt(node: Expr, parts: list[Expr]) -> Expr:
     made = node.func(*parts)
     if isinstance(made, sp.log):
         return _logarithm(made)
+    if made.func in _OF_LOGARITHMS:
+        return _of_logarithm(made)
+    if made.is_Mul:
+        return _product(made)
     return _without_poles(made) if made.is_Add and made.has(sp.coth) else made
 
 
@@ -100,6 +111,14 @@ def _logarithm(expr: Expr) -> Expr:
     return sp.log(1 + offset * inverse) + exponent * sp.log(symbols.v) + sp.log(front)
 
 
+def _of_logarithm(expr: Expr) -> Expr:
+    """Return a hyperbolic function of c*log(x) as a rational one of x^c."""
+    front, logarithm = expr.args[0].as_independent(sp.log, as_Add=False)
+    if not isinstance(logarithm, sp.log) or front.has(symbols.v):
+        return expr
+    return _OF_LOGARITHMS[expr.func](power(logarithm.args[0], front))
+
+
 def _without_poles(expr: Expr) -> Expr:
     """Return a sum with a L(x), L Langevin's function, which is finite at 0, for a coth(x) - a/x."""
     for node in expr.atoms(sp.coth):
@@ -107,3 +126,16 @@ def _without_poles(expr: Expr) -> Expr:
         if front != 0 and -front / x in expr.args:
             expr += front * Langevin(x, 0) - front * node + front / x
     return expr
+
+
+def _product(expr: Expr) -> Expr:
+    """Return a product of an exponential and hyperbolic sines and cosines as a sum of exponentials."""
+    moving = [factor for factor in expr.args if factor.has(symbols.v)]
+    waves = [factor for factor in moving if factor.has(sp.sinh, sp.cosh)]
+    decays = [factor for factor in moving if isinstance(factor, sp.exp)]
+    if not decays or not waves or any(not isinstance(factor, sp.sinh | sp.cosh) for factor in waves):
+        return expr
+    others = sp.Mul(*(factor for factor in expr.args if factor not in (*waves, *decays)))
+    total = sp.expand(reduce(mul, [*decays, *(wave.rewrite(sp.exp) for wave in waves)]))
+    terms = [sp.powsimp(term, combine="exp") for term in sp.Add.make_args(total)]
+    return sp.Add(*(others * term.replace(sp.exp, lambda x: sp.exp(sp.factor_terms(x))) for term in terms))

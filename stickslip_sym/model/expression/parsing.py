@@ -121,7 +121,6 @@ class _Token:
 
 
 def _tokens(text: str) -> list[_Token]:
-    """Return the tokens of a formula, the last one of the kind "end"."""
     left = _LEFT_SIDE.match(text)
     tokens: list[_Token] = []
     for match in _TOKEN.finditer(text, left.end() if left else 0):
@@ -398,8 +397,6 @@ class _Parser:
     def _power(self, token: _Token, base: Expr, exponent: Expr) -> Expr:
         if exponent.is_number and not within(exponent, _MAX_EXPONENT):
             self.fail(token, f"a numeric exponent is real and at most {_MAX_EXPONENT} in size")
-        if base == 0 and exponent.is_number and exponent.is_negative:
-            self.fail(token, "division by zero")
         if exponent.is_Integer and (bits(_coefficient(base)) - 1) * abs(exponent) > _MAX_BITS:
             self.fail(token, "a number in the formula grows too large")  # before it is computed
         if base.is_Rational and not exponent.is_Integer and bits(base) > _MAX_ROOT_BITS:

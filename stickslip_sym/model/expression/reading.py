@@ -120,7 +120,6 @@ def _check_value(expr: Expr) -> None:
 
 
 def _nested(node: Expr, parts: list[int]) -> int:
-    """Return how many functions stand in each other."""
     return max(parts, default=0) + (row(node) is not None)
 
 
@@ -140,7 +139,6 @@ def _terms(node: Expr, parts: list[int]) -> int:
 
 
 def _check_constant(name: str) -> None:
-    """Refuse the name of a parameter that is meant as a number."""
     plain = name.rstrip("_")
     if plain.lower() in _CONSTANTS and plain != "i":
         raise InputError(

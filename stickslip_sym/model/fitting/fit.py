@@ -108,7 +108,6 @@ def fit(
 
 
 def _laws(given: str | FrictionLaw | Iterable[str | FrictionLaw] | None) -> dict[str, FrictionLaw]:
-    """Return the laws to fit, each by its name or its formula."""
     if given is None:
         return dict(catalogue)
     laws: dict[str, FrictionLaw] = {}
@@ -146,7 +145,7 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
         raise InputError(
             "no start converged: its values run away without an end; fix one of them, or take a simpler law"
         )
-    p, chi_squared = best
+    p, chi_squared = best.p[_order(law, problem, best.p)], best.chi_squared
     values = dict(zip(names, p.tolist(), strict=True))
     derivatives = problem.jacobian(p)
     sizes = np.linalg.norm(derivatives, axis=0)
@@ -199,6 +198,23 @@ def _best(law: FrictionLaw, problem: Problem, measured: Measurements) -> Minimum
         if best is None or minimum.chi_squared < best.chi_squared:
             best = minimum
     return best if coarse is problem or best is None else problem.minimum(best.p)
+
+
+def _order(law: FrictionLaw, problem: Problem, p: FloatArray) -> list[int]:
+    """Return the order of values that can change places in which they stand as the typical ones do."""
+    order = list(range(len(p)))
+    parameters = [law.parameters[name] for name in problem.names]
+    typical = [float(one.typical or i) for i, one in enumerate(parameters)]
+    amplitudes = [[], *([pair] for pair in combinations(np.flatnonzero(problem.linear).tolist(), 2))]
+    for i, j in combinations(np.flatnonzero(~problem.linear).tolist(), 2):
+        for more in amplitudes if (p[i] < p[j]) != (typical[i] < typical[j]) else ():
+            changed = order.copy()
+            for a, b in [(i, j), *more]:
+                changed[a], changed[b] = order[b], order[a]
+            swap = {one.symbol: parameters[place].symbol for one, place in zip(parameters, changed, strict=True)}
+            if law.expr.xreplace(swap) == law.expr:
+                return changed
+    return order
 
 
 def _correlation(residuals: FloatArray, measured: Measurements, k: int) -> float:
