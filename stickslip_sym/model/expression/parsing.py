@@ -352,7 +352,7 @@ class _Parser:
             if bound is None:
                 self.fail(start, f"{_PIECEWISE}; only the last one may end in True")
             bounds.append((formula, bound))
-        if not bounds or (end is not None and not any(end.completes(bound) for _, bound in bounds)):
+        if not any(end is None or (bound.place == end.place and bound.side != end.side) for _, bound in bounds):
             self.fail(place, f"{_PIECEWISE}; the last one may end in True")
         with self.pointing_at(token):
             return in_pieces(bounds, last)
