@@ -45,6 +45,7 @@ def _end(holds: Expr) -> Expr | None:
 
 
 def _ends(node: Expr) -> Cases:
+    """Return the branches of a Piecewise, and where each ends."""
     return [(branch, _end(holds)) for branch, holds in node.args]
 
 
