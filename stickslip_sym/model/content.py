@@ -65,6 +65,7 @@ def _errors_out(uncertain: Mapping[str, UFloat]) -> dict[str, object]:
 
 
 def _errors_in(content: dict[str, Any], law: FrictionLaw) -> dict[str, UFloat]:
+    """Return the values of a law that carry a standard error, correlated as they were."""
     pairs = {name: (float(law.values[name]), float(error)) for name, error in content["standard"].items()}
     correlation = np.array(content["correlation"], dtype=np.float64)
     if not all(0 < error < math.inf for _, error in pairs.values()) or correlation.shape != (len(pairs),) * 2:

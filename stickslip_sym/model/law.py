@@ -491,6 +491,7 @@ def _slope_of(mu: Expr) -> Expr:
 
 
 def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:
+    """Return the parameters that a user describes, by name."""
     require_type("units", units, Mapping | None, "a mapping such as {'alpha': 's/m'}")
     require_type("parameters", parameters, Iterable, "an iterable of Parameter")
     for parameter in (parameters := list(parameters)):

@@ -161,6 +161,7 @@ def _simplified(expr: Expr) -> Expr:
 
 
 def _simplified_pieces(node: Expr) -> Expr:
+    """Bring out the constant factor that all pieces share."""
     pieces = [sp.factor_terms(piece) for piece, _ in node.args]
     factors = [piece.as_independent(symbols.v, as_Add=False)[0] for piece in pieces if piece != 0]
     common = factors[0].as_coeff_Mul()[1]

@@ -40,6 +40,7 @@ def normal_form(expr: Expr) -> Expr:
 
 
 def _rebuilt(node: Expr, parts: list[Expr]) -> Expr:
+    """Return a node of normal arguments in its normal form."""
     if not parts or not node.has(symbols.v) or isinstance(node, sp.core.relational.Relational):
         return node
     if isinstance(node, sp.Piecewise):

@@ -108,6 +108,7 @@ def fit(
 
 
 def _laws(given: str | FrictionLaw | Iterable[str | FrictionLaw] | None) -> dict[str, FrictionLaw]:
+    """Return the laws to fit, each by its name or its formula."""
     if given is None:
         return dict(catalogue)
     laws: dict[str, FrictionLaw] = {}

@@ -173,6 +173,7 @@ def is_header(cells: Sequence[str]) -> bool:
 
 
 def _refuse(where: str, *rules: tuple[object, str]) -> None:
+    """Raise an `InputError` with the words of the first rule whose condition is true."""
     for wrong, words in rules:
         if wrong:
             raise InputError(f"{where}: {words}")
