@@ -8,7 +8,6 @@ if TYPE_CHECKING:
     import sympy as sp
     from numpy.typing import NDArray
 
-if TYPE_CHECKING:
     Expr: TypeAlias = sp.Basic
     """A SymPy expression, or a relation between two."""
     Rational: TypeAlias = sp.Rational

@@ -147,10 +147,15 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
         )
     speeds = [exact(value, f"v of point {number}") for number, value in enumerate(v, 1)]
     for number, (before, speed) in enumerate(pairwise([-LARGEST, *speeds]), 1):
-        if not (before < speed and (speed == 0 or 1 / LARGEST <= speed <= LARGEST)):
+        shown = f"v of point {number}, {float(speed):g} m/s,"
+        if speed < 0:
+            raise InputError(f"{shown} is below 0; the slip speed |x' - V| is never negative")
+        if speed > LARGEST or 0 < speed < 1 / LARGEST:
+            raise InputError(f"{shown} is out of all proportion: speeds are from 1e-20 to 1e20 m/s, or 0")
+        if speed <= before:
+            what = "repeats" if speed == before else "is below"
             raise InputError(
-                f"v of point {number}, {float(speed):g} m/s, is not above that of the point before, or not 0, or "
-                "from 1e-20 to 1e20 m/s; sort points by speed, and average those of one speed"
+                f"{shown} {what} that of the point before; sort points by speed, and average those of one speed"
             )
     return speeds, [exact(value, f"mu of point {number}") for number, value in enumerate(mu, 1)]
 

@@ -278,12 +278,12 @@ class Dimensionless:
         begin, q, w, rate, _, segment, kind = np.array(steps, dtype=np.float64)[which].T
         system = self.eta, self.push(side), float(side), 2.0 * self.zeta
         columns = begin, q, w, rate, segment, kind, tau
-        q, w = self.spread(_states, columns, (system, rtol), 2, few=_FEW_STATES, batch=len(tau)).T
+        q, w = self.spread(_states, columns, (system, rtol), 2, few=_FEW_STATES).T
         return q, w
 
     def spread(
         self, loop: Callable[..., None], columns: Sequence[FloatArray], arguments: tuple[Any, ...],
-        width: int, *, few: int = _FEW, batch: int = _BATCH, workers: int = 1,
+        width: int, *, few: int = _FEW, workers: int = 1,
     ) -> FloatArray:  # fmt: skip
         """Carry out a loop over many motions, compiled where numba is there and they are more than a few.
 
@@ -307,7 +307,7 @@ class Dimensionless:
             run(rise, *given, *arguments, wedge, found[some])
             return True
 
-        length = batch if fast else max(len(found), 1)  # plain Python looks at the time limit itself
+        length = _BATCH if fast else max(len(found), 1)  # plain Python looks at the time limit itself
         parts = [slice(low, low + length) for low in range(0, len(found), length)]
         if None in collect(carry_out, parts, workers=workers):
             raise KeyboardInterrupt

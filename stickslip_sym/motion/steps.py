@@ -366,7 +366,7 @@ def follow(
     - `most`: how many steps it may take.
     - `wedge`: whether it is wanted, its value at the begin, and the fields of a `Wedge`.
     """
-    pieces, levels, firsts, jumps, steepest = rise
+    pieces, levels, firsts, jumps = rise
     wanted, D, source = wedge
     damping = 2.0 * zeta
     system = (eta, push, side, damping)
@@ -386,7 +386,7 @@ def follow(
     noise = _NOISE * (abs(push) + abs(eta * rise_at(law, w)) + abs(q) + abs(damping * w))
     rising = w == 0.0 or r > noise or (abs(r) <= noise and w < side)
     arrived = not rising and segment > 0 and w == levels[segment]  # at a kink, which it leaves downward
-    length = min(rtol**0.125 / max(1.0, max(abs(1.0 - side * w), abs(r))), _LONGEST_STEP)
+    length = min(3.0 * rtol**0.125 / max(1.0, max(abs(1.0 - side * w), abs(r))), _LONGEST_STEP)
     bearable = length
 
     end = _OPEN
@@ -432,7 +432,7 @@ def follow(
 
         # The kind of the step: implicit where stability holds explicit ones short. A step that is taken again is
         # held short by accuracy, as where mu is singular.
-        if not again and abs(eta) * steepest + abs(damping) > _STIFF:
+        if not again:
             decay = eta * slope_at(law, w) + damping
             if kind == IMPLICIT and decay <= _STIFF / 3.0:  # less, so that the method does not change to and fro
                 kind, held, length = EXPLICIT, 0, rtol**0.125 / max(1.0, abs(r))
@@ -454,7 +454,7 @@ def follow(
             continue
         # The longest step that the tolerance bears, which may go on falling as it fell in this one.
         before, bearable = bearable, h * max(error, _NO_ERROR) ** -0.125
-        length = 0.9 * bearable * min(1.0, max(0.5, bearable / before))
+        length = 0.85 * bearable * min(1.0, bearable / before)
 
         # Where w' changes its sign there is an extremum if w'' = side - w has the sign for it; else it is
         # rounding, or the error of an implicit step.
@@ -510,7 +510,7 @@ def follow(
 @compilable
 def entered(rise: Any, segment: int, rising: bool, w: float) -> Any:
     """Return the law on a segment that is entered at w, from below if w rises."""
-    pieces, _, firsts, _, _ = rise
+    pieces, _, firsts, _ = rise
     first, last = firsts[segment], firsts[segment + 1] - 1
     return pieces, first, last, _interval(pieces, first, last, first if rising else last, w)
 
@@ -523,7 +523,7 @@ def _is_rest(rise: Any, system: Any, q: float, w: float, rising: bool, rtol: flo
     on the mean, or creep to it on one side, where that side has real exponents below 0.
     """
     eta, push, side, damping = system
-    pieces, levels, firsts, _, _ = rise
+    pieces, levels, firsts, _ = rise
     if side < 0.0 or levels[len(levels) - 1] <= 1.0 + _BESIDE:
         return False
     whole = (pieces, 0, firsts[len(firsts) - 1] - 1, 0)

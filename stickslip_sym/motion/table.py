@@ -59,14 +59,12 @@ class Rise(NamedTuple):
       ends.
     - `firsts`: number of the first interval of each segment, and after the last how many intervals there are.
     - `jumps`: by how much mu rises at the beginning of each segment; 0 at a kink without jump.
-    - `steepest`: the largest slope to either side at the ends of intervals.
     """
 
     pieces: Pieces
     levels: list[float] | FloatArray
     firsts: list[int] | FloatArray
     jumps: list[float] | FloatArray
-    steepest: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,9 +135,14 @@ class FrictionTable:
         """Return mu(v) - mu(0+) at a slip speed in m/s within the table."""
         return float(rise_at((self.pieces, 0, len(self.pieces) - 1, 0), v))
 
+    @lru_cache(maxsize=64)  # noqa: B019  # few tables live as long
     def at(self, V: float, *, arrays: bool = False) -> Rise:
         """Return the rise as a function of w = v/V, as lists for plain Python or as arrays for compiled code."""
-        return _in_units(self, V, arrays)
+        pieces = self.pieces / np.array([V, V, 1 / V, *np.ones(_DEGREE + 1)])
+        levels = np.array([0.0, *self.kinks, self.end]) / V
+        if arrays:
+            return Rise(pieces, levels, np.array(self.firsts), self.jumps)
+        return Rise(list(map(tuple, pieces.tolist())), levels.tolist(), list(self.firsts), self.jumps.tolist())
 
     @cached_property
     def jumps(self) -> FloatArray:
@@ -149,27 +152,6 @@ class FrictionTable:
             below, above = (self.onset + rise_at((self.pieces, j, j, j), kink) for j in (i - 1, i))
             jumps.append(above - below if abs(above - below) > _ROUNDING * max(abs(above), abs(below)) else 0.0)
         return np.array(jumps)
-
-    @cached_property
-    def steepest(self) -> float:
-        """The largest slope to either side at the ends of intervals, in s/m."""
-        low, origin, scale = self.pieces[:, :3].T
-        t = np.array([(low - origin) * scale, np.ones(low.size)])[..., None]
-        with np.errstate(over="ignore"):  # of a law that grows up to the largest number
-            slopes = (_POWERS[1:] * t ** _POWERS[:-1] * self.pieces[:, 4:]).sum(axis=-1) * scale
-            return float(np.abs(slopes).max())
-
-
-@lru_cache(maxsize=64)
-def _in_units(table: FrictionTable, V: float, arrays: bool) -> Rise:
-    pieces = table.pieces / np.array([V, V, 1 / V, *np.ones(_DEGREE + 1)])
-    levels = np.array([0.0, *table.kinks, table.end]) / V
-    firsts, steepest = np.array(table.firsts), table.steepest * V
-    if arrays:
-        return Rise(pieces, levels, firsts, table.jumps, steepest)
-    return Rise(
-        list(map(tuple, pieces.tolist())), levels.tolist(), firsts.tolist(), table.jumps.tolist(), steepest
-    )
 
 
 def _segment(

@@ -94,5 +94,6 @@ def _executor(workers: Workers, tasks: int) -> AbstractContextManager[Executor |
             f"workers = {workers!r} must be a number of threads, at least 1, or -1 for all processors, or an "
             "executor of concurrent.futures"
         )
-    count = min(workers if workers > 0 else os.cpu_count() or 1, tasks)
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    count = min(workers if workers > 0 else usable, tasks)
     return nullcontext() if count < 2 else ThreadPoolExecutor(count)

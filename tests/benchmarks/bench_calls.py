@@ -66,6 +66,14 @@ def test_speeds(benchmark, method):
     benchmark(ss.pure_slip_damping, LAW, **(POINT | {"V": SPEEDS}), method=method, rtol=1e-10)
 
 
+@pytest.mark.benchmark(group="ten cycles at rtol = 1e-10")
+@pytest.mark.parametrize("method", ["events", "solve_ivp"])
+def test_motion(benchmark, method):
+    osc = ss.Oscillator(m=1, k=100, c=1, V=0.5, N=9.81)
+    motion = benchmark(ss.simulate, LAW, osc, t_end=6.6, x0=osc.onset(LAW), method=method)
+    assert len(motion.starts_of(ss.Phase.STICK)) == 10
+
+
 @pytest.mark.benchmark(group="critical values and cycles")
 def test_critical_speed(benchmark):
     benchmark(ss.critical, LAW, "V", c=2.5, N=9.81, m=1.0, k=100.0)

@@ -88,7 +88,6 @@ def test_scaling_by_the_belt_speed():
         rise = table.at(V)
         assert rise.levels[1] * V == pytest.approx(0.3, rel=1e-15)
         assert rise.jumps == pytest.approx([0.0, 0.16], rel=1e-14)
-        assert rise.steepest == pytest.approx(0.2 * V, rel=1e-9)
     assert FrictionTable.of(ss.FrictionLaw("0.5 - 0.1*Min(v, 0.3)")).at(1.0).jumps == [0.0, 0.0]
 
 

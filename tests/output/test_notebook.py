@@ -130,6 +130,18 @@ def test_a_picture_is_there_where_matplotlib_is(name, results, monkeypatch):
     assert plain == re.sub(r"<img [^>]*/>", "", html)
 
 
+def test_long_motion_shows_its_end():
+    pytest.importorskip("matplotlib")
+    long = ss.simulate(ss.FrictionLaw("0.3"), paper_oscillator(0.0), t_end=160.0, x0=0.2, v0=0.0, rtol=1e-6)
+    assert len(long.t) > 3000
+    since = float(re.search(r"The picture begins at t = (\S+) s\.", long._repr_html_())[1])
+    assert since == pytest.approx(long.t[-3000], rel=1e-5)
+    lines = long.plot(since=since).axes[0].lines
+    times = np.concatenate([line.get_xdata() for line in lines])
+    assert np.nanmin(times) == pytest.approx(since)
+    assert np.nanmax(times) == long.t[-1]
+
+
 def test_phase_plane_of_a_regime_has_every_motion(results, tmp_path):
     """Every curve is closed, and comes up to the velocity that the regime says."""
     pytest.importorskip("matplotlib")

@@ -49,6 +49,12 @@ _INSTEAD = {
 _CASES = "Piecewise((formula, v < place), last formula)"
 _PIECEWISE = "a law in pieces is written Piecewise((formula, v < place), ..., last formula)"
 """At a place itself, the formula above it holds."""
+_WORDS = {
+    "if": f"write {_CASES} for cases", "else": f"write {_CASES} for cases",
+    "and": f"write one place for each piece: {_CASES}", "or": f"write one place for each piece: {_CASES}",
+    "lambda": "write the formula alone, in v",
+}  # fmt: skip
+"""Words of programs, with what to do."""
 _LIBRARIES = ("np", "numpy", "math", "sp", "sympy", "scipy", "mpmath")
 _SIGNS = {
     "·": "*", "×": "*", "∙": "*", "⋅": "*", "∗": "*", "\\cdot": "*", "−": "-", "–": "-", "÷": "/", "**": "^",
@@ -60,6 +66,7 @@ _RELATIONS = ("<", "<=", ">", ">=")
 _OPERATORS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
 _BINDING = {"+": 1, "-": 1, "*": 2, "/": 2, "^": 4}
 """How tightly operators bind; a sign binds as a product."""
+_ADVICE = {":": ": write one formula, without assignments", "%": ": write a decimal number"}
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _LEFT_SIDE = re.compile(r"\s*\\?(?:mu|μ|µ)\s*(?:\(\s*v\s*\))?\s*=(?!=)")
 _TOKEN = re.compile(
@@ -138,7 +145,9 @@ def _tokens(text: str) -> list[_Token]:
         elif match["blank"] is None:
             sign = _SIGNS.get(word, word)
             if sign not in _PLAIN:
-                _refuse(text, position, f"the character {word!r} has no meaning in a formula")
+                _refuse(
+                    text, position, f"the character {word!r} has no meaning in a formula{_ADVICE.get(sign, '')}"
+                )
             if sign == "." and tokens and tokens[-1].text in _LIBRARIES:
                 tokens.pop()  # np.exp is exp
             elif sign == ".":
@@ -163,10 +172,8 @@ def _number_and_name(text: str, match: re.Match[str]) -> list[_Token]:
 def _name(text: str, position: int, word: str) -> str:
     """Return a name with its Greek letters spelled out, and a function's in small letters as it is known."""
     spelled = re.sub(r"[Ͱ-Ͽµ]", lambda letter: _greek(text, position, letter[0]), word.removeprefix("\\"))
-    if keyword.iskeyword(spelled) and spelled != "True":
-        _refuse(
-            text, position, f"{spelled!r} is no part of a formula; write it alone, in v, and cases as {_CASES}"
-        )
+    if spelled in _WORDS:
+        _refuse(text, position, f"{spelled!r} is no part of a formula; {_WORDS[spelled]}")
     called = text[position + len(word) :].lstrip()[:1] == "("
     return spelled.lower() if called and spelled not in taken() and spelled.lower() in taken() else spelled
 
@@ -353,7 +360,7 @@ class _Parser:
             if bound is None:
                 self.fail(start, f"{_PIECEWISE}; only the last one may end in True")
             bounds.append((formula, bound))
-        if not bounds or (end is not None and not any(end.completes(bound) for _, bound in bounds)):
+        if not any(end is None or (bound.place == end.place and bound.side != end.side) for _, bound in bounds):
             self.fail(place, f"{_PIECEWISE}; the last one may end in True")
         with self.pointing_at(token):
             return in_pieces(bounds, last)

@@ -5,10 +5,9 @@ functions) knows one kind of kink only, one in a term, and knows exactly where i
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache, reduce
 from itertools import pairwise
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import sympy as sp
 
@@ -158,17 +157,12 @@ def _branch(expr: Expr, point: frozenset[tuple[Expr, Expr]]) -> Expr:
 # -- conditions ------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Bound:
+class Bound(NamedTuple):
     """Where a piece of a law holds: v < place or v > place, or with equality if not `strict`."""
 
     side: str
     place: Expr
     strict: bool
-
-    def completes(self, other: "Bound") -> bool:
-        """Return whether this bound holds wherever the other one does not."""
-        return self.side != other.side and self.place == other.place
 
 
 def bound_of(left: Expr, relation: str, right: Expr) -> Bound | None:

@@ -26,11 +26,13 @@ _MAX_POWER_OF_SUM = 16
 _MAX_TERMS = 600
 _MAX_FUNCTIONS = 6  # in each other: of a tower such as exp(exp(...)) no computer holds the value
 
-_CONSTANTS = (
-    "i", "e", "exp1", "exp_1", "euler", "euler_e", "e_euler", "pi", "pii", "ppi", "pie", "py", "inf", "infinity",
-    "infty", "oo", "zoo", "nan",
-)  # fmt: skip
-"""Names of constants, in small letters."""
+_CONSTANTS = {
+    "e": "write exp(x) for a power of Euler's number, and exp(1) for the number",
+    **dict.fromkeys(("exp1", "exp_1", "euler", "euler_e", "e_euler"), "write exp(1)"),
+    **dict.fromkeys(("pi", "pii", "ppi", "pie", "py"), "write pi"),
+    **dict.fromkeys(("inf", "infinity", "infty", "oo", "zoo", "nan"), "a law has finite numbers only"),
+}
+"""Names of constants, in small letters, with what to do."""
 _SPEEDS = (
     "speed", "velocity", "velo", "vel", "slip", "vrel", "vslip", "vsliding", "vslide", "vrelative", "relv",
     "slipspeed", "slipvelocity", "slidingspeed", "slidingvelocity", "relativespeed", "relativevelocity",
@@ -142,10 +144,8 @@ def _terms(node: Expr, parts: list[int]) -> int:
 def _check_constant(name: str) -> None:
     """Refuse the name of a parameter that is meant as a number."""
     plain = name.rstrip("_")
-    if plain.lower() in _CONSTANTS and plain != "i":
-        raise InputError(
-            f"{name!r} looks like a constant; write exp(1), pi or a real, finite number. {_or_declare(name)}"
-        )
+    if advice := "a law is real" if plain == "I" else _CONSTANTS.get(plain.lower()):
+        raise InputError(f"{name!r} looks like a constant; {advice}. {_or_declare(name)}")
 
 
 def _check_speed(names: Sequence[str], *, has_v: bool, bare: bool) -> None:

@@ -74,39 +74,36 @@ class Problem:
             values = [np.broadcast_to(one, self._v.shape) for one in function(self._v, *p, *self._known)]
             return np.array([self._weights * np.where(np.imag(one) == 0, np.real(one), np.nan) for one in values])
 
-    def minimum(self, start: FloatArray, fixed: int | None = None) -> Minimum | None:
-        """Return the minimum that a start leads to, over all values but one; None if it does not converge."""
-        varied = np.arange(len(start)) != fixed
+    def minimum(self, start: FloatArray) -> Minimum | None:
+        """Return the minimum that a start leads to; None if it does not converge."""
         lowest = np.where(self._logarithmic, -_LARGEST_LOGARITHM, np.where(self.positive, 0.0, -np.inf))
         highest = np.where(self._logarithmic, _LARGEST_LOGARITHM, np.inf)
-        everything = np.where(self._logarithmic, np.log(np.maximum(start, np.exp(-_LARGEST_LOGARITHM))), start)
-        everything = np.clip(everything, lowest, highest)  # rounding may leave a start just outside
+        begin = np.where(self._logarithmic, np.log(np.maximum(start, np.exp(-_LARGEST_LOGARITHM))), start)
 
-        def whole(x: FloatArray) -> FloatArray:
-            values = everything.copy()
-            values[varied] = x
-            return np.where(self._logarithmic, np.exp(np.where(self._logarithmic, values, 0.0)), values)
+        def values(x: FloatArray) -> FloatArray:
+            return np.where(self._logarithmic, np.exp(np.where(self._logarithmic, x, 0.0)), x)
 
         def residuals(x: FloatArray) -> FloatArray:
             return np.nan_to_num(
-                np.clip(-self.residuals(whole(x)), -self._outside, self._outside), nan=self._outside
+                np.clip(-self.residuals(values(x)), -self._outside, self._outside), nan=self._outside
             )
 
         def slopes(x: FloatArray) -> FloatArray:
-            p = whole(x)
+            p = values(x)
             with np.errstate(all="ignore"):
-                raw = (self.jacobian(p) * np.where(self._logarithmic, p, 1.0))[:, varied]
+                raw = self.jacobian(p) * np.where(self._logarithmic, p, 1.0)
             return np.where(np.isfinite(raw), np.clip(raw, -_STEEPEST, _STEEPEST), 0.0)
 
         p = start
-        if varied.any():
+        if len(start):
             result = least_squares(
-                residuals, everything[varied], slopes, bounds=(lowest[varied], highest[varied]), method="dogbox",
+                residuals, np.clip(begin, lowest, highest), slopes,  # rounding may leave a start just outside
+                bounds=(lowest, highest), method="dogbox",
                 x_scale="jac", ftol=_TOLERANCE, xtol=_TOLERANCE, gtol=None, max_nfev=_EVALUATIONS,
             )  # fmt: skip
             if result.status <= 0:
                 return None
-            p = whole(result.x)
+            p = values(result.x)
         chi_squared = float(np.sum(self.residuals(p) ** 2))
         return Minimum(p, chi_squared) if np.isfinite(chi_squared) else None
 

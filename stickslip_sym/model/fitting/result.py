@@ -215,32 +215,32 @@ class Fit(_Report):
         pairs = zip(self.values.items(), halves, strict=True)
         if not profile:
             return {name: (value - half, value + half) for (name, value), half in pairs}
-        problem = Problem(self.free_law, self.measured)
         return {
-            name: (self._end(problem, i, -half, quantile), self._end(problem, i, half, quantile))
-            for i, ((name, _), half) in enumerate(pairs)
+            name: (self._end(name, -half, quantile), self._end(name, half, quantile)) for (name, _), half in pairs
         }
 
-    def _end(self, problem: Problem, i: int, step: float, quantile: float) -> float:
+    def _end(self, name: str, step: float, quantile: float) -> float:
         """Return where the sum of squares, least over the other values, has risen; infinite, or 0, if nowhere."""
-        p = np.array(list(self.values.values()))
+        value = self.values[name]
+        others = np.array([p for key, p in self.values.items() if key != name])
         if step == 0:
-            return float(p[i])
+            return value
         variance = self.inflation if self.measured.sigma is not None else self.chi_squared / self.dof
 
         def risen(steps: float) -> float:
-            minimum = problem.minimum(p + steps * step * (np.arange(len(p)) == i), fixed=i)
+            law = self.free_law.bind(**{name: value + steps * step})
+            minimum = Problem(law, self.measured).minimum(others)
             rise = math.inf if minimum is None else minimum.chi_squared - self.chi_squared
             return min(rise / variance, 1e300) - quantile**2
 
-        bounded = bool(problem.positive[i]) and step < 0
-        farthest = min(_SEARCHED, -(1 - 1e-9) * p[i] / step) if bounded else _SEARCHED
+        bounded = self.free_law.parameters[name].positive and step < 0
+        farthest = min(_SEARCHED, -(1 - 1e-9) * value / step) if bounded else _SEARCHED
         below, above = 0.0, min(0.5, farthest)
         while risen(above) <= 0:
             if above >= farthest:
                 return 0.0 if bounded else math.copysign(math.inf, step)
             below, above = above, min(2 * above, farthest)
-        return float(p[i] + step * brentq(risen, below, above, xtol=1e-6))
+        return float(value + step * brentq(risen, below, above, xtol=1e-6))
 
     def band(self, v: ArrayLike, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
         """Return the lower and upper end of the interval that holds the true mu at each speed, to first order."""

@@ -34,6 +34,7 @@ _THREE_DIGITS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _NINES = re.compile(r"[+-]?0*(99[.,]9+|9{3,}([.,](0*|9*))?)")
 _NOTHING = re.compile(r"|nan|n/?a|inf|-+|null|none|#.*", re.IGNORECASE)
 _OVERFLOW = 1e30  # what instruments write in place of a value out of range is larger, like 9.9E37
+_WORKBOOKS = {b"PK\x03\x04": ".xlsx or .ods", b"\xd0\xcf\x11\xe0": ".xls"}
 _FAULTY = "mend the row, begin it with #, or leave out rows like it: leave_out=True"
 
 
@@ -133,6 +134,8 @@ def _text(path: Path) -> str:
         content = path.read_bytes()
     except (OSError, ValueError) as error:  # a name may hold a null byte
         raise InputError(f"cannot read {str(path)!r}: {getattr(error, 'strerror', None) or error}") from None
+    if kind := _WORKBOOKS.get(content[:4]):
+        raise InputError(f"{str(path)!r} is a workbook ({kind}), not a text file; save the sheet as CSV")
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         encodings = ["utf-16"]
     elif b"\0" in content:  # in UTF-16 every other byte of plain text is null
@@ -142,9 +145,8 @@ def _text(path: Path) -> str:
     for encoding in encodings:
         with suppress(UnicodeDecodeError):
             return content.decode(encoding, "replace" if encoding == "cp1252" else "strict")
-    raise InputError(
-        f"{str(path)!r} is not a text file of columns; of a workbook like .xlsx save the sheet as CSV"
-    )
+    reason = ": it holds null bytes" if b"\0" in content else ""
+    raise InputError(f"{str(path)!r} is not a text file of columns{reason}")
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -208,12 +210,7 @@ def _header(lines: Sequence[_Line], separator: str, name: str, *, unnamed: bool)
             header, units = i, []
     if header is None:
         if first is None or not (unnamed or (width == 2 and all(line.comment for line in lines[:first]))):
-            number, line, _ = next((line for line in lines if not line.comment), lines[0])
-            raise InputError(
-                f"{name}, line {number}: got {line[:60]!r}; a table begins with a header that names the slip "
-                f"speed and friction, like {EXPECTED}, or has two columns; number the columns of others, like "
-                "columns={'v': 1, 'mu': 3}"
-            )
+            raise InputError(_no_header(lines, separator, name))
         known = [Column("", "", ())] * width if unnamed else [Column(one, one, (one,)) for one in ("v", "mu")]
         return lines[first].number, known, name
     below = units + [""] * len(table[header])
@@ -226,6 +223,17 @@ def _header(lines: Sequence[_Line], separator: str, name: str, *, unnamed: bool)
             "by two blanks, or all columns by tabs or semicolons"
         )
     return lines[header + bool(units)].number + 1, headers, where
+
+
+def _no_header(lines: Sequence[_Line], separator: str, name: str) -> str:
+    number, line, _ = next((line for line in lines if not line.comment), lines[0])
+    shown, count = repr(line[:60]) + ("..." if len(line) > 60 else ""), len(_names(line, separator))
+    parted = f"{count} column{'s' * (count > 1)}" + (f", parted by {SEPARATORS[separator]}" if count > 1 else "")
+    return (
+        f"{name}, line {number}: got {shown}, {parted}; a table begins with a header that names the slip speed "
+        f"and friction, like {EXPECTED}, or with its first point; number the columns of one without names, like "
+        "columns={'v': 1, 'mu': 3}"
+    )
 
 
 def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], count: int, separator: str) -> None:

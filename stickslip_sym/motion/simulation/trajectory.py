@@ -27,7 +27,7 @@ _ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
 _SAME = 1e-6  # relative change of a swing in a round, up to which a motion repeats itself
 _STEPS = 100  # errors of a step that may add up in a round
 _STILL = 1e-9  # m for each m that the belt moves in 1/omega: a smaller swing is rest
-_SHOWN = 3000  # steps of a motion that a notebook draws; more take seconds
+_SHOWN = 3000  # steps in the picture of a notebook, some hundred rounds; more take seconds to draw
 
 
 class Phase(Enum):
@@ -113,7 +113,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Trajectory(drawing.Drawn):
+class Trajectory:
     """A motion of the mass.
 
     Attributes
@@ -246,10 +246,11 @@ class Trajectory(drawing.Drawn):
             else [f"{event.t:.9g}", f"{event.x:.9g}", f"{event.v:.9g}", event.begins.value]
             for event in markup.shortened(self.events)
         ]
-        short = self.t.size <= _SHOWN
-        picture = drawing.picture(self.plot, self.summary) if short else markup.Markup("")
+        since = float(self.t[max(self.t.size - _SHOWN, 0)])
+        picture = drawing.picture(lambda: self.plot(since=since), self.summary)
+        cut = [] if since == self.t[0] or not picture else [f"The picture begins at t = {since:.6g} s."]
         table = markup.table(["t in s", "x in m", "v in m/s", "begins"], rows)
-        return markup.block(repr(self), picture, table)
+        return markup.block(repr(self), picture, *cut, table)
 
     def starts_of(self, phase: Phase) -> FloatArray:
         """Return the times at which a phase began."""
@@ -309,23 +310,46 @@ class Trajectory(drawing.Drawn):
         phases = np.array([phase.name.lower() for phase in state.phase])
         files.write_csv(Path(path), numbers | {"phase": phases})
 
-    def _figure(self) -> "Figure":
-        """Draw the time history and the phase plane, with stick and slip in different styles."""
-        figure, ((history, plane),) = drawing.new_figure(8.4, 4.2, 1, 2)
+    def plot(self, path: str | Path | None = None, *, since: float | None = None) -> "Figure":
+        """Draw the time history and the phase plane, with stick and slip in different styles.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            A file to draw to, as for `Drawn.plot`; so is what is returned and raised.
+        since : float, optional
+            Time in s; what came before is left out.
+        """
+        drawing.require_matplotlib()
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(8.4, 4.2), layout="constrained")
+        panels = figure.subplot_mosaic("xp;vp", width_ratios=(3, 2))
+        panels["x"].sharex(panels["v"])
+        begin = float(self.t[0]) if since is None else since
         for phase, style in _STYLES.items():
             parts = list[FloatArray]()
             for stretch in self.stretches:
-                if stretch.phase is phase:
-                    t = drawing.dense(stretch.samples[0])
+                if stretch.phase is phase and stretch.end > begin:
+                    t = drawing.dense(np.unique(np.maximum(stretch.samples[0], begin)))
                     parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]  # a gap between two
             if parts:
                 t, x, v = np.concatenate(parts, axis=1)
-                history.plot(t, v, **style)
-                plane.plot(x, v, label=phase.value, **style)
-        drawing.finish(history, xlabel="time $t$ (s)", ylabel="velocity $\\dot x$ (m/s)")
-        drawing.finish(plane, xlabel="displacement $x$ (m)", ylabel="velocity $\\dot x$ (m/s)")
-        figure.legend(loc="outside upper center", ncols=len(_STYLES))
-        return figure  # type: ignore[no-any-return]
+                panels["x"].plot(t, x, **style)
+                panels["v"].plot(t, v, **style)
+                panels["p"].plot(x, v, label=phase.value, **style)
+        place, speed = "displacement $x$ (m)", "velocity $\\dot x$ (m/s)"
+        for name, labels in {"x": ("", place), "v": ("time $t$ (s)", speed), "p": (place, speed)}.items():
+            panels[name].set(xlabel=labels[0], ylabel=labels[1])
+        panels["x"].tick_params(labelbottom=False)
+        panels["p"].locator_params(axis="x", nbins=5)
+        for panel in panels.values():
+            panel.grid(alpha=0.25)
+        figure.align_ylabels([panels["x"], panels["v"]])
+        figure.legend(loc="outside upper center", ncols=len(_STYLES), frameon=False)
+        if path is not None:
+            drawing.save(figure, Path(path))
+        return figure
 
 
 _STYLES: dict[Phase, dict[str, Any]] = {

@@ -19,8 +19,8 @@ SEED = 20160428
 REFUSED = [
     ("v + os.system", 7, "attribute is not allowed"),
     ("v^2 + __class__", 7, "'__class__' is not a usable name"),
-    ("a^2*(lambda: v)", 6, "write it alone, in v"),
-    ("a^2*(v if a else v)", 8, "cases as Piecewise"),
+    ("a^2*(lambda: v)", 6, "write the formula alone, in v"),
+    ("a^2*(v if a else v)", 8, "write Piecewise"),
     ("sin(" * 7 + "v" + ")" * 7, None, "more than 6 functions stand in each other"),
     ("v := 2", 3, "the character ':'"),
     ("f'{v}'", 2, 'the character "\'"'),

@@ -241,10 +241,10 @@ def test_columns_are_named_by_the_user(tmp_path):
             ss.read_measurements(file, **change)
 
 
-@pytest.mark.parametrize("start", [b"PK\x03\x04", b"\xd0\xcf\x11\xe0"])
-def test_a_workbook_is_named_as_one(tmp_path, start):
+@pytest.mark.parametrize(("start", "kind"), [(b"PK\x03\x04", ".xlsx"), (b"\xd0\xcf\x11\xe0", ".xls")])
+def test_a_workbook_is_named_as_one(tmp_path, start, kind):
     (tmp_path / "a.csv").write_bytes(start + bytes(40))
-    with pytest.raises(ss.InputError, match="of a workbook"):
+    with pytest.raises(ss.InputError, match=f"workbook .{kind}"):
         ss.read_measurements(tmp_path / "a.csv")
 
 
@@ -309,7 +309,7 @@ REFUSED = {
     "v [furlong/s],mu\n1,2\n": r"line 1, column 1, 'v \[furlong/s\]': the unit 'furlong/s' is not known",
     "v [N],mu\n1,2\n": "column 1.*'N' is no unit of a speed",
     "n (rpm),mu\n1,2\n": r"'rpm' is no unit of a pure number, like 1 or -; .*columns={'v': 'n \(rpm\)'}",
-    "v,mu\n1,2\0\n": "is not a text file of columns; of a workbook",
+    "v,mu\n1,2\0\n": "is not a text file of columns: it holds null bytes",
     "V,mu\n1,2\n": r"column 1, 'V': a speed without a unit; write v \[m/s\]",
     "v,mu,COF\n1,2,3\n": "line 1, column 3, 'COF': column 2, 'mu', is mu too",
     "v,friction\n1,2\n": "column 2, 'friction': this may be mu or F_t; name the column, like columns={'mu': 'fric",
@@ -327,8 +327,8 @@ REFUSED = {
     "v [um/s];mu\n1,500.00;0.4\n": "'1,500.00' has a sign between thousands; write it without, like 1500.00",
     "t,v,mu\n1,0.1,0.4\n2,0.2,0.4\nMean,0.15,0.4\n": "line 4, column 1: a finite number is needed.*'Mean'",
     "time,force\n1,2\n": "line 1: no column is the slip speed; not understood: 'time', 'force'",
-    "0,1,2\n1,2,3\n": "line 1: got '0,1,2'; a table begins with a header",
-    "0.1 0.5 7\n0.2 0.4 7\n": "line 1: got '0.1 0.5 7'.*number the columns of others",
+    "0,1,2\n1,2,3\n": "line 1: got '0,1,2', 3 columns",
+    "0.1 0.5 7\n0.2 0.4 7\n": "line 1: got '0.1 0.5 7', 3 columns, parted by blanks",
     "v mu\n0.1 0.5 7\n": "line 1: 'v mu' has 2 columns, parted by blanks, and the rows have 3; part names of more",
     "v,mu\n" + "[" * 300_000: "line 2: it has 300000 characters; a row is a line of its own",
     "v,mu\n# note\n0,0.5\n1,0.4x\n": "line 4, column 2, 'mu': a finite number is needed.*got '0.4x'",

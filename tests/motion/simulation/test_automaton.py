@@ -22,15 +22,14 @@ EVENT_TIMES = 1e-11  # relative, at rtol = 1e-12
 
 @given(seed=st.integers(0, 10**6))
 def test_no_event_is_missed_and_none_is_spurious(seed):
-    """5000 motions of the kind are measured by tests/benchmarks/measure_events.py."""
     law, osc, x0, v0 = motions.one_point(seed)
-    motion, _ = motions.simulated(law, osc, x0, v0)
+    motion = motions.simulated(law, osc, x0, v0)
     assert motions.violations(law, osc, motion) == []
 
 
 @pytest.mark.parametrize(("law", "osc", "x0", "v0"), [point[1:] for point in motions.points(8, seed=6)])
 def test_event_times_against_an_independent_integration(law, osc, x0, v0):
-    motion, _ = motions.simulated(law, osc, x0, v0)
+    motion = motions.simulated(law, osc, x0, v0)
     expected = motions.reference(law, osc, x0, v0, motion.t[-1])
     assert motions.disagreement(motion.events, expected) < EVENT_TIMES
 
@@ -65,7 +64,7 @@ def test_motions_are_those_of_solve_ivp(seed):
 @given(seed=st.integers(0, 10**6))
 def test_slips_are_those_of_lsoda(seed):
     law, osc, x0, v0 = motions.one_point(seed)
-    motion, _ = motions.simulated(law, osc, x0, v0)
+    motion = motions.simulated(law, osc, x0, v0)
     for stretch in motion.stretches[:3]:
         if stretch.phase is not Phase.STICK:
             t = np.linspace(stretch.start, stretch.end, 9)[1:-1]
