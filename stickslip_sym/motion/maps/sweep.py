@@ -225,7 +225,8 @@ def _folds(at: Callable[[float], tuple[FrictionLaw, Oscillator]], *ends: float) 
                     off = _BESIDE * (max(abs(end - value) for end in ends))
                     off = off if value + off < ends[1] else -off
                     slope = float(excess(value + off)[i] - excess(value)[i]) / off
-                    yield Change("fold", value, _CLOSE / abs(slope) + _ROUNDING * abs(value) if slope else math.inf)
+                    error = _CLOSE / abs(slope) if slope else math.inf
+                    yield Change("fold", value, error + _ROUNDING * abs(value))
             return
     except (InputError, NotConverged):
         pass
