@@ -1,10 +1,8 @@
 """The motions at many dampings of many operating points of one law, decided by comparisons.
 
-Damping rotates the field of directions in the plane of x and x' one way, and moves P, where every forward stick
-phase ends, inwards. So the slip that leaves P returns, and there is stick-slip, exactly where c lies below the
-exact threshold. The damping d(A) that a slip orbit of amplitude A V needs gives every slip cycle as a root of
-d(A) = c, stable where d falls; d(0) is the equilibrium's threshold, below which rest is unstable. The gap of the
-halves of an orbit is enough to decide: it has the sign of d(A) - c.
+As in `regime`, the slip from P returns exactly where c lies below the exact threshold. The damping d(A) that a slip
+orbit of amplitude A V needs gives every slip cycle as a root of d(A) = c, stable where d falls; d(0) is the
+equilibrium's threshold. The gap of the halves of an orbit is enough to decide: it has the sign of d(A) - c.
 
 A law with mu(0+) = 0 holds no mass. Where the slip from P returns then, motions go out to one that overtakes the
 belt each round, since damping and friction bring those far out back in.

@@ -45,15 +45,12 @@ if TYPE_CHECKING:
 
 NEAR = 100
 """Tolerances within which an initial condition is on a separatrix, as far as integration can say."""
-_CLOSE = 1e-6  # slip speed over the belt's at a graze, below which its error is measured
 _FIRST, _ESCAPED = 1e-3, 1e6  # displacements q at which a round outside P's is tried first, and last
 _STEP = 1e-3  # relative, of a displacement by which a round is differentiated
 _PERIODIC = 1e-9  # relative change of a round that is periodic
 _INWARD, _OUTWARD = 24, 12  # rounds that are looked at on the way in to P's, and out
 _ROUNDING = 1e-14  # of a damping coefficient's terms
 _SAME = 1e-12  # relative, of the belt's speed and a kink
-_SECONDS = 2.0  # of computation, for a curve that is a period of a motion
-_RTOL = 1e-8
 _GRAZE = "separatrix: orbit that touches the belt's speed"
 _LOOKS: dict[str, dict[str, Any]] = {
     "stick-slip": {"color": "black", "linewidth": 2.2},
@@ -133,11 +130,8 @@ class Regime(drawing.Drawn):
 
         That is up to the tolerance, and where a tolerance ten times wider changes it by half of itself or more.
         """
-        height = first_minimum(self.system, 0.0, 0.0, self.rtol)
-        if abs(height) > _CLOSE:
-            return height
-        lost = abs(first_minimum(self.system, 0.0, 0.0, 10 * self.rtol) - height) >= abs(height) / 2
-        return 0.0 if lost or abs(height) <= self.rtol else height
+        height, wider = (first_minimum(self.system, 0.0, 0.0, rtol) for rtol in (self.rtol, 10 * self.rtol))
+        return height if abs(height) > max(self.rtol, 2 * abs(wider - height)) else 0.0
 
     # -- rest and periodic motions -----------------------------------------------------------------
 
@@ -434,7 +428,7 @@ class Regime(drawing.Drawn):
             name = "pure-slip cycle" if one.stable else "pure-slip cycle, unstable"
             periodic.append((name, (force - osc.c * one.amplitude) / osc.k, one.amplitude, one.period))
         for name, x0, v0, period in periodic:
-            motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
+            motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=self.rtol)
             state = motion.at(drawing.dense(np.unique(motion.t)))
             ax.plot(state.x, state.v, label=name, **_LOOKS[name])
         for curve in self.separatrices:
