@@ -17,7 +17,7 @@ import sys
 import time
 import warnings
 from collections import Counter
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 
 import numpy as np
@@ -78,56 +78,40 @@ def at_most(seconds):
 def truth(law, point):
     """Return the threshold; None where there is none, or it is not known well enough."""
     for method, rtol in (("orbit", EXACT), ("proof", 1e-11)):
-        try:
-            with at_most(LONGEST):
-                found = ss.pure_slip_damping(law, **point, method=method, rtol=rtol)
-        except (ss.StickSlipError, TimeoutError):
-            continue
-        return found.value if found.value > 0 else None
+        with suppress(ss.StickSlipError, TimeoutError), at_most(LONGEST):
+            value = ss.pure_slip_damping(law, **point, method=method, rtol=rtol).value
+            return value if value > 0 else None
     return None
 
 
 def measured(law, point, rtol):
-    """Return what "auto" picks, its time and true error, and those of each method good to rtol."""
+    """Return what "auto" picks, its time and true error, and the methods good to rtol that dominate it."""
     exact = truth(law, point)
     if exact is None:
         return None
 
-    def ask(method, tolerance):
-        found, seconds = timed(partial(ss.pure_slip_damping, law, **point, method=method, rtol=tolerance))
-        return found, seconds, max(abs(found.value / exact - 1), EXACT)
+    def ask(method, tolerance, seconds):
+        with at_most(seconds):
+            found, taken = timed(partial(ss.pure_slip_damping, law, **point, method=method, rtol=tolerance))
+        return found, taken, max(abs(found.value / exact - 1), EXACT)
 
     try:
-        with at_most(LONGEST):
-            auto, *of_auto = ask("auto", rtol)
+        auto, seconds, error = ask("auto", rtol, LONGEST)
     except (ss.StickSlipError, TimeoutError):
         return None
-    ways = {}
+    better = {}
     for name, method in methods().items():
-        if not method.automatic:  # a proof, which takes much longer than any of the others
+        if name == auto.method or not method.automatic:  # a proof, which takes much longer than any of the others
             continue
-        try:
-            with at_most(WARM + OTHERS * (LEAST + 1) * of_auto[0]):
-                found, seconds, error = ask(name, min(max(rtol, method.tightest), method.loosest))
-        except (ss.StickSlipError, TimeoutError):
-            continue
-        if found.relative_error is not None and found.relative_error <= rtol and error <= rtol:
-            ways[name] = seconds, error
-    return auto.method, of_auto, ways
-
-
-def dominating(picked, of_auto, ways):
-    """Return the methods that dominate what was picked."""
-    seconds, error = of_auto
-    return [
-        name
-        for name, (other_seconds, other_error) in ways.items()
-        if name != picked
-        and (
-            (other_seconds * MARGIN <= seconds and other_error <= error)
-            or (other_seconds <= seconds and other_error * MARGIN <= error)
-        )
-    ]
+        with suppress(ss.StickSlipError, TimeoutError):
+            limit = WARM + OTHERS * (LEAST + 1) * seconds
+            found, taken, off = ask(name, min(max(rtol, method.tightest), method.loosest), limit)
+            good = found.relative_error is not None and max(found.relative_error, off) <= rtol
+            if good and (
+                (taken * MARGIN <= seconds and off <= error) or (taken <= seconds and off * MARGIN <= error)
+            ):
+                better[name] = taken, off
+    return auto.method, seconds, error, better
 
 
 def main(count, seed):
@@ -137,24 +121,20 @@ def main(count, seed):
         if found is None:
             none += 1
             continue
-        picked, of_auto, ways = found
+        picked, seconds, error, better = found
         picks[picked] += 1
-        spent += of_auto[0]
-        better = dominating(picked, of_auto, ways)
+        spent += seconds
         for _ in range(AGAIN):
             again = measured(law, point, rtol) if better else None
-            better = [name for name in better if again is not None and name in dominating(*again)]
+            better = {name: better[name] for name in better if again is not None and name in again[3]}
         dominated += bool(better)
-        for name in better:
+        for name, (taken, off) in better.items():
             cases[picked, name] += 1
-            times = f"{of_auto[0]:.2e} s, {of_auto[1]:.1e} by {ways[name][0]:.2e} s, {ways[name][1]:.1e}"
             place = ", ".join(f"{key} = {value:.3g}" for key, value in point.items())
+            times = f"{seconds:.2e} s, {error:.1e} by {taken:.2e} s, {off:.1e}"
             print(f"{law.name}, {place}, rtol = {rtol:.1e}: {picked} {times} of {name}", flush=True)
     print(f"\n{sum(picks.values())} points with a threshold, {none} without; auto took {spent:.3g} s in all")
-    print("picked: " + ", ".join(f"{name} {number}" for name, number in picks.most_common()))
-    print(f"dominated: {dominated}")
-    for (picked, name), number in cases.most_common():
-        print(f"  {picked} by {name}: {number}")
+    print(f"picked: {dict(picks.most_common())}; dominated: {dominated}, {dict(cases)}")
 
 
 if __name__ == "__main__":

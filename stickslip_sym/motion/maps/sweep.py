@@ -35,10 +35,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _LINES = {"Hopf": ":", "graze": "-", "fold": "--"}
-_CLOSE = 1e-9  # relative error that is asked for of a graze; what is found is closer
-_ROUNDING = 1e-14  # of a damping
-_FOLD = 1e-9  # of what is zero at a fold, an interpolated damping free of units
-_ROOT = float(4 * np.finfo(np.float64).eps)  # relative tolerance of a root
+_CLOSE = 1e-9  # relative error that is asked for of a graze, and that of an interpolated damping at a fold
+_ROUNDING = 1e-14  # of a damping, and of a root
 _BESIDE = 1e-4  # relative distance at which the slope at a fold is taken
 
 
@@ -206,7 +204,7 @@ def _critical(law: FrictionLaw, osc: Oscillator, axis: Axis) -> list[Change]:
     if axis.name not in ("m", "k"):  # on which no average depends
         for one in critical(law, axis.name, **others, method="equilibrium", rtol=_CLOSE, within=grid):
             off = _ROUNDING * abs(one.sensitivity.get("c", 1.0) * others.get("c", one.value))
-            changes.append(Change("Hopf", one.value, off + _ROOT * abs(one.value)))
+            changes.append(Change("Hopf", one.value, off + _ROUNDING * abs(one.value)))
     for one in critical(law, axis.name, **others, rtol=_CLOSE, within=grid):
         changes.append(Change("graze", one.value, (one.relative_error or 0.0) * abs(one.value)))
     return [one for one in changes if grid[0] <= one.value <= grid[-1]]
@@ -223,11 +221,12 @@ def _folds(at: Callable[[float], tuple[FrictionLaw, Oscillator]], *ends: float) 
         values = [excess(value) for value in ends]
         if len(values[0]) == len(values[1]):
             for i, pair in enumerate(zip(*values, strict=True)):
-                for value in sign_changes(lambda x, i=i: float(excess(x)[i]), ends, pair, _ROOT):  # type: ignore[misc]
+                for value in sign_changes(lambda x, i=i: float(excess(x)[i]), ends, pair, _ROUNDING):  # type: ignore[misc]
                     off = _BESIDE * (max(abs(end - value) for end in ends))
                     off = off if value + off < ends[1] else -off
                     slope = float(excess(value + off)[i] - excess(value)[i]) / off
-                    yield Change("fold", value, _FOLD / abs(slope) + _ROOT * abs(value) if slope else math.inf)
+                    error = _CLOSE / abs(slope) if slope else math.inf
+                    yield Change("fold", value, error + _ROUNDING * abs(value))
             return
     except (InputError, NotConverged):
         pass

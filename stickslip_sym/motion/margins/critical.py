@@ -134,7 +134,8 @@ def critical(
         Two values of one sign between which to look at 8 points a decade, or more, ascending: all the points.
         If not given, a parameter is sought from 1/100 of its value to 100 times it, and V, N, m and k where
         N/(V sqrt(k m)) is 1e-3 to 100, or the harmonic average comes close to c. Two values closer together than
-        points are found if these show the extremum between them, and may otherwise be missed.
+        points are found if these show the extremum between them, and may otherwise be missed. One at which an
+        average jumps past c counts too, as the equilibrium's does where V is at a kink of mu.
         An average that is linear or a polynomial needs no range: all values are found, by their polynomial.
     time_limit : float, optional
         Seconds of computation after which it is given up.
