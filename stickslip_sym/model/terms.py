@@ -240,7 +240,7 @@ def _named(meaning: Expr, names: dict[Expr, Expr]) -> Expr:
 
 def expand_above(expr: Expr) -> Expr:
     """Multiply out a product of sums but leave denominators whole: 1/(u + w)^2 stays what it is."""
-    nodes = expr.atoms(sp.Pow, sp.Function, sp.Integral)
+    nodes = expr.atoms(sp.Pow, sp.Function, sp.Max, sp.Min, sp.Integral)
     whole = {
         node: sp.Dummy()
         for node in nodes

@@ -249,11 +249,8 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], count: int, separ
     table.cells = {quantity: [] for quantity in table.columns}
     for line, row in rows:
         if len(row) < count or any(row[count:]):
-            column, got, reason = (
-                f"{min(max(read) + 1, len(row))}",
-                separator.join(row)[:60],
-                "of another number of columns",
-            )
+            column, got = str(min(max(read) + 1, len(row))), separator.join(row)[:60]
+            reason = "of another number of columns"
             rule = f"the row has {len(row)} column{'s' * (len(row) > 1)}, and the header {count}"
             rule += advice if separator == "," and len(row) > count else ""
         else:
