@@ -1,7 +1,7 @@
 """The motions at many dampings of many operating points of one law, decided by comparisons.
 
-As in `regime`, the slip from P returns exactly where c lies below the exact threshold. The damping d(A) that a slip
-orbit of amplitude A V needs gives every slip cycle as a root of d(A) = c, stable where d falls; d(0) is the
+As in `regime`, the slip from P returns exactly where c lies below the exact threshold. The damping d(A) that a
+slip orbit of amplitude A V needs gives every slip cycle as a root of d(A) = c, stable where d falls; d(0) is the
 equilibrium's threshold. The gap of the halves of an orbit is enough to decide: it has the sign of d(A) - c.
 
 A law with mu(0+) = 0 holds no mass. Where the slip from P returns then, motions go out to one that overtakes the
