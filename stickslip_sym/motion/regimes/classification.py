@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from typing import Any, overload
 
@@ -17,10 +18,12 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.regimes.regime import NEAR, Regime, kept_regime
+from stickslip_sym.motion.regimes.regime import NEAR, Regime, kept_regime, regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions
 from stickslip_sym.motion.slip import Slip
 from stickslip_sym.motion.steps import End
+
+_MANY = 1000  # initial conditions from which on finding separatrices takes less time than following all
 
 
 @overload
@@ -50,7 +53,8 @@ def classify(
     """Return the motion to which an initial condition leads, or many.
 
     A mass that comes to stick leaves at P, and all that follows is the slip from there. One that only slips has
-    peaks of velocity that grow or shrink up to the next limit cycle. So a few slip phases decide.
+    peaks of velocity that grow or shrink up to the next limit cycle. So a few slip phases decide; and of many
+    initial conditions those by which a separatrix does not pass are decided by their side of it.
 
     Parameters
     ----------
@@ -92,9 +96,14 @@ def classify(
     """
     law, osc, rtol = as_law(law), as_oscillator(osc), read_rtol(rtol)
     x, v = read_initial_conditions(x0, osc.V if v0 is None else v0)
+    found = np.full(x.shape, None, dtype=object)
     with deadline.time_limit(time_limit):
         deadline.check_time()  # what is kept from earlier calls may need no look at the time
-        found = followed(law, osc, rtol, np.array([x.ravel(), v.ravel()]), workers).reshape(x.shape)
+        if x.size >= _MANY:
+            with suppress(StickSlipError):  # where the phase plane is not known, some motions may be decided yet
+                found = regime(law, osc, rtol=rtol).by_side(x, v)
+        left = ~found.astype(bool)
+        found[left] = followed(law, osc, rtol, np.array([x[left], v[left]]), workers)
     for one in found.flat:
         if isinstance(one, StickSlipError):
             raise one
