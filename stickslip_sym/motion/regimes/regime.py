@@ -51,6 +51,7 @@ _PERIODIC = 1e-9  # relative change of a round that is periodic
 _INWARD, _OUTWARD = 24, 12  # rounds that are looked at on the way in to P's, and out
 _ROUNDING = 1e-14  # of a damping coefficient's terms
 _SAME = 1e-12  # relative, of the belt's speed and a kink
+_SECONDS, _RTOL = 2.0, 1e-8  # of computation, for a curve that is a period of a motion, and its tolerance
 _GRAZE = "separatrix: orbit that touches the belt's speed"
 _LOOKS: dict[str, dict[str, Any]] = {
     "stick-slip": {"color": "black", "linewidth": 2.2},
@@ -428,7 +429,7 @@ class Regime(drawing.Drawn):
             name = "pure-slip cycle" if one.stable else "pure-slip cycle, unstable"
             periodic.append((name, (force - osc.c * one.amplitude) / osc.k, one.amplitude, one.period))
         for name, x0, v0, period in periodic:
-            motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=self.rtol)
+            motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
             state = motion.at(drawing.dense(np.unique(motion.t)))
             ax.plot(state.x, state.v, label=name, **_LOOKS[name])
         for curve in self.separatrices:
