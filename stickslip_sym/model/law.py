@@ -333,7 +333,7 @@ class FrictionLaw:
 
     def _point(self, *exprs: Expr) -> dict[Expr, Expr]:
         """Return the values of the parameters; refuse parameters in the expressions that have none."""
-        used = {symbol.name for expr in exprs for symbol in expr.free_symbols}
+        used = {symbol.name for expr in exprs for symbol in expr.free_symbols} if self.missing else set()
         if missing := [key for key in self.missing if key in used]:
             example = ", ".join(f"{key}=..." for key in missing)
             raise InputError(
