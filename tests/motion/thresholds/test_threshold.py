@@ -101,7 +101,7 @@ def test_a_threshold_of_pieces_separates_return_from_none(count):
     assert count / 2 <= positive < count
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_the_last_measured_speed_is_no_threshold(seed):
     """Where motions leave the measured speeds at the threshold it is refused, else they do not matter."""
     rng = np.random.default_rng([7, seed])
@@ -109,9 +109,7 @@ def test_the_last_measured_speed_is_no_threshold(seed):
     mu = 0.2 + 0.3 * np.exp(-rng.uniform(1, 5) * v) + rng.uniform(0, 0.03) * rng.standard_normal(v.size)
     held, measured = (ss.FrictionLaw.from_samples(v, mu, extrapolate=held) for held in (True, False))
     refused = 0
-    for V in v[-1] * np.array(
-        [0.42, 0.46, 0.4999, 0.5, 0.5001, 0.51, 0.6, 0.8]
-    ):  # motions slip at a little over 2 V
+    for V in v[-1] * np.array([0.42, 0.4999, 0.5001, 0.51, 0.6]):  # motions slip at a little over 2 V
         point = {"V": V, "N": 10 ** rng.uniform(-1, 1.5), "m": 1, "k": 100, "method": "simulation"}
         try:
             threshold = ss.pure_slip_damping(measured, **point).value
@@ -119,7 +117,7 @@ def test_the_last_measured_speed_is_no_threshold(seed):
             refused += "measure further" in str(error)
             continue
         assert threshold == pytest.approx(ss.pure_slip_damping(held, **point).value, rel=1e-7)
-    assert 0 < refused < 8
+    assert 0 < refused < 5
 
 
 def test_without_an_oscillator_the_error_is_unknown():
