@@ -106,7 +106,7 @@ _F1, _, _, _, _, _F6, _F7, _F8, _F9, _F10, _F11, _F12 = _F
 
 
 @compilable
-def _interval(pieces: Any, first: int, last: int, near: int, w: float) -> int:
+def interval(pieces: Any, first: int, last: int, near: int, w: float) -> int:
     """Return the number of the interval of w among those from first to last; it is likely to be near."""
     if pieces[near][0] <= w and (near == last or w < pieces[near + 1][0]):
         return near
@@ -125,7 +125,7 @@ def rate_at(law: Any, system: Any, q: float, w: float) -> float:
     """Return w'. Beyond the ends of a segment its law goes on as a polynomial, and then as a constant."""
     pieces, first, last, near = law
     eta, push, side, damping = system
-    c = pieces[_interval(pieces, first, last, near, w)]
+    c = pieces[interval(pieces, first, last, near, w)]
     t = (w - c[1]) * c[2]
     if t < -_BEYOND:
         t = -_BEYOND
@@ -150,7 +150,7 @@ def rise_at(law: Any, w: float) -> float:
 def slope_at(law: Any, w: float) -> float:
     """Return the derivative of the rise by w."""
     pieces, first, last, near = law
-    c = pieces[_interval(pieces, first, last, near, w)]
+    c = pieces[interval(pieces, first, last, near, w)]
     t = (w - c[1]) * c[2]
     slope: float = 0.0
     if abs(t) > _BEYOND:
@@ -485,7 +485,7 @@ def follow(
         q, w, r, D = q_now, w_now, r_now, D_now
         q_least, q_most, w_least, w_most = min(q_least, q), max(q_most, q), min(w_least, w), max(w_most, w)
         count += 1
-        law = (pieces, law[1], law[2], _interval(pieces, law[1], law[2], law[3], w))
+        law = (pieces, law[1], law[2], interval(pieces, law[1], law[2], law[3], w))
         if (
             event in (_OPEN, _LEVEL)
             and abs(w - 1.0) <= _BESIDE + _REST_WITHIN * rtol
@@ -512,7 +512,7 @@ def entered(rise: Any, segment: int, rising: bool, w: float) -> Any:
     """Return the law on a segment that is entered at w, from below if w rises."""
     pieces, _, firsts, _ = rise
     first, last = firsts[segment], firsts[segment + 1] - 1
-    return pieces, first, last, _interval(pieces, first, last, first if rising else last, w)
+    return pieces, first, last, interval(pieces, first, last, first if rising else last, w)
 
 
 @compilable

@@ -27,7 +27,7 @@ from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.slip import Dimensionless, Wedge
-from stickslip_sym.motion.steps import End, follow, rise_at, slope_at
+from stickslip_sym.motion.steps import End, follow, interval, rise_at, slope_at
 
 _MAXIMUM, _LEVEL, _OUTSIDE = int(End.MAXIMUM), int(End.LEVEL), int(End.OUTSIDE)
 _STOPPED = (int(End.STEPS), int(End.FAILED), int(End.LATE))
@@ -62,6 +62,15 @@ FOUND, NONE, BEYOND, LOST, LATE = range(5)
 
 
 @compilable
+def _standing(pieces: Any, above: bool) -> float:
+    """Return a rise where the mass stands still, w = 1: its limit from slip speeds above, or from below."""
+    at = interval(pieces, 0, len(pieces) - 1, 0, 1.0)
+    if not above and at > 0 and pieces[at][0] == 1.0:
+        at -= 1
+    return rise_at((pieces, at, at, at), 1.0)
+
+
+@compilable
 def halves(
     rise: Any, eta: float, zeta: float, push: float, A: float, rtol: float, wanted: bool, D: float, source: Any
 ) -> Any:
@@ -72,7 +81,7 @@ def halves(
 
     Returns for either half, the forward one first, whether it came to w = 1 (1), crept to rest (0), left the
       table of the law (-1) or took too many steps (-2), w' and D there, and how long it took; and the highest
-      slip speed.
+      slip speed. Where mu jumps at w = 1 they are those on the side where w' is lower.
     """
     pieces = rise[0]
     whole = len(pieces) - 1
@@ -104,7 +113,13 @@ def halves(
         rise, -eta, -zeta, -push, 1.0, -graze, w, horizon, rtol, _LEVEL, 1.0, most, wedge, False
     )
     back = 1 if end == _LEVEL else -2 if end in _STOPPED else 0
-    return (way, r_f, D_f, tau), (back, -r_b, D_b, tau_b), highest
+    r_b = -r_b
+    jump = eta * (_standing(pieces, True) - _standing(pieces, False)) if way == 1 and back == 1 else 0.0
+    if jump < 0.0 and r_f < 0.0:
+        r_f, D_f = r_f + jump, D_f * (1.0 + jump / r_f)
+    elif jump > 0.0 and r_b < 0.0:
+        r_b, D_b = r_b - jump, D_b * (1.0 - jump / r_b)
+    return (way, r_f, D_f, tau), (back, r_b, D_b, tau_b), highest
 
 
 @compilable
@@ -121,8 +136,8 @@ def gap(
         constant, linear, factor, pieces, _ = source
         b = constant + linear
         if factor != 0.0:
-            b += factor * rise_at((pieces, 0, len(pieces) - 1, 0), 1.0)
-        lifted = eta * rise_at((rise[0], 0, len(rise[0]) - 1, 0), 1.0)
+            b += factor * _standing(pieces, _standing(rise[0], True) >= _standing(rise[0], False))
+        lifted = eta * _standing(rise[0], True)
         rounding = _ROUNDING * (1.0 + (abs(lifted) + abs(push) + abs(zeta)) / abs(r_f))
         return math.log(r_f / r_b), (b - D_f / r_f) / r_f - (b - D_b / r_b) / r_b, False, rounding
     if rtol < _COARSE and (way == -2 or back == -2):

@@ -2,10 +2,12 @@
 
 Nothing here knows a closed form, so the threshold is a check of every criterion. It is the needed damping of the
 orbit with A = 1 (`needed`), for every law. Its derivatives follow from the same two halves: at the threshold the
-gap is 0, so dzeta/dp = -(dgap/dp)/(dgap/dzeta) for every quantity p.
+gap is 0, so dzeta/dp = -(dgap/dp)/(dgap/dzeta) for every quantity p. Where the highest slip speed touches one at
+which mu drops the gap steps past 0, and what is 0 is the distance between the two.
 """
 
 import math
+from dataclasses import replace
 
 import sympy as sp
 
@@ -14,12 +16,15 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.needed import by_zeta, gap, halves, needed_ratio
+from stickslip_sym.motion.orbits.needed import by_zeta, gap, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless, Wedge
+from stickslip_sym.motion.steps import End
 from stickslip_sym.motion.table import FrictionTable, Pieces
 
 _TIGHT = 1e-12  # tolerance of the steps along which the wedges are carried
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
+_PARTED = 1e-7  # gap at a threshold where it steps past 0; elsewhere it is that of rounding
+_TOUCHED = 1e-8  # relative distance of the highest slip speed from one at which mu jumps
 _SAME = 1e-12  # relative distance of two places of a kink that are one
 
 
@@ -43,15 +48,21 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     Raises as `needed_ratio`, and `NotConverged` where the halves do not meet within rounding.
     """
     system = Dimensionless.of(law, osc)
-    zeta, _, _ = needed_ratio(system, rtol=_TIGHT)
+    zeta, error, _ = needed_ratio(system, rtol=_TIGHT)
     rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
+    damped, wedge = replace(system, zeta=zeta + error), by_zeta(system)
+    highest = damped.slip(0.0, 0.0, until=End.MAXIMUM, rtol=_TIGHT).w
+    near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _TOUCHED * w]
+    parted = bool(near) and abs(gap(rise, eta, zeta, push, 1.0, _TIGHT, False, 0.0, tuple(wedge))[0]) > _PARTED
 
     def derivative(source: Wedge) -> float:
-        _, slope, _, _ = gap(rise, eta, zeta, push, 1.0, _TIGHT, True, 0.0, tuple(source))
         check_time()
-        return float(slope)
+        if parted:
+            top = damped.slip(0.0, 0.0, until=End.MAXIMUM, rtol=_TIGHT, wedge=source)
+            return top.wedge / (1.0 - top.w) - source.shifts[near[0]]
+        return float(gap(rise, eta, zeta, push, 1.0, _TIGHT, True, 0.0, tuple(source))[1])
 
-    unit, slope = 2 * osc.impedance, derivative(by_zeta(system))
+    unit, slope = 2 * osc.impedance, derivative(wedge)
     if not slope < 0.0:  # no number, or 0 where a half creeps to rest
         raise NotConverged(
             f"how the threshold changes is not known at eta = {eta:g} and V = {V:g} m/s: friction is so strong "
@@ -59,7 +70,6 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
         )
     levels = [level * V for level in rise.levels[: len(rise.jumps)]]
     still = [0.0] * len(levels)
-    *_, highest = halves(rise, eta, zeta, push, 1.0, _TIGHT, False, 0.0, by_zeta(system))
     friction = 1 / (V * osc.impedance)  # deta/dN
     excess = push / eta if eta else 0.0
     found = {

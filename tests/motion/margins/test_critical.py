@@ -57,11 +57,14 @@ def test_put_back_they_give_the_damping(method):
 
 KINK = ss.FrictionLaw("Piecewise((mu_s - a*v, v < v_1), (mu_s - a*v_1 + b*(v - v_1), True))")
 POINTS = [0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.2], [0.5, 0.44, 0.4, 0.34, 0.29, 0.27, 0.26]
+DROP = ss.FrictionLaw("Piecewise((0.5, v < 1), (0.3, True))")
 PIECES = {
     "kink": (KINK.bind(mu_s=0.5, a=0.4, b=0.1, v_1=0.3), "v_1", 0.3, {}, (0.2, 0.4)),
     # Where a motion goes beyond the last measured speed there is no threshold, and others are found.
     "points": (ss.FrictionLaw.from_samples(*POINTS), "N", 2.0, {}, (8.0, 100.0)),
     "static": (ss.FrictionLaw("0.3", static="0.35"), "V", 0.1, {}, None),
+    "a drop that is touched": (DROP, "V", 2.27, {"N": 20}, (0.5, 0.8)),
+    "a drop at one of the speeds": (DROP, "V", 2.27, {"N": 20}, (0.8, 1.0, 1.3)),
     "kinked in V": (ss.FrictionLaw("0.2 + 0.3*Max(0, 1 - v/0.3)"), "V", 2.0, {"k": 1e4}, None),
 }
 

@@ -64,10 +64,13 @@ def test_floquet_exponent_is_slope_of_needed_damping():
 
 KINKED = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.36)")
 JUMPING = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.38)")
+AT_BELT_SPEED = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.5), 0.38)")
 MEASURED = ss.FrictionLaw.from_samples([0, 0.2, 0.4, 0.6, 0.8, 1.2], [0.5, 0.47, 0.43, 0.4, 0.39, 0.39])
 
 
-@pytest.mark.parametrize("law", [KINKED, JUMPING, MEASURED, ss.FrictionLaw("0.5 - 0.4*v + 0.2*v^3", static="0.6")])
+@pytest.mark.parametrize(
+    "law", [KINKED, JUMPING, AT_BELT_SPEED, MEASURED, ss.FrictionLaw("0.5 - 0.4*v + 0.2*v^3", static="0.6")]
+)
 def test_cycles_are_fixed_points_of_their_rounds(law):
     """Kinked, jumping, measured and static; rounds beside it part as its exponent says, or merge by sliding."""
     c = float(needed_damping(law, paper_oscillator()).at(0.6)) * paper_oscillator().impedance

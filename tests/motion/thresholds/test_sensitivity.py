@@ -58,6 +58,15 @@ def test_orbit_against_differences(count):
             continue
 
 
+@pytest.mark.parametrize(("V", "N"), [(0.55, 20.0), (0.6, 20.0), (0.8, 20.0), (1.0, 1.0), (1.0, 20.0)])
+def test_jumps_that_are_touched_or_at_the_belt_speed(V, N):
+    """Where the highest slip speed touches a drop of mu, up to V = 0.6 m/s, and where mu drops at V."""
+    law = ss.FrictionLaw("Piecewise((mu_s + a*exp(-b*v), v < v_1), (mu_s - d, True))")
+    law = law.bind(mu_s=0.5, a=0.1, b=3, v_1=1, d=0.2)
+    point = POINT | {"V": V, "N": N}
+    assert error_along(law, point, "simulation", 7, 1e-4, 1e-10) < 1e-7
+
+
 @pytest.mark.parametrize("name", ["smooth", "kink", "down", "up", "static", "points"])
 def test_simulation_against_differences(name):
     """With a kink, a jump down that is crossed, one up at which the mass slides, a static jump, and points."""
