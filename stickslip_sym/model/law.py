@@ -368,7 +368,7 @@ class FrictionLaw:
                 f"the static coefficient {static:g} is below mu(0+) = {onset:g}: a contact that gives way would "
                 "stop the mass at once; give a static coefficient of at least mu(0+), or none"
             )
-        return max(static, onset)
+        return static if static > onset + _ROUNDING * abs(onset) else onset
 
     @property
     def v_max(self) -> Rational | None:

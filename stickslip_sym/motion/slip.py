@@ -15,7 +15,7 @@ from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, Stick
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.steps import SLIDING, End, entered, follow, rate_at, stepped
+from stickslip_sym.motion.steps import TIGHT, End, entered, follow, rate_at, stepped
 from stickslip_sym.motion.table import FARTHEST, FrictionTable, Pieces, Rise
 from stickslip_sym.motion.workers import collect
 
@@ -24,8 +24,8 @@ class Step(NamedTuple):
     """One step of a slip: its begin, its length in tau, and how it was taken.
 
     - `rate`: w' at the begin.
-    - `segment`: number of the smooth segment of the law.
-    - `kind`: `EXPLICIT`, `IMPLICIT` or `SLIDING`.
+    - `segment`: number of the smooth segment of the law; -1 where the mass slides at a jump of mu.
+    - `implicit`: by the method for fast decays.
     """
 
     tau: float
@@ -34,7 +34,7 @@ class Step(NamedTuple):
     rate: float
     length: float
     segment: int
-    kind: int
+    implicit: bool
 
 
 class Wedge(NamedTuple):
@@ -101,7 +101,7 @@ def _follow_all(
             rise, eta[i], zeta[i], push[i], side[i], q[i], w[i], horizon[i], rtol, until, level, int(most[i]),
             wedge, False,
         )  # fmt: skip
-        found[i, 0], found[i, 1], found[i, 2], found[i, 3] = end, tau, q_end, w_end
+        found[i, 0], found[i, 1], found[i, 2], found[i, 3] = end.value, tau, q_end, w_end
         found[i, 4], found[i, 5], found[i, 6] = rate, D, taken
         for j in range(4):
             found[i, 7 + j] = extremes[j]
@@ -109,17 +109,17 @@ def _follow_all(
 
 @compilable
 def _states(
-    rise: Any, begin: Any, q: Any, w: Any, rate: Any, segment: Any, kind: Any, tau: Any, system: Any, rtol: float,
-    wedge: Any, found: Any,
+    rise: Any, begin: Any, q: Any, w: Any, rate: Any, segment: Any, implicit: Any, tau: Any, system: Any,
+    rtol: float, wedge: Any, found: Any,
 ) -> None:  # fmt: skip
     """Write q and w at times within steps, an entry of each array for each, into the columns of `found`."""
     for i in range(len(tau)):
         h = tau[i] - begin[i]
-        if kind[i] == SLIDING:
+        if segment[i] < 0:
             found[i, 0], found[i, 1] = q[i] + h * (1.0 - system[2] * w[i]), w[i]
         else:
             law = entered(rise, int(segment[i]), True, w[i])
-            q_now, w_now, _, _, _ = stepped(int(kind[i]), law, system, q[i], w[i], rate[i], h, rtol, wedge)
+            q_now, w_now, _, _, _ = stepped(implicit[i] > 0, law, system, q[i], w[i], rate[i], h, rtol, wedge)
             found[i, 0], found[i, 1] = q_now, w_now
 
 
@@ -215,7 +215,7 @@ class Dimensionless:
 
     def slip(
         self, q: float, w: float, side: int = 1, *, until: End = End.RETURN, level: float = math.inf,
-        horizon: float | None = None, rtol: float = 1e-12, wedge: Wedge | None = None, D: float = 0.0,
+        horizon: float | None = None, rtol: float = TIGHT, wedge: Wedge | None = None, D: float = 0.0,
         most: int | None = None, recorded: bool = False,
     ) -> Slip:  # fmt: skip
         """Follow one slip from (q, w), in plain Python.
@@ -249,7 +249,7 @@ class Dimensionless:
     def slips(
         self, q: FloatArray, w: FloatArray, side: ArrayLike = 1.0, *, eta: ArrayLike | None = None,
         zeta: ArrayLike | None = None, until: End = End.RETURN, level: float = math.inf,
-        horizon: ArrayLike | None = None, rtol: float = 1e-12, most: ArrayLike = _MOST_STEPS, few: int = _FEW,
+        horizon: ArrayLike | None = None, rtol: float = TIGHT, most: ArrayLike = _MOST_STEPS, few: int = _FEW,
         workers: int = 1,
     ) -> Slips:  # fmt: skip
         """Follow many slips, compiled where numba is there; arguments as for `slip`, nothing is refused.
@@ -275,9 +275,9 @@ class Dimensionless:
 
         - `which`: the number of the step for each time.
         """
-        begin, q, w, rate, _, segment, kind = np.array(steps, dtype=np.float64)[which].T
+        begin, q, w, rate, _, segment, implicit = np.array(steps, dtype=np.float64)[which].T
         system = self.eta, self.push(side), float(side), 2.0 * self.zeta
-        columns = begin, q, w, rate, segment, kind, tau
+        columns = begin, q, w, rate, segment, implicit, tau
         q, w = self.spread(_states, columns, (system, rtol), 2, few=_FEW_STATES).T
         return q, w
 

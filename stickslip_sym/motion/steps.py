@@ -51,6 +51,7 @@ from stickslip_sym.motion.compiled import compilable
 class End(IntEnum):
     """Why a slip ended."""
 
+    OPEN = -1  # it did not
     RETURN = 0  # w came down to 0
     MINIMUM = 1  # w turned before; an orbit that left P then never returns, since orbits in a plane do not cross
     MAXIMUM = 2  # w turned down
@@ -63,10 +64,8 @@ class End(IntEnum):
     LATE = 9  # the time of a `time_limit` was up
 
 
-EXPLICIT, IMPLICIT, SLIDING = 0, 1, 2
-_OPEN = -1
-_RETURN, _MINIMUM, _MAXIMUM, _LEVEL, _REST, _HORIZON, _STEPS, _OUTSIDE, _FAILED, _LATE = (int(end) for end in End)
-
+TIGHT = 1e-12
+"""The relative tolerance of the steps along which numbers are found that others follow from."""
 _LONGEST_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
@@ -162,12 +161,12 @@ def slope_at(law: Any, w: float) -> float:
 
 @compilable
 def stepped(
-    kind: int, law: Any, system: Any, q: float, w: float, r: float, h: float, rtol: float, wedge: Any
+    implicit: bool, law: Any, system: Any, q: float, w: float, r: float, h: float, rtol: float, wedge: Any
 ) -> Any:
-    """Take a step of a kind, and return q, w, w' and D at its end, and the error over the tolerance."""
-    if kind == EXPLICIT:
-        return _explicit(law, system, q, w, r, h, rtol, wedge)
-    return _implicit(law, system, q, w, r, h, rtol, wedge)
+    """Take a step, and return q, w, w' and D at its end, and the error over the tolerance."""
+    if implicit:
+        return _implicit(law, system, q, w, r, h, rtol, wedge)
+    return _explicit(law, system, q, w, r, h, rtol, wedge)
 
 
 @compilable
@@ -296,7 +295,7 @@ def _implicit(law: Any, system: Any, q: float, w: float, r: float, h: float, rto
 
 @compilable
 def _located(
-    kind: int, law: Any, system: Any, q: float, w: float, r: float, h: float, rtol: float, wedge: Any,
+    implicit: bool, law: Any, system: Any, q: float, w: float, r: float, h: float, rtol: float, wedge: Any,
     w_h: float, r_h: float, level: float, sign: float,
 ) -> Any:  # fmt: skip
     """Return the length of the step that ends at a level of w, or, if that is NaN, at an extremum; and that step.
@@ -320,7 +319,7 @@ def _located(
         guesses += 1
         if guesses > _GUESSES or not low < length < high:  # where mu is steep Newton's method may creep
             length = 0.5 * (low + high)
-        q_now, w_now, r_now, D_now, error = stepped(kind, law, system, q, w, r, length, rtol, wedge)
+        q_now, w_now, r_now, D_now, error = stepped(implicit, law, system, q, w, r, length, rtol, wedge)
         value, bend = r_now if turns else w_now - level, _bend(law, system, w_now, r_now)
         if value * sign > 0.0:
             low = length
@@ -370,14 +369,14 @@ def follow(
     wanted, D, source = wedge
     damping = 2.0 * zeta
     system = (eta, push, side, damping)
-    steps = [(0.0, 0.0, 0.0, 0.0, 0.0, 0, 0)]
+    steps = [(0.0, 0.0, 0.0, 0.0, 0.0, 0, False)]
     steps.pop()
-    tau, count, held, kind, h, again = 0.0, 0, 0, EXPLICIT, 0.0, False
+    tau, count, held, implicit, h, again = 0.0, 0, 0, False, 0.0, False
     q_least, q_most, w_least, w_most = q, q, w, w
     segments = len(firsts) - 1
     farthest = levels[segments]
     if not (w <= farthest and abs(q) < math.inf):
-        return _OUTSIDE, tau, q, w, 0.0, D, count, (q, q, w, w), steps
+        return End.OUTSIDE, tau, q, w, 0.0, D, count, (q, q, w, w), steps
     segment = 0
     while segment + 1 < segments and w >= levels[segment + 1]:
         segment += 1
@@ -389,8 +388,8 @@ def follow(
     length = min(3.0 * rtol**0.125 / max(1.0, max(abs(1.0 - side * w), abs(r))), _LONGEST_STEP)
     bearable = length
 
-    end = _OPEN
-    while end == _OPEN:
+    end = End.OPEN
+    while end == End.OPEN:
         if arrived:
             arrived = False
             beyond = segment + 1 if rising else segment - 1
@@ -402,7 +401,7 @@ def follow(
                     D = shift + (D - shift) * across / r
                 segment = beyond
             elif side * w == 1.0:
-                end, r = _REST, 0.0
+                end, r = End.REST, 0.0
                 break
             else:
                 # Both rates lead to the jump: the mass slides, until the one on the side that it leaves to turns.
@@ -411,45 +410,46 @@ def follow(
                 turning = rate_at(entered(rise, segment, rising, w), system, q, w)
                 duration = min(horizon - tau, max(0.0, -turning / (side * (1.0 - side * w))))
                 if recorded:
-                    steps.append((tau, q, w, 0.0, duration, upper, SLIDING))
+                    steps.append((tau, q, w, 0.0, duration, -1, False))
                 tau, q, count = tau + duration, q + duration * (1.0 - side * w), count + 1
                 q_least, q_most = min(q_least, q), max(q_most, q)
                 D = source[4][upper] * (1.0 - side * w)
-                turn = _MINIMUM if rising else _MAXIMUM
+                turn = End.MINIMUM if rising else End.MAXIMUM
                 if fell == rising and until == turn:
                     end, r = turn, 0.0
                     break
             law = entered(rise, segment, rising, w)
             r = rate_at(law, system, q, w)
         if tau >= horizon:
-            end = _HORIZON
+            end = End.HORIZON
         elif count >= most:
-            end = _STEPS
+            end = End.STEPS
         elif count % _LOOK == 0 and is_late():
-            end = _LATE
-        if end != _OPEN:
+            end = End.LATE
+        if end != End.OPEN:
             break
 
         # The kind of the step: implicit where stability holds explicit ones short. A step that is taken again is
         # held short by accuracy, as where mu is singular.
         if not again:
             decay = eta * slope_at(law, w) + damping
-            if kind == IMPLICIT and decay <= _STIFF / 3.0:  # less, so that the method does not change to and fro
-                kind, held, length = EXPLICIT, 0, rtol**0.125 / max(1.0, abs(r))
-            elif kind == EXPLICIT:
+            # A third, so that the method does not change to and fro.
+            if implicit and decay <= _STIFF / 3.0:
+                implicit, held, length = False, 0, rtol**0.125 / max(1.0, abs(r))
+            elif not implicit:
                 held = held + 1 if decay > _STIFF and decay * h > _STABLE else 0
                 if held >= _PATIENCE:
-                    kind = IMPLICIT
+                    implicit = True
         h = min(length, horizon - tau)
-        if kind == EXPLICIT:
+        if not implicit:
             h = min(h, _LONGEST_STEP)
         wedge = (wanted, D, source)
-        q_now, w_now, r_now, D_now, error = stepped(kind, law, system, q, w, r, h, rtol, wedge)
+        q_now, w_now, r_now, D_now, error = stepped(implicit, law, system, q, w, r, h, rtol, wedge)
         shortest = _SHORTEST * max(tau, 1.0)
         again = not error < 1.0
         if again:
             if h <= shortest:
-                end = _FAILED
+                end = End.FAILED
             length = h * max(0.2, 0.9 * error**-0.125 if error < math.inf else 0.0)
             continue
         # The longest step that the tolerance bears, which may go on falling as it fell in this one.
@@ -458,12 +458,12 @@ def follow(
 
         # Where w' changes its sign there is an extremum if w'' = side - w has the sign for it; else it is
         # rounding, or the error of an implicit step.
-        event, taken = _OPEN, h
-        slowest = rtol ** (2.0 / 3.0) * max(1.0, abs(r)) if kind == IMPLICIT else 0.0
+        event, taken, ahead = End.OPEN, h, 1.0 if rising else -1.0
+        slowest = rtol ** (2.0 / 3.0) * max(1.0, abs(r)) if implicit else 0.0
         if (r_now < -slowest if rising else r_now > slowest) and (w_now > side) == rising:
-            event = _MAXIMUM if rising else _MINIMUM
+            event = End.MAXIMUM if rising else End.MINIMUM
             taken, q_now, w_now, r_now, D_now, error = _located(
-                kind, law, system, q, w, r, h, rtol, wedge, w_now, r_now, math.nan, 1.0 if rising else -1.0
+                implicit, law, system, q, w, r, h, rtol, wedge, w_now, r_now, math.nan, ahead
             )
         border = levels[segment + 1] if rising else levels[segment]
         inner = (w < level < border) if rising else (border < level < w)
@@ -471,36 +471,36 @@ def follow(
         if (w_now >= target) if rising else (w_now <= target):
             if w_now != target:
                 taken, q_now, w_now, r_now, D_now, error = _located(
-                    kind, law, system, q, w, r, taken, rtol, wedge, w_now, r_now, target, -1.0 if rising else 1.0
+                    implicit, law, system, q, w, r, taken, rtol, wedge, w_now, r_now, target, -ahead
                 )
-            event, w_now, r_now = _LEVEL, target, rate_at(law, system, q_now, target)
-        if event != _OPEN and not error < 1.0 and taken > shortest:
+            event, w_now, r_now = End.LEVEL, target, rate_at(law, system, q_now, target)
+        if event != End.OPEN and not error < 1.0 and taken > shortest:
             length = 0.5 * taken  # as where mu is singular at the level: its step is taken in shorter ones
             again = True
             continue
 
         if recorded:
-            steps.append((tau, q, w, r, taken, segment, kind))
-        tau = horizon if event == _OPEN and h == horizon - tau else tau + taken
+            steps.append((tau, q, w, r, taken, segment, implicit))
+        tau = horizon if event == End.OPEN and h == horizon - tau else tau + taken
         q, w, r, D = q_now, w_now, r_now, D_now
         q_least, q_most, w_least, w_most = min(q_least, q), max(q_most, q), min(w_least, w), max(w_most, w)
         count += 1
         law = (pieces, law[1], law[2], interval(pieces, law[1], law[2], law[3], w))
         if (
-            event in (_OPEN, _LEVEL)
+            event in (End.OPEN, End.LEVEL)
             and abs(w - 1.0) <= _BESIDE + _REST_WITHIN * rtol
             and _is_rest(rise, system, q, w, rising, rtol)
         ):
-            end = _REST
-        elif event == _LEVEL:
+            end = End.REST
+        elif event == End.LEVEL:
             if target == 0.0:
-                end = _RETURN
+                end = End.RETURN
             elif target == farthest and not inner:
-                end = _OUTSIDE
-            elif until == _LEVEL and level == target:
-                end = _LEVEL
+                end = End.OUTSIDE
+            elif until == End.LEVEL and level == target:
+                end = End.LEVEL
             arrived = not inner
-        elif event != _OPEN:
+        elif event != End.OPEN:
             r, rising = 0.0, not rising
             if until == event:
                 end = event

@@ -27,6 +27,7 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import followed
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime, regime
 from stickslip_sym.motion.regimes.separatrix import Separatrix
+from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import files
 
@@ -35,8 +36,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-FINEST = 1e-12
-"""The relative tolerance of separatrices: they are few, and decide about many initial conditions."""
 _COARSE = 1e-10  # tolerance at which the areas are measured again, for their error
 _TOGETHER = 1000  # initial conditions that are followed at once
 _CHECKED = 200  # initial conditions that are followed although geometry settles them
@@ -189,7 +188,7 @@ def basin_map(
     x, v = (axis.values for axis in axes)
     require_few(x.size, v.size)
     with deadline.time_limit(time_limit):
-        found = regime(law, osc, rtol=FINEST)
+        found = regime(law, osc, rtol=TIGHT)  # separatrices are few, and decide about many initial conditions
         sides = found.by_side(x, v[:, None])
         motion = sides.copy()
         known = np.flatnonzero(motion)

@@ -26,7 +26,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.needed import FOUND, needed_all, sure_gap
+from stickslip_sym.motion.orbits.needed import SIGNS, Found, needed_all, sure_gap
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.regime import regime
@@ -43,7 +43,6 @@ CURVES = {
 }
 """The thresholds of an operating point: their names in legends, and how they are drawn."""
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
-_STEPS = 1e-11  # tolerance of the steps of orbits
 _UNSURE = 1e-9  # gap of which they may not tell the sign
 _FOLD = 1e-7  # amplitude to which a fold is found; the damping there is known to its square
 _FINER = 1e-2  # tolerance of the motions of single cells over that of thresholds
@@ -145,14 +144,14 @@ class _Decider:
         """Return what a loop finds of orbits, by oscillators' numbers and amplitudes over V."""
         eta = self.eta[row]
         push = eta * (self.table.static - self.table.onset)
-        found = self.system.spread(loop, (eta, push, A, *columns), (_STEPS,), width, few=0)
+        found = self.system.spread(loop, (eta, push, A, *columns), (SIGNS,), width, few=0)
         check_time()
         return found
 
     def _needed(self, row: IntArray, A: FloatArray) -> FloatArray:
         """Return needed damping ratios and their errors, a row for each orbit; NaN where there is none."""
         found = self._orbits(needed_all, 6, row, A)
-        return np.where(found[:, :1] == FOUND, found[:, 1:3], math.nan)
+        return np.where(found[:, :1] == Found.ROOT, found[:, 1:3], math.nan)
 
     def cells(self) -> Cells:
         """Decide the cells."""
@@ -201,7 +200,7 @@ class _Decider:
         sticks = (begin <= 0) & (begin >= -2 * static)
 
         def ends(cells: tuple[IntArray, ...], q: FloatArray) -> FloatArray:
-            return rounds(self.system, q, _STEPS, eta=self.eta[cells[0]], zeta=zeta[cells], few=0)
+            return rounds(self.system, q, SIGNS, eta=self.eta[cells[0]], zeta=zeta[cells], few=0)
 
         end = np.zeros(zeta.shape)
         cells = np.nonzero(returns)

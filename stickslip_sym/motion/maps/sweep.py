@@ -20,14 +20,16 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.motion.maps.basins import FINEST, Share, shares_by_area
+from stickslip_sym.motion.maps.basins import Share, shares_by_area
 from stickslip_sym.motion.maps.drawing import regions_of_motions
 from stickslip_sym.motion.maps.table import Axis, AxisValues, Table, placed, read_axis, read_values
 from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import needed_damping
+from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.regime import regime
 from stickslip_sym.motion.roots import sign_changes
+from stickslip_sym.motion.steps import TIGHT
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -36,7 +38,6 @@ if TYPE_CHECKING:
 
 _LINES = {"Hopf": ":", "graze": "-", "fold": "--"}
 _CLOSE = 1e-9  # relative error that is asked for of a graze, and that of an interpolated damping at a fold
-_ROUNDING = 1e-14  # of a damping, and of a root
 _BESIDE = 1e-4  # relative distance at which the slope at a fold is taken
 
 
@@ -169,7 +170,7 @@ def basin_sweep(
     with deadline.time_limit(time_limit):
         regimes = []
         for value in values:
-            regimes.append(regime(*at(value), rtol=FINEST))
+            regimes.append(regime(*at(value), rtol=TIGHT))
             deadline.check_time()  # a regime whose time is up is incomplete, and no error
         shares = [shares_by_area(found, *box) for found in regimes]
         changes = _critical(*at(values[0]), axis)
@@ -203,8 +204,8 @@ def _critical(law: FrictionLaw, osc: Oscillator, axis: Axis) -> list[Change]:
     changes = []
     if axis.name not in ("m", "k"):  # on which no average depends
         for one in critical(law, axis.name, **others, method="equilibrium", rtol=_CLOSE, within=grid):
-            off = _ROUNDING * abs(one.sensitivity.get("c", 1.0) * others.get("c", one.value))
-            changes.append(Change("Hopf", one.value, off + _ROUNDING * abs(one.value)))
+            off = ROUNDING * abs(one.sensitivity.get("c", 1.0) * others.get("c", one.value))
+            changes.append(Change("Hopf", one.value, off + ROUNDING * abs(one.value)))
     for one in critical(law, axis.name, **others, rtol=_CLOSE, within=grid):
         changes.append(Change("graze", one.value, (one.relative_error or 0.0) * abs(one.value)))
     return [one for one in changes if grid[0] <= one.value <= grid[-1]]
@@ -221,12 +222,12 @@ def _folds(at: Callable[[float], tuple[FrictionLaw, Oscillator]], *ends: float) 
         values = [excess(value) for value in ends]
         if len(values[0]) == len(values[1]):
             for i, pair in enumerate(zip(*values, strict=True)):
-                for value in sign_changes(lambda x, i=i: float(excess(x)[i]), ends, pair, _ROUNDING):  # type: ignore[misc]
+                for value in sign_changes(lambda x, i=i: float(excess(x)[i]), ends, pair, ROUNDING):  # type: ignore[misc]
                     off = _BESIDE * (max(abs(end - value) for end in ends))
                     off = off if value + off < ends[1] else -off
                     slope = float(excess(value + off)[i] - excess(value)[i]) / off
                     error = _CLOSE / abs(slope) if slope else math.inf
-                    yield Change("fold", value, error + _ROUNDING * abs(value))
+                    yield Change("fold", value, error + ROUNDING * abs(value))
             return
     except (InputError, NotConverged):
         pass

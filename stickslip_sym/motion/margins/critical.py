@@ -25,7 +25,7 @@ from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.needed import sure_gap
+from stickslip_sym.motion.orbits.needed import SIGNS, sure_gap
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.roots import closest, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
@@ -44,7 +44,6 @@ _AROUND = 100.0  # factor above and below a parameter's value within which it is
 _NEAR = 0.5  # relative distance of a harmonic average from c, within which a quantity is sought in any case
 _SHARE = 0.4  # of the last measured speed, up to which belt speeds are sought: motions slip at a little over 2 V
 _LOOSE = 1e-6  # relative error of a threshold by a method that does not converge
-_STEPS = 1e-11  # tolerance of the steps of a gap
 _FINER, _TIGHTEST = 1e-3, 1e-12  # of rtol, the relative error of a threshold at a root; and the smallest
 _CLOSE = 1e-9  # tolerance of a root, relative, which a Newton step with the exact slope then refines
 _DIP = 1e-5  # relative distance from an extremum of the threshold at which it is taken
@@ -208,7 +207,7 @@ def _gap(points: OperatingPoints, row: int, c: float) -> float:
     except NO_RESULT:
         return math.nan
     wedge = tuple(system.no_wedge)
-    value, outside = sure_gap(system.rise, system.eta, system.zeta, system.push(1), 1.0, _STEPS, wedge)
+    value, outside = sure_gap(system.rise, system.eta, system.zeta, system.push(1), 1.0, SIGNS, wedge)
     deadline.check_time()
     return math.nan if outside and math.isfinite(system.w_max) else min(max(float(value), -1.0), 1.0)
 

@@ -18,16 +18,15 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.needed import gap, halves, needed_ratio, sure_gap
+from stickslip_sym.motion.orbits.needed import PARTED, gap, halves, needed_ratio, sure_gap
 from stickslip_sym.motion.roots import NEAREST, amplitude, closest, orbit_signs, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.output import markup
 
-_RTOL = 1e-12  # tolerance of the steps
 _NEUTRAL = 3e-12  # gap below which an orbit is periodic within the errors of the steps
 _CLOSE, _FOLD = 1e-14, 1e-9  # tolerances of an amplitude over the belt's speed, and of one at a fold
 _BESIDE = 1e-6  # relative distance inside such an orbit, where the sign of its step is looked at
-_PARTED = 1e-7  # gap of an orbit beside which d jumps; where d is continuous it is that of rounding
 _STRONGEST = 1e-300  # contraction in a round, or backward, that is distinguished from 0
 
 
@@ -92,12 +91,12 @@ class NeededDamping:
     def _one(self, A: float) -> float:
         if A < NEAREST:
             return -replace(self.system, zeta=0.0).decay(1.0)
-        return 2 * needed_ratio(self.system, A, rtol=_RTOL)[0]
+        return 2 * needed_ratio(self.system, A)[0]
 
     def gap(self, A: float, damping: float) -> float:
         """Return the gap of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping."""
         system = self.system
-        value, _ = sure_gap(system.rise, system.eta, damping / 2, 0.0, A, _RTOL, tuple(system.no_wedge))
+        value, _ = sure_gap(system.rise, system.eta, damping / 2, 0.0, A, TIGHT, tuple(system.no_wedge))
         deadline.check_time()
         if math.isnan(value):
             raise NotConverged(
@@ -130,7 +129,7 @@ class NeededDamping:
         system, wedge = self.system, tuple(self.system.no_wedge)
 
         def slope(A: float) -> float:
-            return float(gap(system.rise, system.eta, self._one(A) / 2, 0.0, A, _RTOL, True, -A, wedge)[1])
+            return float(gap(system.rise, system.eta, self._one(A) / 2, 0.0, A, TIGHT, True, -A, wedge)[1])
 
         nodes = amplitude(np.linspace(0, 1, 33)).tolist()
         return np.array(list(sign_changes(slope, nodes, [slope(A) for A in nodes], _CLOSE)))
@@ -186,12 +185,12 @@ def limit_cycles(
 def _cycle(need: NeededDamping, osc: Oscillator, A: float) -> LimitCycle:
     """Return the cycle of an amplitude: two motions side by side part or close up by the ratio of their wedges."""
     system = need.system
-    ahead, back, _ = halves(system.rise, system.eta, osc.zeta, 0.0, A, _RTOL, True, 1.0, tuple(system.no_wedge))
+    ahead, back, _ = halves(system.rise, system.eta, osc.zeta, 0.0, A, TIGHT, True, 1.0, tuple(system.no_wedge))
     deadline.check_time()
     # A wedge is 0 where its half slides along a jump of mu. Forward, the motions beside it come to lie on it;
     # backward, it is one from which those beside it part at once.
     factor = min(ahead[2] / max(back[2], _STRONGEST), 1 / _STRONGEST)
-    if abs(need.gap(A, 2 * osc.zeta)) > _PARTED:
+    if abs(need.gap(A, 2 * osc.zeta)) > PARTED:
         # The orbit touches a speed where mu jumps, and d steps past the damping that there is. Where it rises
         # those inside shrink, and the jump throws those outside on; where it falls both come to slide along it.
         factor = 0.0 if need.gap(A * (1 - _BESIDE), 2 * osc.zeta) > 0 else math.inf

@@ -19,6 +19,7 @@ without a static excess they begin at one point, and the orbit is closed. For A 
 """
 
 import math
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -27,13 +28,15 @@ from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.slip import Dimensionless, Wedge
-from stickslip_sym.motion.steps import End, follow, interval, rise_at, slope_at
+from stickslip_sym.motion.steps import TIGHT, End, follow, interval, rise_at, slope_at
 
-_MAXIMUM, _LEVEL, _OUTSIDE = int(End.MAXIMUM), int(End.LEVEL), int(End.OUTSIDE)
-_STOPPED = (int(End.STEPS), int(End.FAILED), int(End.LATE))
-
-# Tolerances of the steps: first, last, and where digits are wanted.
-_COARSE, _TIGHT, _TIGHTEST = 1e-5, 1e-12, 1e-13
+SIGNS = 1e-11
+"""The relative tolerance of the steps along which the sign of a gap is decided."""
+PARTED = 1e-7
+"""The gap of an orbit beside which d jumps; where d is continuous it is that of rounding."""
+ROUNDING = 1e-14
+"""Relative, of a gap and of a damping; of the terms of w' over their sum."""
+_COARSE, _TIGHTEST = 1e-5, 1e-13  # tolerances of the first steps, and of those where digits are wanted
 _SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance
 _STRONG, _STIFF = 30.0, 1e-9  # eta from which halves are stiff, and the tolerance there, unless digits are wanted
 _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
@@ -50,15 +53,21 @@ _STEEPEST = -1e3  # fall of the gap, beyond which a wedge grew with the errors o
 _FARTHEST = 1e6  # damping ratio over 1 + |eta|, and over the largest rise of friction, beyond which there is none
 _PATIENT = 100.0  # times as long as the displacement takes at the belt's speed, after which a half creeps to rest
 _FEW, _STEPS = 6_000, 60_000  # steps of a half: of loose ones, and of tight ones
-_ROUNDING = 1e-14  # of the gap, and of the terms of w' over their sum
 _STEPPED = 3.0  # tolerances of what looser ones have in common: steps are never longer
 _TABULATED = 1e-13  # relative error of a rise in its table
 _FLAT = 1e-15  # of mu, below which a rise is none
 _WIDER, _WIDENED = 10.0, 10  # steps away from a jump of the gap, at which looser steps are asked for its sign
 _CLOSE = 4e-16  # relative width of a bracket that is not halved again
 
-FOUND, NONE, BEYOND, LOST, LATE = range(5)
-"""How a search ends: at the root; without one; beyond what was measured of the law; without an answer; or late."""
+
+class Found(IntEnum):
+    """How a search ends."""
+
+    ROOT = 0
+    NONE = 1  # there is none
+    BEYOND = 2  # what was measured of the law
+    LOST = 3  # without an answer
+    LATE = 4
 
 
 @compilable
@@ -96,23 +105,24 @@ def halves(
     push, q, graze = push + rest, q - rest, graze - rest
     wedge = (wanted, D, source)
     end, tau, q_f, w_f, r_f, D_f, _, _, _ = follow(
-        rise, eta, zeta, push, 1.0, q, w, horizon, rtol, _MAXIMUM, math.inf, most, wedge, False
+        rise, eta, zeta, push, 1.0, q, w, horizon, rtol, End.MAXIMUM.value, math.inf, most, wedge, False
     )
     highest = w_f
-    if end == _MAXIMUM:
+    if end == End.MAXIMUM:
         wedge_there = (wanted, D_f, source)
         end, more, q_f, w_f, r_f, D_f, _, _, _ = follow(
-            rise, eta, zeta, push, 1.0, q_f, w_f, horizon, rtol, _LEVEL, 1.0, most, wedge_there, False
+            rise, eta, zeta, push, 1.0, q_f, w_f, horizon, rtol, End.LEVEL.value, 1.0, most, wedge_there, False
         )
         tau += more
-    way = 1 if end == _LEVEL else -1 if end == _OUTSIDE else -2 if end in _STOPPED else 0
+    stopped = (End.STEPS, End.FAILED, End.LATE)
+    way = 1 if end == End.LEVEL else -1 if end == End.OUTSIDE else -2 if end in stopped else 0
     # Backward in time the equations are the same, with q and all of their factors negated.
     constant, linear, factor, own, shifts = source
     wedge = (wanted, D, (-constant, -linear, -factor, own, shifts))
     end, tau_b, _, _, r_b, D_b, _, _, _ = follow(
-        rise, -eta, -zeta, -push, 1.0, -graze, w, horizon, rtol, _LEVEL, 1.0, most, wedge, False
+        rise, -eta, -zeta, -push, 1.0, -graze, w, horizon, rtol, End.LEVEL.value, 1.0, most, wedge, False
     )
-    back = 1 if end == _LEVEL else -2 if end in _STOPPED else 0
+    back = 1 if end == End.LEVEL else -2 if end in stopped else 0
     r_b = -r_b
     jump = eta * (_standing(pieces, True) - _standing(pieces, False)) if way == 1 and back == 1 else 0.0
     if jump < 0.0 and r_f < 0.0:
@@ -138,7 +148,7 @@ def gap(
         if factor != 0.0:
             b += factor * _standing(pieces, _standing(rise[0], True) >= _standing(rise[0], False))
         lifted = eta * _standing(rise[0], True)
-        rounding = _ROUNDING * (1.0 + (abs(lifted) + abs(push) + abs(zeta)) / abs(r_f))
+        rounding = ROUNDING * (1.0 + (abs(lifted) + abs(push) + abs(zeta)) / abs(r_f))
         return math.log(r_f / r_b), (b - D_f / r_f) / r_f - (b - D_b / r_b) / r_b, False, rounding
     if rtol < _COARSE and (way == -2 or back == -2):
         return math.nan, 0.0, False, math.inf
@@ -169,9 +179,9 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
     zeta, largest = _harmonic(rise, eta, A)
     reach = 0.1 * max(abs(zeta), largest + abs(push))
     if largest <= _FLAT * abs(eta) and abs(push) <= _FLAT * abs(eta):
-        return FOUND, 0.0, 0.0, low, high, slope
+        return Found.ROOT, 0.0, 0.0, low, high, slope
     if not largest < _WILD:
-        return LOST, zeta, math.inf, low, high, slope
+        return Found.LOST, zeta, math.inf, low, high, slope
     if abs(eta) > _STRONG and rise[1][len(rise[1]) - 1] > 1.0:
         # As friction grows the threshold tends to where the fold of the slow motion comes to rest.
         falling = -0.5 * eta * slope_at((rise[0], 0, len(rise[0]) - 1, 0), 1.0)
@@ -183,7 +193,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         coarse = rtol > tight
         value, by, outside, rounding = gap(rise, eta, zeta, push, A, rtol, coarse, 0.0, by_zeta)
         if is_late():
-            return LATE, zeta, math.inf, low, high, slope
+            return Found.LATE, zeta, math.inf, low, high, slope
         beyond = beyond or outside
         if _STEEPEST < by < 0.0 and coarse:
             slope = by
@@ -194,7 +204,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         elif value <= 0.0:
             high = min(high, zeta)
         else:
-            return LOST, zeta, math.inf, low, high, slope
+            return Found.LOST, zeta, math.inf, low, high, slope
         before, unchanged, gap_before = zeta, abs(value) > _SLOW * abs(gap_before), value
         if not coarse and (abs(value) <= _DONE or (unchanged and abs(value) <= _NEAR and not beyond)):
             loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
@@ -205,15 +215,16 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
             else:  # the gap is no more than what the steps are off
                 off += abs(value)
                 slope = max(slope, _FALL)
-            return FOUND, zeta, off / -slope + _TABULATED * largest, low, high, slope
+            return Found.ROOT, zeta, off / -slope + _TABULATED * largest, low, high, slope
         if math.isfinite(high - low) and high - low <= _CLOSE * max(abs(low), abs(high)):
             # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits;
             # or the law ends there, and the forward half leaves its table for less damping.
             _, _, outside, _ = gap(rise, eta, low, push, A, rtol, False, 0.0, by_zeta)
             if outside:
-                return BEYOND, zeta, math.inf, low, high, slope
+                return Found.BEYOND, zeta, math.inf, low, high, slope
             error = _spread(rise, eta, push, A, _LOOSER * tight, by_zeta, low, high)
-            return FOUND if error < math.inf else LOST, zeta, error + _TABULATED * largest, low, high, slope
+            end = Found.ROOT if error < math.inf else Found.LOST
+            return end, zeta, error + _TABULATED * largest, low, high, slope
         if coarse and abs(value) <= _NEAR:
             zeta, rtol, low, high, gap_before = zeta - value / slope, tight, -math.inf, math.inf, math.nan
             continue
@@ -228,9 +239,9 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         if abs(zeta) > _FARTHEST * (1.0 + abs(eta) + largest):
             # Coarse steps that fail are taken for a half that creeps to rest; tight ones say that they failed.
             sure, _, _, _ = gap(rise, eta, before, push, A, tight, False, 0.0, by_zeta)
-            end = BEYOND if beyond else LOST if math.isnan(sure) else NONE
+            end = Found.BEYOND if beyond else Found.LOST if math.isnan(sure) else Found.NONE
             return end, zeta, math.inf, low, high, slope
-    return LOST, zeta, math.inf, low, high, slope
+    return Found.LOST, zeta, math.inf, low, high, slope
 
 
 @compilable
@@ -240,7 +251,7 @@ def needed_all(rise: Any, eta: Any, push: Any, A: Any, tight: float, wedge: Any,
     by_zeta = (0.0, -2.0, 0.0, source[3], source[4])
     for i in range(len(A)):
         end, zeta, error, low, high, slope = needed(rise, eta[i], push[i], A[i], tight, by_zeta)
-        found[i, 0], found[i, 1], found[i, 2] = end, zeta, error
+        found[i, 0], found[i, 1], found[i, 2] = end.value, zeta, error
         found[i, 3], found[i, 4], found[i, 5] = low, high, slope
 
 
@@ -273,7 +284,7 @@ def _spread(
 
 
 def needed_ratio(
-    system: Dimensionless, A: float = 1.0, *, rtol: float = 1e-12, fast: bool = False
+    system: Dimensionless, A: float = 1.0, *, rtol: float = TIGHT, fast: bool = False
 ) -> tuple[float, float, float]:
     """Return the damping ratio that an orbit needs, its error, and the slope of the gap there.
 
@@ -290,22 +301,22 @@ def needed_ratio(
     check_time()
     eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
     wanted = _SHARE * rtol * abs(_harmonic(system.rise, eta, A)[0])
-    loosest = _STIFF if abs(eta) > _STRONG else _TIGHT
-    tight = next((steps for steps in (loosest, _TIGHT) if steps <= wanted), _TIGHTEST)
+    loosest = _STIFF if abs(eta) > _STRONG else TIGHT
+    tight = next((steps for steps in (loosest, TIGHT) if steps <= wanted), _TIGHTEST)
     orbit = tuple(np.array([value]) for value in (eta, push, A))
     how, zeta, error, low, high, slope = system.spread(needed_all, orbit, (tight,), 6, few=0 if fast else 1)[
         0
     ].tolist()
-    if how == LATE or is_late():  # then the last gap may be wrong
+    if how == Found.LATE or is_late():  # then the last gap may be wrong
         raise OutOfTime(
             f"the time limit was reached; the best value so far is c = {2 * zeta:.6g} sqrt(k m), and c lies "
             f"between {2 * low:.6g} and {2 * high:.6g} times sqrt(k m)"
         )
-    if how == FOUND:
+    if how == Found.ROOT:
         return zeta, error, slope
-    if how == BEYOND:
+    if how == Found.BEYOND:
         raise system.unmeasured(system.w_max)
-    if how == NONE:
+    if how == Found.NONE:
         raise NoThreshold(
             "the slip from P returns to the belt's speed for every damping, or for none, "
             f"at eta = {eta:g} and V = {system.V:g} m/s"

@@ -30,7 +30,6 @@ _CLOSE = 1e-8  # a step of Newton's method after which the next would be roundin
 _ROUNDING = 4e-15  # of d, as a part of the largest slope
 _RUNAWAY = 1e6  # a coefficient of z
 _MOST_WORK = 3e9  # cubes of grids, summed over Newton steps
-_SAME = 1e-12  # relative; a static coefficient that exceeds mu(0+) by less does not
 _TIGHT = 1e-13  # relative error of d where it is differentiated
 _NEAREST = 1e-12  # slip speed over belt speed that an iterate may come down to; it may overshoot the belt
 
@@ -133,7 +132,7 @@ def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool
     """
     if jump and law.static is not None:
         static, onset = law.static_value, law.onset
-        if static > onset * (1 + _SAME):
+        if static > onset:
             return f"its static coefficient {static:g} lies above mu(0+) = {onset:g}"
     reach = float(np.max(V, initial=0.0)) * (1 - lowest)
     kinks = [float(place) for place in law.kinks() if place < reach]

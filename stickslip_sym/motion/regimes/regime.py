@@ -29,6 +29,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles, needed_damping
+from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.regimes.rounds import friction_far_out, rounds
 from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated
@@ -49,7 +50,6 @@ _FIRST, _ESCAPED = 1e-3, 1e6  # displacements q at which a round outside P's is 
 _STEP = 1e-3  # relative, of a displacement by which a round is differentiated
 _PERIODIC = 1e-9  # relative change of a round that is periodic
 _INWARD, _OUTWARD = 24, 12  # rounds that are looked at on the way in to P's, and out
-_ROUNDING = 1e-14  # of a damping coefficient's terms
 _SAME = 1e-12  # relative, of the belt's speed and a kink
 _SECONDS, _RTOL = 2.0, 1e-8  # of computation, for a curve that is a period of a motion, and its tolerance
 _GRAZE = "separatrix: orbit that touches the belt's speed"
@@ -341,7 +341,7 @@ class Regime(drawing.Drawn):
             words.append("the slip from P grazes the belt's speed within the error of the integration")
         if 0 in growth:
             words.append("slip orbits neither grow nor shrink")
-        elif abs(rest.rate) * 2 * osc.m <= _ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
+        elif abs(rest.rate) * 2 * osc.m <= ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
             words.append("rest neither attracts nor repels to first order")
         if rest.one_sided:
             words.append("rest attracts motions on one side of it, and repels those on the other")

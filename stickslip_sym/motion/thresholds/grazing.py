@@ -16,14 +16,12 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.needed import by_zeta, gap, needed_ratio
+from stickslip_sym.motion.orbits.needed import PARTED, by_zeta, gap, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless, Wedge
-from stickslip_sym.motion.steps import End
+from stickslip_sym.motion.steps import TIGHT, End
 from stickslip_sym.motion.table import FrictionTable, Pieces
 
-_TIGHT = 1e-12  # tolerance of the steps along which the wedges are carried
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
-_PARTED = 1e-7  # gap at a threshold where it steps past 0; elsewhere it is that of rounding
 _TOUCHED = 1e-8  # relative distance of the highest slip speed from one at which mu jumps
 _SAME = 1e-12  # relative distance of two places of a kink that are one
 
@@ -48,19 +46,19 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     Raises as `needed_ratio`, and `NotConverged` where the halves do not meet within rounding.
     """
     system = Dimensionless.of(law, osc)
-    zeta, error, _ = needed_ratio(system, rtol=_TIGHT)
+    zeta, error, _ = needed_ratio(system)
     rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
     damped, wedge = replace(system, zeta=zeta + error), by_zeta(system)
-    highest = damped.slip(0.0, 0.0, until=End.MAXIMUM, rtol=_TIGHT).w
+    highest = damped.slip(0.0, 0.0, until=End.MAXIMUM).w
     near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _TOUCHED * w]
-    parted = bool(near) and abs(gap(rise, eta, zeta, push, 1.0, _TIGHT, False, 0.0, tuple(wedge))[0]) > _PARTED
+    parted = bool(near) and abs(gap(rise, eta, zeta, push, 1.0, TIGHT, False, 0.0, tuple(wedge))[0]) > PARTED
 
     def derivative(source: Wedge) -> float:
         check_time()
         if parted:
-            top = damped.slip(0.0, 0.0, until=End.MAXIMUM, rtol=_TIGHT, wedge=source)
+            top = damped.slip(0.0, 0.0, until=End.MAXIMUM, wedge=source)
             return top.wedge / (1.0 - top.w) - source.shifts[near[0]]
-        return float(gap(rise, eta, zeta, push, 1.0, _TIGHT, True, 0.0, tuple(source))[1])
+        return float(gap(rise, eta, zeta, push, 1.0, TIGHT, True, 0.0, tuple(source))[1])
 
     unit, slope = 2 * osc.impedance, derivative(wedge)
     if not slope < 0.0:  # no number, or 0 where a half creeps to rest

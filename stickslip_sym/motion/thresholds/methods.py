@@ -22,6 +22,7 @@ from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.compiled import is_compiling
 from stickslip_sym.motion.orbits.expansion import averages, expand, expansion_changes, of_layer
+from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import derivatives, obstacle, orbits
 from stickslip_sym.motion.thresholds.averages import average, average_changes
 from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
@@ -30,7 +31,6 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
-_ROUNDING = 1e-14
 _REFERENCE = 1e-8  # relative error of the threshold from which the error of an average is taken
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
@@ -290,7 +290,7 @@ def _of_criterion(criterion: Criterion) -> Method:
 
 def _by_average(criterion: Criterion, points: OperatingPoints, rtol: float) -> Computed:
     del rtol  # the value of an average is what it is
-    error = np.full(len(points), _ROUNDING if is_straight(points.law) else np.inf)
+    error = np.full(len(points), ROUNDING if is_straight(points.law) else np.inf)
     return Computed(points.N * average(points.law, criterion, points.V), error)
 
 
@@ -319,7 +319,7 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
         scale = N * np.maximum(weak.largest, np.abs(everything))
         layer = points.impedance * of_layer(points.law, points.V, strength, weak.sines.shape[1])
         more = weak.distortion(strength) ** 4 * scale + layer
-        error = resolution + np.where(more == 0, 0.0, more / np.abs(value)) + _ROUNDING
+        error = resolution + np.where(more == 0, 0.0, more / np.abs(value)) + ROUNDING
     return Computed(value, np.where(np.isfinite(value) & ~np.isnan(error), error, np.inf))
 
 

@@ -36,10 +36,9 @@ from stickslip_sym.output import printing
 from stickslip_sym.output.layout import prose
 from stickslip_sym.output.notation import latex_name
 
-_SIGN_BITS = 64  # of the precision with which signs are shown
+_BITS_OF_SIGNS = 64  # of the precision with which signs are shown, and the slip without damping, far from grazing
 _MOST_CUTS = 400  # of a range on which a sign is shown
 _BITS = (40, 100, 250, 600)  # of a decision, beyond those of its distance from the threshold, until one falls
-_UNDAMPED_BITS = 64  # of the slip without damping, which is far from grazing
 _CURVED = 10  # the secant is off by the square of the bracket, times this
 _WIDEST = 1e-2  # of the first bracket, relative
 _FINE = 1000  # parts of a bracket to which its ends are rounded
@@ -154,7 +153,7 @@ def prove_threshold(point: ExactPoint, guess: float, error: float, rtol: float) 
     undamped = None
     if found.low > 0:
         with suppress(Undecided, InputError):
-            undamped = transit(point, Fraction(0), _UNDAMPED_BITS)
+            undamped = transit(point, Fraction(0), _BITS_OF_SIGNS)
     if undamped is not None and not undamped.returns:
         raise NoThreshold("the slip returns at some damping, but not without any: the lemma does not hold here")
     below, above = search.decided[found.low], search.decided[found.high]
@@ -251,7 +250,7 @@ def checked_hypotheses(point: ExactPoint) -> tuple[tuple[str, str], ...]:
     found = ("mu is locally Lipschitz for v > 0", how)
     if law.static is None:
         return (found, ("the static coefficient is mu(0+)", "the law has no other"))
-    with working_precision(_SIGN_BITS):
+    with working_precision(_BITS_OF_SIGNS):
         above = law.static - point.at_rest
         if not ball_value(above, law.point).real > 0 and above.xreplace(law.point) != 0:
             raise InputError("the static coefficient was not shown to be at least mu(0+), as a proof needs it")
@@ -296,7 +295,7 @@ def _is_positive(expr: Expr, start: Rational, end: Rational | None) -> bool:
         return True
     if end is None:
         return False
-    with working_precision(_SIGN_BITS):
+    with working_precision(_BITS_OF_SIGNS):
         function = ball_function(expr, _speed, {})
         waiting = [(start, end)]
         for _ in range(_MOST_CUTS):
